@@ -206,9 +206,7 @@ contains
       if (gearbox%housing%is_mounted) then
          call housing_scales(gearbox, housing_state, housing_row, housing_energy)
          energy = max(energy, housing_energy)
-         associate (first => gearbox%housing%i_state, last => gearbox%housing%i_state + n_housing_states - 1)
-            state(first:last) = housing_state
-         end associate
+         state(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_state
       end if
       state(gearbox%i_dissipated) = merge(energy, 1.0_wp, energy > 0)
       state(gearbox%i_work) = state(gearbox%i_dissipated)

@@ -37,9 +37,7 @@ contains
       integer, intent(in) :: load, integers(:)
       real(wp), intent(in) :: t
 
-      associate (of => gearbox%loads(load)%load)
-         speed = of%speed(t, segment_of(of, integers))
-      end associate
+      speed = gearbox%loads(load)%load%speed(t, segment_of(gearbox%loads(load)%load, integers))
    end function prescribed_speed
 
    !> Turn the wheels, from the reference wheel on, until every mesh has the given penetration; no shaft is twisted.

@@ -46,12 +46,10 @@ contains
          return
       end if
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            if (.not. abs(load%acceleration(segment_of(load, integers))) > 0) cycle
-            call fail(status, code_no_solution, "the prescribed speed of a wheel changes at the start: that is no steady state", &
-                      subject_load, i, "time")
-            return
-         end associate
+         if (.not. abs(gearbox%loads(i)%load%acceleration(segment_of(gearbox%loads(i)%load, integers))) > 0) cycle
+         call fail(status, code_no_solution, "the prescribed speed of a wheel changes at the start: that is no steady state", &
+                   subject_load, i, "time")
+         return
       end do
    end subroutine check_steady
 

@@ -154,9 +154,7 @@ contains
       type(integration_t), pointer :: self
 
       call c_f_pointer(handle, self)
-      associate (n_watched => self%model%n_watched)
-         call radau_look(self%solver, self%model, high(:n_watched), low(:n_watched), n, self%found)
-      end associate
+      call radau_look(self%solver, self%model, high(:self%model%n_watched), low(:self%model%n_watched), n, self%found)
    end function evl_radau_look
 
    subroutine evl_radau_candidate(handle, index, candidate) bind(c)

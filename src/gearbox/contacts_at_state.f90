@@ -64,9 +64,7 @@ contains
          call place_contact(gearbox, m, y, integers, place, at)
       end do
       if (place%of == 0) return
-      associate (flank => gearbox%flanks(gearbox%contacts(first)%i_flank)%flank)
-         call flank%forces(gearbox%contacts, first, last, at, status)
-      end associate
+      call gearbox%flanks(gearbox%contacts(first)%i_flank)%flank%forces(gearbox%contacts, first, last, at, status)
    end subroutine look_at_forces
 
    !> Put a contact in its place.

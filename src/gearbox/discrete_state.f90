@@ -208,9 +208,7 @@ contains
 
       pair = huge(pair)
       do m = leader, leader + gearbox%contacts(leader)%n_slots - 1
-         associate (contact => gearbox%contacts(m))
-            if (flanks_of(contact, integers) /= flanks_off) pair = min(pair, tooth_pair_of(contact, integers))
-         end associate
+         if (flanks_of(gearbox%contacts(m), integers) /= flanks_off) pair = min(pair, tooth_pair_of(gearbox%contacts(m), integers))
       end do
       if (pair == huge(pair)) pair = tooth_pair_of(gearbox%contacts(leader), integers)
    end function first_pair

@@ -90,10 +90,8 @@ contains
       no_reals = 0
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m))
-            associate (mine => directions(contact%i_root + 1:contact%i_root + contact%n_roots))
-               call take_mode(gearbox, m, integers, no_reals, mode)
-               call contact_root_directions(contact, mode, mine)
-            end associate
+            call take_mode(gearbox, m, integers, no_reals, mode)
+            call contact_root_directions(contact, mode, directions(contact%i_root + 1:contact%i_root + contact%n_roots))
          end associate
       end do
       directions(gearbox%n_roots) = -1

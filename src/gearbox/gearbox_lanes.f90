@@ -33,9 +33,7 @@ contains
 
       serve = .not. gearbox%housing%acts
       do i = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(i))
-            serve = serve .and. .not. contact%rigid .and. contact%tracking == tracking_closed_form
-         end associate
+         serve = serve .and. .not. gearbox%contacts(i)%rigid .and. gearbox%contacts(i)%tracking == tracking_closed_form
       end do
    end function lanes_serve
 

@@ -138,10 +138,8 @@ contains
       follows = wheel_follows_ground(gearbox, index)
       torque = merge(0.0_wp, total, follows)
       do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            if (load%wheel /= index .or. (load%against_housing .neqv. follows)) cycle
-            torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(gearbox, i, t, y, integers)
-         end associate
+         if (gearbox%loads(i)%load%wheel /= index .or. (gearbox%loads(i)%load%against_housing .neqv. follows)) cycle
+         torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(gearbox, i, t, y, integers)
       end do
       if (.not. follows) torque = torque - wheel_spin_torque(gearbox, index, spin, t, y, integers)
    end function wheel_housing_torque

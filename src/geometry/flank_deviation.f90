@@ -203,11 +203,9 @@ contains
          branch = flank_branch()
          call shape_profile(deviation, merge(zone_none, zone, side == 1), branch)
          call profile_deviation(branch, relief%border, e, slope, d2e)
-         associate (rho => relief%taken(side))
-            do turn = 1, most_turns
-               rho = relief%border + branch%r_b2*(1/max(rho, branch%least) - branch%per_line)*slope
-            end do
-         end associate
+         do turn = 1, most_turns
+            relief%taken(side) = relief%border + branch%r_b2*(1/max(relief%taken(side), branch%least) - branch%per_line)*slope
+         end do
       end do
       ! without a corner both are one place, but for the last digits
       if (relief%parabolic) relief%taken(2) = relief%taken(1)

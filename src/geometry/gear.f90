@@ -306,10 +306,8 @@ contains
    elemental real(wp) function gear_tip_angle(gear) result(angle)
       type(gear_t), intent(in) :: gear
 
-      associate (r_b => gear%base_radius)
-         angle = gear%tooth_angle/2 - gear%tip_rounding/r_b &
-                 - involute_of_tangent(gear_radius_of_curvature(gear, gear%tip_radius - gear%tip_rounding)/r_b)
-      end associate
+      angle = gear%tooth_angle/2 - gear%tip_rounding/gear%base_radius &
+              - involute_of_tangent(gear_radius_of_curvature(gear, gear%tip_radius - gear%tip_rounding)/gear%base_radius)
    end function gear_tip_angle
 
    !> Refuse something of a wheel.

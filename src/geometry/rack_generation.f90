@@ -67,10 +67,8 @@ contains
          radius = hypot(along, height)
          excess = 0
          if (radius <= base_radius) return
-         associate (tangent => sqrt((radius - base_radius)*(radius + base_radius))/base_radius)
-            excess = atan2(along, height) - (u - depth/tan(pressure_angle))/reference_radius - pressure_angle &
-                     + flank_end/base_radius - involute_of_tangent(tangent)
-         end associate
+         excess = atan2(along, height) - (u - depth/tan(pressure_angle))/reference_radius - pressure_angle &
+                  + flank_end/base_radius - involute_of_tangent(sqrt((radius - base_radius)*(radius + base_radius))/base_radius)
       end subroutine fillet_point
 
    end subroutine involute_start

@@ -9,6 +9,7 @@
 !> of which it is known that nothing grows.
 module evl_growth
    use evl_eigenvalues, only: find_eigenvalues
+   use evl_jacobian_entries, only: apply_entries
    use evl_kinds, only: wp
    implicit none (type, external)
    private
@@ -36,7 +37,7 @@ module evl_growth
       real(wp), allocatable, private :: x(:)        !! [n] sizes of the states that make the bound a close one
       real(wp), allocatable, private :: product(:)  !! [n] scratch
       real(wp), allocatable, private :: matrix(:, :), eigenvalue_re(:), eigenvalue_im(:) !! [n, n], [n] scratch
-      real(wp), allocatable, private :: difference(:) !! [entries] scratch
+      real(wp), allocatable, private :: difference(:) !! [entries] scratch: absolute values
       real(wp), allocatable, private :: known(:, :) !! [entries, n_known] matrices of which no mode grows
       real(wp), private :: known_change(n_known) = -1 !! how far J may be from them
       real(wp), private :: known_step(n_known) = 0 !! for steps up to this one
@@ -108,31 +109,16 @@ contains
       if (n_jacobians == self%bound_jacobians) return
       self%bound_jacobians = n_jacobians
       do p = 1, size(self%entry)
-         self%difference(p) = jacobian(self%entry(p))
+         self%difference(p) = abs(jacobian(self%entry(p)))
       end do
       do turn = 1, most_turns
-         call multiply(self%n, size(self%entry), self%row, self%column, self%difference, self%x, self%product)
+         call apply_entries(self%n, size(self%entry), self%row, self%column, self%difference, self%x, self%product)
          self%bound = maxval(self%product/self%x)
          it_may = .not. h*self%bound <= reach
          if (.not. it_may .or. .not. self%bound <= huge(h)) return
          self%x(:) = sqrt(self%x*max(self%product/self%bound, least*self%scale))
       end do
    end subroutine may_be_out_of_reach
-
-   !> y = |J| x
-   pure subroutine multiply(n, entries, row, column, jacobian, x, y)
-      integer, intent(in) :: n, entries
-      integer, intent(in) :: row(entries), column(entries)
-      real(wp), intent(in) :: jacobian(entries)
-      real(wp), intent(in) :: x(n)
-      real(wp), intent(out) :: y(n)
-      integer :: p
-
-      y = 0
-      do p = 1, entries
-         y(row(p)) = y(row(p)) + abs(jacobian(p))*x(column(p))
-      end do
-   end subroutine multiply
 
    !> Find the longest step that follows all modes that grow, and the eigenvalue that asks for it; a step of h is wanted.
    pure subroutine judge_growth(self, jacobian, h)
@@ -185,9 +171,9 @@ contains
       do k = 1, n_known
          if (.not. h <= self%known_step(k) .or. self%known_change(k) < 0) cycle
          do p = 1, size(self%entry)
-            self%difference(p) = jacobian(self%entry(p)) - self%known(p, k)
+            self%difference(p) = abs(jacobian(self%entry(p)) - self%known(p, k))
          end do
-         call multiply(self%n, size(self%entry), self%row, self%column, self%difference, self%x, self%product)
+         call apply_entries(self%n, size(self%entry), self%row, self%column, self%difference, self%x, self%product)
          is_known = maxval(self%product/self%x) <= self%known_change(k)
          if (is_known) return
       end do

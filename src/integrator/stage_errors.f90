@@ -4,6 +4,7 @@
 submodule(evl_stage_solver) evl_stage_errors
    use evl_condensed_systems, only: condensed_solve_first
    use evl_dense_lu, only: dense_lu_solve_first
+   use evl_jacobian_entries, only: apply_entries
    use evl_quadrature_states, only: integrate_error
    use evl_radau_coefficients, only: barycentric, slope_at_node, to_chebyshev
    use evl_stage_transforms, only: of_stages
@@ -79,28 +80,13 @@ contains
       self%moved_f = self%start
       do turn = 1, n_stages
          self%moved = self%moved_f
-         call apply_jacobian(self%n, size(self%jacobian), model%jacobian_row, model%jacobian_column, self%jacobian, self%moved, &
-                             self%moved_f)
+         call apply_entries(self%n, size(self%jacobian), model%jacobian_row, model%jacobian_column, self%jacobian, self%moved, &
+                            self%moved_f)
       end do
       error = max(at_start, inside*self%output_factor)*sqrt(weighted_square(self%n, self%moved_f, self%weight)/self%n)
       h = 0
       if (error <= huge(error)) h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
    end procedure foresee_step
-
-   !> y = J x
-   pure subroutine apply_jacobian(n, entries, row, column, jacobian, x, y)
-      integer, intent(in) :: n, entries
-      integer, intent(in) :: row(entries), column(entries)
-      real(wp), intent(in) :: jacobian(entries)
-      real(wp), intent(in) :: x(n)
-      real(wp), intent(out) :: y(n)
-      integer :: p
-
-      y = 0
-      do p = 1, entries
-         y(row(p)) = y(row(p)) + jacobian(p)*x(column(p))
-      end do
-   end subroutine apply_jacobian
 
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
    pure subroutine filter(self, rate, h, error)

@@ -7,7 +7,7 @@ module evl_jacobian_entries
    implicit none (type, external)
    private
 
-   public :: jacobian_entries, add_entry, entry_index, full_matrix, listed_entries
+   public :: jacobian_entries, add_entry, apply_entries, entry_index, full_matrix, listed_entries
 
    type :: jacobian_entries
       integer :: n = 0                    !! rows, and columns
@@ -69,5 +69,20 @@ contains
          values(index) = values(index) + amount
       end if
    end subroutine add_entry
+
+   !> y = J x of a list of entries; arrays of known shape, so that no descriptor is looked at.
+   pure subroutine apply_entries(n, entries, row, column, jacobian, x, y)
+      integer, intent(in) :: n, entries
+      integer, intent(in) :: row(entries), column(entries)
+      real(wp), intent(in) :: jacobian(entries)
+      real(wp), intent(in) :: x(n)
+      real(wp), intent(out) :: y(n)
+      integer :: p
+
+      y = 0
+      do p = 1, entries
+         y(row(p)) = y(row(p)) + jacobian(p)*x(column(p))
+      end do
+   end subroutine apply_entries
 
 end module evl_jacobian_entries

@@ -120,9 +120,7 @@ contains
 
       x = 0
       do i = 1, size(terms)
-         associate (k => terms(i)%coordinate)
-            x(k, :) = x(k, :) + term_at(terms(i), t)
-         end associate
+         x(terms(i)%coordinate, :) = x(terms(i)%coordinate, :) + term_at(terms(i), t)
       end do
       curve%position = x(1:3, 1)
       curve%velocity = x(1:3, 2)
