@@ -7,6 +7,10 @@
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
+static const char *const contacts[] = {[EVL_CONTACT_OPEN] = "open",
+                                       [EVL_CONTACT_LOADED] = "loaded",
+                                       [EVL_CONTACT_UNLOADED] = "unloaded",
+                                       [EVL_CONTACT_APART] = "apart"};
 
 /** An output at the state; `part` is which wheel or mesh. */
 static double value_of(const modes_report *report, const char *output, int part)
@@ -87,15 +91,15 @@ static void print_what(FILE *stream, const modes_report *report)
 
 static void print_mesh(FILE *stream, const modes_report *report, int mesh, int width)
 {
-    const mesh_standing standing = model_mesh_standing(report->model, report->state, mesh);
+    const evl_mesh_mode standing = model_mesh_mode(report->model, report->state, mesh);
     const bool is_mean = report->kind == MODES_MEAN;
     fprintf(stream, "  %-*s  %9s", width, case_description(report->file)->meshes[mesh],
-            is_mean ? "mean" : standing.contact);
+            is_mean ? "mean" : contacts[standing.contact]);
     print_cell(stream, 8, 4, is_mean ? NAN : standing.position);
     print_cell(stream, 5, 4, value_of(report, "pairs_in_contact", mesh));
     print_cell(stream, 15, 6, value_of(report, "penetration", mesh));
     print_cell(stream, 16, 6, value_of(report, "normal_force", mesh));
-    print_cell(stream, 15, 1, is_mean ? (double)NAN : (double)standing.friction_branch);
+    print_cell(stream, 15, 1, is_mean ? (double)NAN : (double)standing.friction);
     print_cell(stream, 14, 6, value_of(report, "sliding_velocity", mesh));
     fputc('\n', stream);
 }
@@ -237,12 +241,12 @@ static void write_state(json_writer *writer, const modes_report *report)
     json_close(writer, '}');
     json_open(writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
-        const mesh_standing standing = model_mesh_standing(report->model, report->state, i);
+        const evl_mesh_mode standing = model_mesh_mode(report->model, report->state, i);
         json_open(writer, description->meshes[i], '{');
-        json_text(writer, "contact", is_mean ? "mean" : standing.contact);
+        json_text(writer, "contact", is_mean ? "mean" : contacts[standing.contact]);
         json_number(writer, "position", is_mean ? NAN : standing.position);
         json_number(writer, "pairs_in_contact", value_of(report, "pairs_in_contact", i));
-        json_number(writer, "friction_branch", is_mean ? (double)NAN : (double)standing.friction_branch);
+        json_number(writer, "friction_branch", is_mean ? (double)NAN : (double)standing.friction);
         json_number(writer, "tooth_pair", is_mean ? (double)NAN : (double)standing.tooth_pair);
         json_number(writer, "penetration", value_of(report, "penetration", i));
         json_number(writer, "normal_force", value_of(report, "normal_force", i));

@@ -128,24 +128,24 @@ static void show_laws(FILE *stream)
 
 /* ---- parameters ---- */
 
-static void write_parameter(json_writer *writer, const model_parameter *parameter)
+static void write_parameter(json_writer *writer, const evl_parameter *parameter, const double *numbers)
 {
     json_open(writer, parameter->path, '{');
     json_text(writer, "unit", parameter->unit);
     if (parameter->n == 1) {
-        json_number(writer, "value", parameter->numbers[0]);
+        json_number(writer, "value", numbers[0]);
     } else {
-        json_numbers(writer, "value", parameter->n, parameter->numbers);
+        json_numbers(writer, "value", parameter->n, numbers);
     }
     json_close(writer, '}');
 }
 
-static void print_parameter(FILE *stream, const model_parameter *parameter)
+static void print_parameter(FILE *stream, const evl_parameter *parameter, const double *numbers)
 {
     char number[NUMBER_TEXT_LENGTH];
     fprintf(stream, "%s = %s", parameter->path, parameter->n == 1 ? "" : "[");
     for (int i = 0; i < parameter->n; i++) {
-        number_write(number, parameter->numbers[i]);
+        number_write(number, numbers[i]);
         fprintf(stream, "%s%s", i == 0 ? "" : ", ", number);
     }
     fprintf(stream, "%s%s%s\n", parameter->n == 1 ? "" : "]", parameter->unit[0] == '\0' ? "" : " ", parameter->unit);
@@ -153,18 +153,19 @@ static void print_parameter(FILE *stream, const model_parameter *parameter)
 
 static void show_parameters(FILE *stream, const model *model, bool as_json)
 {
-    model_parameter parameter;
+    evl_parameter parameter;
     json_writer writer = {.stream = stream};
     if (as_json) {
         json_open(&writer, NULL, '{');
     }
-    for (int i = 0; model_parameter_at(model, i, &parameter); i++) {
+    double *numbers = NULL;
+    for (int i = 0; (numbers = model_parameter_at(model, i, &parameter)) != NULL; i++) {
         if (as_json) {
-            write_parameter(&writer, &parameter);
+            write_parameter(&writer, &parameter, numbers);
         } else {
-            print_parameter(stream, &parameter);
+            print_parameter(stream, &parameter, numbers);
         }
-        free(parameter.numbers);
+        free(numbers);
     }
     if (as_json) {
         json_close(&writer, '}');

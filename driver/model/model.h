@@ -127,11 +127,6 @@ double model_quantity(const model *model, evl_of of, int index, const char *name
  *  them are written */
 int model_pitch_errors(const model *model, int wheel, int most, double *errors);
 
-/** One of the numbers, or lists of them, that the case gives. */
-typedef struct {
-    char path[192], unit[EVL_SHORT_LENGTH]; /**< as in --set */
-    int n;
-    double *numbers; /**< [n], to be freed by the caller */
-} model_parameter;
-/** Parameter `index`, from 0. @return whether there is one */
-bool model_parameter_at(const model *model, int index, model_parameter *parameter);
+/** Parameter `index`, from 0, of the numbers, or lists of them, that the case gives. @return its numbers, to be freed; NULL if there is
+ *  no such parameter */
+double *model_parameter_at(const model *model, int index, evl_parameter *parameter);

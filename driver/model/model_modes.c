@@ -117,16 +117,9 @@ bool model_mean_modes(const model *model, dae_state *state, double *values, natu
     return good;
 }
 
-mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh)
+evl_mesh_mode model_mesh_mode(const model *model, const dae_state *state, int mesh)
 {
-    static const char *const contacts[] = {[EVL_CONTACT_OPEN] = "open",
-                                           [EVL_CONTACT_LOADED] = "loaded",
-                                           [EVL_CONTACT_UNLOADED] = "unloaded",
-                                           [EVL_CONTACT_APART] = "apart"};
     evl_mesh_mode mode;
     evl_gearbox_mesh_mode(model->gearbox, mesh, state->y, state->integers, state->reals, &mode);
-    return (mesh_standing){.contact = contacts[mode.contact],
-                           .friction_branch = mode.friction,
-                           .tooth_pair = mode.tooth_pair,
-                           .position = mode.position};
+    return mode;
 }

@@ -32,9 +32,4 @@ bool model_modes(const model *model, const dae_state *state, natural_modes *mode
 bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error);
 
 /** How a mesh stands at a state. */
-typedef struct {
-    const char *contact; /**< "open", "loaded", "unloaded", "apart" */
-    int friction_branch, tooth_pair;
-    double position; /**< pitches from the start of contact, from 0 to 1, of the tooth pair that came last */
-} mesh_standing;
-mesh_standing model_mesh_standing(const model *model, const dae_state *state, int mesh);
+evl_mesh_mode model_mesh_mode(const model *model, const dae_state *state, int mesh);

@@ -146,16 +146,14 @@ evl_kind *model_kinds(const char *block, int *n)
     return kinds;
 }
 
-bool model_parameter_at(const model *model, int index, model_parameter *parameter)
+double *model_parameter_at(const model *model, int index, evl_parameter *parameter)
 {
-    evl_parameter from;
-    if (!evl_description_parameter(model->description, index, &from, 0, NULL)) {
-        return false;
+    if (!evl_description_parameter(model->description, index, parameter, 0, NULL)) {
+        return NULL;
     }
-    *parameter = (model_parameter){.n = from.n, .numbers = xcalloc((size_t)from.n, sizeof *parameter->numbers)};
-    memcpy(parameter->path, from.path, sizeof from.path);
-    memcpy(parameter->unit, from.unit, sizeof from.unit);
-    return evl_description_parameter(model->description, index, &from, from.n, parameter->numbers);
+    double *numbers = xcalloc((size_t)parameter->n, sizeof *numbers);
+    (void)evl_description_parameter(model->description, index, parameter, parameter->n, numbers);
+    return numbers;
 }
 
 void model_describe_outputs(model *model)

@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-enum { EVL_SHORT_LENGTH = 32, EVL_ROW_TEXT_LENGTH = 256 };
+enum { EVL_SHORT_LENGTH = 32, EVL_PATH_LENGTH = 192, EVL_ROW_TEXT_LENGTH = 256 };
 
 typedef enum {
     EVL_NUMBER = 0,      /**< a number in the range, or one of the words */
@@ -135,5 +135,30 @@ typedef struct {
     int n;                      /**< of a quantity: 1, or 2 for a point */
     double value[2];            /**< of a quantity */
 } evl_output;
+
+/** A parameter: numbers that the description gives. */
+typedef struct {
+    char path[EVL_PATH_LENGTH];  /**< as in --set: wheels.pinion.tip_relief.amount */
+    char unit[EVL_SHORT_LENGTH]; /**< "" if none; angles in degrees */
+    int row;                     /**< in the table of rows */
+    int n;                       /**< how many numbers */
+} evl_parameter;
+
+/* How a mesh stands at a state. */
+typedef enum {
+    EVL_CONTACT_OPEN = 0,     /**< a gap */
+    EVL_CONTACT_LOADED = 1,   /**< penetration and force */
+    EVL_CONTACT_UNLOADED = 2, /**< penetration, but the damper would pull: no force */
+    EVL_CONTACT_APART = 3,    /**< tracked flanks too far apart to be tracked */
+    EVL_CONTACT_OFF = 4       /**< no tooth pair is on the path of contact */
+} evl_contact_mode;
+
+typedef struct {
+    int tooth_pair; /**< pitches since the start */
+    int contact;    /**< evl_contact_mode */
+    int friction;   /**< branch of the friction law */
+    double
+        position; /**< pitches, from 0 to 1, that the tooth pair which came last is, unloaded, from the start of contact */
+} evl_mesh_mode;
 
 #endif

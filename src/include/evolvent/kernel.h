@@ -50,7 +50,7 @@ typedef enum {
     EVL_SUBJECT_SHAFT = 6
 } evl_subject;
 
-enum { EVL_FIELD_LENGTH = 48, EVL_PATH_LENGTH = 192, EVL_MESSAGE_LENGTH = 320, EVL_MAX_PARAMETERS = 8 };
+enum { EVL_FIELD_LENGTH = 48, EVL_MESSAGE_LENGTH = 320, EVL_MAX_PARAMETERS = 8 };
 
 typedef struct {
     int code;                         /**< evl_code */
@@ -79,14 +79,6 @@ EVL_API void evl_description_delete(evl_description **description);
 /** Where in the case is what a status is about: a path as in --set, as far as the case says it; "" if it is the case as a whole. */
 EVL_API void evl_description_path(const evl_description *description, const evl_status *status,
                                   char path[EVL_PATH_LENGTH]);
-
-/** A parameter: numbers that the description gives. */
-typedef struct {
-    char path[EVL_PATH_LENGTH];  /**< as in --set: wheels.pinion.tip_relief.amount */
-    char unit[EVL_SHORT_LENGTH]; /**< "" if none; angles in degrees */
-    int row;                     /**< in the table of rows */
-    int n;                       /**< how many numbers */
-} evl_parameter;
 
 /** Parameter `index` (from 0) of a description, in its order, and of its n numbers `most`. @return whether there is one */
 EVL_API bool evl_description_parameter(const evl_description *description, int index, evl_parameter *parameter,
@@ -318,22 +310,6 @@ EVL_API int evl_gearbox_roots_and_watched(const evl_gearbox *gearbox, const doub
                                           double *roots, double *values, evl_status *status);
 
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
-
-typedef enum {
-    EVL_CONTACT_OPEN = 0,     /**< a gap */
-    EVL_CONTACT_LOADED = 1,   /**< penetration and force */
-    EVL_CONTACT_UNLOADED = 2, /**< penetration, but the damper would pull: no force */
-    EVL_CONTACT_APART = 3,    /**< tracked flanks too far apart to be tracked */
-    EVL_CONTACT_OFF = 4       /**< no tooth pair is on the path of contact */
-} evl_contact_mode;
-
-typedef struct {
-    int tooth_pair; /**< pitches since the start */
-    int contact;    /**< evl_contact_mode */
-    int friction;   /**< branch of the friction law */
-    double
-        position; /**< pitches, from 0 to 1, that the tooth pair which came last is, unloaded, from the start of contact */
-} evl_mesh_mode;
 
 /** Discrete state of the tooth pair that has been longest on the path of a mesh's drive flank. */
 EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers,
