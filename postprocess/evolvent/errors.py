@@ -45,6 +45,23 @@ def reason_of(error: Exception) -> str:
 
 
 @contextmanager
+def needing(extra: str, what: str, code: int = BAD_INPUT) -> Iterator[None]:
+    """Say what needs a library that is not there, and how to get it.
+
+    Raises
+    ------
+    SweepError
+        It could not be imported.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise SweepError(
+            f"{what}; install it with: pip install 'evolvent[{extra}]'", code
+        ) from error
+
+
+@contextmanager
 def writing(path: Path) -> Iterator[None]:
     """Say which file or folder it is that cannot be written.
 

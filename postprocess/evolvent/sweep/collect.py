@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from evolvent.errors import SweepError, replacing
+from evolvent.errors import SweepError, needing, replacing
 from evolvent.sweep.design import Design
 from evolvent.sweep.histories import add_histories, history_coordinates
 from evolvent.sweep.journal import STATUSES, Records, read_records
@@ -125,10 +125,5 @@ def _summary(design: Design, records: Records) -> xr.Dataset:
 def _write_parquet(summary: xr.Dataset, path: Path) -> None:
     table = summary.to_dataframe()
     table["status"] = np.array(STATUSES, dtype=object)[table["status"].to_numpy()]
-    try:
-        with replacing(path) as temporary:
-            table.to_parquet(temporary)
-    except ImportError as error:
-        raise SweepError(
-            f"{path}: Parquet needs pyarrow; install it with: pip install 'evolvent[parquet]'"
-        ) from error
+    with needing("parquet", f"{path}: Parquet needs pyarrow"), replacing(path) as temporary:
+        table.to_parquet(temporary)

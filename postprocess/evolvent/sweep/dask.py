@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from evolvent.errors import USAGE, SweepError, reason_of
+from evolvent.errors import USAGE, SweepError, needing, reason_of
 from evolvent.sweep.design import Design
 from evolvent.sweep.estimate import seconds_per_case
 from evolvent.sweep.folder import Shard
@@ -32,12 +32,8 @@ def run(work: Work, shards: list[Shard], workers: int, scheduler: str | None, ta
     SweepError
         Dask is not there, the scheduler does not answer, or as `run_with_executor`.
     """
-    try:
+    with needing("dask", "--executor dask needs Dask", USAGE):
         import distributed
-    except ImportError as error:
-        raise SweepError(
-            "--executor dask needs Dask; install it with: pip install 'evolvent[dask]'", USAGE
-        ) from error
     make_client: Any = distributed.Client
     try:
         if scheduler is not None:

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import qmc
 
-from evolvent.errors import SweepError, reason_of
+from evolvent.errors import SweepError, needing, reason_of
 from evolvent.sweep.design import Parameter, identifier
 from evolvent.sweep.expression import evaluate
 from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique
@@ -142,12 +142,8 @@ def _unit_cube(spec: Spec, sampling: dict[str, Any]) -> np.ndarray:
     assert spec.method in SAMPLED
     names: list[str] = sampling["names"]
     if spec.method == "saltelli":
-        try:
+        with needing("sensitivity", "method saltelli needs SALib"):
             from SALib.sample import sobol
-        except ImportError as error:
-            raise SweepError(
-                "method saltelli needs SALib; install it with: pip install 'evolvent[sensitivity]'"
-            ) from error
         problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
         order = spec.second_order
         cube = sobol.sample(problem, spec.samples, calc_second_order=order, seed=spec.seed)
@@ -185,14 +181,11 @@ def _read_table(spec: Spec) -> pd.DataFrame:
     assert path is not None
     try:
         if path.suffix.lower() == ".parquet":
-            table = pd.read_parquet(path)
+            with needing("parquet", f"{path}: Parquet needs pyarrow"):
+                table = pd.read_parquet(path)
         else:
             # Texts such as "none" or "NA" are values of the case, not gaps.
             table = pd.read_csv(path, keep_default_na=False, na_values=[""], skipinitialspace=True)
-    except ImportError as error:
-        raise SweepError(
-            f"{path}: Parquet needs pyarrow; install it with: pip install 'evolvent[parquet]'"
-        ) from error
     except FileNotFoundError as error:
         raise SweepError(f"{path}: no such file") from error
     except (OSError, ValueError) as error:

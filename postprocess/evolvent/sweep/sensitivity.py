@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from evolvent.errors import USAGE, SweepError
+from evolvent.errors import USAGE, SweepError, needing
 from evolvent.sweep.journal import DONE
 
 FEWEST = 32  # samples; with fewer the indices are noise
@@ -49,12 +49,8 @@ def sobol_indices(summary: xr.Dataset, response: str) -> xr.Dataset:
         )
     if response not in summary or summary[response].attrs.get("role") != "result":
         raise SweepError(f"the summary has no result '{response}'", USAGE)
-    try:
+    with needing("sensitivity", "Sobol indices need SALib"):
         import SALib  # noqa: F401
-    except ImportError as error:
-        raise SweepError(
-            "Sobol indices need SALib; install it with: pip install 'evolvent[sensitivity]'"
-        ) from error
     values = summary[response].values.astype(float)
     good = (summary["status"].values == DONE) & np.isfinite(values)
     names, group = sampling["names"], 1
