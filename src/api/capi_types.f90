@@ -10,8 +10,8 @@ module evl_capi_types
    public :: c_field_length, c_message_length, c_name_length, c_text_length
    public :: answer, gearbox_of, status_from_c, status_to_c, take_text, to_c
 
-   integer, parameter :: c_name_length = 32       !! EVL_NAME_LENGTH
-   integer, parameter :: c_text_length = 96       !! EVL_TEXT_LENGTH
+   integer, parameter :: c_name_length = 32       !! EVL_SHORT_LENGTH
+   integer, parameter :: c_text_length = 96       !! three times that
    integer, parameter :: c_field_length = 48      !! EVL_FIELD_LENGTH
    integer, parameter :: c_message_length = 320   !! EVL_MESSAGE_LENGTH
 
