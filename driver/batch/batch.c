@@ -139,8 +139,7 @@ static bool open_histories(shard_run *run, evl_error *error)
                                  .first_case = run->plan.first_case,
                                  .stride = run->plan.stride,
                                  .n_rows = batch_shard_size(&run->plan),
-                                 .n_times = histories->n_times,
-                                 .times = histories->times,
+                                 .axis = histories->axis.coordinate,
                                  .n_variables = histories->n_variables,
                                  .variables = histories->variables,
                                  .names = &model_about(histories->first.model)->names};

@@ -60,19 +60,23 @@ static bool find_window(const batch_plan *plan, const prepared_case *prepared, n
                               .to = isnan(given[1]) ? own->to : given[1],
                               .mesh = own->mesh,
                               .wheel = own->wheel};
+    if (options.per_unit > 0) { /* outputs may lie anywhere */
+        return window->from <= options.t_end;
+    }
     const double first = ceil(window->from / dt - slack) * dt; /* on the grid */
     const bool has_grid_point = first <= fmin(window->to, options.t_end) + slack * dt;
     const bool has_end = window->from <= options.t_end && options.t_end <= window->to;
     return has_grid_point || has_end;
 }
 
-static bool has_history_shape(const batch_plan *plan, const model *model, const integrate_options *options)
+static bool has_history_shape(const batch_plan *plan, const prepared_case *prepared)
 {
     const batch_histories *histories = &plan->histories;
-    bool good = options->t_end == histories->duration && options->output_interval == histories->output_interval;
+    bool good = batch_axis_fits(&histories->axis, prepared);
     for (int i = 0; i < histories->n_variables && good; i++) {
-        const model_output *wanted = &histories->variables[i], *output = model_output_named(model, wanted->name);
-        good = output != NULL && output->count == wanted->count;
+        const model_output *wanted = &histories->variables[i];
+        const model_output *output = model_output_named(prepared->model, wanted->name);
+        good = wanted->offset < 0 || (output != NULL && output->count == wanted->count);
     }
     return good;
 }
@@ -104,30 +108,29 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
                              "the window from %g to %g s holds no output of this case, which ends at %g s",
                              window->from, window->to, options.t_end);
     }
-    return plan->histories.n_variables == 0 || has_history_shape(plan, prepared->model, &options) ||
-           evl_error_set(
-               refusal, EVL_EXIT_CASE, place,
-               "its history has other times or sizes than those of the other cases; plan it without histories");
+    return plan->histories.n_variables == 0 || has_history_shape(plan, prepared) ||
+           evl_error_set(refusal, EVL_EXIT_CASE, place,
+                         "its history has other times, positions or sizes than those of the other cases; plan it "
+                         "without histories");
 }
 
 /* ---- what the simulation tells ---- */
 
-/** One time of a history that is stacked, if it is one of those. */
-static void keep_time(const batch_sink *sink, double t, const double *values)
+/** One output of a history that is stacked, if it has a place there; of several at one position the first. */
+static void keep_output(const batch_sink *sink, double t, const double *values)
 {
     const batch_histories *histories = &sink->plan->histories;
-    const long every = sink->plan->design->history_every, k = sink->n_outputs / every;
-    if (sink->n_outputs % every != 0 || k >= histories->n_times ||
-        fabs(t - histories->times[k]) > 1e-6 * histories->output_interval) { /* the last state of a run that fails */
+    const long k = batch_axis_place(&histories->axis, sink->n_outputs, t, values);
+    float *to = sink->history;
+    if (k < 0 || (histories->axis.rule.per != NULL && !isnan(to[k]))) {
         return;
     }
-    float *to = sink->history;
     for (int i = 0; i < histories->n_variables; i++) {
         const int count = histories->variables[i].count;
         for (int j = 0; j < count; j++) {
-            to[k * count + j] = (float)values[sink->offsets[i] + j];
+            to[k * count + j] = (float)(sink->offsets[i] < 0 ? t : values[sink->offsets[i] + j]);
         }
-        to += (long)histories->n_times * count;
+        to += (long)histories->axis.coordinate.n * count;
     }
 }
 
@@ -136,7 +139,7 @@ static bool on_outputs(void *self, double t, const double *values)
     batch_sink *sink = self;
     statistics_outputs(sink->statistics, t, values);
     if (sink->history != NULL) {
-        keep_time(sink, t, values);
+        keep_output(sink, t, values);
     }
     sink->n_outputs++;
     return true;
@@ -204,7 +207,7 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
 static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared, batch_start *start,
                               batch_row *row, evl_error *error)
 {
-    const double interval = case_description(prepared->file)->simulation.output_interval;
+    const double interval = case_description(prepared->file)->simulation.output_interval; /* by position 0: no slack */
     batch_sink batch = {.plan = plan,
                         .statistics = statistics_create(&plan->table, prepared->model, &start->window, interval)};
     start_history(&batch, prepared->model);

@@ -5,8 +5,6 @@
 #include "base/suggest.h"
 #include "base/words.h"
 #include "batch/journal.h"
-#include "integrate/integrate_types.h"
-#include "simulate/simulate.h"
 
 #include <evolvent_version.h>
 #include <stdlib.h>
@@ -82,14 +80,17 @@ static bool choose_variables(batch_plan *plan, const model *model, evl_error *er
     batch_histories *histories = &plan->histories;
     OWNED char *names = xstrdup(plan->design->history_variables);
     char *rest = NULL;
-    histories->variables = xcalloc((size_t)model_about(model)->n_outputs, sizeof *histories->variables);
+    histories->variables = xcalloc((size_t)model_about(model)->n_outputs + 1, sizeof *histories->variables);
+    if (histories->axis.rule.per != NULL) {
+        histories->variables[histories->n_variables++] = batch_axis_time;
+    }
     for (char *name = strtok_r(names, " ", &rest); name != NULL; name = strtok_r(NULL, " ", &rest)) {
         const model_output *found = model_output_named(model, name);
         bool is_new = true;
         for (int i = 0; i < histories->n_variables; i++) {
             is_new = is_new && strcmp(histories->variables[i].name, name) != 0;
         }
-        if (found == NULL || found->is_static || found->count == 0) {
+        if (is_new && (found == NULL || found->is_static || found->count == 0)) {
             return refuse_variable(plan, model, name, error);
         }
         if (is_new) {
@@ -97,21 +98,6 @@ static bool choose_variables(batch_plan *plan, const model *model, evl_error *er
         }
     }
     return true;
-}
-
-static void take_times(batch_plan *plan, const prepared_case *prepared)
-{
-    batch_histories *histories = &plan->histories;
-    const integrate_options options = simulate_options(prepared);
-    const long last = output_grid_size(&options, 0) - 1, every = plan->design->history_every;
-    histories->duration = options.t_end;
-    histories->output_interval = options.output_interval;
-    histories->n_times = (int)(last / every) + 1;
-    histories->times = xcalloc((size_t)histories->n_times, sizeof *histories->times);
-    for (int i = 0; i < histories->n_times; i++) {
-        const long k = i * every;
-        histories->times[i] = k == last ? options.t_end : (double)k * options.output_interval;
-    }
 }
 
 /** Every shard has to come to the same layout: the design's first case that is not refused decides. */
@@ -126,8 +112,8 @@ static bool plan_histories(batch_plan *plan, evl_error *error)
     if (i == plan->design->n_cases) {
         return true; /* no case at all will have a history */
     }
-    take_times(plan, first);
-    return choose_variables(plan, first->model, error);
+    return batch_axis_make(&plan->histories.axis, plan->design, first, error) &&
+           choose_variables(plan, first->model, error);
 }
 
 /* ---- the whole plan ---- */
@@ -154,7 +140,7 @@ void batch_plan_free(batch_plan *plan)
     batch_histories *histories = &plan->histories;
     prepared_case_free(&histories->first);
     free(histories->variables);
-    free(histories->times);
+    batch_axis_free(&histories->axis);
     stack_close(&plan->stack);
     pool_free(&plan->table.pool);
     pool_free(&plan->pool);

@@ -1,9 +1,9 @@
 /** What all cases of a batch share: made once, before the workers are. */
 #pragma once
 
+#include "batch/batch_axis.h"
 #include "batch/batch_statistics.h"
 #include "case/case.h"
-#include "files/design.h"
 #include "files/stack.h"
 #include "files/wheel_store.h"
 #include "simulate/prepare.h"
@@ -12,9 +12,7 @@
 typedef struct {
     int n_variables;
     model_output *variables; /**< as the model of the first good case has them */
-    int n_times;
-    double *times;                    /**< [s] */
-    double duration, output_interval; /**< [s] that a case needs to have such a history */
+    batch_axis axis;
     prepared_case first; /**< the first good case; the variables and their dimensions are those of its model */
 } batch_histories;
 

@@ -246,6 +246,72 @@ static bool take_numbers(const checker *checker, const case_node *block, descrip
                           numbers->from, numbers->to, simulation->duration);
 }
 
+/** Outputs by position: so many, of what has that name. @return whether there is one */
+static bool take_positions(const checker *checker, const case_node *number, const char *name, const char *what,
+                           simulation_description *simulation)
+{
+    simulation->output_by.number = (int)node_number(number);
+    return name != NULL || checker_refuse(checker, number->place, "'per_%s' needs '%s' beside it: the name of one",
+                                          strcmp(what, "mesh") == 0 ? "pitch" : "turn", what);
+}
+
+/** The interval of an output grid of times. */
+static bool take_interval(const checker *checker, const case_node *interval, const char *duration,
+                          simulation_description *simulation)
+{
+    simulation->output_interval = node_number(interval);
+    if (simulation->output_interval > simulation->duration) {
+        return checker_refuse(checker, interval->place, "is %s s, longer than the duration of %s s", interval->text,
+                              duration);
+    }
+    return simulation->duration / simulation->output_interval <= MOST_OUTPUTS ||
+           checker_refuse(checker, interval->place, "is %s s, which gives more than %g rows in %s s; take a longer one",
+                          interval->text, MOST_OUTPUTS, duration);
+}
+
+/** The block `output`: one of its ways to say where outputs stand. The names that it gives are there: the schema knows. */
+static bool take_output_block(const checker *checker, const case_node *output, const char *duration,
+                              description *description)
+{
+    simulation_description *simulation = &description->simulation;
+    const struct checker inside = checker_at(checker, "interval");
+    const case_node *interval = node_get(output, "interval"), *per_pitch = node_get(output, "per_pitch"),
+                    *per_turn = node_get(output, "per_turn");
+    const char *mesh = node_get_text(output, "mesh"), *wheel = node_get_text(output, "wheel");
+    const int n = (interval != NULL) + (per_pitch != NULL) + (per_turn != NULL);
+    if (n != 1) {
+        return checker_refuse(checker, output->place, "has %s of interval, per_pitch and per_turn; give one of them",
+                              n == 0 ? "none" : "more than one");
+    }
+    simulation->output_by.mesh = mesh == NULL ? -1 : words_index(mesh, description->n_meshes, description->meshes);
+    simulation->output_by.wheel = wheel == NULL ? -1 : words_index(wheel, description->n_wheels, description->wheels);
+    return interval != NULL    ? take_interval(&inside, interval, duration, simulation)
+           : per_pitch != NULL ? take_positions(checker, per_pitch, mesh, "mesh", simulation)
+                               : take_positions(checker, per_turn, wheel, "wheel", simulation);
+}
+
+/** `output_interval`, or `output` in its place. */
+static bool take_output(const checker *checker, const case_node *block, description *description)
+{
+    simulation_description *simulation = &description->simulation;
+    const struct checker of_interval = checker_at(checker, "output_interval"),
+                         of_output = checker_at(checker, "output");
+    const case_node *interval = node_get(block, "output_interval"), *output = node_get(block, "output");
+    const char *duration = node_get_text(block, "duration");
+    simulation->output_interval = 0;
+    simulation->output_by = (position_description){0, -1, -1};
+    if (interval != NULL && output != NULL) {
+        char other[EVL_ERROR_PLACE_LENGTH];
+        place_text(checker->path, interval->place, other);
+        return checker_refuse(&of_output, output->place, "stands beside output_interval (%s); give one of them", other);
+    }
+    return output != NULL     ? take_output_block(&of_output, output, duration, description)
+           : interval != NULL ? take_interval(&of_interval, interval, duration, simulation)
+                              : checker_refuse(checker, block->place,
+                                               "'output_interval' is missing (step of the output grid [s]); or else "
+                                               "'output', such as {per_pitch: 20, mesh: NAME}");
+}
+
 static integrator_kind integrator_of(const case_node *block)
 {
     const char *name = node_get_text(block, "integrator");
@@ -254,23 +320,15 @@ static integrator_kind integrator_of(const case_node *block)
 
 static bool take_simulation(const checker *checker, const case_node *block, description *description)
 {
-    const struct checker of_interval = checker_at(checker, "output_interval");
     const struct checker of_tolerance = checker_at(checker, "tolerance"), of_initial = checker_at(checker, "initial");
     const struct checker of_numbers = checker_at(checker, "numbers");
-    const case_node *interval = node_get(block, "output_interval");
     simulation_description *simulation = &description->simulation;
     simulation->duration = node_get_number(block, "duration");
-    simulation->output_interval = node_number(interval);
     simulation->tolerance = node_get_number(block, "tolerance");
     simulation->integrator = integrator_of(block);
     simulation->max_step = node_get_number(block, "max_step");
-    const bool is_longer = simulation->output_interval > simulation->duration;
-    if (is_longer || simulation->duration / simulation->output_interval > MOST_OUTPUTS) {
-        return is_longer ? checker_refuse(&of_interval, interval->place, "is %s s, longer than the duration of %s s",
-                                          interval->text, node_get_text(block, "duration"))
-                         : checker_refuse(&of_interval, interval->place,
-                                          "is %s s, which gives more than %g rows in %s s; take a longer one",
-                                          interval->text, MOST_OUTPUTS, node_get_text(block, "duration"));
+    if (!take_output(checker, block, description)) {
+        return false;
     }
     if (simulation->integrator == INTEGRATOR_RADAU && simulation->tolerance < RADAU_SMALLEST_TOLERANCE) {
         return checker_refuse(&of_tolerance, node_get(block, "tolerance")->place,

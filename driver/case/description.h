@@ -18,9 +18,17 @@ typedef struct {
     int mesh, wheel;
 } numbers_description;
 
+/** Outputs by position: where so many times the pitches of a mesh, or the turns of a wheel, are whole. */
+typedef struct {
+    int number;      /**< 0: outputs go by time */
+    int mesh, wheel; /**< one of them is -1 */
+} position_description;
+
 typedef struct {
     integrator_kind integrator;
-    double duration, output_interval, tolerance;
+    double duration, tolerance;
+    double output_interval; /**< [s]; 0 where outputs go by position */
+    position_description output_by;
     double max_step;             /**< [s] */
     evl_initial initial;         /**< its arrays belong to it */
     numbers_description numbers; /**< where it is not given, what it would be if it said nothing */

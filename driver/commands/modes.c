@@ -33,6 +33,7 @@ static bool move_to(const prepared_case *prepared, double time, dae_state *state
 {
     integrate_options options = simulate_options(prepared);
     options.t_end = options.output_interval = time;
+    options.per_unit = 0;
     progress progress;
     const integrate_observer observer = {.self = &progress, .step = on_step};
     integrate_counts counts;

@@ -11,6 +11,7 @@
 #include "integrate/integrate.h"
 #include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
+#include "simulate/positions.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -27,6 +28,7 @@ typedef struct {
 
 typedef struct {
     prepared_case prepared;
+    memory_pool pool; /**< of the outputs */
     history *history;
     extremes *extremes;
     numbers *numbers; /**< NULL: the case does not ask for them */
@@ -64,11 +66,28 @@ static void on_step(void *self, double t)
 
 /* The history's head and end. */
 
+/** The outputs of the model and, behind them, those of a grid of positions. */
+static int list_outputs(run *run, const positions_rule *rule, const model_output **outputs)
+{
+    const model_facts *about = model_about(run->prepared.model);
+    model_output *all = pool_calloc(&run->pool, (size_t)about->n_outputs + POSITIONS_OUTPUTS, sizeof *all);
+    *outputs = all;
+    memcpy(all, about->outputs, (size_t)about->n_outputs * sizeof *all);
+    if (rule->per == NULL) {
+        return about->n_outputs;
+    }
+    positions_describe(rule, &run->pool, all + about->n_outputs);
+    return about->n_outputs + POSITIONS_OUTPUTS;
+}
+
 static bool create_history(run *run, const char *path)
 {
     const model *model = run->prepared.model;
     const description *description = case_description(run->prepared.file);
     const integrate_options options = simulate_options(&run->prepared);
+    const positions_rule rule = positions_of(&run->prepared);
+    const model_output *outputs = NULL;
+    const int n_outputs = list_outputs(run, &rule, &outputs);
     OWNED model_state *states = model_states(model);
     OWNED char *warnings = prepare_warnings(&run->prepared, "\n");
     OWNED char *versions = result_versions();
@@ -76,21 +95,24 @@ static bool create_history(run *run, const char *path)
         {"title", .text = description->title}, {"case", .text = case_text(run->prepared.file)},
         {"versions", .text = versions},        {"warnings", .text = warnings},
         {"status", .text = "running"},         {"status_message", .text = ""},
+        {"output_per", .text = rule.per},      {"output_number", .integer = rule.number},
+        {"output_of", .text = rule.of},
     };
+    const int n_attributes = (int)(sizeof attributes / sizeof *attributes) - (rule.per == NULL ? 3 : 0);
     const history_layout layout = {
         .path = path,
         .kind = "history",
         .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
         .names = &model_about(model)->names,
         .n_harmonics = description->simulation.numbers.is_given ? NUMBER_HARMONICS : 0,
-        .n_outputs = model_about(model)->n_outputs,
-        .outputs = model_about(model)->outputs,
+        .n_outputs = n_outputs,
+        .outputs = outputs,
         .n_states = model_about(model)->dae.n,
         .states = states,
         .n_event_kinds = model_tables()->n_event_kinds,
         .event_kinds = model_tables()->event_kinds,
         .max_rows = output_grid_size(&options, 0),
-        .n_attributes = sizeof attributes / sizeof *attributes,
+        .n_attributes = n_attributes,
         .attributes = attributes,
     };
     run->history = history_create(&layout, run->error);
@@ -285,6 +307,7 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
         run_prepared(&run, options, path);
     }
     prepared_case_free(&run.prepared);
+    pool_free(&run.pool);
     return error->code;
 }
 

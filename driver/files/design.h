@@ -29,6 +29,7 @@ typedef struct {
     char *numbers;           /**< over whole periods that are wanted, separated by blanks; "" if none are */
     char *history_variables; /**< names, separated by blanks; "" if no histories are wanted */
     long history_every;      /**< of the outputs one is kept */
+    long history_rows;       /**< how many are kept of outputs by position; 0: not said */
     long n_cases;
     int n_columns; /**< those with a path */
     design_column *columns;

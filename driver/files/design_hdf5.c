@@ -57,7 +57,7 @@ static bool check_maker(const reader *reader)
 
 static bool read_head(const reader *reader, design *design)
 {
-    long long n_cases = 0, every = 1;
+    long long n_cases = 0, every = 1, rows = 0;
     if (!check_maker(reader) || !need_text(reader, "case", &design->pool, &design->base_case) ||
         !need_text(reader, "hash", &design->pool, &design->hash) ||
         !need_text(reader, "history_variables", &design->pool, &design->history_variables)) {
@@ -83,11 +83,17 @@ static bool read_head(const reader *reader, design *design)
         every > 1000000000) {
         return refuse(reader, "history_every", "this attribute of the design is missing, or less than 1");
     }
+    if (H5Aexists(reader->file, "history_rows") > 0 &&
+        (!netcdf_get_numbers(reader->file, "history_rows", H5T_NATIVE_LLONG, 1, &rows) || rows < 0 ||
+         rows > 1000000000)) {
+        return refuse(reader, "history_rows", "this attribute of the design is no count");
+    }
     if (design->hash[0] == '\0' || strpbrk(design->hash, "\n\"\\") != NULL) {
         return refuse(reader, "hash", "is no hash");
     }
     design->n_cases = (long)n_cases;
     design->history_every = (long)every;
+    design->history_rows = (long)rows;
     return true;
 }
 

@@ -7,7 +7,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "model/model.h"
+#include "files/history.h"
 
 #include <stdbool.h>
 
@@ -16,8 +16,7 @@ typedef struct {
     const char *hash;        /**< of the design */
     long first_case, stride; /**< row r is that of case first_case + r stride */
     long n_rows;
-    int n_times;
-    const double *times; /**< [s] */
+    history_coordinate axis; /**< along which each history goes */
     int n_variables;
     const model_output *variables;
     const model_names *names;
@@ -27,8 +26,8 @@ typedef struct stack {
     memory_pool pool; /**< of the path and the arrays */
     char *path;
     int descriptor;
-    int n_times, n_variables;
-    int *counts;        /**< [n_variables] values a time */
+    int n_places, n_variables;
+    int *counts;        /**< [n_variables] values a place of the axis */
     long long *offsets; /**< [n_variables] of row 0 in the file, bytes */
 } stack;
 
@@ -37,7 +36,7 @@ typedef struct stack {
 bool stack_open(stack *stack, const stack_layout *layout, evl_error *error);
 /** Number of values of a row. */
 long stack_row_length(const stack *stack);
-/** Write a row: all times of the first variable, then of the next. Any process may, each its own rows. */
+/** Write a row: all places of the first variable, then of the next. Any process may, each its own rows. */
 bool stack_write(const stack *stack, long row, const float *values, evl_error *error);
 /** Bring to the disk what was written. */
 bool stack_sync(const stack *stack, evl_error *error);

@@ -13,7 +13,7 @@
 
 typedef struct {
     netcdf_file netcdf;
-    netcdf_dimension cases, time;
+    netcdf_dimension cases, axis;
     dimensions of_outputs;
 } builder;
 
@@ -22,15 +22,17 @@ typedef struct {
 static bool define_dimensions(builder *b, const stack_layout *layout)
 {
     const netcdf_variable cases = netcdf_describe(NETCDF_LONG, "case", "1", "", "number of the case in its design");
-    const netcdf_variable time = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time");
+    const history_coordinate *along = &layout->axis;
+    const netcdf_variable axis =
+        netcdf_describe(NETCDF_REAL, along->name, along->units, along->symbol, along->long_name);
     OWNED long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
     return netcdf_define_values(&b->netcdf, b->netcdf.id, &b->cases, &cases, layout->n_rows, H5T_NATIVE_LONG,
                                 numbers) &&
-           netcdf_define_values(&b->netcdf, b->netcdf.id, &b->time, &time, layout->n_times, H5T_NATIVE_DOUBLE,
-                                layout->times) &&
+           netcdf_define_values(&b->netcdf, b->netcdf.id, &b->axis, &axis, along->n, H5T_NATIVE_DOUBLE,
+                                along->values) &&
            dimensions_define(&b->of_outputs, &b->netcdf, DIMENSIONS_OF_STACK, layout->names, 0, NULL);
 }
 
@@ -40,7 +42,7 @@ static bool define_variable(builder *b, const model_output *output)
         netcdf_describe(NETCDF_FLOAT, output->name, output->units, output->symbol, output->long_name);
     variable.rank = 2;
     variable.dimensions[0] = &b->cases;
-    variable.dimensions[1] = &b->time;
+    variable.dimensions[1] = &b->axis;
     dimensions_append(&b->of_outputs, output, &variable);
     const hid_t dataset = netcdf_define(&b->netcdf, b->netcdf.id, &variable, 0);
     return dataset >= 0 && H5Dclose(dataset) >= 0;
@@ -55,7 +57,7 @@ static bool fill_file(builder *b, const stack_layout *layout)
     for (int i = 0; i < layout->n_variables && good; i++) {
         good = define_variable(b, &layout->variables[i]);
     }
-    good = good && scale_list_users(netcdf, &b->cases.scale) && scale_list_users(netcdf, &b->time.scale) &&
+    good = good && scale_list_users(netcdf, &b->cases.scale) && scale_list_users(netcdf, &b->axis.scale) &&
            dimensions_finish(&b->of_outputs, netcdf);
     return good;
 }
@@ -105,7 +107,7 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
         CLOSED const hid_t dataset = H5Dopen2(file, layout->variables[i].name, H5P_DEFAULT);
         const haddr_t offset = dataset < 0 ? HADDR_UNDEF : H5Dget_offset(dataset);
         const hsize_t bytes =
-            (hsize_t)layout->n_rows * (hsize_t)layout->n_times * (hsize_t)layout->variables[i].count * sizeof(float);
+            (hsize_t)layout->n_rows * (hsize_t)layout->axis.n * (hsize_t)layout->variables[i].count * sizeof(float);
         good = offset != HADDR_UNDEF && H5Dget_storage_size(dataset) == bytes;
         stack->offsets[i] = (long long)offset;
         stack->counts[i] = layout->variables[i].count;
@@ -115,7 +117,7 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
 
 bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
 {
-    *stack = (struct stack){.descriptor = -1, .n_times = layout->n_times, .n_variables = layout->n_variables};
+    *stack = (struct stack){.descriptor = -1, .n_places = layout->axis.n, .n_variables = layout->n_variables};
     stack->path = pool_copy(&stack->pool, layout->path);
     stack->counts = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(int));
     stack->offsets = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(long long));
@@ -143,7 +145,7 @@ long stack_row_length(const stack *stack)
 {
     long n = 0;
     for (int i = 0; i < stack->n_variables; i++) {
-        n += (long)stack->n_times * stack->counts[i];
+        n += (long)stack->n_places * stack->counts[i];
     }
     return n;
 }
@@ -151,7 +153,7 @@ long stack_row_length(const stack *stack)
 bool stack_write(const stack *stack, long row, const float *values, evl_error *error)
 {
     for (int i = 0; i < stack->n_variables; i++) {
-        const size_t n = (size_t)stack->n_times * (size_t)stack->counts[i], bytes = n * sizeof *values;
+        const size_t n = (size_t)stack->n_places * (size_t)stack->counts[i], bytes = n * sizeof *values;
         const off_t start = (off_t)stack->offsets[i] + (off_t)row * (off_t)bytes;
         if (write_bytes(stack->descriptor, start, values, bytes) < bytes) {
             return evl_error_set_unwritten(error, stack->path);

@@ -11,6 +11,9 @@ enum { DAE_MESSAGE_LENGTH = 400 };
 /** How many times a stepper interpolates at once. */
 enum { DAE_LANES = 8 };
 
+/** The dense output of a step is a polynomial in t of this degree at most. */
+enum { DAE_DENSE_DEGREE = 7 };
+
 /** Watched channels above this part of their largest so far are exact. */
 #define DAE_NEAR 0.98
 
@@ -115,6 +118,10 @@ typedef struct dae {
     int (*roots_and_watched)(const void *self, const dae_state *state, const double *highest, double *kept,
                              double *roots, double *values, char message[DAE_MESSAGE_LENGTH]);
     int n_watched, n_kept;
+
+    /** Position `which` at a state, by which outputs may go: linear in y while the integers stay, and without a jump where they
+     *  change */
+    double (*position)(const void *self, int which, const dae_state *state);
 
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;

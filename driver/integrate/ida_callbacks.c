@@ -75,7 +75,7 @@ int ida_roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void 
     return code;
 }
 
-static bool interpolate(const void *with, double t, double *y)
+bool ida_interpolate(const void *with, double t, double *y)
 {
     const ida_session *s = with;
     if (IDAGetDky(s->ida, t, 0, s->between) != IDA_SUCCESS) {
@@ -103,7 +103,7 @@ void ida_watch_to(ida_session *s, double t, N_Vector y)
                                  .state = &state,
                                  .watched = is_known ? s->channels : NULL,
                                  .with = s,
-                                 .interpolate = interpolate};
+                                 .interpolate = ida_interpolate};
     s->run->observer->watch(s->run->observer->self, &step);
     s->t_watched = t;
     s->continues = true;

@@ -47,5 +47,7 @@ int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vecto
 int ida_roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *data);
 int ida_weights(N_Vector y, N_Vector weight, void *data);
 
+/** y at t in the last step; a function of the kind that integrate_step has, `with` being the session. */
+bool ida_interpolate(const void *with, double t, double *y);
 /** Let the observer look at the motion from where it has seen it to t, in the last step. */
 void ida_watch_to(ida_session *s, double t, N_Vector y);

@@ -23,8 +23,7 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .t_start = state->t,
                        .t_event = -DBL_MAX,
                        .t_unwatched = state->t,
-                       .t_missed = -DBL_MAX,
-                       .next_output = 1};
+                       .t_missed = -DBL_MAX};
     const double cpu_start = cpu_now();
     reason[0] = '\0';
     *counts = (integrate_counts){0};

@@ -87,22 +87,54 @@ static integrate_code take_back(void *self)
     return start_anew(s, step / 4);
 }
 
-/* Hand over the present state if it lies on the grid; the end itself is handed over at the end. *missed: it was not, since an event
- * in the last step had been missed; the integration goes on from the beginning of that step. */
-static integrate_code give_output(ida_session *s, bool *missed)
+/* The state at an output: the present one, or of outputs by position one before in the last step. */
+static const dae_state *state_of(const ida_session *s, const output_due *due, dae_state *between)
 {
-    const double t_out = integration_output_time(s->run);
-    *missed = false;
-    if (integration_is_later(t_out, s->run->state->t) || t_out >= s->run->options->t_end) {
-        return INTEGRATE_DONE;
+    if (!due->has_mark || due->t >= s->run->state->t) {
+        return s->run->state;
     }
-    const integrate_code code = integration_give_output(s->run, s->run->state, missed);
+    between->t = due->t;
+    (void)ida_interpolate(s, due->t, between->y);
+    return between;
+}
+
+/* Hand over what lies on the grid from t_from to the present time; the end itself is handed over at the end. *missed: it was not,
+ * since an event in the last step had been missed; the integration goes on from the beginning of that step. */
+static integrate_code give_outputs(ida_session *s, double t_from, bool *missed)
+{
+    integration *run = s->run;
+    const integrate_step step = {
+        .t_from = t_from, .t_to = run->state->t, .state = run->state, .with = s, .interpolate = ida_interpolate};
+    dae_state between = integration_borrowed(run);
+    output_due due;
+    integrate_code code = INTEGRATE_DONE;
+    *missed = false;
+    while (code == INTEGRATE_DONE && !*missed && output_grid_due(&run->grid, &step, &between, &due)) {
+        code = integration_give_output(run, state_of(s, &due, &between), &due, missed);
+    }
     if (*missed) {
         const integrate_code taken = take_back(s);
-        return code == INTEGRATE_DONE ? taken : code;
+        code = code == INTEGRATE_DONE ? taken : code;
     }
-    s->run->next_output++;
     return code;
+}
+
+/* Until t_stop, the next event, or where an output may be due: by time that is the next one; by position any step may have some. */
+static int solve(ida_session *s, double t_stop)
+{
+    integration *run = s->run;
+    int flag = IDASetStopTime(s->ida, t_stop);
+    if (flag == IDA_SUCCESS) {
+        flag = IDASetMinStep(s->ida, integration_smallest_step(fmax(run->state->t, first_step)));
+    }
+    if (flag == IDA_SUCCESS) {
+        const bool one_step = output_grid_goes_by_position(&run->grid);
+        flag = IDASolve(s->ida, one_step ? t_stop : output_grid_next(&run->grid), &run->state->t, s->y, s->yp,
+                        one_step ? IDA_ONE_STEP : IDA_NORMAL);
+    }
+    ida_session_from_scaled(s, s->y, run->state->y);
+    ida_session_from_scaled(s, s->yp, run->state->yp);
+    return flag;
 }
 
 /* Apply what happened at the present state and start anew from there. */
@@ -122,7 +154,7 @@ static integrate_code handle_event(ida_session *s, bool time_event)
     return start_anew(s, restart_step);
 }
 
-/* On to the next grid point, event or end, whichever comes first; IDA steps freely and interpolates. */
+/* On to the next grid point (by position: step), event or end, whichever comes first; IDA steps freely and interpolates. */
 static integrate_code advance(void *self)
 {
     ida_session *s = self;
@@ -133,20 +165,13 @@ static integrate_code advance(void *self)
     if (!integration_is_later(t_stop, s->run->state->t)) {
         s->run->state->t = t_stop;
     } else {
-        flag = IDASetStopTime(s->ida, t_stop);
-        if (flag == IDA_SUCCESS) {
-            flag = IDASetMinStep(s->ida, integration_smallest_step(fmax(s->run->state->t, first_step)));
-        }
-        if (flag == IDA_SUCCESS) {
-            flag = IDASolve(s->ida, integration_output_time(s->run), &s->run->state->t, s->y, s->yp, IDA_NORMAL);
-        }
-        ida_session_from_scaled(s, s->y, s->run->state->y);
-        ida_session_from_scaled(s, s->yp, s->run->state->yp);
+        const double t_from = s->run->state->t;
+        flag = solve(s, t_stop);
         if (flag < 0 && flag != IDA_TOO_MUCH_WORK) {
             return explain(s, flag);
         }
         bool missed;
-        const integrate_code code = give_output(s, &missed);
+        const integrate_code code = give_outputs(s, t_from, &missed);
         if (code != INTEGRATE_DONE || missed) {
             return code;
         }

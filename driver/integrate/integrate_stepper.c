@@ -13,23 +13,33 @@ static integrate_code redo(void *self)
     return INTEGRATE_DONE;
 }
 
+/* From where the observer has watched. */
+static integrate_step last_step(const integration *run)
+{
+    return (integrate_step){.t_from = run->t_unwatched,
+                            .t_to = run->state->t,
+                            .state = run->state,
+                            .with = run->stepper,
+                            .interpolate = run->model->stepper->interpolate,
+                            .interpolate_lanes = run->model->stepper->interpolate_lanes,
+                            .look = run->model->stepper->look,
+                            .candidate = run->model->stepper->candidate};
+}
+
 /* The grid points that the last step passed; the end itself is handed over at the end. An event that an output shows to have been
  * missed is looked for again in smaller steps. */
 static integrate_code give_outputs(integration *run, bool *missed)
 {
     *missed = false;
-    const dae_stepper *with = run->model->stepper;
-    for (;;) {
-        const double t_out = integration_output_time(run);
-        if (integration_is_later(t_out, run->state->t) || t_out >= run->options->t_end) {
-            return INTEGRATE_DONE;
-        }
-        dae_state state = integration_borrowed(run);
-        state.t = t_out;
-        (void)with->interpolate(run->stepper, fmin(t_out, run->state->t), state.y);
-        const integrate_code code = integration_give_output(run, &state, missed);
+    const integrate_step step = last_step(run);
+    dae_state state = integration_borrowed(run);
+    output_due due;
+    while (output_grid_due(&run->grid, &step, &state, &due)) {
+        state.t = due.t;
+        (void)step.interpolate(step.with, fmin(due.t, run->state->t), state.y);
+        const integrate_code code = integration_give_output(run, &state, &due, missed);
         if (code == INTEGRATE_STOPPED) {
-            run->state->t = t_out;
+            run->state->t = due.t;
             memcpy(run->state->y, state.y, (size_t)run->model->n * sizeof(double));
         }
         if (*missed) {
@@ -38,28 +48,19 @@ static integrate_code give_outputs(integration *run, bool *missed)
         if (code != INTEGRATE_DONE || *missed) {
             return code;
         }
-        run->next_output++;
     }
+    return INTEGRATE_DONE;
 }
 
 /* Let the observer look into the step just made. */
 static void watch(void *self)
 {
     integration *run = self;
-    const double t_before = run->t_unwatched;
+    const integrate_step step = last_step(run);
     run->t_unwatched = run->state->t;
-    if (run->observer->watch == NULL || !(run->state->t > t_before)) {
-        return;
+    if (run->observer->watch != NULL && step.t_to > step.t_from) {
+        run->observer->watch(run->observer->self, &step);
     }
-    const integrate_step step = {.t_from = t_before,
-                                 .t_to = run->state->t,
-                                 .state = run->state,
-                                 .with = run->stepper,
-                                 .interpolate = run->model->stepper->interpolate,
-                                 .interpolate_lanes = run->model->stepper->interpolate_lanes,
-                                 .look = run->model->stepper->look,
-                                 .candidate = run->model->stepper->candidate};
-    run->observer->watch(run->observer->self, &step);
 }
 
 /* One step, and what happened at its end. */

@@ -14,6 +14,8 @@ typedef struct {
 typedef struct {
     double t_end;           /**< [s] */
     double output_interval; /**< [s] outputs at start + k * output_interval, and at t_end */
+    int per_unit;           /**< > 0: instead where per_unit times a position is whole, and at start and t_end */
+    int position_of;        /**< which position, as of dae.position */
     double tolerance;       /**< relative to dae.scale */
     double max_step;        /**< [s] */
     bool by_stepper;        /**< by dae.stepper, which there is, instead of IDA */
@@ -36,6 +38,15 @@ typedef struct {
     void (*candidate)(const void *with, int index, dae_candidate *candidate);
 } integrate_step;
 
+/** How an output by position came about: on the grid forwards, as start or end off the grid, on the grid backwards. A start or end
+ *  on the grid counts as forwards. */
+typedef enum { OUTPUT_FORWARDS = 0, OUTPUT_OFF_GRID = 1, OUTPUT_BACKWARDS = 2 } output_kind;
+
+typedef struct {
+    double position; /**< on the grid exactly what it should be */
+    output_kind kind;
+} output_mark;
+
 /** An answer to an output: it shows that an event in the step was missed, and the step is made anew, smaller. */
 enum { INTEGRATE_ANEW = 2 };
 
@@ -43,8 +54,9 @@ enum { INTEGRATE_ANEW = 2 };
  *  INTEGRATE_STOPPED. */
 typedef struct {
     void *self;
-    /** grid points in order of time, the start and t_end among them; may answer INTEGRATE_ANEW, with a sentence in `reason` */
-    int (*output)(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH]);
+    /** grid points in order of time, the start and t_end among them; may answer INTEGRATE_ANEW, with a sentence in `reason`.
+     *  mark: of an output by position; NULL by time */
+    int (*output)(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH]);
     int (*event)(void *self, const event_record *record); /**< after it was applied */
     int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */
     /** every step, in order of time: what happens between the outputs; NULL: nobody watches. Always goes on. */
@@ -58,5 +70,8 @@ typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 }
 /** Of output `index`, 0 at the start; the last one is the end itself. */
 double output_grid_time(const integrate_options *options, double t_start, long index);
 
-/** Number of outputs of a whole integration from t_start. */
+/** Number of outputs of a whole integration from t_start; 0 if they go by position: it shows at the end. */
 long output_grid_size(const integrate_options *options, double t_start);
+
+/** What an output by position at a state would be, whether that is on the grid or not. */
+output_mark output_grid_mark(const dae *model, const integrate_options *options, const dae_state *state);

@@ -11,19 +11,6 @@ static const double smallest_step = 64 * DBL_EPSILON;
 static const int most_events_at_once = 1000; /* events without progress in time before giving up */
 static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
 
-static const double grid_slack = 1e-6; /* of an output interval: a grid point this near the end is the end */
-
-double output_grid_time(const integrate_options *options, double t_start, long index)
-{
-    const double t = t_start + (double)index * options->output_interval;
-    return t > options->t_end - grid_slack * options->output_interval ? options->t_end : t;
-}
-
-long output_grid_size(const integrate_options *options, double t_start)
-{
-    return (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
-}
-
 dae_state dae_state_create(const dae *dae, memory_pool *pool)
 {
     return (dae_state){.y = pool_calloc(pool, (size_t)dae->n, sizeof(double)),
@@ -56,6 +43,7 @@ void integration_begin(integration *run)
     run->events = pool_calloc(&run->pool, (size_t)run->model->n_events, sizeof *run->events);
     run->trial = dae_state_create(run->model, &run->pool);
     run->old = dae_state_create(run->model, &run->pool);
+    output_grid_begin(&run->grid, run->model, run->options, run->state);
 }
 
 dae_state integration_borrowed(const integration *run)
@@ -66,18 +54,22 @@ dae_state integration_borrowed(const integration *run)
     return state;
 }
 
-double integration_output_time(const integration *run)
-{
-    return output_grid_time(run->options, run->t_start, run->next_output);
-}
-
-integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed)
+integrate_code integration_give_output(integration *run, const dae_state *state, const output_due *due, bool *missed)
 {
     const integrate_observer *observer = run->observer;
-    const int answer = observer->output == NULL ? 0 : observer->output(observer->self, state, run->reason);
+    const bool has_mark = output_grid_goes_by_position(&run->grid);
+    output_mark mark = {0};
+    if (has_mark) {
+        mark = due == NULL ? output_grid_mark(run->model, run->options, state) : due->mark;
+    }
+    const int answer =
+        observer->output == NULL ? 0 : observer->output(observer->self, state, has_mark ? &mark : NULL, run->reason);
     *missed = answer == INTEGRATE_ANEW;
     if (answer == 0) {
         run->reason[0] = '\0';
+        if (due != NULL) {
+            output_grid_given(&run->grid, due);
+        }
     }
     if (!*missed) {
         return answer == 0 ? INTEGRATE_DONE : INTEGRATE_STOPPED;
@@ -141,7 +133,7 @@ integrate_code integration_apply_event(integration *run, bool time_event)
 integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self)
 {
     bool missed;
-    integrate_code code = integration_give_output(run, run->state, &missed);
+    integrate_code code = integration_give_output(run, run->state, NULL, &missed);
     if (missed) {
         return INTEGRATE_FAILED;
     }
@@ -150,7 +142,7 @@ integrate_code integration_to_the_end(integration *run, const integration_ways *
             code = ways->advance(self);
         }
         if (code == INTEGRATE_DONE) {
-            code = integration_give_output(run, run->state, &missed);
+            code = integration_give_output(run, run->state, NULL, &missed);
         }
         if (missed) {
             const integrate_code taken = ways->redo(self);

@@ -2,7 +2,7 @@
  *  integrate/. */
 #pragma once
 
-#include "integrate/integrate_types.h"
+#include "integrate/output_grid.h"
 
 typedef struct {
     memory_pool pool; /**< of the arrays */
@@ -18,8 +18,8 @@ typedef struct {
     dae_state trial;   /**< what the model is asked at; its discrete state is not used */
     dae_state old;     /**< state before an event */
     double t_start;
-    long next_output; /**< index of the next grid point */
-    double t_event;   /**< of the last event */
+    output_grid grid;
+    double t_event; /**< of the last event */
     double
         t_unwatched; /**< where the step began that the observer has not watched yet; the present time if there is none */
     int events_at_once; /**< there */
@@ -34,16 +34,15 @@ void integration_begin(integration *run);
 /** The trial state with the discrete state of the present one. */
 dae_state integration_borrowed(const integration *run);
 
-/** The next output time; the last one is the end itself. */
-double integration_output_time(const integration *run);
 /** Whether there is room for a step from t to `later`: times that differ by rounding are the same. */
 bool integration_is_later(double later, double t);
 /** Of the present time: the smallest step. */
 double integration_smallest_step(double t);
 
 /** Hand an output to the observer, if it agrees with the discrete state. *missed: it does not, since an event was passed unseen,
- *  and the step that it lies in is to be made anew. */
-integrate_code integration_give_output(integration *run, const dae_state *state, bool *missed);
+ *  and the step that it lies in is to be made anew.
+ *  @param due  NULL: the start or the end */
+integrate_code integration_give_output(integration *run, const dae_state *state, const output_due *due, bool *missed);
 /** Let the observer watch the present state; of a whole integration it is the first thing seen and the last. */
 void integration_watch_state(const integration *run);
 

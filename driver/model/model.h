@@ -60,6 +60,11 @@ bool model_initial_state(const model *model, dae_state *state, model_message *er
  *  @param mesh_position  pitches of the first mesh from the start of contact, where the case starts with 0 */
 bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error);
 
+/** Which of the dae's positions are the pitches of a mesh or, if that is -1, the turns of a wheel. */
+int model_position_of(const model *model, int wheel, int mesh);
+/** Whether anything turns the wheel by which a position goes, or may. */
+bool model_can_pass(const model *model, int position_of, const dae_state *start);
+
 int model_n_warnings(const model *model);
 void model_warning(const model *model, int index, model_message *warning);
 

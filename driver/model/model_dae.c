@@ -90,6 +90,26 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
     return model_answer(model, code, &status, message);
 }
 
+int model_position_of(const model *model, int wheel, int mesh)
+{
+    return mesh < 0 ? wheel : model->sizes.n_wheels + mesh;
+}
+
+bool model_can_pass(const model *model, int position_of, const dae_state *start)
+{
+    const int mesh = position_of - model->sizes.n_wheels;
+    const int wheel = mesh < 0 ? position_of : evl_gearbox_driving_wheel(model->gearbox, mesh);
+    return evl_gearbox_can_turn(model->gearbox, wheel, start->y, start->yp);
+}
+
+static double position(const void *self, int which, const dae_state *state)
+{
+    const model *model = self;
+    const int mesh = which - model->sizes.n_wheels;
+    return mesh < 0 ? evl_gearbox_turns(model->gearbox, which, state->y, state->integers)
+                    : evl_gearbox_pitches(model->gearbox, mesh, state->y, state->integers);
+}
+
 void model_describe_dae(model *model)
 {
     const evl_sizes *sizes = &model->sizes;
@@ -114,6 +134,7 @@ void model_describe_dae(model *model)
         .apply_event = apply_event,
         .watched = watched,
         .roots_and_watched = roots_and_watched,
+        .position = position,
         .n_watched = model_tables()->n_watched * sizes->n_meshes,
         .n_kept = sizes->n_kept,
         .stepper = model_radau(model),

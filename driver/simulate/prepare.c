@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/words.h"
+#include "simulate/positions.h"
 
 #include <stdlib.h>
 
@@ -75,7 +76,14 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
     model_message refusal;
-    return model_initial_state(prepared->model, state, &refusal) || prepare_refuse(prepared, &refusal, error);
+    if (!model_initial_state(prepared->model, state, &refusal)) {
+        return prepare_refuse(prepared, &refusal, error);
+    }
+    const bool good = positions_check_start(prepared, state, error);
+    if (!good) {
+        dae_state_free(state);
+    }
+    return good;
 }
 
 bool prepare_check_start(const prepared_case *prepared, evl_error *error)

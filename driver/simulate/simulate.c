@@ -5,6 +5,7 @@
 #include "integrate/integrate.h"
 #include "simulate/contact_watch.h"
 #include "simulate/invariant_watch.h"
+#include "simulate/positions.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,14 +22,16 @@ typedef struct {
     const simulate_sink *sink;
     contact_watch contact;
     invariant_watch *invariants;
-    double *values; /**< [model_n_values] */
+    positions_watch positions;
+    double *values; /**< [model_n_values + POSITIONS_OUTPUTS] */
     double t_given; /**< model time of the last outputs that the sink got */
     stop_reason stop;
 } simulation;
 
 /** The outputs in s->values, to whoever hears them. @return whether the sink took them */
-static bool give(simulation *s, double t)
+static bool give(simulation *s, double t, const output_mark *mark)
 {
+    positions_take(&s->positions, mark, s->values);
     contact_watch_outputs(&s->contact, s->values);
     invariant_watch_outputs(s->invariants, t, s->values);
     const bool good = s->sink->outputs(s->sink->self, t, s->values);
@@ -37,7 +40,7 @@ static bool give(simulation *s, double t)
     return good;
 }
 
-static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE_LENGTH])
+static int on_output(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH])
 {
     simulation *s = self;
     const int code = model_checked_outputs(s->prepared->model, state, s->values, reason);
@@ -48,7 +51,7 @@ static int on_output(void *self, const dae_state *state, char reason[DAE_MESSAGE
         s->stop = STOP_MODEL;
         return 1;
     }
-    return give(s, state->t) ? 0 : 1;
+    return give(s, state->t, mark) ? 0 : 1;
 }
 
 static int on_event(void *self, const event_record *record)
@@ -88,12 +91,17 @@ static int on_step(void *self, double t)
 }
 
 /** A run that ends early ends with its last good state, if its outputs exist and were not given yet. */
-static void give_last(simulation *s, const dae_state *state)
+static void give_last(simulation *s, const integrate_options *options, const dae_state *state)
 {
     char message[DAE_MESSAGE_LENGTH];
     if (s->stop != STOP_MODEL && s->stop != STOP_SINK && state->t > s->t_given &&
         model_outputs(s->prepared->model, state, s->values, message) == DAE_OK) {
-        (void)give(s, state->t);
+        const dae *model = &model_about(s->prepared->model)->dae;
+        output_mark mark = {0};
+        if (options->per_unit > 0) {
+            mark = output_grid_mark(model, options, state);
+        }
+        (void)give(s, state->t, options->per_unit > 0 ? &mark : NULL);
     }
 }
 
@@ -104,12 +112,19 @@ static void remark_contact(const simulation *s, simulate_result *result)
                              sizeof result->remark);
 }
 
+static void add_remark(const char *text, simulate_result *result)
+{
+    const size_t length = strlen(result->remark);
+    if (text[0] != '\0') {
+        (void)snprintf(result->remark + length, sizeof result->remark - length, "%s%s", length > 0 ? "; " : "", text);
+    }
+}
+
 /** A vibration that feeds itself begins with what the tolerance leaves of it: the user has to know. */
 static void remark_growth(const dae_growth *growth, simulate_result *result)
 {
     const double size = hypot(growth->rate, growth->frequency);
-    const size_t length = strlen(result->remark);
-    char how[80];
+    char how[80], text[DAE_MESSAGE_LENGTH];
     if (!(growth->rate > 0.0)) {
         return;
     }
@@ -119,18 +134,29 @@ static void remark_growth(const dae_growth *growth, simulate_result *result)
     } else {
         (void)snprintf(how, sizeof how, "a motion feeds itself: it grows by %.4g 1/s", growth->rate);
     }
-    (void)snprintf(
-        result->remark + length, sizeof result->remark - length,
-        "%s%s at t = %.4g s; steps were shortened for it, but it grows from less than the tolerance, so when "
-        "it comes up is uncertain",
-        length > 0 ? "; " : "", how, growth->t);
+    (void)snprintf(text, sizeof text,
+                   "%s at t = %.4g s; steps were shortened for it, but it grows from less than the tolerance, so when "
+                   "it comes up is uncertain",
+                   how, growth->t);
+    add_remark(text, result);
+}
+
+/** A run that came less far than its outputs are made for. */
+static void remark_positions(const positions_watch *positions, simulate_result *result)
+{
+    char text[DAE_MESSAGE_LENGTH];
+    positions_remark(positions, text, sizeof text);
+    add_remark(text, result);
 }
 
 integrate_options simulate_options(const prepared_case *prepared)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    const positions_rule rule = positions_of(prepared);
     return (integrate_options){.t_end = simulation->duration,
                                .output_interval = simulation->output_interval,
+                               .per_unit = rule.number,
+                               .position_of = rule.position_of,
                                .tolerance = simulation->tolerance,
                                .max_step = simulation->max_step,
                                .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
@@ -139,8 +165,12 @@ integrate_options simulate_options(const prepared_case *prepared)
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
 {
     *result = (simulate_result){.end = SIMULATE_DONE};
-    OWNED double *values = xcalloc((size_t)model_about(prepared->model)->n_values, sizeof *values);
-    simulation s = {.prepared = prepared, .sink = sink, .values = values, .t_given = -1.0};
+    OWNED double *values = xcalloc((size_t)model_about(prepared->model)->n_values + POSITIONS_OUTPUTS, sizeof *values);
+    simulation s = {.prepared = prepared,
+                    .sink = sink,
+                    .positions = {.rule = positions_of(prepared)},
+                    .values = values,
+                    .t_given = -1.0};
     const integrate_options options = simulate_options(prepared);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
@@ -157,8 +187,9 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     if (code == INTEGRATE_DONE) {
         remark_contact(&s, result);
         remark_growth(&result->counts.growth, result);
+        remark_positions(&s.positions, result);
     } else {
-        give_last(&s, state);
+        give_last(&s, &options, state);
         result->end = s.stop == STOP_SINK          ? SIMULATE_SINK_FAILED
                       : s.stop == STOP_INTERRUPTED ? SIMULATE_INTERRUPTED
                                                    : SIMULATE_FAILED;

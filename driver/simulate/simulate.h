@@ -9,7 +9,8 @@
 /** Where the outputs of a simulation go. A procedure that returns false ends the simulation with SIMULATE_SINK_FAILED. */
 typedef struct {
     void *self;
-    bool (*outputs)(void *self, double t, const double *values); /**< [model_n_values], in order of time */
+    /** values: [model_n_values], in order of time; behind them, of outputs by position, those of positions_describe */
+    bool (*outputs)(void *self, double t, const double *values);
     bool (*event)(void *self, const event_record *record);
     void (*step)(void *self, double t); /**< now and then, between steps: how far it is; NULL: nobody asks */
     extremes *extremes;                 /**< to be found between the outputs; NULL: none */
@@ -28,7 +29,8 @@ typedef struct {
     double t; /**< where it ended [s] */
     integrate_counts counts;
     char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
-    /** What deserves a word at the end: contact lost for good, a vibration that feeds itself; "" if nothing does. */
+    /** What deserves a word at the end: contact lost for good, a vibration that feeds itself, a motion too short for its outputs
+     *  by position; "" if nothing does. */
     char remark[DAE_MESSAGE_LENGTH];
     /** Energy that appeared or got lost, over what was put in or is there; NaN if that is nothing. */
     double energy_residual;

@@ -18,8 +18,7 @@ module evl_case_table
    use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
    use evl_row, only: join_words, kind_t, not_negative, positive, range_t, row_t, type_block, type_choice, type_integer, &
-                      type_list, &
-                      type_map, type_number, type_reference, type_text, type_triple
+                      type_list, type_map, type_number, type_reference, type_text, type_triple
    use evl_shaft, only: shaft_rows
    use evl_support, only: support_kind_t
    use evl_support_kinds, only: support_of_kind
@@ -27,6 +26,8 @@ module evl_case_table
    private
 
    public :: case_table, kinds_of
+
+   type(range_t), parameter :: some_outputs = range_t(1.0_wp, 1000000.0_wp) !! a position
 
    type(row_t), parameter :: case_rows(*) = [ &
                              row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
@@ -45,8 +46,9 @@ module evl_case_table
 
    type(row_t), parameter :: simulation_rows(*) = [ &
                             row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true.), &
-               row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration", range=positive, &
-                                   required=.true.), &
+             row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration; or else `output`", &
+                                   range=positive), &
+                  row_t("output", type_block, "", "where outputs stand: one of interval, per_pitch and per_turn", holds="output"), &
                              row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
                                    range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
                             row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &
@@ -57,6 +59,14 @@ module evl_case_table
                           "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
                                    //" not mounted, where it is taken unless this says ida", &
                                    words="ida radau")]
+
+   type(row_t), parameter :: output_rows(*) = [ &
+                             row_t("interval", type_number, "s", "the same as `output_interval`", range=positive), &
+                             row_t("per_pitch", type_integer, "", "outputs in a pitch of a mesh", range=some_outputs), &
+                             row_t("mesh", type_reference, "", "the mesh by whose driving wheel the pitches go", holds="meshes", &
+                                   variants="+per_pitch"), &
+                             row_t("per_turn", type_integer, "", "outputs in a turn of a wheel", range=some_outputs), &
+                             row_t("wheel", type_reference, "", "the wheel that turns", holds="wheels", variants="+per_turn")]
 
    type(row_t), parameter :: numbers_rows(*) = [ &
                              row_t("from", type_number, "s", "the window begins with the first whole period from here on; half of" &
@@ -103,6 +113,7 @@ contains
       call put("mount", mount_rows)
       call put("accelerometer", accelerometer_rows)
       call put("simulation", simulation_rows)
+      call put("output", output_rows)
       call put("initial", initial_rows)
       call put("numbers", numbers_rows)
       call put_kinds("contact", [row_t("law", type_choice, "", "law of the normal elastic force", default="johnson")])

@@ -27,8 +27,9 @@ typedef struct {
     double complaints;                            /* of events that were missed */
 } record;
 
-static int on_output(void *self, const dae_state *state, char *reason)
+static int on_output(void *self, const dae_state *state, const output_mark *mark, char *reason)
 {
+    (void)mark;
     record *r = self;
     /* from 0.5 on it is content after so many complaints */
     if (state->t > 0.5 && r->complaints > 0) {

@@ -68,9 +68,9 @@ static void on_watch(void *self, const integrate_step *step)
     r->sense = sense == 0 ? r->sense : sense;
 }
 
-static int on_output(void *self, const dae_state *state, char *reason)
+static int on_output(void *self, const dae_state *state, const output_mark *mark, char *reason)
 {
-    (void)self, (void)state, (void)reason;
+    (void)self, (void)state, (void)mark, (void)reason;
     return 0;
 }
 

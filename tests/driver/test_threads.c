@@ -49,8 +49,9 @@ static void put(tape *tape, const double *values, int n)
 static void integrate_alone(case_run *run);
 static void forget(case_run *run);
 
-static int on_output(void *self, const dae_state *state, char *reason)
+static int on_output(void *self, const dae_state *state, const output_mark *mark, char *reason)
 {
+    (void)mark;
     case_run *run = self;
     const int code = model_checked_outputs(run->prepared.model, state, run->values, reason);
     if (code != DAE_OK) {

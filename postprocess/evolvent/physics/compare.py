@@ -13,6 +13,7 @@ from evolvent.history import source_name
 # Two times are one if they differ by less than this part of the output interval: the same multiple
 # of an interval can be rounded differently.
 SAME_TIME = 1e-6
+FORWARDS, OFF_GRID = 0, 1  # output_kind: passed in the nominal sense; not on the grid
 SETTINGS = ("tracking",)  # choices, not results
 # When an extreme is reached is a matter of rounding where a curve is flat, or has equal peaks.
 EXTREME_TIMES = ("_max_time", "_min_time")
@@ -22,8 +23,10 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     """Find the largest difference of every variable that both histories have.
 
     On the times that both have; if these are fewer than half of the coarser grid, the second is
-    interpolated linearly to the times of the first (integers: the last value before). A value
-    missing in one history only is an infinite difference, but what one of them lacks at all times,
+    interpolated linearly to the times of the first (integers: the last value before). Where outputs
+    of both go by the same pitches or turns, on the positions that both passed, at whatever times:
+    all of them if they passed the same ones in the same order, else the first time forwards. A
+    value missing in one history only is an infinite difference, but what one lacks at all times,
     such as tracked points in closed form, is left out. How contact was tracked is not compared.
 
     Parameters
@@ -50,7 +53,7 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
                 f"{source_name(second)}: its {dim} names are {', '.join(names[1])}, those of "
                 f"{source_name(first)} are {', '.join(names[0])}; only like runs can be compared"
             )
-    one, two, how = _on_common_times(first, second)
+    one, two, how = _on_common_positions(first, second) or _on_common_times(first, second)
     differences: dict[str, dict[str, Any]] = {}
     lacking: dict[str, list[str]] = {"only_in_first": [], "only_in_second": []}
     for name in dict.fromkeys(str(n) for n in [*first.data_vars, *second.data_vars]):
@@ -69,6 +72,22 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
         coords={"variable": list(differences)},
         attrs={"times": how, "n_times": one.sizes["time"], **told},
     )
+
+
+def _on_common_positions(
+    first: xr.Dataset, second: xr.Dataset
+) -> tuple[xr.Dataset, xr.Dataset, str] | None:
+    told = [[h.attrs.get(key) for key in ("output_per", "output_of")] for h in (first, second)]
+    if told[0] != told[1] or None in told[0]:
+        return None
+    one, two = (h.isel(time=h["output_kind"].values != OFF_GRID) for h in (first, second))
+    if not np.array_equal(one["output_position"], two["output_position"]):
+        one, two = (h.isel(time=h["output_kind"].values == FORWARDS) for h in (one, two))
+        places = one["output_position"].values, two["output_position"].values
+        _, of_one, of_two = np.intersect1d(*places, return_indices=True)
+        one, two = one.isel(time=of_one), two.isel(time=of_two)
+    n = one.sizes["time"]
+    return (one, two, f"the {n} positions that both have") if n > 1 else None
 
 
 def _on_common_times(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, str]:

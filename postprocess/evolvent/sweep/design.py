@@ -31,7 +31,8 @@ LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each cas
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TEXT = h5py.string_dtype("utf-8")
 # Attributes of the file by the names of their fields.
-TEXTS, NUMBERS = ("title", "case", "plan", "method"), ("n_cases", "history_every", "seed")
+TEXTS = ("title", "case", "plan", "method")
+NUMBERS = ("n_cases", "history_every", "history_rows", "seed")
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,7 @@ class Design:
     # What an analysis has to know of the samples: names of the sampled parameters and such.
     sampling: dict[str, Any] = field(default_factory=dict)
 
+    history_rows: int = 0  # kept of outputs by position; 0 where outputs go by time
     given_hash: str = ""  # of a design that another program made
 
     @property
@@ -83,6 +85,7 @@ class Design:
         head = [self.case, list(self.window), list(self.history_variables), self.history_every]
         if self.numbers:  # designs from before there were any keep their hash
             head.append(list(self.numbers))
+        head += [self.history_rows] if self.history_rows else []
         digest.update(json.dumps(head).encode())
         for p in self.parameters:
             digest.update(json.dumps([p.path, p.name, str(p.values.dtype), p.values.size]).encode())
@@ -176,7 +179,8 @@ def _read(file: h5py.File) -> Design:
         derived = bool(column.attrs.get("derived", 0))
         parameters.append(Parameter(name, path, units, values, derived))
     # Designs of other programs have only what a batch needs.
-    attrs = {"plan": "", "method": "list", "seed": 0, "sampling": "{}", "numbers": "", **file.attrs}
+    absent = {"plan": "", "method": "list", "seed": 0, "sampling": "{}", "numbers": ""}
+    attrs = {**absent, "history_rows": 0, **file.attrs}
     begin, end = (float(t) for t in attrs["window"])
     texts: dict[str, Any] = {name: str(attrs[name]) for name in TEXTS}
     numbers: dict[str, Any] = {name: int(attrs[name]) for name in NUMBERS}

@@ -1,4 +1,4 @@
-"""The histories of all cases as variables (case, time) of a summary.
+"""The histories of all cases as variables (case, time) or (case, output_position) of a summary.
 
 The shards hold them, a row a case. A summary refers to the rows as virtual datasets, or copies
 them: reading copies is faster, and they outlive the shards.
@@ -64,8 +64,9 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
         try:
             with h5py.File(path, "r") as source:
                 cases = source["case"][:]
-                if not np.array_equal(source["time"][:], file["time"][:]):
-                    raise SweepError(f"{path}: has other output times than the other shards")
+                axis = "output_position" if "output_position" in source else "time"
+                if axis not in file or not np.array_equal(source[axis][:], file[axis][:]):
+                    raise SweepError(f"{path}: has other outputs than the other shards")
         except (OSError, KeyError) as error:
             raise _unreadable(path, error) from error
         # Rows of missing cases are empty. Several shards have a row of a case only if the folder

@@ -38,6 +38,7 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
         numbers=spec.numbers,
         history_variables=spec.history_variables,
         history_every=spec.history_every,
+        history_rows=spec.history_rows,
         plan=spec.text,
         method=spec.method,
         seed=spec.seed,

@@ -70,6 +70,7 @@ class Spec:
     numbers: tuple[str, ...]
     history_variables: tuple[str, ...]
     history_every: int
+    history_rows: int  # 0: not given
 
 
 def read_spec(path: Path) -> Spec:
@@ -105,7 +106,7 @@ def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
         raise SweepError("parameters: must be a list of at least one parameter")
     entries = tuple(_entry(e, f"parameters.{i}", method) for i, e in enumerate(given))
     check_unique(entries)
-    histories = _mapping(top.get("histories", {}), "histories", ("variables", "every"))
+    histories = _mapping(top.get("histories", {}), "histories", ("variables", "every", "rows"))
     variables = _strings(histories.get("variables", []), "histories.variables")
     return Spec(
         source=path,
@@ -122,6 +123,7 @@ def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
         numbers=_strings(top.get("numbers", []), "numbers"),
         history_variables=variables,
         history_every=_whole(histories.get("every", 1), "histories.every", 1),
+        history_rows=_whole(histories["rows"], "histories.rows", 1) if "rows" in histories else 0,
     )
 
 

@@ -309,6 +309,18 @@ EVL_API int evl_gearbox_roots_and_watched(const evl_gearbox *gearbox, const doub
                                           const double *reals, double near, const double *highest, double *kept,
                                           double *roots, double *values, evl_status *status);
 
+/* ---- outputs by position ----------------------------------------------------------------------------------------------------- */
+
+/** The driving wheel of a mesh. */
+EVL_API int evl_gearbox_driving_wheel(const evl_gearbox *gearbox, int mesh);
+/** Whether anything turns a wheel, or may: a wheel that moves at the start [n_states], a load, the housing. */
+EVL_API bool evl_gearbox_can_turn(const evl_gearbox *gearbox, int wheel, const double *y, const double *yp);
+/** Pitches of the driving wheel of a mesh from where its tooth pair 0, unloaded, is at the start of contact, the position of the
+ *  static analysis; growing in the nominal sense of that wheel. Linear in y while the integers stay. */
+EVL_API double evl_gearbox_pitches(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers);
+/** Turns of a wheel since its start position, growing in its nominal sense; likewise linear. */
+EVL_API double evl_gearbox_turns(const evl_gearbox *gearbox, int wheel, const double *y, const int *integers);
+
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
 
 /** Discrete state of the tooth pair that has been longest on the path of a mesh's drive flank. */

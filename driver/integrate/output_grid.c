@@ -1,0 +1,53 @@
+#include "integrate/output_grid.h"
+
+#include "integrate/integration.h"
+
+static const double grid_slack = 1e-6; /* of an output interval: a grid point this near the end is the end */
+
+double output_grid_time(const integrate_options *options, double t_start, long index)
+{
+    const double t = t_start + (double)index * options->output_interval;
+    return t > options->t_end - grid_slack * options->output_interval ? options->t_end : t;
+}
+
+long output_grid_size(const integrate_options *options, double t_start)
+{
+    return options->per_unit > 0 ? 0 : (long)((options->t_end - t_start) / options->output_interval - grid_slack) + 2;
+}
+
+void output_grid_begin(output_grid *grid, const dae *model, const integrate_options *options, const dae_state *start)
+{
+    *grid = (output_grid){.options = options, .t_start = start->t, .next = 1};
+    if (output_grid_goes_by_position(grid)) {
+        position_grid_begin(&grid->positions, model, options, start);
+    }
+}
+
+bool output_grid_goes_by_position(const output_grid *grid)
+{
+    return grid->options->per_unit > 0;
+}
+
+double output_grid_next(const output_grid *grid)
+{
+    return output_grid_time(grid->options, grid->t_start, grid->next);
+}
+
+bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *room, output_due *due)
+{
+    *due = (output_due){.has_mark = output_grid_goes_by_position(grid)};
+    if (due->has_mark) {
+        return position_grid_next(&grid->positions, step, room, &due->t, &due->mark);
+    }
+    due->t = output_grid_next(grid);
+    return !integration_is_later(due->t, step->t_to) && due->t < grid->options->t_end;
+}
+
+void output_grid_given(output_grid *grid, const output_due *due)
+{
+    if (due->has_mark) {
+        position_grid_given(&grid->positions, due->t, &due->mark);
+    } else {
+        grid->next++;
+    }
+}

@@ -1,0 +1,89 @@
+#include "simulate/positions.h"
+
+#include <stdio.h>
+
+positions_rule positions_of(const prepared_case *prepared)
+{
+    const description *description = case_description(prepared->file);
+    const position_description *by = &description->simulation.output_by;
+    const bool by_mesh = by->mesh >= 0;
+    if (by->number == 0) {
+        return (positions_rule){.per = NULL};
+    }
+    return (positions_rule){.per = by_mesh ? "pitch" : "turn",
+                            .number = by->number,
+                            .what = by_mesh ? "mesh" : "wheel",
+                            .of = by_mesh ? description->meshes[by->mesh] : description->wheels[by->wheel],
+                            .position_of = model_position_of(prepared->model, by->wheel, by->mesh),
+                            .n_values_before = model_about(prepared->model)->n_values};
+}
+
+void positions_describe(const positions_rule *rule, memory_pool *pool, model_output outputs[POSITIONS_OUTPUTS])
+{
+    const bool by_mesh = rule->what[0] == 'm';
+    const char *position =
+        by_mesh ? pool_printf(pool, "pitches of the driving wheel of mesh '%s' since tooth pair 0's start of contact",
+                              rule->of)
+                : pool_printf(pool, "turns of wheel '%s' since its start position", rule->of);
+    outputs[POSITIONS_PLACE] = (model_output){.name = "output_position",
+                                              .units = "1",
+                                              .symbol = by_mesh ? "xi" : "phi/(2 pi)",
+                                              .long_name = position,
+                                              .dims = "",
+                                              .offset = rule->n_values_before + POSITIONS_PLACE,
+                                              .count = 1};
+    outputs[POSITIONS_KIND] =
+        (model_output){.name = "output_kind",
+                       .units = "1",
+                       .symbol = "",
+                       .long_name = "0 a grid position reached in the nominal sense, 1 the start or end of the run off "
+                                    "the grid, 2 a grid position passed turning back",
+                       .dims = "",
+                       .is_integer = true,
+                       .offset = rule->n_values_before + POSITIONS_KIND,
+                       .count = 1};
+}
+
+bool positions_check_start(const prepared_case *prepared, const dae_state *start, evl_error *error)
+{
+    const positions_rule rule = positions_of(prepared);
+    if (rule.per == NULL || model_can_pass(prepared->model, rule.position_of, start)) {
+        return true;
+    }
+    OWNED char *field = xasprintf("simulation.output.%s", rule.what);
+    OWNED char *message = xasprintf("nothing turns %s%s '%s': no speed at the start, no load and no speed that a load "
+                                    "prescribes; give one, or outputs by time (output_interval)",
+                                    rule.what[0] == 'm' ? "the driving wheel of " : "", rule.what, rule.of);
+    return case_refuse(prepared->file, field, message, error);
+}
+
+void positions_take(positions_watch *watch, const output_mark *mark, double *values)
+{
+    if (mark == NULL) {
+        return;
+    }
+    values[watch->rule.n_values_before + POSITIONS_PLACE] = mark->position;
+    values[watch->rule.n_values_before + POSITIONS_KIND] = mark->kind;
+    if (!watch->has_started) {
+        watch->has_started = true;
+        watch->first = mark->position;
+    } else {
+        watch->forwards += mark->kind == OUTPUT_FORWARDS;
+        watch->backwards += mark->kind == OUTPUT_BACKWARDS;
+    }
+    watch->last = mark->position;
+}
+
+void positions_remark(const positions_watch *watch, char *text, size_t length)
+{
+    const positions_rule *rule = &watch->rule;
+    if (rule->per == NULL || watch->forwards >= rule->number) {
+        text[0] = '\0';
+        return;
+    }
+    (void)snprintf(
+        text, length,
+        "output by %s: %s %s went %.4g %s%s, from %.4g to %.4g, less than one: %ld position%s forwards, %ld back",
+        rule->per, rule->what, rule->of, watch->last - watch->first, rule->per, rule->what[0] == 'm' ? "es" : "s",
+        watch->first, watch->last, watch->forwards, watch->forwards == 1 ? "" : "s", watch->backwards);
+}

@@ -1,0 +1,38 @@
+/** Outputs by position: what a history has of them, and what is to be said of them at the end. */
+#pragma once
+
+#include "integrate/integrate_types.h"
+#include "simulate/prepare.h"
+
+/** Behind the outputs of the model come those of the grid, where outputs go by position. */
+enum { POSITIONS_PLACE, POSITIONS_KIND, POSITIONS_OUTPUTS };
+
+/** What outputs go by. */
+typedef struct {
+    const char *per;     /**< "pitch" or "turn"; NULL: they go by time */
+    int number;          /**< of them in one */
+    const char *what;    /**< "mesh" or "wheel" */
+    const char *of;      /**< its name */
+    int position_of;     /**< as of integrate_options */
+    int n_values_before; /**< of the model */
+} positions_rule;
+positions_rule positions_of(const prepared_case *prepared);
+
+/** The outputs of the grid, with texts in a pool. */
+void positions_describe(const positions_rule *rule, memory_pool *pool, model_output outputs[POSITIONS_OUTPUTS]);
+
+/** Refuse a wheel that nothing can turn. @return false with the reason in `error` */
+bool positions_check_start(const prepared_case *prepared, const dae_state *start, evl_error *error);
+
+/** What happened so far. */
+typedef struct {
+    positions_rule rule;
+    long forwards, backwards; /**< positions on the grid, without the start */
+    double first, last;       /**< position at the start, and of the last output */
+    bool has_started;
+} positions_watch;
+
+/** Take an output, and put down its values behind those of the model. mark: NULL if outputs go by time: nothing happens. */
+void positions_take(positions_watch *watch, const output_mark *mark, double *values);
+/** Say how far it came, if that is less than a pitch or turn; else "". */
+void positions_remark(const positions_watch *watch, char *text, size_t length);
