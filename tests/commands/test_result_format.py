@@ -187,6 +187,29 @@ def test_the_documentation_lists_what_shafts_add(
     assert documented(text.split("## Shafts")[1].split("## A housing")[0]) == added
 
 
+def test_the_documentation_lists_what_outputs_by_position_add(
+    evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
+) -> None:
+    text = (root / "docs" / "result_format.md").read_text()
+    section = text.split("## Outputs by position")[1].split("\n## ")[0]
+    evolvent("run", case, *SHORT)
+    with xr.open_dataset(tmp_path / "paper.h5") as history:
+        plain = set(history.data_vars)
+    before = set(attributes(tmp_path / "paper.h5"))
+    output = "{per_turn: 500, wheel: gear}"
+    start = "{kind: speeds, speeds: {pinion: -0.3, gear: 0.2}}"
+    evolvent(
+        "run", case, "--set", f"simulation={{duration: 1, output: {output}, initial: {start}}}"
+    )
+    with xr.open_dataset(tmp_path / "paper.h5") as history:
+        added = {str(n): v.dims for n, v in history.data_vars.items() if n not in plain}
+        assert history["output_kind"].dtype.kind == "i"
+    assert documented(section) == added
+    told = set(attributes(tmp_path / "paper.h5")) - before
+    assert told == {"output_per", "output_number", "output_of"}
+    assert all(f"`{name}`" in section for name in told)
+
+
 def test_the_documentation_lists_the_attributes_that_a_history_has(
     evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
 ) -> None:

@@ -138,3 +138,36 @@ def test_a_history_without_output_is_refused(smooth_run, swap):
     pair = [smooth_run.history, smooth_run.history.isel(time=slice(0, 0))]
     with pytest.raises(HistoryError, match="has no output"):
         compare_histories(*(reversed(pair) if swap else pair))
+
+
+def _by_pitch(history: xr.Dataset, rows: list[int], kinds: list[int], of: str) -> xr.Dataset:
+    """Make a history with outputs by position of some rows, which stand at whole positions."""
+    some = history.isel(time=rows)
+    position = [row / 10 for row in rows]
+    return some.assign(
+        output_position=("time", position), output_kind=("time", kinds)
+    ).assign_attrs(output_per="pitch", output_number=1, output_of=of)
+
+
+def test_outputs_by_position_are_compared_where_both_were_at_whatever_times(friction_run):
+    history = friction_run.history
+    one = _by_pitch(history, [10, 20, 30, 40, 47], [0, 0, 0, 0, 1], "pinion-gear")
+    late = one.assign_coords(time=one["time"].values * 1.3)
+    same = compare_histories(one, late)
+    assert same.attrs["times"] == "the 4 positions that both have"
+    assert float(same["absolute"].max()) == 0.0
+    # another motion: it turned back, came again, and went less far
+    other = _by_pitch(history, [10, 20, 25, 30], [0, 0, 2, 0], "pinion-gear")
+    other = other.assign_coords(time=other["time"].values * 1.3)
+    result = compare_histories(one, other)
+    assert result.attrs["times"] == "the 3 positions that both have"
+    assert _row(result, "angular_velocity")[0] == 0.0
+
+
+def test_outputs_by_positions_of_others_are_compared_over_time(friction_run):
+    history = friction_run.history
+    one = _by_pitch(history, [10, 20, 30], [0, 0, 0], "pinion-gear")
+    for other in (_by_pitch(history, [10, 20, 30], [0, 0, 0], "another"), history):
+        result = compare_histories(one, other)
+        assert "times" in result.attrs["times"]
+        assert float(result.sel(variable="angular_velocity")["absolute"]) < 1e-9
