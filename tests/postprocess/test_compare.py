@@ -140,6 +140,14 @@ def test_a_history_without_output_is_refused(smooth_run, swap):
         compare_histories(*(reversed(pair) if swap else pair))
 
 
+def test_numbers_of_a_whole_run_are_compared(smooth_run):
+    """They have no dimension, as those over whole periods have none of a gearbox."""
+    one = smooth_run.history.assign(number_periods=((), 8.0))
+    two = smooth_run.history.assign(number_periods=((), 9.0))
+    assert _row(compare_histories(one, two), "number_periods") == (1.0, 1 / 9, "")
+    assert _row(compare_histories(one, one), "number_periods")[0] == 0.0
+
+
 def _by_pitch(history: xr.Dataset, rows: list[int], kinds: list[int], of: str) -> xr.Dataset:
     """Make a history with outputs by position of some rows, which stand at whole positions."""
     some = history.isel(time=rows)

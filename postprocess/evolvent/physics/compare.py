@@ -130,7 +130,7 @@ def _largest_difference(name: str, first: xr.DataArray, second: xr.DataArray) ->
     if one.size == 0:
         return none
     with np.errstate(invalid="ignore"):
-        difference = np.abs(one - two)
+        difference = np.asarray(np.abs(one - two))  # a number of the whole run has no dimension
     difference[np.isnan(difference)] = np.inf
     difference[(one == two) | (np.isnan(one) & np.isnan(two))] = 0.0
     if "time" in first.dims:
