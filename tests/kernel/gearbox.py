@@ -460,6 +460,24 @@ class Gearbox:
 
     # ---- outputs
 
+    def pitches(self, state: State, mesh: int = 0) -> float:
+        """Pitches of the driving wheel of a mesh."""
+        ask = self.library.evl_gearbox_pitches
+        ask.restype = _double
+        return float(ask(self.handle, mesh, _at(state.y), _at(state.integers)))
+
+    def turns(self, state: State, wheel: int = 0) -> float:
+        """Turns of a wheel in its nominal sense."""
+        ask = self.library.evl_gearbox_turns
+        ask.restype = _double
+        return float(ask(self.handle, wheel, _at(state.y), _at(state.integers)))
+
+    def can_turn(self, state: State, wheel: int = 0) -> bool:
+        """Whether anything turns a wheel from this state on."""
+        ask = self.library.evl_gearbox_can_turn
+        ask.restype = ctypes.c_bool
+        return bool(ask(self.handle, wheel, _at(state.y), _at(state.yp)))
+
     def values(self, state: State, *, check: bool = False) -> Floats:
         """All outputs in one array, as the kernel fills it; with `check` modes have to agree."""
         result = np.empty(self.sizes.n_values)

@@ -304,3 +304,32 @@ def test_a_run_that_fails_ends_with_a_row_off_the_grid(runs: Runs):
     assert done.exit_code == 4
     check_grid(done.history, 16)
     assert done.history["output_kind"].values[-1] == OFF_GRID
+
+
+@pytest.mark.parametrize(
+    ("example", "mesh"), [("spur-pair.yaml", "pinion-gear"), ("two-stage-gears.yaml", "second")]
+)
+def test_sums_over_rows_are_the_harmonics_that_the_run_found(
+    runs: Runs, examples: Path, example: str, mesh: str
+):
+    """Numbers are integrals over time and know no rows: both count pitches from one place."""
+    case = yaml.safe_load((examples / example).read_text(encoding="utf-8"))
+    numbers = {"from": 0.01, "pitches_of": mesh}
+    case["simulation"] = by({"per_pitch": 512, "mesh": mesh}, duration=0.03, numbers=numbers)
+    history = run(runs, case).history
+    begin, end = (float(history[f"window_{side}"]) for side in ("begin", "end"))
+    time, place = history["time"].values, history["output_position"].values
+    # The window begins and ends at whole pitches, to the rounding of times.
+    inside = (time > begin - 1e-12) & (time < end - 1e-12)
+    np.testing.assert_array_equal(place[inside][[0, -1]] % 1.0, [0.0, 511 / 512])
+    assert np.all(history["output_kind"].values[inside] == FORWARDS)
+    error = history.sel(mesh=mesh)["transmission_error"].values[inside]
+    waves = np.exp(2j * np.pi * np.outer(np.arange(1, 11), place[inside]))
+    found = 2 * waves @ error / error.size
+    amplitude, phase = (
+        history.sel(mesh=mesh)[f"window_transmission_error_{part}"].values
+        for part in ("amplitude", "phase")
+    )
+    # 512 samples a pitch see what lies above the 256th order as something below it.
+    wanted = amplitude * np.exp(1j * phase)
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=2e-4 * amplitude.max())
