@@ -103,8 +103,12 @@ static const dae_state *state_of(const ida_session *s, const output_due *due, da
 static integrate_code give_outputs(ida_session *s, double t_from, bool *missed)
 {
     integration *run = s->run;
-    const integrate_step step = {
-        .t_from = t_from, .t_to = run->state->t, .state = run->state, .with = s, .interpolate = ida_interpolate};
+    const integrate_step step = {.t_from = t_from,
+                                 .t_to = run->state->t,
+                                 .continues = s->continues,
+                                 .state = run->state,
+                                 .with = s,
+                                 .interpolate = ida_interpolate};
     dae_state between = integration_borrowed(run);
     output_due due;
     integrate_code code = INTEGRATE_DONE;

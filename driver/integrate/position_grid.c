@@ -7,6 +7,7 @@
 enum { DEGREE = DAE_DENSE_DEGREE, N = DEGREE + 1, MOST_HALVINGS = 48, MOST_TRIALS = 100 };
 
 static const double on_grid = 1e-9;             /* steps of the grid: so near to it is on it */
+static const double many_reaches = 4;           /* of how far a step goes, or would at the speed before */
 static const double rounding = 8 * DBL_EPSILON; /* of a position */
 
 /** A step that is searched. */
@@ -190,6 +191,21 @@ void position_grid_begin(position_grid *grid, const dae *model, const integrate_
     grid->place = settle(place_of(model, options->per_unit, options->position_of, start));
 }
 
+/** Whether nothing of the grid is near a short step, to `end`, of a motion that went on. */
+static bool is_far(const position_grid *grid, moment from, double end, double span)
+{
+    const double reach = many_reaches * fmax(fabs(end - from.u), grid->speed * span);
+    return floor(fmax(from.u, end) + reach + on_grid) < ceil(fmin(from.u, end) - reach - on_grid);
+}
+
+/** Nothing else was passed until t. */
+static void leave(position_grid *grid, double t, double place, double span)
+{
+    grid->speed = fabs(place - grid->place) / span;
+    grid->t = t;
+    grid->place = settle(place);
+}
+
 bool position_grid_next(position_grid *grid, const integrate_step *step, dae_state *room, double *t, output_mark *mark)
 {
     const search s = {grid, step, room};
@@ -197,17 +213,22 @@ bool position_grid_next(position_grid *grid, const integrate_step *step, dae_sta
     if (!(step->t_to > from.t)) {
         return false;
     }
-    double c[N];
-    for (int i = 0; i < N; i++) {
-        c[i] = place_at(&s, i == DEGREE ? step->t_to : from.t + i * (step->t_to - from.t) / DEGREE);
+    const double end = place_at(&s, step->t_to), span = step->t_to - from.t;
+    if (step->continues && is_far(grid, from, end, span)) {
+        leave(grid, step->t_to, end, span);
+        return false;
     }
+    double c[N];
+    for (int i = 0; i < DEGREE; i++) {
+        c[i] = place_at(&s, from.t + i * span / DEGREE);
+    }
+    c[DEGREE] = end;
     const moment to = {step->t_to, settle(c[DEGREE])};
     bernstein_of_values(c);
     if (find(&s, from, to, c, MOST_HALVINGS, t, mark)) {
         return true;
     }
-    grid->t = to.t;
-    grid->place = to.u;
+    leave(grid, to.t, to.u, span);
     return false;
 }
 

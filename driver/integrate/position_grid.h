@@ -1,7 +1,8 @@
 /** Which positions of a grid a motion passes, and when. Private to integrate/.
  *
  *  The position is a polynomial in each step. Its coefficients in Bernstein's form bound it from both sides: a part of the step in
- *  which they rise or fall all the way has no turning point, others are halved. So a turn within a step is not missed. */
+ *  which they rise or fall all the way has no turning point, others are halved. So a turn within a step is not missed. A short step
+ *  that goes on from one before is searched only if the grid is within several times the reach of both. */
 #pragma once
 
 #include "integrate/integrate_types.h"
@@ -12,6 +13,7 @@ typedef struct {
     double t_end;
     double t;     /**< up to here it is known what was passed */
     double place; /**< there, in steps of the grid: whole on it */
+    double speed; /**< mean one of the step before, either way */
 } position_grid;
 
 void position_grid_begin(position_grid *grid, const dae *model, const integrate_options *options,
