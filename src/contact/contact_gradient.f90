@@ -47,33 +47,36 @@ contains
       real(wp), intent(in), dimension(n_local) :: d_elastic, d_viscous !! of both forces
       real(wp), intent(in) :: loss(n_local)                           !! as of `loss_change`
       type(mesh_force_gradient), intent(out) :: gradient
-      real(wp), dimension(n_local) :: d_normal, d_friction, d_tangential
+      real(wp) :: d_normal(n_local), d_tangential(n_local), d_friction, slip
+      integer :: j
 
-      associate (point => at%point, force => at%force, elastic => at%elastic, viscous => at%viscous)
-         gradient%dissipation = -loss
+      associate (point => at%point, force => at%force, elastic => at%elastic, viscous => at%viscous, sigma => contact%pair%sigma)
          if (at%mode%flanks == flanks_unloaded) then
             gradient%torque_a = 0
             gradient%torque_b = 0
             gradient%on_a = 0
-            gradient%dissipation = gradient%dissipation - point%h_dot*d_elastic - elastic%force*d%h_dot
+            gradient%dissipation = -loss - point%h_dot*d_elastic - elastic%force*d%h_dot
             return
          end if
-         d_normal = d_elastic + d_viscous
-         d_friction = -at%factor*d_normal - (force%normal*at%d_v)*d%v_t
-         gradient%dissipation = gradient%dissipation + point%h_dot*d_viscous + viscous%force*d%h_dot - point%v_t*d_friction &
-                                - force%friction*d%v_t
-         associate (sigma => contact%pair%sigma)
-            gradient%torque_a = sigma*(point%arm_a*d_normal + point%l_a*d_friction + force%friction*d%l_a)
-            gradient%torque_b = sigma*(point%arm_b*d_normal + point%l_b*d_friction + force%friction*d%l_b)
-            d_tangential = d_friction
-            if (contact%deviates) then
-               gradient%torque_a = gradient%torque_a + (sigma*force%normal)*d%arm_a
-               gradient%torque_b = gradient%torque_b + (sigma*force%normal)*d%arm_b
-               d_tangential = d_friction + point%tilt*d_normal + force%normal*d%tilt
-            end if
-         end associate
-         gradient%on_a(:, 1) = point%s*d_normal + point%c*d_tangential - force%on_a(2)*d%angle
-         gradient%on_a(:, 2) = -point%c*d_normal + point%s*d_tangential + force%on_a(1)*d%angle
+         slip = force%normal*at%d_v
+         do j = 1, n_local
+            d_normal(j) = d_elastic(j) + d_viscous(j)
+            d_friction = -at%factor*d_normal(j) - slip*d%v_t(j)
+            gradient%dissipation(j) = -loss(j) + point%h_dot*d_viscous(j) + viscous%force*d%h_dot(j) - point%v_t*d_friction &
+                                      - force%friction*d%v_t(j)
+            gradient%torque_a(j) = sigma*(point%arm_a*d_normal(j) + point%l_a*d_friction + force%friction*d%l_a(j))
+            gradient%torque_b(j) = sigma*(point%arm_b*d_normal(j) + point%l_b*d_friction + force%friction*d%l_b(j))
+            d_tangential(j) = d_friction
+         end do
+         if (contact%deviates) then
+            gradient%torque_a = gradient%torque_a + (sigma*force%normal)*d%arm_a
+            gradient%torque_b = gradient%torque_b + (sigma*force%normal)*d%arm_b
+            d_tangential = d_tangential + point%tilt*d_normal + force%normal*d%tilt
+         end if
+         do j = 1, n_local
+            gradient%on_a(j, 1) = point%s*d_normal(j) + point%c*d_tangential(j) - force%on_a(2)*d%angle(j)
+            gradient%on_a(j, 2) = -point%c*d_normal(j) + point%s*d_tangential(j) + force%on_a(1)*d%angle(j)
+         end do
          if (.not. beyond_flank(at%mode)) return
          d_normal = lift_of(at%edge)*d_normal + force%normal*d%lift
          gradient%on_a(:, 1) = gradient%on_a(:, 1) + point%s*d_normal

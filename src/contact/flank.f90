@@ -7,7 +7,6 @@
 !>
 !> The contacts of a flank share their local variables, since they lie between the same two wheels.
 module evl_flank
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_context, only: contact_context
    use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_gradient, contact_point
@@ -302,7 +301,7 @@ contains
 
       do k = first, last
          if (.not. touches(at(k)%mode)) cycle
-         call check_edge(contacts(k), at(k), status)
+         if (beyond_flank(at(k)%mode)) call check_edge(contacts(k), at(k), status)
          if (.not. (has_failed(status) .or. on_involutes(at(k)))) call left_involute(contacts(k), at(k)%point, status)
          if (has_failed(status)) return
       end do

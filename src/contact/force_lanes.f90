@@ -2,7 +2,6 @@
 !>
 !> The loop of a law stands in the law's own file; a law without one is asked state by state.
 module evl_force_lanes
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_point
    use evl_elastic_law, only: elastic_result

@@ -1,6 +1,5 @@
 !> The line of action of a flank for eight states at once, and what moves it: all its tooth contacts share them.
 module evl_line_lanes
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_closed_form, only: centre_line_angle, centre_line_turn
    use evl_contact_point, only: tracked_pair
    use evl_kinds, only: lanes, wp

@@ -187,7 +187,7 @@ contains
          call place_radii(contact%pair, at%rho_a0, at%q, line, at%point)
       else
          call place_contact(contact%pair, at%rho_a0, at%q, line, at%point)
-         call leave_involutes(contact, at)
+         if (contact%deviates) call leave_involutes(contact, at)
       end if
       at%overlap = at%point%h
    end subroutine locate_contact
@@ -200,18 +200,17 @@ contains
 
       call track_closed_form(contact%pair, at%rho_a0, at%q, at%point)
       if (settles) call settle_zones(contact, line_length(contact, at%q), at%point, at%mode)
-      call leave_involutes(contact, at)
+      if (contact%deviates) call leave_involutes(contact, at)
       at%overlap = at%point%h
    end subroutine locate_anywhere
 
-   !> From the contact of perfect involutes to that of deviating flanks, or of a tip edge.
+   !> From the contact of perfect involutes to that of flanks that deviate, or of a tip edge.
    pure subroutine leave_involutes(contact, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at
       type(flank_value) :: a, b
       type(flank_branch) :: branches(2)
 
-      if (.not. contact%deviates) return
       if (beyond_flank(at%mode)) then
          call flank_branches(contact, at%mode, branches(by_a), branches(by_b))
          call put_on_edge(contact%pair, contact%tips, [at%mode%zone_a, at%mode%zone_b], branches, at%q, at%point, at%edge)

@@ -35,8 +35,8 @@ contains
    !> A tooth contact with the company that its force depends on, and its root functions with the directions in which they count.
    subroutine roots_of_contact(gearbox, m, y, integers, reals, known, at, directions, roots, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, integers(:)
-      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: m, integers(gearbox%n_integers)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       logical, intent(inout) :: known(*)          !! [contacts of the gearbox] whether all of `at` is that of this state
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       integer, intent(out) :: directions(gearbox%contacts(m)%n_roots)
@@ -58,8 +58,8 @@ contains
    subroutine root_of_contact(gearbox, m, i, y, integers, reals, roots, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, i !! contact, number of the root function there
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: y(:), reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       real(wp), intent(out) :: roots(gearbox%contacts(m)%n_roots)
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
@@ -191,7 +191,7 @@ contains
    !> The mode of a tooth pair that enters the path: flanks that overlap push at once, unless the damper pulls more.
    subroutine enter(gearbox, m, first, last, integers, at, log, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, first, last, integers(:)
+      integer, intent(in) :: m, first, last, integers(gearbox%n_integers)
       type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
       type(status_t), intent(inout) :: status
@@ -217,9 +217,9 @@ contains
    !> The contact passed the border of a relief, or lies on the flanks of another pair.
    pure subroutine change_zones(gearbox, m, changed, fired, y, integers, at, log)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, integers(:)
+      integer, intent(in) :: m, integers(gearbox%n_integers)
       logical, intent(in) :: changed, fired(:)
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
       type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
       type(flank_place) :: place
@@ -397,7 +397,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: q(n_local)
       type(contact_mode), intent(inout) :: mode
-      real(wp), intent(inout) :: y(:)
+      real(wp), intent(inout) :: y(*)
       type(event_log), intent(inout) :: log
 
       if (touches(mode)) return

@@ -25,8 +25,8 @@ contains
    subroutine look_at(gearbox, first, last, y, integers, reals, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last          !! of the gearbox
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a law has no answer
       type(flank_place) :: place
@@ -50,8 +50,8 @@ contains
    subroutine look_at_forces(gearbox, first, last, y, integers, reals, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(contact_state), intent(inout) :: at(*)
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a limit of a law or of the involutes is passed
       type(flank_place) :: place
@@ -72,7 +72,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
       real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(flank_place), intent(inout) :: place   !! of its flank
       type(contact_state), intent(inout) :: at(*) !! with its mode
 
@@ -93,7 +93,7 @@ contains
    !> none are, or they rest since the flanks are too far apart, the rows of the tracked variables are y' = 0.
    pure subroutine find_tracked(gearbox, index, y, integers, tracks, q, rho_a0)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, integers(:)
+      integer, intent(in) :: index, integers(gearbox%n_integers)
       real(wp), intent(in) :: y(gearbox%n_states)
       logical, intent(out) :: tracks !! whether there is such a point; else nothing is found
       real(wp), intent(out) :: q(n_local), rho_a0

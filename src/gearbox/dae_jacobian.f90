@@ -68,7 +68,7 @@ contains
    !> The rows of a mounted housing, and what its accelerations are for the others.
    subroutine add_housing(gearbox, cj, y, yp, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: cj, y(:), yp(:)
+      real(wp), intent(in) :: cj, y(gearbox%n_states), yp(gearbox%n_states)
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: jacobian(:, :)
       real(wp) :: coupling(gearbox%n_states, gearbox%n_states)
@@ -81,8 +81,8 @@ contains
    !> The row of a multiplier: kappa'' in terms of the rows of the velocities, which hold minus their derivatives.
    subroutine add_multiplier(gearbox, index, t, y, yp, integers, reals, entries, jacobian, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, integers(:)
-      real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states), reals(:)
+      integer, intent(in) :: index, integers(gearbox%n_integers)
+      real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states), reals(size(gearbox%contacts))
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(status_t), intent(inout) :: status
@@ -116,7 +116,7 @@ contains
    pure subroutine add_constraint(gearbox, contact, y, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: q(n_local)
@@ -136,8 +136,8 @@ contains
    pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: cj, y(:), yp(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: cj, y(gearbox%n_states), yp(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: q(n_local), rho_a0, local(n_track, n_local)

@@ -47,8 +47,8 @@ contains
    pure subroutine take_mode(gearbox, index, integers, reals, mode)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       type(contact_mode), intent(out) :: mode
       integer :: k, n
 
@@ -79,8 +79,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       type(contact_mode), intent(in) :: mode
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
+      integer, intent(inout) :: integers(gearbox%n_integers)
+      real(wp), intent(inout) :: reals(size(gearbox%contacts))
       integer :: k, values(n_discrete)
 
       values = [mode%tooth_pair, mode%flanks, mode%friction, mode%zone_a, mode%zone_b, mode%sides]
@@ -93,7 +93,7 @@ contains
    !> Tooth pair of a contact: pitches since the start.
    pure integer function tooth_pair_of(contact, integers) result(pair)
       type(tooth_contact_t), intent(in) :: contact
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(*)
 
       pair = integers(contact%i_discrete(moves_pair))
    end function tooth_pair_of
@@ -101,7 +101,7 @@ contains
    !> Whether the flanks of a contact are open, loaded, unloaded, apart or off the path.
    pure integer function flanks_of(contact, integers) result(flanks)
       type(tooth_contact_t), intent(in) :: contact
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(*)
 
       flanks = integers(contact%i_discrete(moves_flanks))
    end function flanks_of
@@ -110,7 +110,7 @@ contains
    pure subroutine put_pair(contact, tooth_pair, flanks, integers)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: tooth_pair, flanks
-      integer, intent(inout) :: integers(:)
+      integer, intent(inout) :: integers(*)
 
       integers(contact%i_discrete(moves_pair)) = tooth_pair
       call put_flanks(contact, flanks, integers)
@@ -120,7 +120,7 @@ contains
    pure subroutine put_flanks(contact, flanks, integers)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: flanks
-      integer, intent(inout) :: integers(:)
+      integer, intent(inout) :: integers(*)
 
       integers(contact%i_discrete(moves_flanks)) = flanks
    end subroutine put_flanks
@@ -130,7 +130,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index    !! of any tooth contact of the flank
       integer, intent(in) :: flanks   !! flanks_open, ...
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       integer :: m
 
       n = 0
@@ -145,7 +145,7 @@ contains
    pure logical function carries_points(gearbox, index, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index    !! of the tooth contact
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       integer :: m
 
       carries_points = .false.
@@ -164,7 +164,7 @@ contains
    pure integer function leading_contact(gearbox, mesh, integers) result(index)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       integer :: best_rank, m, rank
 
       index = gearbox%first(mesh)
@@ -183,7 +183,7 @@ contains
    !> 2: between the ends of its flanks; 1: past one of them, within reach of an edge; 0: off the path.
    pure integer function rank_of(contact, integers) result(rank)
       type(tooth_contact_t), intent(in) :: contact
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(*)
 
       rank = merge(0, 2, flanks_of(contact, integers) == flanks_off)
       if (rank == 0 .or. .not. contact%has_edges) return
@@ -194,7 +194,7 @@ contains
    pure logical function is_closed(gearbox, index, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
 
       is_closed = gearbox%contacts(index)%leads
       if (is_closed) is_closed = pairs_with(gearbox, index, flanks_loaded, integers) > 0
@@ -203,7 +203,7 @@ contains
    !> The tooth pair of a flank that has been longest on the path; that of the first slot if none is.
    pure integer function first_pair(gearbox, leader, integers) result(pair)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: leader, integers(:)
+      integer, intent(in) :: leader, integers(gearbox%n_integers)
       integer :: m
 
       pair = huge(pair)

@@ -12,11 +12,12 @@ module evl_force_jacobian
    use evl_housing_jacobian, only: ride_gradient
    use evl_jacobian_entries, only: add_entry, entry_index, full_matrix, jacobian_entries
    use evl_kinds, only: wp
+   use evl_load, only: load_t
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
    use evl_shaft, only: shaft_t, shaft_torque, shaft_twist
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, no_force, touches
-   use evl_wheel_loads, only: load_gradient, load_torque, wheel_acceleration, wheel_follows_ground
+   use evl_wheel_loads, only: ask_load, load_answer, wheel_acceleration, wheel_follows_ground
    implicit none (type, external)
    private
 
@@ -76,19 +77,21 @@ contains
    !> Add all else that the forces bring.
    subroutine add_forces(gearbox, t, y, integers, reals, frame, entries, values, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(frame_t), intent(in) :: frame !! of a housing that acts
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
       type(status_t), intent(inout) :: status
+      type(load_answer) :: answers(size(gearbox%loads))
       real(wp) :: spin
       integer :: i
 
       spin = 0
       if (gearbox%housing%acts) spin = frame%omega(3)
       do i = 1, size(gearbox%loads)
-         call add_load(gearbox, i, t, y, integers, spin, entries, values)
+         call ask_load(gearbox, i, t, y, integers, spin, answers(i))
+         call add_load(gearbox, gearbox%loads(i)%load, answers(i), entries, values)
       end do
       do i = 1, size(gearbox%flanks)
          call add_flank(gearbox, gearbox%flanks(i)%flank, y, spin, integers, reals, entries, values, status)
@@ -102,7 +105,7 @@ contains
          if (gearbox%housing%acts) call ride_gradient(gearbox, i, t, y, integers, frame, entries, values)
       end do
       do i = 1, size(gearbox%loads)
-         call add_load_power(gearbox, i, t, y, integers, spin, entries, values)
+         call add_load_power(gearbox, gearbox%loads(i)%load, answers(i), y, entries, values)
       end do
    end subroutine add_forces
 
@@ -111,7 +114,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
       integer :: j
@@ -130,45 +133,35 @@ contains
    end subroutine add_powers
 
    !> How the torque of a load depends on its wheel; a wheel whose speed is prescribed is not accelerated by it.
-   pure subroutine add_load(gearbox, index, t, y, integers, spin, entries, values)
+   pure subroutine add_load(gearbox, load, answer, entries, values)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index !! of the load
-      real(wp), intent(in) :: t, y(gearbox%n_states), spin
-      integer, intent(in) :: integers(:)
+      class(load_t), intent(in) :: load
+      type(load_answer), intent(in) :: answer
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
-      real(wp) :: damping, stiffness
 
-      associate (load => gearbox%loads(index)%load)
-         if (.not. (load%by_speed .or. load%by_angle)) return
-         associate (wheel => gearbox%wheels(load%wheel))
-            if (wheel%prescribed > 0) return
-            call load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
-            if (load%by_speed) call add_turn(wheel, of_speed, wheel%i_speed, damping*wheel%per_inertia, entries, values)
-            if (load%by_angle) call add_turn(wheel, of_angle, wheel%i_speed, stiffness*wheel%per_inertia, entries, values)
-         end associate
+      associate (wheel => gearbox%wheels(load%wheel))
+         if (wheel%prescribed > 0) return
+         if (load%by_speed) call add_turn(wheel, of_speed, wheel%i_speed, answer%damping*wheel%per_inertia, entries, values)
+         if (load%by_angle) call add_turn(wheel, of_angle, wheel%i_speed, answer%stiffness*wheel%per_inertia, entries, values)
       end associate
    end subroutine add_load
 
    !> The power of a load on a wheel whose speed is not prescribed, but for what the turning of the housing adds to its torque.
-   pure subroutine add_load_power(gearbox, index, t, y, integers, spin, entries, values)
+   pure subroutine add_load_power(gearbox, load, answer, y, entries, values)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index !! of the load
-      real(wp), intent(in) :: t, y(gearbox%n_states), spin
-      integer, intent(in) :: integers(:)
+      class(load_t), intent(in) :: load
+      type(load_answer), intent(in) :: answer
+      real(wp), intent(in) :: y(gearbox%n_states)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
-      real(wp) :: omega, damping, stiffness
+      real(wp) :: omega
 
-      associate (load => gearbox%loads(index)%load)
-         associate (wheel => gearbox%wheels(load%wheel))
-            if (wheel%prescribed > 0) return
-            omega = wheel_speed(wheel, y)
-            call load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
-            call add_turn(wheel, of_speed, gearbox%i_work, damping*omega - load_torque(gearbox, index, t, y, integers), entries, &
-                          values)
-            if (load%by_angle) call add_turn(wheel, of_angle, gearbox%i_work, stiffness*omega, entries, values)
-         end associate
+      associate (wheel => gearbox%wheels(load%wheel))
+         if (wheel%prescribed > 0) return
+         omega = wheel_speed(wheel, y)
+         call add_turn(wheel, of_speed, gearbox%i_work, answer%damping*omega - answer%torque, entries, values)
+         if (load%by_angle) call add_turn(wheel, of_angle, gearbox%i_work, answer%stiffness*omega, entries, values)
       end associate
    end subroutine add_load_power
 
@@ -176,8 +169,8 @@ contains
    subroutine add_flank(gearbox, flank, y, spin, integers, reals, entries, values, status)
       type(gearbox_t), intent(in) :: gearbox
       class(flank_t), intent(in) :: flank
-      real(wp), intent(in) :: y(gearbox%n_states), spin, reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), spin, reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
       type(status_t), intent(inout) :: status
@@ -303,12 +296,16 @@ contains
       real(wp), intent(in) :: gradient(n_local, 2)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
-      real(wp) :: along(n_local)
-      integer :: j
+      real(wp) :: along
+      integer :: i, j
 
       do j = 1, wheel%n
-         along = wheel%along_t(j)*gradient(:, 1) + wheel%along_e(j)*gradient(:, 2)
-         call scatter(links, wheel%i_state(j) + 1, -per_mass, along, entries, values)
+         do i = 1, size(links)
+            associate (link => links(i))
+               along = wheel%along_t(j)*gradient(link%local, 1) + wheel%along_e(j)*gradient(link%local, 2)
+               call add_entry(entries, wheel%i_state(j) + 1, link%state, -per_mass*link%weight*along, values)
+            end associate
+         end do
       end do
    end subroutine add_push
 

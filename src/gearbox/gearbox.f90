@@ -126,7 +126,7 @@ contains
    !> Angular velocity of a wheel [rad/s].
    pure real(wp) function wheel_speed(wheel, y) result(omega)
       type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(*)
 
       omega = wheel%ratio*y(i_omega)
       if (wheel%i_psi > 0) omega = omega + y(wheel%i_psi + 1)
@@ -156,7 +156,7 @@ contains
    !> Centre of a wheel in the housing frame and its velocity there [m], [m/s].
    pure subroutine wheel_position(wheel, t, y, centre, velocity)
       type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: t, y(:)
+      real(wp), intent(in) :: t, y(*)
       real(wp), intent(out) :: centre(3), velocity(3)
       type(axle_motion) :: reference
 
@@ -168,7 +168,7 @@ contains
    !> Acceleration of a wheel's centre relative to the housing [m/s^2].
    pure function axle_acceleration(wheel, t, yp) result(acceleration)
       type(wheel_t), intent(in) :: wheel
-      real(wp), intent(in) :: t, yp(:)    !! yp: rates of the states
+      real(wp), intent(in) :: t, yp(*)    !! yp: rates of the states
       real(wp) :: acceleration(3)
       type(axle_motion) :: reference
 

@@ -55,8 +55,8 @@ contains
    subroutine gearbox_root(gearbox, index, y, integers, reals, roots, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index               !! which one: 1 .. n_roots
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(inout) :: roots(gearbox%n_roots)
       type(status_t), intent(inout) :: status
       integer :: m
@@ -179,7 +179,7 @@ contains
    subroutine project_tracked(gearbox, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp) :: q(n_local), rho_a0
       logical :: solved, tracks
       integer :: m

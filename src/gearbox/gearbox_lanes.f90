@@ -2,7 +2,6 @@
 !>
 !> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
 module evl_gearbox_lanes
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: contact_in_lanes
    use evl_flank, only: flank_t
    use evl_force_lanes, only: lane_force, lane_slot
@@ -42,8 +41,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox           !! one that `lanes_serve` accepts
       real(wp), intent(in) :: t(lanes)                 !! [s]
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       !> [tooth contacts] settled; those that touch are put down
       type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
@@ -83,8 +82,8 @@ contains
    !> The first lane without an answer says why, in the words of the scalar kernel.
    subroutine say_why(gearbox, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(status_t), intent(inout) :: status
       real(wp) :: f(gearbox%n_states)
       integer :: l
@@ -178,7 +177,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       type(lane_points) :: at
       real(wp) :: torque(lanes)
@@ -217,7 +216,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
       real(wp) :: missing(lanes), omega(lanes), acceleration
 
@@ -249,7 +248,7 @@ contains
    pure subroutine angle_of(wheel, y, integers, at)
       type(wheel_t), intent(in) :: wheel
       real(wp), intent(in) :: y(lanes, *)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(*)
       type(lane_points), intent(inout) :: at
       real(wp) :: psi(lanes), psi_dot(lanes), turned
 

@@ -279,8 +279,8 @@ contains
    !> Take a discrete state.
    subroutine settle_slots(gearbox, integers, reals, slots)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       type(lane_slot), intent(inout) :: slots(:) !! [tooth contacts]
       integer :: i
 

@@ -13,7 +13,7 @@ module evl_gearbox_rates
    use evl_status, only: has_failed, status_t
    use evl_support, only: axle_deviation
    use evl_tooth_contact, only: contact_state, touches
-   use evl_wheel_loads, only: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
+   use evl_wheel_loads, only: known_torques, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
    implicit none (type, external)
    private
 
@@ -30,8 +30,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                     !! [s]
       real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
       real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
@@ -63,6 +63,7 @@ contains
       do i = 1, size(gearbox%shafts)
          call twist_shaft(gearbox, i, y, f)
       end do
+      call known_torques(gearbox, t, y, integers, torques)
       do i = 1, size(gearbox%wheels)
          call load_wheel(gearbox, i, t, y, integers, spin, f, torques(i))
       end do
@@ -96,9 +97,9 @@ contains
    pure subroutine multiplier_row(gearbox, index, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: y(:)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(inout) :: f(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(inout) :: f(gearbox%n_states)
       real(wp) :: q(n_local), rates(n_local)
 
       associate (contact => gearbox%contacts(index))
@@ -114,8 +115,8 @@ contains
    subroutine push_flank(gearbox, first, last, y, integers, reals, at, f, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last !! its contacts
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(contact_state), intent(inout) :: at(*)
       real(wp), intent(inout) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status
@@ -141,7 +142,7 @@ contains
    pure subroutine push_axle(link, force, f)
       type(wheel_link), intent(in) :: link
       real(wp), intent(in) :: force(2) !! (t_0, e_0)
-      real(wp), intent(inout) :: f(:)
+      real(wp), intent(inout) :: f(*)
       integer :: j
 
       do j = 1, link%n
@@ -155,8 +156,8 @@ contains
    pure subroutine twist_shaft(gearbox, index, y, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(inout) :: f(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
+      real(wp), intent(inout) :: f(gearbox%n_states)
       real(wp) :: torque
 
       associate (shaft => gearbox%shafts(index))
@@ -178,13 +179,12 @@ contains
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: spin    !! Omega_z of the housing [rad/s]
       real(wp), intent(inout) :: f(gearbox%n_states)
-      real(wp), intent(out) :: torque !! of the loads; that of a prescribed speed is not among them [N m]
+      real(wp), intent(inout) :: torque !! of the loads; what the turning of the housing adds is added [N m]
       real(wp) :: omega
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
          omega = wheel_speed(wheel, y)
-         torque = wheel_load_torque(gearbox, index, t, y, integers)
          if (gearbox%housing%acts) torque = torque + wheel_spin_torque(gearbox, index, spin, t, y, integers)
          f(wheel%i_speed) = f(wheel%i_speed) + torque
          f(gearbox%i_work) = f(gearbox%i_work) + torque*omega
@@ -203,11 +203,11 @@ contains
    pure subroutine accelerate_rotor(gearbox, leader, y, integers, alpha, f, torques)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader
-      real(wp), intent(in) :: y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: alpha         !! Omega_z' of the housing [rad/s^2]
-      real(wp), intent(inout) :: f(:)
-      real(wp), intent(inout) :: torques(:) !! of the loads of each wheel [N m]
+      real(wp), intent(inout) :: f(gearbox%n_states)
+      real(wp), intent(inout) :: torques(size(gearbox%wheels)) !! of the loads of each wheel [N m]
       real(wp) :: omega, missing
 
       associate (wheel => gearbox%wheels(leader))
@@ -232,10 +232,10 @@ contains
       integer, intent(in) :: index
       real(wp), intent(in) :: t
       real(wp), intent(in) :: torque !! of all loads of the wheel [N m]
-      real(wp), intent(in) :: y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(frame_t), intent(in) :: frame
-      real(wp), intent(inout) :: f(:)
+      real(wp), intent(inout) :: f(gearbox%n_states)
       real(wp) :: omega, centre(3), velocity(3), carried(3), apparent(3)
       integer :: j
 

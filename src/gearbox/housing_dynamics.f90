@@ -24,7 +24,7 @@ contains
    !> Turn the two balances of a mounted housing from y' - f into inertia less applied force and moment.
    subroutine housing_residual(gearbox, t, y, yp, residual)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t, y(:), yp(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states)
       real(wp), intent(inout) :: residual(:) !! y' - f
       type(frame_t) :: frame
       real(wp) :: inertia(6)
@@ -40,7 +40,7 @@ contains
    pure subroutine inertia_wrench(gearbox, frame, y, yp, wrench)
       type(gearbox_t), intent(in) :: gearbox
       type(frame_t), intent(in) :: frame !! at y, y'
-      real(wp), intent(in) :: y(:), yp(:)
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
       real(wp), intent(out) :: wrench(6)
       real(wp) :: centre(3), velocity(3), force(3)
       integer :: i
@@ -67,7 +67,7 @@ contains
    pure subroutine housing_coupling(gearbox, frame, y, coupling)
       type(gearbox_t), intent(in) :: gearbox
       type(frame_t), intent(in) :: frame
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
       real(wp), intent(out) :: coupling(gearbox%n_states, gearbox%n_states)
       real(wp) :: tensor(3, 3), first_moment(3)
       integer :: i
@@ -96,7 +96,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       type(frame_t), intent(in) :: frame
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
       real(wp), intent(inout) :: first_moment(3), tensor(3, 3) !! [kg m], [kg m^2]
       real(wp), intent(inout) :: coupling(:, :)
       real(wp) :: centre(3), velocity(3), direction(3)
@@ -135,8 +135,8 @@ contains
    subroutine coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
       type(contact_state), intent(inout), optional :: contacts(size(gearbox%contacts)) !! as in `gearbox_rates`
@@ -193,7 +193,7 @@ contains
    !> Kinetic energy of a mounted housing and its wheels seen from the ground; energy of mount and gravity.
    pure subroutine ground_energies(gearbox, y, frame, kinetic, potential)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
       type(frame_t), intent(in) :: frame
       real(wp), intent(out) :: kinetic      !! [J]
       real(wp), intent(inout) :: potential  !! those of contacts and supports; the others are added [J]

@@ -10,7 +10,7 @@ module evl_housing_jacobian
    use evl_kinds, only: wp
    use evl_rotation, only: cross, crossed, identity, rotated_back_gradient, rotated_gradient, skew, turned, turned_back
    use evl_support, only: axle_deviation
-   use evl_wheel_loads, only: load_gradient, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, &
+   use evl_wheel_loads, only: ask_load, load_answer, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
                               wheel_spin_torque
    implicit none (type, external)
    private
@@ -23,8 +23,8 @@ contains
    pure subroutine ride_gradient(gearbox, index, t, y, integers, frame, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(frame_t), intent(in) :: frame !! at y, y'
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
@@ -66,8 +66,8 @@ contains
    pure subroutine mounted_gradient(gearbox, index, t, y, integers, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(frame_t), intent(in) :: frame !! at y, y'
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: centre(3), velocity(3), row(3)
@@ -92,33 +92,36 @@ contains
    pure subroutine ground_gradient(gearbox, index, t, y, integers, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(jacobian_entries) :: entries
-      real(wp), dimension(2) :: from_ground, from_housing, mine ! damping and stiffness
+      type(load_answer) :: answer
+      real(wp), dimension(2) :: from_ground, from_housing ! damping and stiffness
       real(wp) :: omega, total, ground, by_speed, by_angle, by_spin
       integer :: i
 
       call full_matrix(gearbox%n_states, entries)
       from_ground = 0
       from_housing = 0
+      total = 0
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
             if (load%wheel /= index) cycle
-            call load_gradient(gearbox, i, t, y, integers, frame%omega(3), mine(1), mine(2))
+            call ask_load(gearbox, i, t, y, integers, frame%omega(3), answer)
+            total = total + answer%torque
             if (load%against_housing) then
-               from_housing = from_housing + mine
+               from_housing = from_housing + [answer%damping, answer%stiffness]
             else
-               from_ground = from_ground + mine
+               from_ground = from_ground + [answer%damping, answer%stiffness]
             end if
          end associate
       end do
       associate (wheel => gearbox%wheels(index), work => gearbox%i_work, spin => frame%omega(3), &
                  damping => from_ground(1), o => gearbox%housing%i_state + at_omega + 2)
          omega = wheel_speed(wheel, y)
-         total = wheel_load_torque(gearbox, index, t, y, integers) + wheel_spin_torque(gearbox, index, spin, t, y, integers)
+         total = total + wheel_spin_torque(gearbox, index, spin, t, y, integers)
          if (wheel%prescribed > 0) total = wheel%inertia*wheel_acceleration(gearbox, index, 0.0_wp, integers)
          ground = total - wheel_housing_torque(gearbox, index, spin, total, t, y, integers)
          by_speed = -damping
@@ -174,7 +177,7 @@ contains
    !> Add the rows of a mounted housing, and its mount's powers.
    pure subroutine housing_gradient(gearbox, y, yp, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:), yp(:)
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
       type(frame_t), intent(in) :: frame !! at y, y'
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: wrench(6, n_housing_states)
@@ -308,7 +311,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       type(frame_t), intent(in) :: frame
-      real(wp), intent(in) :: y(:), yp(:)
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
       real(wp), intent(inout) :: wrench(6, n_housing_states)
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(jacobian_entries) :: entries

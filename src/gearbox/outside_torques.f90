@@ -5,7 +5,7 @@ module evl_outside_torques
    use evl_joined, only: joined_to
    use evl_kinds, only: wp
    use evl_shaft, only: shaft_torque
-   use evl_wheel_loads, only: wheel_load_torque, wheel_spin_torque
+   use evl_wheel_loads, only: known_torques, wheel_spin_torque
    implicit none (type, external)
    private
 
@@ -16,19 +16,20 @@ contains
    !> Torque of the loads of every wheel; a load that prescribes a speed brings what its rotor needs [N m].
    pure subroutine load_torques(gearbox, t, y, f, frame, integers, mesh_torque, load_torque)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t, y(:), f(:)    !! f: rates of the states
+      real(wp), intent(in) :: t, y(gearbox%n_states), f(gearbox%n_states)    !! f: rates of the states
       type(frame_t), intent(in) :: frame       !! of the housing there
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: mesh_torque(:)   !! of the meshes on every wheel [N m]
-      real(wp), intent(out) :: load_torque(:)
+      real(wp), intent(out) :: load_torque(size(gearbox%wheels))
       real(wp) :: needed(size(gearbox%wheels))
       integer :: i
 
-      do i = 1, size(gearbox%wheels)
-         load_torque(i) = wheel_load_torque(gearbox, i, t, y, integers)
-         if (gearbox%housing%acts) &
+      call known_torques(gearbox, t, y, integers, load_torque)
+      if (gearbox%housing%acts) then
+         do i = 1, size(gearbox%wheels)
             load_torque(i) = load_torque(i) + wheel_spin_torque(gearbox, i, frame%omega(3), t, y, integers)
-      end do
+         end do
+      end if
       if (.not. any(gearbox%wheels%prescribed > 0)) return
       call needed_torques(gearbox, y, f, frame, mesh_torque + load_torque, needed)
       do i = 1, size(gearbox%wheels)
@@ -44,7 +45,7 @@ contains
    !> Torque that every wheel needs for its motion beside that of its meshes, loads and elastic shafts [N m].
    pure subroutine needed_torques(gearbox, y, f, frame, torque, needed)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:), f(:)
+      real(wp), intent(in) :: y(gearbox%n_states), f(gearbox%n_states)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: torque(:)    !! of meshes and loads on every wheel
       real(wp), intent(out) :: needed(:)
@@ -67,7 +68,7 @@ contains
    !> Torque of every shaft on its second wheel: by its law, or, if it is rigid, what the wheels behind it need [N m].
    pure subroutine shaft_torques(gearbox, y, f, frame, torque, carried)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:), f(:)
+      real(wp), intent(in) :: y(gearbox%n_states), f(gearbox%n_states)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: torque(:)    !! of meshes and all loads on every wheel [N m]
       real(wp), intent(out) :: carried(:)

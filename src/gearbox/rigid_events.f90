@@ -30,7 +30,7 @@ contains
    !> Which tooth contacts lead a rigid flank that is closed.
    pure function closed_flanks(gearbox, integers) result(closed)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       logical :: closed(size(gearbox%contacts))
       integer :: m
 
@@ -132,7 +132,7 @@ contains
    pure function slow(gearbox, y, integers) result(is_slow)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       logical :: is_slow(size(gearbox%contacts))
       real(wp) :: gap(2)
       integer :: m
@@ -219,7 +219,7 @@ contains
    !> Whether a tooth contact leads a rigid flank that is open, with a tooth pair on the path.
    pure logical function may_close(gearbox, leader, integers)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: leader, integers(:)
+      integer, intent(in) :: leader, integers(gearbox%n_integers)
 
       may_close = gearbox%contacts(leader)%leads
       if (.not. may_close) return

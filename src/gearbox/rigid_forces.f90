@@ -32,8 +32,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       real(wp), intent(inout) :: y(gearbox%n_states) !! its multipliers are replaced, and dependent wheels put in their places
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(inout) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       logical, intent(out) :: opened(:)              !! [contacts] true for those that lead a flank that had to open
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
@@ -62,8 +62,8 @@ contains
    subroutine open_flank(gearbox, index, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the tooth contact that leads it
-      real(wp), intent(inout) :: y(:)
-      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(gearbox%n_integers)
       integer :: m
 
       do m = index, index + gearbox%contacts(index)%n_slots - 1
@@ -77,7 +77,7 @@ contains
    subroutine close_gaps(gearbox, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(contact_point) :: point
       type(contact_gradient) :: gradient
       real(wp) :: q(n_local)
@@ -105,8 +105,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
       real(wp), intent(inout) :: y(gearbox%n_states)   !! its multipliers are set to zero
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       integer, intent(out) :: closed(:)                !! closed contacts
       integer, intent(out) :: n                        !! how many
       real(wp), intent(out) :: offset(:)               !! rows without multipliers [N]
@@ -168,8 +168,8 @@ contains
    subroutine multiplier_rates(gearbox, t, y, integers, reals, yp, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(inout) :: yp(gearbox%n_states)
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
@@ -245,7 +245,7 @@ contains
    pure subroutine add_impulse(gearbox, impulse, velocity, y)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: impulse, velocity(:)
-      real(wp), intent(inout) :: y(:)
+      real(wp), intent(inout) :: y(gearbox%n_states)
       integer :: i, j
 
       y(i_omega) = y(i_omega) + impulse*velocity(i_omega)
@@ -268,7 +268,7 @@ contains
    !> Kinetic energy: relative to the housing, or to the ground if the housing is mounted [J].
    pure real(wp) function kinetic_energy(gearbox, y) result(energy)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
       type(frame_t) :: frame
       real(wp) :: potential
       integer :: i, j

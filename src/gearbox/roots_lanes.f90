@@ -1,6 +1,5 @@
 !> The root functions of a gearbox for eight states at once, as `gearbox_roots` gives them for one.
 module evl_roots_lanes
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: contact_in_lanes
    use evl_flank, only: flank_t
    use evl_force_lanes, only: lane_slot
@@ -30,8 +29,8 @@ contains
    subroutine roots_in_lanes(gearbox, y, integers, reals, slots, aside, nearby, roots, status)
       type(gearbox_t), intent(in) :: gearbox     !! one that `lanes_serve` accepts
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
       type(lane_slot), intent(in) :: slots(size(gearbox%contacts))    !! [tooth contacts] settled
       type(lane_slot), intent(inout) :: aside(size(gearbox%contacts)) !! [tooth contacts] settled: scratch for these states
       logical, intent(in) :: nearby              !! those of the last `rates_in_lanes` will do; else: asked again in the same states
@@ -118,8 +117,8 @@ contains
    !> The first lane without an answer says why, in the words of the scalar kernel.
    subroutine say_why(gearbox, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
       type(status_t), intent(inout) :: status
       real(wp) :: roots(gearbox%n_roots)
       integer :: l

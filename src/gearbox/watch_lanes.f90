@@ -37,7 +37,7 @@ contains
    subroutine watched_in_lanes(gearbox, y, integers, slots, n, channels, values)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
       !> [tooth contacts] as the last rates left them; curvatures are kept there
       type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       integer, intent(out) :: n

@@ -9,8 +9,14 @@ module evl_wheel_loads
    implicit none (type, external)
    private
 
-   public :: hold_still, load_gradient, load_point_of, load_torque, segment_of, turns_of_wheel
-   public :: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_load_torque, wheel_spin_torque
+   public :: ask_load, hold_still, known_torques, load_answer, load_point_of, load_torque, segment_of, turns_of_wheel
+   public :: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
+
+   !> What a load says at a state.
+   type :: load_answer
+      real(wp) :: torque             !! as from `load_torque` [N m]
+      real(wp) :: damping, stiffness !! -dM/domega and -dM/dphi at the speed to which it refers [N m s], [N m]
+   end type load_answer
 
 contains
 
@@ -18,8 +24,8 @@ contains
    pure type(load_point) function load_point_of(gearbox, index, t, y, integers) result(at)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the load
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
 
       associate (load => gearbox%loads(index)%load)
          associate (wheel => gearbox%wheels(load%wheel))
@@ -37,7 +43,7 @@ contains
    !> How far the whole turns of the reference wheel have turned a wheel: its whole turns, and the rest [rad].
    pure subroutine turns_of_wheel(wheel, integers, revolutions, angle)
       type(wheel_t), intent(in) :: wheel
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(*)
       real(wp), intent(out) :: revolutions, angle
 
       call rational_parts(wheel%exact_ratio, integers(i_turns), revolutions, angle)
@@ -47,7 +53,7 @@ contains
    !> Knots that a load's table has passed; 0 without a table.
    pure integer function segment_of(load, integers) result(segment)
       class(load_t), intent(in) :: load
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(*)
 
       segment = 0
       if (load%i_segment > 0) segment = integers(load%i_segment)
@@ -57,28 +63,32 @@ contains
    pure real(wp) function load_torque(gearbox, index, t, y, integers) result(torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the load
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp) :: damping, stiffness
 
       call gearbox%loads(index)%load%ask(load_point_of(gearbox, index, t, y, integers), torque, damping, stiffness)
    end function load_torque
 
-   !> How it depends on the speed and the angle of its wheel, at the speed to which it refers: -dM/domega and -dM/dphi.
-   pure subroutine load_gradient(gearbox, index, t, y, integers, spin, damping, stiffness)
+   !> The same, and how it depends on the speed and the angle of the wheel.
+   pure subroutine ask_load(gearbox, index, t, y, integers, spin, answer)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the load
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
-      real(wp), intent(out) :: damping, stiffness !! [N m s], [N m]
+      type(load_answer), intent(out) :: answer
       type(load_point) :: at
       real(wp) :: torque
 
       at = load_point_of(gearbox, index, t, y, integers)
-      if (.not. gearbox%loads(index)%load%against_housing) at%omega = at%omega + spin
-      call gearbox%loads(index)%load%ask(at, torque, damping, stiffness)
-   end subroutine load_gradient
+      associate (load => gearbox%loads(index)%load)
+         call load%ask(at, answer%torque, answer%damping, answer%stiffness)
+         if (load%against_housing .or. .not. abs(spin) > 0) return
+         at%omega = at%omega + spin
+         call load%ask(at, torque, answer%damping, answer%stiffness)
+      end associate
+   end subroutine ask_load
 
    !> Make of a gearbox what a steady state takes it for: loads do not swing, and contacts follow from the wheels' positions.
    pure subroutine hold_still(gearbox)
@@ -92,27 +102,29 @@ contains
       gearbox%contacts%i_track = 0
    end subroutine hold_still
 
-   !> Sum of the torques that the loads of a wheel know; that of a prescribed speed is not among them [N m].
-   pure real(wp) function wheel_load_torque(gearbox, index, t, y, integers) result(torque)
+   !> Sums of the torques that the loads of each wheel know; that of a prescribed speed is not among them [N m].
+   pure subroutine known_torques(gearbox, t, y, integers, torques)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(out) :: torques(size(gearbox%wheels))
       integer :: i
 
-      torque = 0
+      torques = 0
       do i = 1, size(gearbox%loads)
-         if (gearbox%loads(i)%load%wheel == index) torque = torque + load_torque(gearbox, i, t, y, integers)
+         associate (torque => torques(gearbox%loads(i)%load%wheel))
+            torque = torque + load_torque(gearbox, i, t, y, integers)
+         end associate
       end do
-   end function wheel_load_torque
+   end subroutine known_torques
 
-   !> What the turning of the housing adds to it: torques against the ground follow the speed seen from there [N m].
+   !> What the turning of the housing adds to that of one wheel: torques against the ground follow the speed seen from there [N m].
    pure real(wp) function wheel_spin_torque(gearbox, index, spin, t, y, integers) result(torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       integer :: i
 
       torque = 0
@@ -130,8 +142,8 @@ contains
       integer, intent(in) :: index
       real(wp), intent(in) :: spin  !! Omega_z of the housing [rad/s]
       real(wp), intent(in) :: total !! of all loads, with that of a prescribed speed [N m]
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       logical :: follows
       integer :: i
 
@@ -160,7 +172,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index       !! of one of its wheels
       real(wp), intent(in) :: torque     !! on the rotor [N m]
-      integer, intent(in) :: integers(:)
+      integer, intent(in) :: integers(gearbox%n_integers)
 
       associate (wheel => gearbox%wheels(index))
          if (wheel%prescribed > 0) then

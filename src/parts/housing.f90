@@ -60,7 +60,7 @@ contains
    !> The housing frame at time t, or, if mounted, at a state with its rates; v' and Omega' are 0 if none are given.
    pure subroutine housing_frame(housing, t, y, frame, yp)
       type(housing_t), intent(in) :: housing
-      real(wp), intent(in) :: t, y(:)
+      real(wp), intent(in) :: t, y(*)
       type(frame_t), intent(out) :: frame
       real(wp), intent(in), optional :: yp(:)
       real(wp) :: velocity_rate(3)
@@ -177,7 +177,7 @@ contains
    pure subroutine housing_rates(housing, frame, f, dissipation, power)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
-      real(wp), intent(inout) :: f(:)             !! of the whole system; forces are added
+      real(wp), intent(inout) :: f(*)             !! of the whole system; forces are added
       real(wp), intent(out) :: dissipation, power !! [W]
       real(wp) :: mount(3), velocity(3), force(3), moment(3)
 
@@ -203,7 +203,7 @@ contains
    !> Restart with a quaternion of norm 1.
    pure subroutine housing_renormalise(housing, y)
       type(housing_t), intent(in) :: housing
-      real(wp), intent(inout) :: y(:)
+      real(wp), intent(inout) :: y(*)
 
       if (.not. housing%is_mounted) return
       associate (p => y(housing%i_state + at_orientation:housing%i_state + at_orientation + 3))
@@ -227,7 +227,7 @@ contains
    !> Put derivatives by a small turn of the housing, about its own axes, into the columns of Omega.
    pure subroutine housing_turn_columns(housing, y, jacobian)
       type(housing_t), intent(in) :: housing
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(*)
       real(wp), intent(inout) :: jacobian(:, :)
       real(wp) :: turns(4, 3)
 
@@ -240,7 +240,7 @@ contains
    !> Turn the housing by the angles that stand in the places of Omega, and set these to 0.
    pure subroutine housing_take_turn(housing, y)
       type(housing_t), intent(in) :: housing
-      real(wp), intent(inout) :: y(:)
+      real(wp), intent(inout) :: y(*)
 
       associate (p => housing%i_state + at_orientation, o => housing%i_state + at_omega)
          y(p:p + 3) = quaternion_product(y(p:p + 3), [1.0_wp, y(o:o + 2)/2])

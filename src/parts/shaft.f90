@@ -35,7 +35,7 @@ contains
    !> phi_a - phi_b [rad], or the rate of that [rad/s].
    pure real(wp) function shaft_twist(shaft, y, order) result(twist)
       type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(*)
       integer, intent(in) :: order !! 0: itself, 1: its rate
 
       twist = 0
@@ -47,7 +47,7 @@ contains
    !> Torque of an elastic shaft on its second wheel [N m].
    pure real(wp) function shaft_torque(shaft, y) result(torque)
       type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(*)
 
       torque = spring_damper(shaft%stiffness, shaft%damping, shaft_twist(shaft, y, 0), shaft_twist(shaft, y, 1))
    end function shaft_torque
@@ -55,7 +55,7 @@ contains
    !> Elastic energy [J].
    pure real(wp) function shaft_energy(shaft, y) result(energy)
       type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(*)
 
       energy = shaft%stiffness*shaft_twist(shaft, y, 0)**2/2
    end function shaft_energy
@@ -63,7 +63,7 @@ contains
    !> Power that its damping takes [W].
    pure real(wp) function shaft_loss(shaft, y) result(power)
       type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y(*)
 
       power = damper_power(shaft%damping, shaft_twist(shaft, y, 1))
    end function shaft_loss

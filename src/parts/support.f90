@@ -65,7 +65,7 @@ contains
    !> How far the centre deviates from its reference motion [m], or the rate of that [m/s].
    pure function axle_deviation(support, y, order) result(u)
       type(support_t), intent(in) :: support
-      real(wp), intent(in) :: y(:) !! state, a change of it, or its rates
+      real(wp), intent(in) :: y(*) !! state, a change of it, or its rates
       integer, intent(in) :: order !! 0: itself, 1: its rate
       real(wp) :: u(2)
       integer :: j
