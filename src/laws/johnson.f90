@@ -64,8 +64,10 @@ contains
       type(contact_context), intent(in) :: ctx
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
+      real(wp) :: room
 
-      call force_over_width(ctx%h, ctx%rho_a + ctx%rho_b, self%radii_factor, ctx%e_star, ctx%width, result, code)
+      call force_over_width(ctx%h, ctx%rho_a + ctx%rho_b, self%radii_factor, ctx%e_star, ctx%width, result, room)
+      code = merge(code_ok, code_out_of_domain, room > 0.0_wp)
    end subroutine force
 
    !> The same in eight states.
@@ -74,7 +76,7 @@ contains
       type(lane_context), intent(in) :: at
       real(wp), dimension(lanes), intent(out) :: force, d_energy, excess
       logical, intent(out) :: answered
-      real(wp) :: answers(lanes), factor, e_star, width
+      real(wp) :: room(lanes), factor, e_star, width
       integer :: l
 
       factor = self%radii_factor
@@ -82,24 +84,22 @@ contains
       width = at%width
       !$omp simd
       do l = 1, lanes
-         call force_of_lane(at%h(l), at%rho_a(l) + at%rho_b(l), factor, e_star, width, force(l), d_energy(l), excess(l), answers(l))
+         call force_of_lane(at%h(l), at%rho_a(l) + at%rho_b(l), factor, e_star, width, force(l), d_energy(l), excess(l), room(l))
       end do
-      answered = all_positive(answers)
+      answered = all_positive(room)
    end subroutine force_lanes
 
    !> One lane of it.
-   elemental subroutine force_of_lane(h, rho_sum, factor, e_star, width, force, d_energy, excess, answer)
+   elemental subroutine force_of_lane(h, rho_sum, factor, e_star, width, force, d_energy, excess, room)
       real(wp), intent(in) :: h, rho_sum, factor, e_star, width
       real(wp), intent(out) :: force, d_energy, excess
-      real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain: integers are shorter, and vectors would be too
+      real(wp), intent(out) :: room !! as of `johnson_force`
       type(elastic_result) :: elastic
-      integer :: code
 
-      call force_over_width(h, rho_sum, factor, e_star, width, elastic, code)
+      call force_over_width(h, rho_sum, factor, e_star, width, elastic, room)
       force = elastic%force
       d_energy = elastic%d_energy
       excess = elastic%excess
-      answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine force_of_lane
 
    !> Elastic energy.
@@ -139,19 +139,20 @@ contains
 
    !> The force over the whole width of a law h = N/(pi E*) (ln(rho_sum/N) + constant), with the derivatives of the energy that
    !> `johnson_energy` gives.
-   elemental subroutine force_over_width(h, rho_sum, factor, e_star, width, result, code)
+   elemental subroutine force_over_width(h, rho_sum, factor, e_star, width, result, room)
       real(wp), intent(in) :: h       !! penetration [m]
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m]
       real(wp), intent(in) :: factor  !! as how many times as large they count
       real(wp), intent(in) :: e_star  !! effective modulus [Pa]
       real(wp), intent(in) :: width   !! common face width [m]
       type(elastic_result), intent(out) :: result
-      integer, intent(out) :: code    !! code_ok or code_out_of_domain
-      real(wp) :: x, y, last
+      real(wp), intent(out) :: room   !! as of `johnson_force`
+      real(wp) :: per_line, x, y, last
 
-      call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho_a, code)
-      x = abs(h)*(1/rho_sum)
-      y = abs(result%force)*(1/rho_sum)*(1/(pi*e_star))
+      call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho_a, room)
+      per_line = factor*(1/(factor*rho_sum)) ! that reciprocal is there already
+      x = abs(h)*per_line
+      y = abs(result%force)*per_line*(1/(pi*e_star))
       last = -y*(x*(x/12 + y*(11.0_wp/72)) + y**2*(3.0_wp/32))
       result%d_energy = width*abs(result%force)*(last - y*(0.5_wp + x/6 + y*(2.0_wp/9)))
       result%force = width*result%force
@@ -165,25 +166,24 @@ contains
    !>
    !> Source: Kosenko & Gusev 2011, (13)-(14) through W_{-1}.   Valid: |h| < 4 rho/e**2, rho > 0.
    !> At h = 0 the derivative is 0, its (logarithmic) limit. Without branches: outside it computes something else and drops it.
-   elemental subroutine johnson_force(h, rho_sum, e_star, force, d_h, d_rho, code)
+   elemental subroutine johnson_force(h, rho_sum, e_star, force, d_h, d_rho, room)
       real(wp), intent(in) :: h       !! penetration [m]; the force is odd in it
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m], > 0
       real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
       real(wp), intent(out) :: force  !! N [N/m]; 0 on error
       real(wp), intent(out) :: d_h    !! dN/dh at constant rho_sum [N/m^2]; 0 on error
       real(wp), intent(out) :: d_rho  !! dN/d(rho_sum) at constant h [N/m^2]; 0 on error
-      integer, intent(out) :: code    !! code_ok or code_out_of_domain
+      real(wp), intent(out) :: room   !! positive where there is a force: an integer is shorter, and vectors would be too
       real(wp) :: ratio, excess, v, w_inverse
-      logical :: inside
 
       ratio = (0.25_wp*abs(h))*(1/rho_sum)
       excess = -natural_logarithm(min(max(ratio, smallest_ratio), exp_minus_2)) - 2.0_wp
-      inside = ratio < exp_minus_2 .and. min(rho_sum, excess) > 0.0_wp ! not so for the last few numbers below the limit
+      ! one comparison at a time: an .and. of two would leave no vectors without AVX
+      room = merge(min(rho_sum, excess), 0.0_wp, ratio < exp_minus_2) ! 0 for the last few numbers below the limit too
       call lambert_w(max(excess, epsilon(excess)), v, w_inverse)
-      force = merge(pi*e_star*h*w_inverse, 0.0_wp, inside)
-      d_h = merge(pi*e_star/v, 0.0_wp, inside .and. abs(h) > 0.0_wp)
+      force = merge(pi*e_star*h*w_inverse, 0.0_wp, room > 0.0_wp)
+      d_h = merge(merge(pi*e_star/v, 0.0_wp, room > 0.0_wp), 0.0_wp, abs(h) > 0.0_wp)
       d_rho = sign(4.0_wp*ratio*d_h*w_inverse, -h)
-      code = merge(code_ok, code_out_of_domain, inside)
    end subroutine johnson_force
 
    !> Penetration from the force per unit width.

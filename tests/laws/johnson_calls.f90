@@ -2,6 +2,7 @@
 module johnson_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use evl_johnson, only: johnson_force, johnson_penetration, johnson_penetration_limit
+   use evl_status, only: code_ok, code_out_of_domain
    use johnson_iteration_of_paper, only: johnson_force_limit, johnson_iteration, johnson_iteration_force
    implicit none (type, external)
    private
@@ -17,8 +18,10 @@ contains
       real(c_double), intent(in) :: h(n), rho_sum(n), e_star(n)
       real(c_double), intent(out) :: force(n), d_h(n), d_rho(n)
       integer(c_int), intent(out) :: codes(n)
+      real(c_double) :: room(n)
 
-      call johnson_force(h, rho_sum, e_star, force, d_h, d_rho, codes)
+      call johnson_force(h, rho_sum, e_star, force, d_h, d_rho, room)
+      codes = merge(code_ok, code_out_of_domain, room > 0)
    end subroutine test_johnson_force
 
    !> The inverse.
