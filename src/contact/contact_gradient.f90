@@ -9,8 +9,7 @@ module evl_contact_gradient
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
    use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: beyond_flank, contact_state, flank_values, flanks_unloaded, line_along, tooth_contact_t, &
-                                tracking_closed_form
+   use evl_tooth_contact, only: beyond_flank, contact_state, flank_values, flanks_unloaded, tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -85,19 +84,18 @@ contains
    end subroutine plain_gradient
 
    !> Derivatives of a contact point.
-   pure subroutine point_gradient(contact, at, gradient)
+   pure subroutine point_gradient(contact, line, at, gradient)
       type(tooth_contact_t), intent(in) :: contact
+      type(tangent_line_t), intent(in) :: line   !! of action; tracked points do not use it
       type(contact_state), intent(in) :: at      !! with its point; it touches
       type(contact_gradient), intent(out) :: gradient
       type(contact_point) :: perfect
-      type(tangent_line_t) :: line
       type(flank_value) :: a, b
 
       if (contact%tracking /= tracking_closed_form) then
          call gradient_points(contact%pair, at%rho_a0, at%q, at%point, gradient)
          return
       end if
-      call line_along(contact, at%q, line)
       if (.not. contact%deviates) then ! as no tracked flank does
          call gradient_along(contact%pair, at%q, line, at%point, gradient)
          return

@@ -229,22 +229,24 @@ contains
       type(contact_gradient), intent(in) :: d(*) !! of the points of the contacts that touch
       integer, intent(in) :: k                   !! which of them; it touches
       real(wp), intent(out) :: elastic(n_local), viscous(n_local)
+      integer :: j
 
-      associate (e => at(k)%elastic, v => at(k)%viscous)
-         elastic = force_change(e%d_h, e%d_rho_a, e%d_rho_b, d(k))
+      associate (e => at(k)%elastic, v => at(k)%viscous, h => d(k)%h, rho_a => d(k)%rho_a, rho_b => d(k)%rho_b)
+         do j = 1, n_local
+            elastic(j) = force_change(e%d_h, e%d_rho_a, e%d_rho_b, h(j), rho_a(j), rho_b(j))
+            viscous(j) = force_change(v%d_h, v%d_rho_a, v%d_rho_b, h(j), rho_a(j), rho_b(j)) + v%d_h_dot*d(k)%h_dot(j)
+         end do
          if (contacts(k)%rigid) elastic = unit(at_normal, at(k)%mode%share)
-         viscous = force_change(v%d_h, v%d_rho_a, v%d_rho_b, d(k)) + v%d_h_dot*d(k)%h_dot
       end associate
    end subroutine force_changes
 
    !> How a force changes with the penetration and both radii of curvature. Where it depends on their sum alone, as laws so far do,
    !> what one radius gains by the motion of the axles and the other loses cancels before it is multiplied.
-   pure function force_change(d_h, d_rho_a, d_rho_b, d) result(change)
+   elemental real(wp) function force_change(d_h, d_rho_a, d_rho_b, h, rho_a, rho_b) result(change)
       real(wp), intent(in) :: d_h, d_rho_a, d_rho_b !! derivatives of the force [N/m]
-      type(contact_gradient), intent(in) :: d
-      real(wp) :: change(n_local)
+      real(wp), intent(in) :: h, rho_a, rho_b       !! derivatives of these
 
-      change = d_h*d%h + d_rho_a*(d%rho_a + d%rho_b) + (d_rho_b - d_rho_a)*d%rho_b
+      change = d_h*h + d_rho_a*(rho_a + rho_b) + (d_rho_b - d_rho_a)*rho_b
    end function force_change
 
    !> How the power changes that the elastic energy gains without the work of the force, V' - F h'.
@@ -253,13 +255,16 @@ contains
       type(contact_point), intent(in) :: point
       type(elastic_result), intent(in) :: elastic
       type(contact_gradient), intent(in) :: d
-      real(wp) :: change(n_local), d_energy(n_local)
+      real(wp) :: change(n_local), by_r, d_energy, d_r
+      integer :: j
 
-      associate (r => point%rho_a + point%rho_b - point%h, d_r => (elastic%d_rho_a + elastic%d_rho_b)/2)
-         ! dV/dr changes with h as the force does with r, and is homogeneous in both; `excess` is constant enough
-         d_energy = d_r*d%h + (elastic%d_energy - point%h*d_r)/r*(d%rho_a + d%rho_b - d%h)
-      end associate
-      change = point%rho_dot*d_energy + elastic%d_energy*d%rho_dot + elastic%excess*d%h_dot
+      ! dV/dr changes with h as the force does with r, and is homogeneous in both; `excess` is constant enough
+      d_r = (elastic%d_rho_a + elastic%d_rho_b)/2
+      by_r = (elastic%d_energy - point%h*d_r)/(point%rho_a + point%rho_b - point%h)
+      do j = 1, n_local
+         d_energy = d_r*d%h(j) + by_r*(d%rho_a(j) + d%rho_b(j) - d%h(j))
+         change(j) = point%rho_dot*d_energy + elastic%d_energy*d%rho_dot(j) + elastic%excess*d%h_dot(j)
+      end do
    end function loss_change
 
    !> Add what else the elastic energy does to the wheels: here nothing.

@@ -47,14 +47,14 @@ contains
    end subroutine look_at
 
    !> All contacts of one flank: whether they touch; of those that do their modes, where they are and what acts.
-   subroutine look_at_forces(gearbox, first, last, y, integers, reals, at, status)
+   subroutine look_at_forces(gearbox, first, last, y, integers, reals, place, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
+      type(flank_place), intent(out) :: place     !! of the flank, if a contact touches
       type(contact_state), intent(inout) :: at(*)
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a limit of a law or of the involutes is passed
-      type(flank_place) :: place
       integer :: m
 
       do m = first, last

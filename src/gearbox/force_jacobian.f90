@@ -5,7 +5,7 @@
 module evl_force_jacobian
    use evl_contact_gradient, only: force_gradient, mesh_force_gradient, point_gradient
    use evl_contact_point, only: contact_gradient
-   use evl_contacts_at_state, only: look_at_forces
+   use evl_contacts_at_state, only: flank_place, look_at_forces
    use evl_flank, only: flank_t
    use evl_gearbox, only: add_turn, gearbox_t, of_angle, of_speed, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame
@@ -177,13 +177,14 @@ contains
       type(contact_state) :: at(size(gearbox%contacts))
       type(contact_gradient) :: d(size(gearbox%contacts))
       type(mesh_force_gradient) :: gradient
+      type(flank_place) :: place
       integer :: m
 
-      if (.not. entries%marks) call look_at_forces(gearbox, flank%first, flank%last, y, integers, reals, at, status)
+      if (.not. entries%marks) call look_at_forces(gearbox, flank%first, flank%last, y, integers, reals, place, at, status)
       if (has_failed(status)) return
       do m = flank%first, flank%last
          if (entries%marks) cycle
-         if (touches(at(m)%mode)) call point_gradient(gearbox%contacts(m), at(m), d(m))
+         if (touches(at(m)%mode)) call point_gradient(gearbox%contacts(m), place%line, at(m), d(m))
       end do
       do m = flank%first, flank%last
          if (entries%marks) then ! it may touch

@@ -1,6 +1,6 @@
 !> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
 module evl_gearbox_rates
-   use evl_contacts_at_state, only: look_at_forces
+   use evl_contacts_at_state, only: flank_place, look_at_forces
    use evl_discrete_state, only: is_closed
    use evl_gearbox, only: carried_acceleration, gearbox_local, gearbox_t, wheel_position, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame, housing_rates
@@ -120,9 +120,10 @@ contains
       type(contact_state), intent(inout) :: at(*)
       real(wp), intent(inout) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status
+      type(flank_place) :: place
       integer :: m
 
-      call look_at_forces(gearbox, first, last, y, integers, reals, at, status)
+      call look_at_forces(gearbox, first, last, y, integers, reals, place, at, status)
       if (has_failed(status)) return
       do m = first, last
          if (.not. touches(at(m)%mode)) cycle
