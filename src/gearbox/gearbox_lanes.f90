@@ -13,6 +13,7 @@ module evl_gearbox_lanes
    use evl_local_variables, only: i_omega, i_theta, wheel_link
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
+   use evl_support, only: support_t
    use evl_tooth_contact, only: touches, tracking_closed_form
    use evl_wheel_loads, only: segment_of, turns_of_wheel, wheel_acceleration
    implicit none (type, external)
@@ -52,7 +53,10 @@ contains
 
       f = 0
       do i = 1, size(gearbox%flanks)
-         call push_flank(gearbox, gearbox%flanks(i)%flank, y, slots, f, answered)
+         associate (flank => gearbox%flanks(i)%flank)
+            if (.not. any(slots(flank%first:flank%last)%touches)) cycle
+            call push_flank(gearbox, flank, y, slots, f, answered)
+         end associate
          if (.not. answered) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
@@ -64,7 +68,8 @@ contains
                              gearbox%wheels(gearbox%shafts(i)%wheel_b)%i_speed, gearbox%i_dissipated, y, f)
       end do
       do i = 1, size(gearbox%wheels)
-         call load_wheel(gearbox, i, t, y, integers, f)
+         if (gearbox%wheels(i)%is_loaded) call load_wheel(gearbox, i, t, y, integers, f)
+         call accelerate_support(gearbox, gearbox%wheels(i)%support, y, f)
       end do
       do i = 1, size(gearbox%wheels)
          if (gearbox%wheels(i)%leader == i) call accelerate_rotor(gearbox, i, y, integers, f)
@@ -95,7 +100,7 @@ contains
       call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
    end subroutine say_why
 
-   !> Forces of a flank in the rows of its wheels, their supports and the dissipated energy.
+   !> Forces of a flank, where a contact touches, in the rows of its wheels, their supports and the dissipated energy.
    subroutine push_flank(gearbox, flank, y, slots, f, answered)
       type(gearbox_t), intent(in) :: gearbox
       class(flank_t), intent(in) :: flank
@@ -114,7 +119,6 @@ contains
          if (.not. answered) return
          call contact_in_lanes(gearbox%contacts(m), slots(m)%mode, slots(m)%rho_start, line, slots(m)%at)
       end do
-      if (line%mesh == 0) return ! none touches
       call flank%forces_in_lanes(gearbox%contacts, flank%first, flank%last, slots, answered)
       if (.not. answered) return
       do m = flank%first, flank%last
@@ -172,7 +176,7 @@ contains
       f(:, row_dissipated) = f(:, row_dissipated) + damper_power(shaft%damping, rate_a - rate_b)
    end subroutine twist_shaft
 
-   !> Torque and power of a wheel's loads; acceleration of its support.
+   !> Torque and power of the loads of a wheel that has some.
    subroutine load_wheel(gearbox, index, t, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -183,33 +187,41 @@ contains
       real(wp) :: torque(lanes)
       integer :: j
 
-      associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
-         if (wheel%is_loaded) then
-            call speed_of(wheel, y, at%omega)
-            at%t = t
-            at%angle = 0
-            torque = 0
-            do j = 1, size(gearbox%loads)
-               associate (load => gearbox%loads(j)%load)
-                  if (load%wheel /= index) cycle
-                  at%segment = segment_of(load, integers)
-                  if (load%by_angle) call angle_of(wheel, y, integers, at)
-                  call load%add_in_lanes(at, torque)
-               end associate
-            end do
-            call add(torque, f(:, wheel%i_speed))
-            call add(torque*at%omega, f(:, gearbox%i_work))
-         end if
-         do j = 1, support%n
-            associate (i => support%i_state(j))
-               f(:, i) = y(:, i + 1)
-               f(:, gearbox%i_dissipated) = f(:, gearbox%i_dissipated) + damper_power(support%damping(j), y(:, i + 1))
-               f(:, i + 1) = support_acceleration(f(:, i + 1), support%stiffness(j), support%damping(j), support%per_mass, &
-                                                  y(:, i), y(:, i + 1))
+      associate (wheel => gearbox%wheels(index))
+         call speed_of(wheel, y, at%omega)
+         at%t = t
+         at%angle = 0
+         torque = 0
+         do j = 1, size(gearbox%loads)
+            associate (load => gearbox%loads(j)%load)
+               if (load%wheel /= index) cycle
+               at%segment = segment_of(load, integers)
+               if (load%by_angle) call angle_of(wheel, y, integers, at)
+               call load%add_in_lanes(at, torque)
             end associate
          end do
+         call add(torque, f(:, wheel%i_speed))
+         call add(torque*at%omega, f(:, gearbox%i_work))
       end associate
    end subroutine load_wheel
+
+   !> Acceleration of a support from the forces on it, and what its dampers take.
+   pure subroutine accelerate_support(gearbox, support, y, f)
+      type(gearbox_t), intent(in) :: gearbox
+      type(support_t), intent(in) :: support
+      real(wp), intent(in) :: y(lanes, gearbox%n_states)
+      real(wp), intent(inout) :: f(lanes, gearbox%n_states)
+      integer :: j
+
+      do j = 1, support%n
+         associate (i => support%i_state(j))
+            f(:, i) = y(:, i + 1)
+            f(:, gearbox%i_dissipated) = f(:, gearbox%i_dissipated) + damper_power(support%damping(j), y(:, i + 1))
+            f(:, i + 1) = support_acceleration(f(:, i + 1), support%stiffness(j), support%damping(j), support%per_mass, &
+                                               y(:, i), y(:, i + 1))
+         end associate
+      end do
+   end subroutine accelerate_support
 
    !> From the torque on a rotor to its acceleration; a load that prescribes its speed brings the power that is missing.
    subroutine accelerate_rotor(gearbox, leader, y, integers, f)
