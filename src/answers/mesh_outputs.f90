@@ -159,7 +159,7 @@ contains
          lag = transmission_error(contact%pair, contact%axles_rest, at%q)
          call closed_form_line(contact%pair, at%q, line)
          if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, contact, t, at, line, points)
-         penetration = max(total%h(1), 0.0_wp)
+         penetration = merge(total%h(1), 0.0_wp, total%h(1) >= 0) ! of two zeros max takes either
          if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
             total%h(1) = at%point%h
             if (contact%deviates) total%deviation(1) = -closed_form_gap(contact%pair, at%q) - at%point%h
