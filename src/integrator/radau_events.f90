@@ -5,6 +5,10 @@ submodule(evl_radau) evl_radau_events
    use evl_root_finder, only: find_crossings, step_state, values_at
    implicit none (type, external)
 
+   !> A function is located where it is this near zero. Time may be too coarse for that: where a function runs through its size in a
+   !> nanosecond, one digit of a time of seconds is 1e-6 of it. So the state goes on where time does not.
+   real(wp), parameter :: located = 1.0e-8_wp
+
 contains
 
    !> Take the step just solved, or the part of it before the first event.
@@ -84,7 +88,7 @@ contains
       at = self%roots%tau(first)*h
       at_next = at
       if (at <= smallest_step*abs(self%t)) then
-         call fire_at_start(self, first, h)
+         call fire_at_start(self, model, first, h, at, status)
          done = .true.
          return
       end if
@@ -116,10 +120,10 @@ contains
          shift = max(self%roots%left(first)*h - at, min(self%roots%right(first)*h - at, shift))
          if (.not. abs(shift) < abs(last_shift)) exit
          last_shift = shift
-         if (abs(shift) <= 4*eps*max(abs(self%t + at), at)) exit
+         if (abs(shift) <= 4*eps*max(abs(self%t + at), at) .and. abs(self%roots%value(first)) <= located) exit
          at_next = at + shift
          if (at_next <= smallest_step*abs(self%t)) then ! as of a function that crosses just after another one
-            call fire_at_start(self, first, h)
+            call fire_at_start(self, model, first, h_now, max(at_next, 0.0_wp), status)
             self%old_h = 0
             done = .true.
             return
@@ -138,12 +142,20 @@ contains
       done = .true.
    end subroutine go_to_event
 
-   !> The event is where the step begins: nothing moves.
-   pure subroutine fire_at_start(self, first, h)
+   !> The event is where the step begins, as far as time can tell: no time passes.
+   subroutine fire_at_start(self, model, first, h, at, status)
       type(radau_t), intent(inout) :: self
+      class(ode_model), intent(inout) :: model
       integer, intent(in) :: first
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h  !! of the stages
+      real(wp), intent(in) :: at !! from the start [s]
+      type(status_t), intent(inout) :: status
 
+      call values_at(self%roots, model, step_state(self%t, h), self%y, self%stages%z, 0.0_wp, status)
+      if (abs(self%roots%value(first)) > located) then
+         call values_at(self%roots, model, step_state(self%t, h), self%y, self%stages%z, at/h, status)
+         if (.not. has_failed(status)) self%y(:) = self%roots%y
+      end if
       self%roots%value = 0
       call note_fired(self, first, h)
       self%counts%events = self%counts%events + 1

@@ -204,6 +204,28 @@ def test_a_function_that_rounding_moves_across_zero_at_the_start_fires_there(lib
     assert events.times == pytest.approx([1, 1], abs=1e-12)
 
 
+def test_an_event_lies_at_zero_though_time_is_too_coarse_for_that(library: Library):
+    """At 1000 s one digit of the time is 1e-5 of a function that runs through its size in 10 ns."""
+    levels = (0.3, 0.3 + 3e-6, 0.3 + 2e-5, 0.6)
+    found: list[float] = []
+
+    def pass_one(_: float, y: Floats, fired: NDArray[np.int32]) -> Floats:
+        found.append(y[0] - levels[len(found)])
+        return y
+
+    problem = Problem(
+        lambda t, y: 1e8,
+        lambda t, y: 0,
+        [1],
+        roots=lambda t, y: y[0] - levels[len(found)] if len(found) < len(levels) else -1,
+        n_roots=1,
+        directions=lambda: [1],
+    )
+    Solver(library, problem, 1e-9).end(1000, [0], 1000 + 1e-8, event=pass_one)
+    assert len(found) == len(levels)
+    assert np.abs(found).max() <= 1e-8  # what the discrete state takes for zero
+
+
 def test_a_function_that_is_identically_zero_never_fires(library: Library):
     events, _, _ = run(library, oscillator(lambda t, y: [0 * t, y[1]], 2), [0, 1], 10)
     assert np.abs(np.sum(np.abs(events.fired), axis=0)).tolist() == [0, 3]
