@@ -1,7 +1,7 @@
 !> A flank whose tooth pairs yield to each other's loads: the forces of all follow from the places of all.
 !>
 !> They are those of evl_coupled_pairs over the width, with C of evl_pair_compliance. The energy is the sum of F h/2 -
-!> F**2/(4 pi E* b), and beside F each pair k has P and a_i of evl_yielding_flank with s_i = sum_l N_l dC_kl/drho_i, half of the own
+!> F**2/(4 pi E* b), and beside F each pair k has a_i and P of evl_yielding_flank with s_i = sum_l N_l dC_kl/drho_i, half of the own
 !> term. A pair that overlaps without force stays in the potential.
 !>
 !> Whether a pair carries is said by its overlap g_k = h_k - sum over the others of C_kl N_l. In a mode forces go on as odd
@@ -23,7 +23,7 @@ module evl_coupled_flank
    use evl_pair_place, only: by_a, by_b
    use evl_status, only: code_ok, code_out_of_domain, fail, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_state, feet_of, flank_drive, flanks_open, tooth_contact_t, touches
-   use evl_yielding_flank, only: change_of, yielding_flank_t
+   use evl_yielding_flank, only: change_of, change_of_line, viscous_change, yielding_flank_t
    implicit none (type, external)
    private
 
@@ -176,9 +176,7 @@ contains
       call list_pairs(self%first, self%last, at, .false., pairs)
       call changes_of_all(contacts, at, d, pairs, change)
       elastic = contacts(k)%width*change(findloc(pairs%contact(:pairs%n), k, dim=1), :)
-      associate (v => at(k)%viscous)
-         viscous = v%d_elastic*elastic + v%d_h*d(k)%h + v%d_rho_a*d(k)%rho_a + v%d_rho_b*d(k)%rho_b + v%d_h_dot*d(k)%h_dot
-      end associate
+      viscous = viscous_change(at(k), d(k), elastic)
    end subroutine force_changes
 
    !> How the forces per unit width of all pairs that touch change with the local variables.
@@ -206,7 +204,7 @@ contains
          do i = 1, n
             associate (of => d(pairs%contact(i)), slope => at(pairs%contact(i))%yielding%slope)
                change(i, :) = of%h - slope(by_a)*feet(:, by_a, i) - slope(by_b)*feet(:, by_b, i)
-               d_line(i, :) = of%rho_a + of%rho_b - of%h
+               d_line(i, :) = change_of_line(at(pairs%contact(i)), of)
             end associate
             do j = 1, n
                associate (by => at(pairs%contact(j))%yielding%by_force(i, :), force => answer%force(j))

@@ -3,9 +3,9 @@ module evl_flank_pairs
    use evl_coupled_pairs, only: most_pairs
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, wp
-   use evl_pair_place, only: by_a, by_b, pair_feet
-   use evl_tooth_contact, only: contact_state, feet_of, flanks_open, touches
-   use evl_yielding_lanes, only: feet_in_lanes
+   use evl_pair_place, only: pair_feet
+   use evl_tooth_contact, only: contact_state, feet_of, flanks_open, line_of, touches
+   use evl_yielding_lanes, only: feet_in_lanes, line_in_lanes
    implicit none (type, external)
    private
 
@@ -29,20 +29,6 @@ module evl_flank_pairs
 
 contains
 
-   !> Add a pair at h, rho_A and rho_B, loaded at its feet.
-   pure subroutine add_pair(pairs, contact, number, h, rho, foot)
-      type(pairs_t), intent(inout) :: pairs
-      integer, intent(in) :: contact, number
-      real(wp), intent(in) :: h, rho(2), foot(2)
-
-      pairs%n = pairs%n + 1
-      pairs%contact(pairs%n) = contact
-      pairs%number(pairs%n) = number
-      pairs%h(pairs%n) = h
-      pairs%line(pairs%n) = rho(by_a) + rho(by_b) - h
-      pairs%feet(pairs%n)%foot = foot
-   end subroutine add_pair
-
    !> Pairs in one state: those that touch, and those that lie open if they count.
    pure subroutine list_pairs(first, last, at, with_open, pairs)
       integer, intent(in) :: first, last
@@ -53,8 +39,14 @@ contains
 
       do k = first, last
          if (.not. (touches(at(k)%mode) .or. (with_open .and. at(k)%mode%flanks == flanks_open))) cycle
-         call add_pair(pairs, k, at(k)%mode%tooth_pair, at(k)%point%h, [at(k)%point%rho_a, at(k)%point%rho_b], &
-                       feet_of(at(k)))
+         pairs%n = pairs%n + 1
+         associate (n => pairs%n)
+            pairs%contact(n) = k
+            pairs%number(n) = at(k)%mode%tooth_pair
+            pairs%h(n) = at(k)%point%h
+            pairs%line(n) = line_of(at(k))
+            pairs%feet(n)%foot = feet_of(at(k))
+         end associate
       end do
    end subroutine list_pairs
 
@@ -69,7 +61,7 @@ contains
          pairs%contact(n) = contact
          pairs%number(n) = slot%mode%tooth_pair
          pairs%h(:, n) = at%h
-         pairs%line(:, n) = at%rho_a + at%rho_b - at%h
+         call line_in_lanes(slot, pairs%line(:, n))
          call feet_in_lanes(slot, pairs%foot(:, :, n))
       end associate
    end subroutine add_in_lanes

@@ -29,7 +29,7 @@ module evl_tooth_contact
 
    public :: tooth_contact_t, contact_state, contact_mode, contact_force, no_force, no_mode
    public :: beyond_flank, edge_wheel, flank_branches, flank_values, line_along, line_length, locate_anywhere, locate_contact
-   public :: feet_of, on_involutes, pair_yielding
+   public :: feet_of, line_of, on_involutes, pair_yielding
    public :: nominal_rho, nominal_start, settle_friction, touches, unclipped
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
@@ -134,7 +134,7 @@ module evl_tooth_contact
       real(wp) :: by_other(most_pairs, 2)  !! of the place of each, over its N [1/N]
       real(wp) :: factor(most_pairs)       !! its row of the factor of `coupled_answer`
       logical :: carries                   !! the same
-      real(wp) :: by_foot(2)               !! of a pair alone, of its elastic force [N/m]
+      real(wp) :: by_h, by_line, by_foot(2) !! derivatives of its elastic force, of a pair alone [N/m]
    end type pair_yielding
 
    !> A tooth contact at a state of the gearbox: scratch of whoever asks, which costs nothing until something is put there.
@@ -264,6 +264,14 @@ contains
       foot = [at%point%rho_a, at%point%rho_b]
       if (at%mode%flanks /= flanks_off .and. beyond_flank(at%mode)) foot = at%edge%foot
    end function feet_of
+
+   !> Length of the line of action, whatever the flanks lack: past the end of one, or as the sum of the arms of friction [m].
+   pure real(wp) function line_of(at)
+      type(contact_state), intent(in) :: at !! with its point
+
+      line_of = at%point%l_a + at%point%l_b
+      if (beyond_flank(at%mode)) line_of = at%edge%line
+   end function line_of
 
    !> Elastic + viscous force as if nothing were clipped [N]; 0 where flanks do not overlap.
    pure real(wp) function unclipped(at) result(force)

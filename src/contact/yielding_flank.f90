@@ -1,23 +1,22 @@
 !> A flank whose teeth and wheel bodies bend, each pair by itself: Johnson's contact in series with c_A(rho_A) + c_B(rho_B).
 !>
-!> The elastic energy V depends on the place of a pair too. With F over the width b, C the compliance and r = rho_A + rho_B - h the
-!> length of the line of action, P = F**2/(2 pi E* b r):
+!> The elastic energy V depends on the place of a pair too, and on the length rho of the line of action. With F over the width b and
+!> the compliance C
 !>
-!>    dV = (F + P) dh - (a_A drho_A + a_B drho_B),   a_i = F s_i + P,   s_i = F/(2 b) dC/drho_i
+!>    dV = F dh - a_A drho_A - a_B drho_B - P drho,   a_i = F s_i,   s_i = F/(2 b) dC/drho_i,   P = F**2/(2 pi E* b rho)
 !>
-!> so that beside F the force P acts along the gradient of h, and a_i as the slope of a deviation would: on the torques with the
-!> arms r_b, on the axles as -(r_bA a_A + r_bB a_B)/r along t. Viscous forces and friction know nothing of it. No energy is lost.
+!> so that beside F the forces a_i act as the slope of a deviation would: on the torques with the arms r_b; and on the axles P along e
+!> and -(r_bA (a_A + P) + r_bB (a_B + P))/rho along t. Viscous forces and friction know nothing of it. No energy is lost.
 !>
-!> Where flanks deviate, r is longer than the line by what they lack. Axles turn the line itself, which is the sum of the arms of
-!> friction there.
+!> Past the end of a flank the places where wheels are loaded depend on all three lengths, so that a_i push them all.
 !>
 !> Source: docs/compliant_flanks.md, sections 1 and 3.
 module evl_yielding_flank
    use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, &
                                     compliant_penetration
-   use evl_contact_point, only: contact_gradient, contact_point
+   use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_damping_law, only: viscous_force
-   use evl_edge_contact, only: change_of_foot, edge_contact, lift_of
+   use evl_edge_contact, only: change_of_foot
    use evl_elastic_law, only: elastic_result
    use evl_flank, only: context_of, flank_t, in_lanes_on_involutes
    use evl_force_lanes, only: lane_slot
@@ -26,13 +25,13 @@ module evl_yielding_flank
    use evl_pair_compliance, only: own_in_lanes, own_of_pair
    use evl_pair_place, only: by_a, by_b, by_line
    use evl_status, only: code_ok, fail, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: beyond_flank, contact_state, feet_of, flanks_unloaded, tooth_contact_t, touches
+   use evl_tooth_contact, only: beyond_flank, contact_state, feet_of, flanks_unloaded, line_of, tooth_contact_t, touches
    use evl_wheel_compliance, only: own_at_t, wheel_compliance_t
-   use evl_yielding_lanes, only: feet_in_lanes, push_sides_in_lanes
+   use evl_yielding_lanes, only: feet_in_lanes, line_in_lanes, push_sides_in_lanes
    implicit none (type, external)
    private
 
-   public :: change_of, line_of, yielding_flank_t
+   public :: change_of, change_of_line, viscous_change, yielding_flank_t
 
    type, extends(flank_t) :: yielding_flank_t
       class(wheel_compliance_t), allocatable :: a, b !! both wheels
@@ -68,17 +67,17 @@ contains
          if (.not. touches(at(k)%mode)) cycle
          associate (contact => contacts(k), point => at(k)%point, elastic => at(k)%elastic, b => contacts(k)%width)
             call own_of_pair(self%a, self%b, self%k_difference, feet_of(at(k)), own)
-            call compliant_force(point%h, line_of(point), sum(own%value), contact%e_star, answer, code)
+            call compliant_force(point%h, line_of(at(k)), sum(own%value), contact%e_star, answer, code)
             if (code /= code_ok) &
                call fail(status, code, "penetration h = "//quantity(point%h, "m")//" has no force: the teeth would yield by more" &
                          //" than the length of the line of action", subject_mesh, contact%mesh, "contact")
-            elastic = elastic_result(force=b*answer%force, d_h=b*(answer%d_h - answer%d_length), &
-                                     d_rho_a=b*(answer%d_length + answer%d_c*own(by_a)%slope), &
-                                     d_rho_b=b*(answer%d_length + answer%d_c*own(by_b)%slope), d_energy=0.0_wp, excess=0.0_wp)
+            elastic = elastic_result(b*answer%force, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
             associate (yielding => at(k)%yielding)
                yielding%by_force(1, :) = own%slope/2
                yielding%by_own(1, :) = own%curvature/2
                yielding%slope = answer%force*yielding%by_force(1, :)
+               yielding%by_h = b*answer%d_h
+               yielding%by_line = b*answer%d_length
                yielding%by_foot = b*answer%d_c*own%slope
             end associate
             call viscous_force(contact%damping, context_of(contact, at(k)), elastic, at(k)%viscous)
@@ -133,17 +132,25 @@ contains
       type(contact_gradient), intent(in) :: d(*)
       integer, intent(in) :: k
       real(wp), intent(out) :: elastic(n_local), viscous(n_local)
-      real(wp) :: more(n_local)
 
-      call self%flank_t%force_changes(contacts, at, d, k, elastic, viscous)
-      if (.not. beyond_flank(at(k)%mode)) return
-      associate (by_foot => at(k)%yielding%by_foot, edge => at(k)%edge)
-         more = by_foot(by_a)*(change_of_foot(edge, d(k), by_a) - d(k)%rho_a) &
-                + by_foot(by_b)*(change_of_foot(edge, d(k), by_b) - d(k)%rho_b)
+      associate (yielding => at(k)%yielding)
+         elastic = yielding%by_h*d(k)%h + yielding%by_line*change_of_line(at(k), d(k)) &
+                   + yielding%by_foot(by_a)*change_of(at(k), d(k), by_a) + yielding%by_foot(by_b)*change_of(at(k), d(k), by_b)
       end associate
-      elastic = elastic + more
-      viscous = viscous + at(k)%viscous%d_elastic*more
+      viscous = viscous_change(at(k), d(k), elastic)
    end subroutine force_changes
+
+   !> How the viscous force changes with the elastic one and besides.
+   pure function viscous_change(at, d, elastic) result(change)
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp), intent(in) :: elastic(n_local) !! of the elastic force
+      real(wp) :: change(n_local)
+
+      associate (v => at%viscous)
+         change = v%d_elastic*elastic + v%d_h*d%h + v%d_rho_a*d%rho_a + v%d_rho_b*d%rho_b + v%d_h_dot*d%h_dot
+      end associate
+   end function viscous_change
 
    !> How the place where a wheel is loaded changes with the local variables.
    pure function change_of(at, d, wheel) result(change)
@@ -161,20 +168,18 @@ contains
       end if
    end function change_of
 
-   !> Length of the line of action [m].
-   pure real(wp) function line_of(point)
-      type(contact_point), intent(in) :: point
-
-      line_of = point%rho_a + point%rho_b - point%h
-   end function line_of
-
-   !> The same without what flanks lack, by which axles that move along t turn it [m].
-   pure real(wp) function lever_of(at)
+   !> How the length of the line of action does.
+   pure function change_of_line(at, d) result(change)
       type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp) :: change(n_local)
 
-      lever_of = at%point%l_a + at%point%l_b
-      if (beyond_flank(at%mode)) lever_of = at%edge%line
-   end function lever_of
+      if (beyond_flank(at%mode)) then
+         change = d%line
+      else
+         change = d%l_a + d%l_b
+      end if
+   end function change_of_line
 
    !> Add the elastic energy, that of the bodies included.
    pure subroutine add_energy(self, contacts, first, last, at, energy)
@@ -204,65 +209,41 @@ contains
       change = 0
    end function loss_change
 
-   !> P and a_i of a pair; past the end of a flank a_rho too, of the length of the line of action [N].
-   pure subroutine side_forces(contact, is_beyond, edge, line, force, slope, p, a)
+   !> Forces against rho_A, rho_B and rho: a_A, a_B and P [N].
+   pure function side_forces(contact, at) result(a)
       type(tooth_contact_t), intent(in) :: contact
-      logical, intent(in) :: is_beyond
-      type(edge_contact), intent(in) :: edge !! if it is
-      real(wp), intent(in) :: line, force, slope(2)
-      real(wp), intent(out) :: p, a(3)
+      type(contact_state), intent(in) :: at
+      real(wp) :: a(3)
 
-      p = force**2/(2*pi*contact%e_star*contact%width*line)
-      a = [force*slope, 0.0_wp]
-      if (is_beyond) a = matmul(edge%d_foot, force*slope)
-      a(:by_b) = a(:by_b) + p
-   end subroutine side_forces
+      associate (force => at%elastic%force, slope => at%yielding%slope)
+         a = [force*slope, 0.0_wp]
+         if (beyond_flank(at%mode)) a = matmul(at%edge%d_foot, force*slope)
+         a(by_line) = a(by_line) + force**2/(2*pi*contact%e_star*contact%width*line_of(at))
+      end associate
+   end function side_forces
 
-   !> Add what P and a_i do to the wheels.
+   !> Add what they do to the wheels.
    pure subroutine add_yielding(self, contact, at)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at
-      real(wp) :: a(3), p, tangential
+      real(wp) :: a(3)
 
+      a = side_forces(contact, at)
       associate (pair => contact%pair, point => at%point, force => at%force)
-         call side_forces(contact, beyond_flank(at%mode), at%edge, line_of(point), at%elastic%force, at%yielding%slope, p, a)
-         force%torque_a = force%torque_a + pair%sigma*(p*point%arm_a - pair%r_ba*a(by_a))
-         force%torque_b = force%torque_b + pair%sigma*(p*point%arm_b - pair%r_bb*a(by_b))
-         tangential = p*point%tilt - (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/lever_of(at)
-         force%on_a = force%on_a + p*[point%s, -point%c] + tangential*[point%c, point%s]
-         if (beyond_flank(at%mode)) call lift_by_edge(contact, at%edge, p, a(by_line), point, force%on_a)
+         force%torque_a = force%torque_a - pair%sigma*pair%r_ba*a(by_a)
+         force%torque_b = force%torque_b - pair%sigma*pair%r_bb*a(by_b)
+         force%on_a = force%on_a + a(by_line)*[point%s, -point%c] - across(pair, a)/line_of(at)*[point%c, point%s]
       end associate
    end subroutine add_yielding
 
-   !> Add what an edge changes in the force on A: the gradient of the gap has turned, and C changes with rho.
-   pure subroutine lift_by_edge(contact, edge, p, a_line, point, on_a)
-      type(tooth_contact_t), intent(in) :: contact
-      type(edge_contact), intent(in) :: edge
-      real(wp), intent(in) :: p, a_line !! [N]
-      type(contact_point), intent(in) :: point
-      real(wp), intent(inout) :: on_a(2)
+   !> What forces against the three lengths have along t on A, times rho [N m].
+   pure real(wp) function across(pair, a)
+      type(tracked_pair), intent(in) :: pair
+      real(wp), intent(in) :: a(3)
 
-      on_a = on_a + (p*lift_of(edge) + a_line)*[point%s, -point%c] - contact%pair%r_b/edge%line*a_line*[point%c, point%s]
-   end subroutine lift_by_edge
-
-   !> How what it adds changes with the local variables.
-   pure subroutine lift_changes(contact, at, d, p, a_line, d_p, d_a, on_a)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(in) :: at
-      type(contact_gradient), intent(in) :: d
-      real(wp), intent(in) :: p, a_line
-      real(wp), intent(in), dimension(n_local) :: d_p, d_a !! of P and of a_rho
-      real(wp), intent(inout) :: on_a(n_local, 2)
-      real(wp), dimension(n_local) :: against, along
-
-      associate (point => at%point, edge => at%edge, r => contact%pair%r_b)
-         against = lift_of(edge)*d_p + p*d%lift + d_a
-         along = -r/edge%line*d_a + r*a_line/edge%line**2*d%line
-         on_a(:, 1) = on_a(:, 1) + point%s*against + point%c*along
-         on_a(:, 2) = on_a(:, 2) - point%c*against + point%s*along
-      end associate
-   end subroutine lift_changes
+      across = pair%r_ba*a(by_a) + pair%r_bb*a(by_b) + pair%r_b*a(by_line)
+   end function across
 
    !> Add how that changes with the local variables.
    pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
@@ -304,38 +285,26 @@ contains
       type(contact_gradient), intent(in) :: d
       real(wp), intent(in) :: elastic(n_local), d_slope(n_local, 2)
       real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
-      real(wp), dimension(n_local) :: d_p, d_lever, d_line, d_tangential
-      real(wp) :: a(3), d_a(n_local, 3), p, across
+      real(wp), dimension(n_local) :: d_line, d_tangential
+      real(wp) :: a(3), d_a(n_local, 3)
 
-      associate (pair => contact%pair, point => at%point, yielding => at%yielding, f => at%elastic%force, b => contact%width, &
-                 line => line_of(at%point), lever => lever_of(at))
-         call side_forces(contact, beyond_flank(at%mode), at%edge, line, f, yielding%slope, p, a)
-         d_line = d%rho_a + d%rho_b - d%h
-         d_lever = d%l_a + d%l_b
-         if (beyond_flank(at%mode)) d_lever = d%line
-         d_p = f/(pi*contact%e_star*b*line)*elastic - p/line*d_line
-         call side_changes(at, d, elastic, d_slope, d_a)
-         d_a(:, by_a) = d_a(:, by_a) + d_p
-         d_a(:, by_b) = d_a(:, by_b) + d_p
-         across = (pair%r_ba*a(by_a) + pair%r_bb*a(by_b))/lever
-         torque_a = torque_a + pair%sigma*(point%arm_a*d_p - pair%r_ba*d_a(:, by_a))
-         torque_b = torque_b + pair%sigma*(point%arm_b*d_p - pair%r_bb*d_a(:, by_b))
-         d_tangential = point%tilt*d_p - (pair%r_ba*d_a(:, by_a) + pair%r_bb*d_a(:, by_b) - across*d_lever)/lever
-         if (contact%deviates) then
-            torque_a = torque_a + (pair%sigma*p)*d%arm_a
-            torque_b = torque_b + (pair%sigma*p)*d%arm_b
-            d_tangential = d_tangential + p*d%tilt
-         end if
-         on_a(:, 1) = on_a(:, 1) + point%s*d_p + point%c*d_tangential
-         on_a(:, 2) = on_a(:, 2) - point%c*d_p + point%s*d_tangential
-         if (beyond_flank(at%mode)) call lift_changes(contact, at, d, p, a(by_line), d_p, d_a(:, by_line), on_a)
+      a = side_forces(contact, at)
+      d_line = change_of_line(at, d)
+      call side_changes(at, d, elastic, d_slope, d_a)
+      associate (pair => contact%pair, point => at%point, f => at%elastic%force, line => line_of(at), push => d_a(:, by_line))
+         push = push + f/(2*pi*contact%e_star*contact%width*line)*(2*elastic - f/line*d_line)
+         torque_a = torque_a - (pair%sigma*pair%r_ba)*d_a(:, by_a)
+         torque_b = torque_b - (pair%sigma*pair%r_bb)*d_a(:, by_b)
+         d_tangential = (across(pair, a)/line*d_line - pair%r_ba*d_a(:, by_a) - pair%r_bb*d_a(:, by_b) - pair%r_b*push)/line
+         on_a(:, 1) = on_a(:, 1) + point%s*push + point%c*d_tangential
+         on_a(:, 2) = on_a(:, 2) - point%c*push + point%s*d_tangential
          if (at%mode%flanks /= flanks_unloaded) return ! else nothing has turned what acts with the normal
          on_a(:, 1) = on_a(:, 1) - at%force%on_a(2)*d%angle
          on_a(:, 2) = on_a(:, 2) + at%force%on_a(1)*d%angle
       end associate
    end subroutine add_changes
 
-   !> How a_i, but for P, and a_rho change.
+   !> How they change, but for P.
    pure subroutine side_changes(at, d, elastic, d_slope, d_a)
       type(contact_state), intent(in) :: at
       type(contact_gradient), intent(in) :: d
@@ -379,7 +348,7 @@ contains
             if (.not. answered) return
             call feet_in_lanes(slots(k), foot)
             call own_in_lanes(self%a, self%b, self%k_difference, foot, c, force%slope_a, force%slope_b)
-            line = at%rho_a + at%rho_b - at%h
+            call line_in_lanes(slots(k), line)
             call compliant_force_lanes(at%h, line, c, at%e_star, force%elastic, answered)
             if (.not. answered) return
             force%slope_a = force%elastic*force%slope_a
@@ -393,7 +362,7 @@ contains
       end do
    end subroutine laws_in_lanes
 
-   !> Add what P and a_i do to the wheels in eight states.
+   !> Add what a_i and P do to the wheels in eight states.
    pure subroutine add_yielding_in_lanes(self, contact, slot)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact

@@ -9,7 +9,7 @@ module evl_yielding_lanes
    implicit none (type, external)
    private
 
-   public :: feet_in_lanes, push_sides_in_lanes
+   public :: feet_in_lanes, line_in_lanes, push_sides_in_lanes
 
 contains
 
@@ -26,81 +26,81 @@ contains
       end if
    end subroutine feet_in_lanes
 
-   !> Add what P and a_i do to the wheels.
+   !> Length of the line of action in eight states [m].
+   pure subroutine line_in_lanes(slot, line)
+      type(lane_slot), intent(in) :: slot
+      real(wp), intent(out) :: line(lanes)
+
+      if (beyond_flank(slot%mode)) then
+         line = slot%at%edge%line
+      else
+         line = slot%at%l_a + slot%at%l_b
+      end if
+   end subroutine line_in_lanes
+
+   !> Add what a_i and P do to the wheels.
    pure subroutine push_sides_in_lanes(contact, slot)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot !! of a pair that touches, with its forces
-      real(wp) :: a(lanes, 3), lever(lanes), line(lanes), p(lanes), per_line, on_a, on_b
-      integer :: i, l
+      real(wp), dimension(lanes) :: a_a, a_b, along, line
+      real(wp) :: p, per_line
+      integer :: l
 
       associate (at => slot%at, force => slot%force)
-         line = at%rho_a + at%rho_b - at%h
-         lever = at%l_a + at%l_b
+         call line_in_lanes(slot, line)
+         a_a = force%elastic*force%slope_a
+         a_b = force%elastic*force%slope_b
+         along = 0
+         if (beyond_flank(slot%mode)) call feel_at_feet(at%edge%d_foot, a_a, a_b, along)
          per_line = 2*pi*contact%e_star*contact%width
-         !$omp simd
+         !$omp simd private(p)
          do l = 1, lanes
-            p(l) = force%elastic(l)**2/(per_line*line(l))
+            p = force%elastic(l)**2/(per_line*line(l))
+            along(l) = along(l) + p
          end do
-         if (beyond_flank(slot%mode)) then
-            lever = at%edge%line
-            do i = by_a, by_line
-               !$omp simd private(on_a, on_b)
-               do l = 1, lanes
-                  on_a = at%edge%d_foot(l, i, by_a)*(force%elastic(l)*force%slope_a(l))
-                  on_b = at%edge%d_foot(l, i, by_b)*(force%elastic(l)*force%slope_b(l))
-                  a(l, i) = on_a + on_b
-               end do
-            end do
-         else
-            a(:, by_a) = force%elastic*force%slope_a
-            a(:, by_b) = force%elastic*force%slope_b
-         end if
-         a(:, by_a) = a(:, by_a) + p
-         a(:, by_b) = a(:, by_b) + p
-         call add_sides(contact%pair, at, p, a(:, by_a), a(:, by_b), lever, force)
-         if (beyond_flank(slot%mode)) call lift_in_lanes(contact%pair, at, p, a(:, by_line), force)
+         call add_sides(contact%pair, at, line, a_a, a_b, along, force)
       end associate
    end subroutine push_sides_in_lanes
 
-   !> The parts of it on every flank.
-   pure subroutine add_sides(pair, at, p, a_a, a_b, lever, force)
-      type(tracked_pair), intent(in) :: pair
-      type(lane_contact), intent(in) :: at
-      real(wp), intent(in), dimension(lanes) :: p, a_a, a_b, lever
-      type(lane_force), intent(inout) :: force
-      real(wp) :: r_ba, r_bb, sigma, tangential
+   !> What pushes the places where two wheels are loaded, as what pushes rho_A, rho_B and rho.
+   pure subroutine feel_at_feet(d_foot, a_a, a_b, along)
+      real(wp), intent(in) :: d_foot(lanes, 3, 2)
+      real(wp), intent(inout), dimension(lanes) :: a_a, a_b !! of the places, then of rho_A and rho_B [N]
+      real(wp), intent(out) :: along(lanes)
+      real(wp) :: on_a, on_b
       integer :: l
 
+      !$omp simd private(on_a, on_b)
+      do l = 1, lanes
+         on_a = a_a(l)
+         on_b = a_b(l)
+         a_a(l) = d_foot(l, by_a, by_a)*on_a + d_foot(l, by_a, by_b)*on_b
+         a_b(l) = d_foot(l, by_b, by_a)*on_a + d_foot(l, by_b, by_b)*on_b
+         along(l) = d_foot(l, by_line, by_a)*on_a + d_foot(l, by_line, by_b)*on_b
+      end do
+   end subroutine feel_at_feet
+
+   !> Add forces against rho_A, rho_B and rho.
+   pure subroutine add_sides(pair, at, line, a_a, a_b, along, force)
+      type(tracked_pair), intent(in) :: pair
+      type(lane_contact), intent(in) :: at
+      real(wp), intent(in), dimension(lanes) :: line, a_a, a_b, along
+      type(lane_force), intent(inout) :: force
+      real(wp) :: r_b, r_ba, r_bb, sigma, tangential
+      integer :: l
+
+      r_b = pair%r_b
       r_ba = pair%r_ba
       r_bb = pair%r_bb
       sigma = pair%sigma
       !$omp simd private(tangential)
       do l = 1, lanes
-         force%torque_a(l) = force%torque_a(l) + sigma*(p(l)*at%arm_a(l) - r_ba*a_a(l))
-         force%torque_b(l) = force%torque_b(l) + sigma*(p(l)*at%arm_b(l) - r_bb*a_b(l))
-         tangential = p(l)*at%tilt(l) - (r_ba*a_a(l) + r_bb*a_b(l))/lever(l)
-         force%on_a_t(l) = force%on_a_t(l) + p(l)*at%s(l) + tangential*at%c(l)
-         force%on_a_e(l) = force%on_a_e(l) - p(l)*at%c(l) + tangential*at%s(l)
+         force%torque_a(l) = force%torque_a(l) - sigma*r_ba*a_a(l)
+         force%torque_b(l) = force%torque_b(l) - sigma*r_bb*a_b(l)
+         tangential = -(r_ba*a_a(l) + r_bb*a_b(l) + r_b*along(l))/line(l)
+         force%on_a_t(l) = force%on_a_t(l) + along(l)*at%s(l) + tangential*at%c(l)
+         force%on_a_e(l) = force%on_a_e(l) - along(l)*at%c(l) + tangential*at%s(l)
       end do
    end subroutine add_sides
-
-   !> `lift_by_edge` in eight states.
-   pure subroutine lift_in_lanes(pair, at, p, a_line, force)
-      type(tracked_pair), intent(in) :: pair
-      type(lane_contact), intent(in) :: at
-      real(wp), intent(in), dimension(lanes) :: p, a_line
-      type(lane_force), intent(inout) :: force
-      real(wp) :: against, along, r_b
-      integer :: l
-
-      r_b = pair%r_b
-      !$omp simd private(against, along)
-      do l = 1, lanes
-         against = -p(l)*(1 + at%edge%d_h(l, by_line)) + a_line(l)
-         along = r_b/at%edge%line(l)*a_line(l)
-         force%on_a_t(l) = force%on_a_t(l) + against*at%s(l) - along*at%c(l)
-         force%on_a_e(l) = force%on_a_e(l) - against*at%c(l) - along*at%s(l)
-      end do
-   end subroutine lift_in_lanes
 
 end module evl_yielding_lanes

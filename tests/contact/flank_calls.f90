@@ -104,6 +104,8 @@ contains
          at(k)%point%h_dot = places(2, k)
          at(k)%point%rho_a = places(3, k)
          at(k)%point%rho_b = places(4, k)
+         at(k)%point%l_a = places(3, k) - places(1, k) ! as if B did not yield
+         at(k)%point%l_b = places(4, k)
       end do
    end subroutine put
 
@@ -160,6 +162,8 @@ contains
             d(k)%h_dot(4*k - 2) = 1
             d(k)%rho_a(4*k - 1) = 1
             d(k)%rho_b(4*k) = 1
+            d(k)%l_a = d(k)%rho_a - d(k)%h
+            d(k)%l_b = d(k)%rho_b
          end do
          call flank%force_changes(gearbox%contacts, at, d, which, of_elastic, of_viscous)
       end associate
@@ -190,6 +194,8 @@ contains
          slots(k)%at%h_dot = places(2, k, :)
          slots(k)%at%rho_a = places(3, k, :)
          slots(k)%at%rho_b = places(4, k, :)
+         slots(k)%at%l_a = places(3, k, :) - places(1, k, :)
+         slots(k)%at%l_b = places(4, k, :)
          slots(k)%at%e_star = gearbox%contacts(k)%e_star
          slots(k)%at%width = gearbox%contacts(k)%width
          slots(k)%at%v0 = at(k)%mode%v0

@@ -211,16 +211,15 @@ class BendingPair:
         return case
 
     def slow(self, lag: float, *, coasts: bool, friction: float) -> Block:
-        """Without errors on fixed axles, damped, over a pitch of 1e5 natural periods.
+        """On fixed axles, damped, over a pitch of 1e5 natural periods.
 
         The torque of the driving wheel is constant, the driven one turns at a constant speed. It
         begins with a transmission error [m].
         """
-        case = self.at_rest(errors=False)
+        case = self.at_rest(errors=True)
         speed = self.slow_speed()
         mesh, (pinion, gear) = case["meshes"][0], case["wheels"]
         mesh["damping"] = {"law": "ratio", "value": 0.1}
-        mesh.pop("edge_contact", None)  # without edges some chatter where a pair leaves so slowly
         if friction > 0:
             width = 2e-3 * speed * self.radii[0]
             mesh["friction"] = {"law": "coulomb", "coefficient": friction}
@@ -242,16 +241,6 @@ class BendingPair:
     def slow_speed(self) -> float:
         """Speed of the driving wheel in a slow run [rad/s]."""
         return 1e-5 * self.frequency * 2 * math.pi / self.wheels[0].teeth
-
-    @staticmethod
-    def modified(case: Block) -> float:
-        """Sum of what both profiles lack by their modifications [m]."""
-        amounts = [
-            wheel.get(key, {}).get("amount", 0.0)
-            for wheel in case["wheels"]
-            for key in ("tip_relief", "root_relief")
-        ]
-        return sum(amounts) + sum(wheel.get("profile_crowning", 0.0) for wheel in case["wheels"])
 
     def case(self) -> Block:
         """Undamped, from a start with too little deflection."""

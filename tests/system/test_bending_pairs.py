@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.interpolate import CubicSpline
 
 from system.bending_pairs import BendingPair
 from system.random_sets import seeds
+from system.slow_runs import apart
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -127,50 +127,49 @@ def test_forces_at_rest_are_the_gradient_of_the_energy(files: Files, seed: int) 
     assert np.quantile(off, 0.8) < 1e-5
 
 
-@every_third
-def test_a_slow_damped_run_is_the_mesh_at_rest(files: Files, seed: int) -> None:
-    """Its transmission error over a pitch; between them lie damping and inertia at 1e-5 of f_0.
+def see_slow_run(files: Files, seed: int, **of_mesh: str) -> None:
+    """Hold a slow damped run against the mesh at rest: its transmission error over a pitch.
 
-    Every second one coasts, half of them rub. In a run the length in the law's logarithm has in it
-    what flanks lack, and what edges do.
+    Between them lie damping and inertia at 1e-5 of f_0. Every second pair coasts, half of them rub,
+    some have errors.
     """
     pair = BendingPair(seed)
     coasts, rubs = seed % 2 == 1, seed % 4 < 2
-    case = pair.slow(0.0, coasts=coasts, friction=0.08 if rubs else 0.0)
     torque = -pair.torque if coasts else pair.torque
     speed = ("--speed", repr(pair.slow_speed())) if rubs else ()
-    curve = files("static", case, "--torque", repr(torque), "--points", "4000", *speed)
+    differing = 1 if pair.errors is None else pair.wheels[pair.errors].teeth
+    points = str(min(4000, 60000 // differing))
+
+    def slow(lag: float) -> dict[str, Any]:
+        case: dict[str, Any] = pair.slow(lag, coasts=coasts, friction=0.08 if rubs else 0.0)
+        case["meshes"][0] |= of_mesh
+        return case
+
+    curve = files("static", slow(0.0), "--torque", repr(torque), "--points", points, *speed)
     if curve is None:
         return
-    lag = float(curve.mean_transmission_error[0])
-    run = files("run", pair.slow(lag, coasts=coasts, friction=0.08 if rubs else 0.0))
+    run = files("run", slow(float(curve.transmission_error[0, 0])))
     if run is None:
         return
-    run = run.isel(time=slice(5, None))  # what it has vibrated at first is over
-    n, pitch = curve.sizes["position"], float(curve.base_pitch)
-    kind = curve.pair_contact_kind.sel(pair=0).values[0]
-    on_flanks = np.flatnonzero(kind == 1)
-    middle = on_flanks[len(on_flanks) // 2]
-    along = -pitch if coasts else pitch
-    start = float(curve.pair_position.sel(pair=0)[0, middle]) - middle / n * along
-    # where the pair with the largest force is says where the mesh is
-    forces = np.nan_to_num(run.pair_normal_force.values.reshape(run.sizes["time"], -1))
-    places = run.pair_position.values.reshape(forces.shape)
-    at = (places[np.arange(len(forces)), forces.argmax(1)] - start) / along % 1
-    h = curve.transmission_error.values[0]
-    of = CubicSpline(np.arange(n + 1) / n, np.append(h, h[0]), bc_type="periodic")
-    off = np.abs(run.transmission_error.values[:, 0] / of(at) - 1)
+    off, friction = apart(curve, run)
     if rubs:  # while a pair sticks at the pitch point, wheels do not slide as they turn
-        friction = curve.pair_friction_force.sum("pair").values[0, (at * n).astype(int) % n]
-        rubbing = np.nansum(run.pair_friction_force.values.reshape(forces.shape), axis=1)
-        slides = np.abs(rubbing - friction) < 1e-3 * pair.force
+        slides = friction < 1e-3 * pair.force
         assert slides.mean() > 0.6
-        assert np.abs(friction).max() > 1e-2 * pair.force
+        assert float(np.abs(curve.pair_friction_force.sum("pair")).max()) > 1e-2 * pair.force
         off = off[slides]
-    line = float(run.line_of_action_length.values.ravel()[0])
-    lack = 0.03 * pair.modified(case) / line
-    assert np.median(off) < 1e-6 + lack
-    assert np.quantile(off, 0.95) < 5e-6 + lack + 0.01 * np.abs(h).max() / line
+    assert np.median(off) < 1e-6
+    assert np.quantile(off, 0.95) < 5e-6  # the rest: corners of the curve, where a pair has come
+
+
+@every_third
+def test_a_slow_damped_run_is_the_mesh_at_rest(files: Files, seed: int) -> None:
+    see_slow_run(files, seed)
+
+
+@pytest.mark.parametrize("seed", [20, 44, 45, 161, 276])
+def test_slow_pairs_without_edges_come_to_their_end(files: Files, seed: int) -> None:
+    """Where a pair comes or goes under load, wheels slide through friction's knee in 1 ns."""
+    see_slow_run(files, seed, edge_contact="false")
 
 
 def test_few_of_the_pairs_are_refused(files: Files) -> None:

@@ -1,0 +1,43 @@
+"""A slow run beside the mesh at rest: by how much their transmission errors differ."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+SETTLED = 5  # outputs after which what has vibrated at first is over
+
+
+def places_of(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, int, Any]:
+    """Where a run stands among the positions of a curve, how many those are, and its forces.
+
+    The place and number of the pair with the largest force say it.
+    """
+    pitch, points = float(curve.base_pitch), int(curve.attrs["points"])
+    along = pitch if float(curve.torque[0]) > 0 else -pitch
+    on_flanks = np.flatnonzero(curve.pair_contact_kind.sel(pair=0).values[0, :points] == 1)
+    middle = on_flanks[len(on_flanks) // 2]
+    start = float(curve.pair_position.sel(pair=0)[0, middle]) - middle / points * along
+    forces = np.nan_to_num(run.pair_normal_force.values.reshape(run.sizes["time"], -1))
+    largest = np.arange(len(forces)), forces.argmax(1)
+    rho = run.pair_position.values.reshape(forces.shape)[largest]
+    number = run.pair_number.values.reshape(forces.shape)[largest]
+    return ((rho - start) / along + number) % int(curve.attrs["pitches"]), points, forces
+
+
+def apart(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, Any]:
+    """Difference of the transmission errors over that at rest, and what friction forces differ.
+
+    The curve has one torque, and speeds if flanks rub.
+    """
+    run = run.isel(time=slice(SETTLED, None))
+    at, points, forces = places_of(curve, run)
+    h = curve.transmission_error.values[0]
+    of = CubicSpline(np.arange(h.size + 1) / points, np.append(h, h[0]), bc_type="periodic")
+    off = np.abs(run.transmission_error.values[:, 0] / of(at) - 1)
+    at_rest = curve.pair_friction_force.sum("pair").values[0, (at * points).astype(int) % h.size]
+    rubbing = np.nansum(run.pair_friction_force.values.reshape(forces.shape), axis=1)
+    return off, np.abs(rubbing - at_rest)
