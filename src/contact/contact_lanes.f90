@@ -9,14 +9,14 @@ module evl_contact_lanes
    use evl_deviating_flanks, only: flank_value, radius_rates
    use evl_deviation_lanes, only: deviation_in_lanes
    use evl_edge_lanes, only: find_feet_in_lanes, lane_edge, lane_lack, slopes_in_lanes
-   use evl_flank_deviation, only: flank_branch, zone_edge, zone_end
+   use evl_flank_deviation, only: flank_branch, zone_edge
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: lane_line
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
    use evl_pair_place, only: by_a, by_b, by_line
    use evl_root_kinds, only: side_of_rate
    use evl_tangent_line, only: tangent_line_t
-   use evl_tooth_contact, only: beyond_flank, contact_mode, flank_branches, flanks_off, tooth_contact_t
+   use evl_tooth_contact, only: beyond_flank, contact_mode, ended_wheel, flank_branches, flanks_off, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -190,7 +190,7 @@ contains
       integer :: l, mate, own
 
       pair = contact%pair
-      own = merge(by_a, by_b, mode%zone_a >= zone_end)
+      own = ended_wheel(mode)
       mate = by_a + by_b - own
       call flank_branches(contact, mode, branches(by_a), branches(by_b))
       rho(:, by_a) = at%rho_a

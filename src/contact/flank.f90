@@ -20,7 +20,7 @@ module evl_flank
    use evl_pair_place, only: by_a, by_b, by_line
    use evl_root_kinds, only: side_of_rate
    use evl_status, only: code_ok, code_out_of_domain, fail, has_failed, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, edge_wheel, flanks_off, &
+   use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, ended_wheel, flanks_off, &
                                 flanks_unloaded, no_force, on_involutes, tooth_contact_t, touches
    implicit none (type, external)
    private
@@ -412,8 +412,7 @@ contains
       if (past_both_ends(at%mode)) call fail(status, code_out_of_domain, "a tooth pair is past both ends of its path of contact" &
                                              //" and carries force: the teeth yield by more than the path is long", &
                                              subject_mesh, contact%mesh, "edge_contact")
-      wheel = edge_wheel(at%mode)
-      if (wheel == 0) return
+      wheel = ended_wheel(at%mode)
       mate = by_a + by_b - wheel
       if (at%edge%exists .and. at%edge%foot(mate) >= contact%fillets(mate)) return
       call fail(status, code_out_of_domain, "a tip edge of the "//trim(name_of(wheel))//" wheel touches the fillet of the " &
@@ -452,15 +451,13 @@ contains
    pure logical function in_lanes_on_flank(contact, slot) result(lies)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot
-      integer :: mate, wheel
+      integer :: mate
 
       lies = .true.
       if (.not. beyond_flank(slot%mode)) return
-      lies = all_positive(slot%at%edge%margin) .and. .not. past_both_ends(slot%mode)
-      wheel = edge_wheel(slot%mode)
-      if (wheel == 0) return
-      mate = by_a + by_b - wheel
-      lies = lies .and. all(slot%at%edge%foot(:, mate) >= contact%fillets(mate))
+      mate = by_a + by_b - ended_wheel(slot%mode)
+      lies = all_positive(slot%at%edge%margin) .and. .not. past_both_ends(slot%mode) &
+             .and. all(slot%at%edge%foot(:, mate) >= contact%fillets(mate))
    end function in_lanes_on_flank
 
    !> The contact has left an involute: say which radius of curvature ran out.

@@ -11,7 +11,7 @@ module evl_static_mesh
    use evl_friction_at_rest, only: creep_friction, creep_t
    use evl_kinds, only: wp
    use evl_pair_compliance, only: gather_compliance, pair_compliance
-   use evl_pair_place, only: by_a, by_b, edge_of, find_feet, pair_feet, pair_place, penetrate, tip_t, zone_at
+   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, tip_t, zone_at
    use evl_status, only: code_no_solution, code_ok, code_out_of_domain, fail, has_failed, quantity, status_t
    use evl_wheel_compliance, only: wheel_compliance_t
    implicit none (type, external)
@@ -248,7 +248,6 @@ contains
       do i = 1, state%n
          associate (feet => state%feet(i))
             if (.not. state%potential%answer%force(i) > 0 .or. feet%wheel == 0) cycle
-            if (feet%zone /= edge_of(feet%wheel)) cycle
             mate = by_a + by_b - feet%wheel
             if (feet%foot(mate) < mesh%fillets(mate)) then
                call fail(status, code_out_of_domain, &

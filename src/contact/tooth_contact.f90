@@ -28,8 +28,8 @@ module evl_tooth_contact
    private
 
    public :: tooth_contact_t, contact_state, contact_mode, contact_force, no_force, no_mode
-   public :: beyond_flank, edge_wheel, flank_branches, flank_values, line_along, line_length, locate_anywhere, locate_contact
-   public :: feet_of, line_of, on_involutes, pair_yielding
+   public :: beyond_flank, edge_wheel, ended_wheel, flank_branches, flank_values, line_along, line_length, locate_anywhere
+   public :: feet_of, line_of, locate_contact, on_involutes, pair_yielding
    public :: nominal_rho, nominal_start, settle_friction, touches, unclipped
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
@@ -246,6 +246,13 @@ contains
 
       beyond_flank = max(mode%zone_a, mode%zone_b) >= zone_end
    end function beyond_flank
+
+   !> The wheel the end of whose flank is passed: by_a or by_b.
+   pure integer function ended_wheel(mode)
+      type(contact_mode), intent(in) :: mode !! beyond a flank
+
+      ended_wheel = merge(by_a, by_b, mode%zone_a >= zone_end)
+   end function ended_wheel
 
    !> The wheel whose tip edge touches: by_a, by_b, or 0 where both flanks do.
    pure integer function edge_wheel(mode) result(wheel)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -183,15 +187,40 @@ def test_a_pair_first_touches_where_another_program_says(runs: Runs) -> None:
     assert pitches == pytest.approx(0.098846, abs=1e-5)
 
 
+def tips_in_fillets(amount: float, **given: Any) -> dict[str, Any]:
+    """The path begins 40 um of roll above the fillet; a steep relief lets the edge begin below.
+
+    Where it is steeper the flank goes on so far that its edge never carries.
+    """
+    wheel = {"tip_alteration": 0.17, "tip_relief": {"amount": amount, "diameter": 0.156}}
+    given |= {"of_wheels": wheel, "tooth_coupling": "false"}
+    damping = {"law": "ratio", "value": 0.07}
+    return bending_pair(FAST, 2, start(FAST, 8e-6), damping=damping, **given)
+
+
+tips = pytest.mark.parametrize("amount", [2e-6, 1.1e-5], ids=["edge", "end of the flank"])
+
+
 @both_integrators
-def test_an_edge_in_the_fillet_of_its_mate_ends_a_run(runs: Runs, integrator: str) -> None:
-    """The path begins 40 um of roll above the fillet; a steep relief lets the edge begin below."""
-    wheel = {"tip_alteration": 0.17, "tip_relief": {"amount": 2e-6, "diameter": 0.156}}
-    case = bending_pair(FAST, 2, start(FAST, 8e-6), integrator=integrator, of_wheels=wheel)
-    run = runs(case)
+@tips
+def test_a_tip_in_the_fillet_of_its_mate_ends_a_run(
+    runs: Runs, integrator: str, amount: float
+) -> None:
+    run = runs(tips_in_fillets(amount, integrator=integrator))
     assert run.exit_code == 4, run.messages
     assert "wheel touches the fillet of the" in run.messages
     assert "relieve the tips, or lower the load" in run.messages
+
+
+@tips
+def test_a_tip_in_the_fillet_of_its_mate_is_refused_at_rest(
+    evolvent: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, amount: float
+) -> None:
+    file = tmp_path / "case.yaml"
+    file.write_text(json.dumps(tips_in_fillets(amount)))
+    done = evolvent("static", file, "-o", tmp_path / "x.h5")
+    assert done.returncode == 3, done.stderr
+    assert "wheel touches the fillet of the" in done.stderr
 
 
 # teeth, profile shift of the pinion, its torque [N m]; what is said
