@@ -2,7 +2,7 @@
 !> of its path.
 module evl_steady_refusals
    use evl_contacts_at_state, only: look_at
-   use evl_deviating_flanks, only: flank_value
+   use evl_deviating_flanks, only: flank_value, flanks_turned
    use evl_discrete_state, only: flanks_of, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: housing_prescribed
@@ -201,6 +201,7 @@ contains
       type(status_t), intent(inout) :: status
       type(contact_state) :: at
       type(flank_value) :: a, b
+      type(flanks_turned) :: turned
       real(wp) :: steepest, rate
       character(len=16) :: pair
       integer :: m, worst
@@ -215,7 +216,7 @@ contains
             if (.not. contact%deviates .or. mode%flanks == flanks_off) cycle
             call closed_form_point(gearbox, m, y, 0, mode%tooth_pair, at)
             if (at%point%h <= 0 .and. mode%flanks /= flanks_loaded) cycle
-            call flank_values(contact, mode, at%point, a, b)
+            call flank_values(contact, mode, at%point, a, b, turned)
             if (.not. abs(a%de - b%de) > abs(steepest)) cycle
             steepest = a%de - b%de
             worst = m

@@ -3,7 +3,7 @@ module evl_contact_gradient
    use evl_closed_form, only: gradient_along, place_contact
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: gradient_points
-   use evl_deviating_flanks, only: deviate_gradient, flank_value
+   use evl_deviating_flanks, only: deviate_gradient, flank_value, flanks_turned
    use evl_edge_contact, only: edge_gradient, lift_of
    use evl_flank, only: flank_t
    use evl_kinds, only: wp
@@ -91,6 +91,7 @@ contains
       type(contact_gradient), intent(out) :: gradient
       type(contact_point) :: perfect
       type(flank_value) :: a, b
+      type(flanks_turned) :: turned
 
       if (contact%tracking /= tracking_closed_form) then
          call gradient_points(contact%pair, at%rho_a0, at%q, at%point, gradient)
@@ -106,8 +107,8 @@ contains
          call edge_gradient(contact%pair, at%edge, at%q, perfect, at%point, gradient)
          return
       end if
-      call flank_values(contact, at%mode, perfect, a, b)
-      call deviate_gradient(contact%pair, a, b, at%q, perfect, at%point, gradient)
+      call flank_values(contact, at%mode, perfect, a, b, turned)
+      call deviate_gradient(contact%pair, a, b, turned, at%q, perfect, at%point, gradient)
    end subroutine point_gradient
 
 end module evl_contact_gradient

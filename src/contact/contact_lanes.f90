@@ -7,7 +7,7 @@ module evl_contact_lanes
    use evl_contact_context, only: lane_context
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates
-   use evl_deviation_lanes, only: deviation_in_lanes
+   use evl_deviation_lanes, only: deviation_in_lanes, slope_in_lanes, turned_in_lanes
    use evl_edge_lanes, only: find_feet_in_lanes, lane_edge, lane_lack, slopes_in_lanes
    use evl_flank_deviation, only: flank_branch, zone_edge
    use evl_kinds, only: lanes, wp
@@ -169,13 +169,67 @@ contains
 
       pair = contact%pair
       call flank_branches(contact, mode, branch_a, branch_b)
-      call deviation_in_lanes(branch_a, at%rho_a, e_a, de_a)
-      call deviation_in_lanes(branch_b, at%rho_b, e_b, de_b)
+      if (branch_a%slopes .and. branch_b%slopes) then
+         call turn_lanes(contact, mode, branch_a, branch_b, at, e_a, de_a, e_b, de_b)
+      else
+         call deviation_in_lanes(branch_a, at%rho_a, e_a, de_a)
+         call deviation_in_lanes(branch_b, at%rho_b, e_b, de_b)
+      end if
       !$omp simd
       do l = 1, lanes
          call deviate_lane(pair, line, l, e_a(l), de_a(l), e_b(l), de_b(l), at)
       end do
    end subroutine deviate_lanes
+
+   !> What flanks lack that both slope in eight states, with `turn_together`.
+   subroutine turn_lanes(contact, mode, branch_a, branch_b, at, e_a, de_a, e_b, de_b)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      type(flank_branch), intent(in) :: branch_a, branch_b
+      type(lane_contact), intent(in) :: at
+      real(wp), intent(out), dimension(lanes) :: e_a, de_a, e_b, de_b
+      real(wp), dimension(lanes) :: s_a, ds_a, s_b, ds_b
+      real(wp) :: arm
+      integer :: l
+
+      arm = turning_arm(contact%pair)
+      call turned_in_lanes(contact%deviation_a, mode%zone_a, branch_a, at%rho_a, e_a, de_a, s_a, ds_a)
+      call turned_in_lanes(contact%deviation_b, mode%zone_b, branch_b, at%rho_b, e_b, de_b, s_b, ds_b)
+      !$omp simd
+      do l = 1, lanes
+         call turn_together(arm, s_a(l), ds_a(l), s_b(l), ds_b(l), e_a(l), de_a(l), e_b(l), de_b(l))
+      end do
+   end subroutine turn_lanes
+
+   !> The same past the end of a flank, as `turn_feet`.
+   subroutine turn_feet_in_lanes(contact, mode, own, branch, foot, past, de)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      integer, intent(in) :: own                 !! whose end is passed
+      type(flank_branch), intent(in) :: branch   !! of the mate
+      real(wp), intent(in) :: foot(lanes)        !! on the mate [m]
+      type(lane_lack), intent(inout) :: past
+      real(wp), intent(inout) :: de(lanes)       !! of the mate
+      real(wp), dimension(lanes, 2) :: s, ds
+      real(wp) :: arm
+      integer :: l, mate
+
+      arm = turning_arm(contact%pair)
+      mate = by_a + by_b - own
+      s(:, own) = past%slope
+      ds(:, own) = past%d_slope
+      if (mate == by_a) then
+         call slope_in_lanes(contact%deviation_a, mode%zone_a, branch, foot, s(:, mate), ds(:, mate))
+      else
+         call slope_in_lanes(contact%deviation_b, mode%zone_b, branch, foot, s(:, mate), ds(:, mate))
+      end if
+      !$omp simd
+      do l = 1, lanes
+         past%lack(l) = past%lack(l) + arm*s(l, by_a)*s(l, by_b)
+         past%by_own(l) = past%by_own(l) + arm*ds(l, own)*s(l, mate)
+         de(l) = de(l) + arm*ds(l, mate)*s(l, own)
+      end do
+   end subroutine turn_feet_in_lanes
 
    !> From the contact of perfect involutes to that of a pair past the end of a flank.
    subroutine put_lanes_on_edge(contact, mode, line, at)
@@ -200,9 +254,11 @@ contains
                               rho(:, mate), at%edge, past)
       call deviation_in_lanes(branches(own), rho(:, own), e(:, own), de(:, own))
       call deviation_in_lanes(branches(mate), at%edge%foot(:, mate), e(:, mate), de(:, mate))
-      call slopes_in_lanes(own, past, de, at%edge)
       arms(:, own) = past%arm - past%lack - e(:, own)
       arms(:, mate) = at%edge%foot(:, mate) - e(:, mate)
+      if (contact%tips(own)%profile%slopes .and. branches(mate)%slopes) &
+         call turn_feet_in_lanes(contact, mode, own, branches(mate), at%edge%foot(:, mate), past, de(:, mate))
+      call slopes_in_lanes(own, past, de, at%edge)
       !$omp simd
       do l = 1, lanes
          call put_lane_on_edge(pair, line, l, at%edge%margin(l), at%edge%line(l), past%x(l), past%lack(l), e(l, by_a), &

@@ -9,12 +9,14 @@
 !> Source: derivatives of the closed form (Kosenko & Gusev 2011, Assertions 1 and 2) with the gap above; docs/deviations.md.
 module evl_deviating_flanks
    use evl_contact_point, only: base_arc, contact_gradient, contact_point, tracked_pair
+   use evl_flank_deviation, only: flank_slope
    use evl_kinds, only: wp
    use evl_local_variables, only: at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
    implicit none (type, external)
    private
 
    public :: flank_value, radius_rates, deviate, deviate_gradient, rate_gradients, rates_of, sliding_gradient
+   public :: flanks_turned, turn_together, turn_values, turning_arm
 
    !> Deviation of one flank at its contact point.
    type :: flank_value
@@ -22,6 +24,13 @@ module evl_deviating_flanks
       real(wp) :: de = 0.0_wp  !! de/drho
       real(wp) :: d2e = 0.0_wp !! d2e/drho2 [1/m]
    end type flank_value
+
+   !> Both flanks of a pair slope where they touch: derivatives of what they lack together by that, which their values know but for
+   !> the mixed one.
+   type :: flanks_turned
+      logical :: both = .false.
+      real(wp) :: d_a = 0.0_wp, d_b = 0.0_wp, d_ab = 0.0_wp !! to rho_A, to rho_B, to both [1/m]
+   end type flanks_turned
 
    !> Rates of the radii of curvature, and what they are made of.
    type :: radius_rates
@@ -34,27 +43,51 @@ contains
 
    include "contact/deviating_flanks.inc"
 
+   !> What they lack together, in the values of both.
+   pure subroutine turn_values(pair, slope_a, slope_b, a, b, turned)
+      type(tracked_pair), intent(in) :: pair
+      type(flank_slope), intent(in) :: slope_a, slope_b
+      type(flank_value), intent(inout) :: a, b
+      type(flanks_turned), intent(out) :: turned
+      real(wp) :: arm
+
+      arm = turning_arm(pair)
+      call turn_together(arm, slope_a%s, slope_a%ds, slope_b%s, slope_b%ds, a%e, a%de, b%e, b%de)
+      a%d2e = a%d2e + arm*slope_a%d2s*slope_b%s
+      b%d2e = b%d2e + arm*slope_a%s*slope_b%d2s
+      turned = flanks_turned(.true., arm*slope_a%ds*slope_b%s, arm*slope_a%s*slope_b%ds, arm*slope_a%ds*slope_b%ds)
+   end subroutine turn_values
+
    !> Derivatives of `deviate`; in: those of the contact of perfect involutes.
-   pure subroutine deviate_gradient(pair, a, b, q, perfect, point, gradient)
+   pure subroutine deviate_gradient(pair, a, b, turned, q, perfect, point, gradient)
       type(tracked_pair), intent(in) :: pair
       type(flank_value), intent(in) :: a, b
+      type(flanks_turned), intent(in) :: turned
       real(wp), intent(in) :: q(n_local)
       type(contact_point), intent(in) :: perfect, point !! before and after `deviate`
       type(contact_gradient), intent(inout) :: gradient
       type(radius_rates) :: rate
-      real(wp), dimension(n_local) :: line, along, rate_a, rate_b, e_dot
+      real(wp), dimension(n_local) :: line, along, rate_a, rate_b, e_dot, more
 
       rate = rates_of(pair, q, perfect)
       call rate_gradients(pair, rate, q, point, gradient, line, along, rate_a, rate_b)
       e_dot = a%d2e*rate%a*gradient%rho_a + a%de*rate_a + b%d2e*rate%b*gradient%rho_b + b%de*rate_b
+      if (turned%both) e_dot = e_dot + turned%d_ab*(rate%a*gradient%rho_b + rate%b*gradient%rho_a)
       gradient%h = gradient%h - a%de*gradient%rho_a - b%de*gradient%rho_b
       gradient%h_dot = gradient%h_dot - e_dot
       gradient%rho_dot = gradient%rho_dot + e_dot
       gradient%l_a = (1 - a%de)*gradient%rho_a - pair%share_a*gradient%h
       gradient%l_b = (1 - b%de)*gradient%rho_b - pair%share_b*gradient%h
-      call sliding_gradient(pair, point, along, gradient)
       gradient%arm_a = -pair%r_ba*a%d2e*gradient%rho_a
       gradient%arm_b = -pair%r_bb*b%d2e*gradient%rho_b
+      if (turned%both) then ! half of it counts on each flank
+         more = (turned%d_a*gradient%rho_a - turned%d_b*gradient%rho_b)/2
+         gradient%l_a = gradient%l_a + more
+         gradient%l_b = gradient%l_b - more
+         gradient%arm_a = gradient%arm_a - pair%r_ba*turned%d_ab*gradient%rho_b
+         gradient%arm_b = gradient%arm_b - pair%r_bb*turned%d_ab*gradient%rho_a
+      end if
+      call sliding_gradient(pair, point, along, gradient)
       gradient%tilt = (gradient%arm_a + gradient%arm_b)/rate%line - point%tilt/rate%line*line
    end subroutine deviate_gradient
 

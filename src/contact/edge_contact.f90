@@ -5,13 +5,13 @@
 !> itself along t on A, and, since an edge turns the normal, -h_rho of itself against e. On flanks h_rho is -1.
 module evl_edge_contact
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
-   use evl_deviating_flanks, only: flank_value, radius_rates, rate_gradients, rates_of, sliding_gradient
-   use evl_flank_deviation, only: deviation_branch, deviation_on, flank_branch, flank_deviation_t, zone_edge, zone_end, &
-                                  zone_none, zone_tip
+   use evl_deviating_flanks, only: flank_value, radius_rates, rate_gradients, rates_of, sliding_gradient, turning_arm
+   use evl_flank_deviation, only: deviation_branch, deviation_on, find_slope, flank_branch, flank_deviation_t, flank_slope, &
+                                  slope_on, zone_edge, zone_end, zone_none, zone_tip
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
    use evl_pair_place, only: by_a, by_b, by_line, edge_of, end_of, find_feet, on_flank, pair_feet, pair_place, penetrate, tip_t, &
-                             zone_at
+                             turn_feet, zone_at
    use evl_tip_edge, only: edge_t, end_of_flank
    implicit none (type, external)
    private
@@ -41,6 +41,7 @@ contains
       real(wp), intent(in) :: rounding    !! of the tip [m]
       real(wp), intent(in) :: line        !! reference length of the line of action [m]
       type(tip_t), intent(out) :: tip
+      type(flank_slope) :: there
       real(wp) :: slope, d2e
 
       tip%edge = edge_t(r_b=r_b, r_mate=r_mate, rho_end=rho_end, rounding=rounding)
@@ -51,6 +52,9 @@ contains
       tip%profile%runout = 0
       tip%takes_over = max(end_of_flank(tip%edge, tip%profile, line), tip%leaves - rho_end)
       call deviation_on(tip%profile, rho_end + tip%takes_over, tip%value, slope, d2e)
+      if (.not. tip%profile%slopes) return
+      call find_slope(tip%profile, rho_end + tip%takes_over, there)
+      tip%slope = there%s
    end subroutine make_tip
 
    !> The zones of both wheels of a pair, and where it is loaded; what is between the ends of the flanks does not touch the zones.
@@ -69,9 +73,10 @@ contains
    end subroutine feet_beyond
 
    !> From the contact of perfect involutes to that of a pair past the end of a flank.
-   pure subroutine put_on_edge(pair, tips, zones, branches, q, point, edge)
+   pure subroutine put_on_edge(pair, tips, deviation_a, deviation_b, zones, branches, q, point, edge)
       type(tracked_pair), intent(in) :: pair
       type(tip_t), intent(in) :: tips(2)
+      type(flank_deviation_t), intent(in) :: deviation_a, deviation_b
       integer, intent(in) :: zones(2)                !! of A and B, one at least zone_end
       type(flank_branch), intent(in) :: branches(2)
       real(wp), intent(in) :: q(n_local)
@@ -81,6 +86,7 @@ contains
       type(pair_feet) :: feet
       type(pair_place) :: place
       type(flank_value) :: lacks(2)
+      type(flank_slope) :: turns(2)
       real(wp) :: arms(2), d_arms(3, 2), rates(3)
       integer :: w
 
@@ -90,13 +96,21 @@ contains
       do w = by_a, by_b
          call deviation_on(branches(w), merge(feet%rho(w), feet%foot(w), w == feet%wheel), lacks(w)%e, lacks(w)%de, lacks(w)%d2e)
       end do
-      call penetrate(feet, lacks, place)
       edge%exists = feet%exists
       edge%wheel = feet%wheel
       edge%line = rate%line
       edge%foot = feet%foot
       edge%d_foot = feet%d_foot
       edge%d2_foot = feet%d2_foot
+      call find_arms(feet, lacks, arms, d_arms)
+      associate (mate => by_a + by_b - feet%wheel)
+         if (tips(feet%wheel)%profile%slopes .and. branches(mate)%slopes) then
+            if (mate == by_a) call slope_on(deviation_a, zones(mate), branches(mate), feet%foot(mate), turns(mate))
+            if (mate == by_b) call slope_on(deviation_b, zones(mate), branches(mate), feet%foot(mate), turns(mate))
+            call turn_feet(turning_arm(pair), turns, feet, lacks)
+         end if
+      end associate
+      call penetrate(feet, lacks, place)
       edge%d_h = place%d_h
       edge%d2_h = place%d2_h
       rates = [rate%a, rate%b, point%rho_dot]
@@ -105,14 +119,6 @@ contains
       if (.not. feet%exists) point%h = -feet%x ! inside the mate's base circle it faces no flank: far from touching
       point%h_dot = point%h_dot + dot_product(edge%d_h - on_path, rates)
       point%rho_dot = rate%a + rate%b - point%h_dot
-      do w = by_a, by_b
-         arms(w) = feet%foot(w) - lacks(w)%e
-         d_arms(:, w) = (1 - lacks(w)%de)*feet%d_foot(:, w)
-         if (w /= feet%wheel) cycle
-         arms(w) = feet%arm - feet%lack - lacks(w)%e
-         d_arms(:, w) = feet%d_arm - feet%d_lack
-         d_arms(w, w) = d_arms(w, w) - lacks(w)%de
-      end do
       edge%d_own = d_arms(:, feet%wheel)
       edge%d_mate = d_arms(:, by_a + by_b - feet%wheel)
       point%l_a = arms(by_a) - pair%share_a*point%h
@@ -122,6 +128,23 @@ contains
       point%arm_b = pair%r_bb*edge%d_h(by_b)
       point%tilt = (pair%r_ba*(edge%d_h(by_a) + edge%d_h(by_line)) + pair%r_bb*(edge%d_h(by_b) + edge%d_h(by_line)))/rate%line
    end subroutine put_on_edge
+
+   !> Arms of the friction force without penetration.
+   pure subroutine find_arms(feet, lacks, arms, d_arms)
+      type(pair_feet), intent(in) :: feet
+      type(flank_value), intent(in) :: lacks(2)
+      real(wp), intent(out) :: arms(2), d_arms(3, 2) !! [m]
+      integer :: w
+
+      do w = by_a, by_b
+         arms(w) = feet%foot(w) - lacks(w)%e
+         d_arms(:, w) = (1 - lacks(w)%de)*feet%d_foot(:, w)
+         if (w /= feet%wheel) cycle
+         arms(w) = feet%arm - feet%lack - lacks(w)%e
+         d_arms(:, w) = feet%d_arm - feet%d_lack
+         d_arms(w, w) = d_arms(w, w) - lacks(w)%de
+      end do
+   end subroutine find_arms
 
    !> How the place where a wheel is loaded changes with the local variables.
    pure function change_of_foot(edge, d, wheel) result(change)

@@ -1,7 +1,7 @@
 !> Tooth pairs past the end of a flank in eight states at once: as evl_pair_place and evl_edge_contact have them in one, with first
 !> derivatives alone.
 module evl_edge_lanes
-   use evl_deviation_lanes, only: deviation_in_lanes
+   use evl_deviation_lanes, only: deviation_in_lanes, find_slope_in_lanes
    use evl_kinds, only: lanes, wp
    use evl_pair_place, only: by_a, by_b, by_line, tip_t
    use evl_tip_edge, only: edge_place, edge_t, small
@@ -24,6 +24,7 @@ module evl_edge_lanes
       real(wp) :: x(lanes)                      !! roll length past the end [m]
       real(wp), dimension(lanes) :: lack, by_own, by_line !! [m], derivatives to its radius of curvature and to rho
       real(wp) :: arm(lanes)                    !! of the friction force about it [m]
+      real(wp) :: slope(lanes), d_slope(lanes)  !! of its flank where it touches, derivative to its radius of curvature [1/m]
    end type lane_lack
 
 contains
@@ -47,6 +48,8 @@ contains
       edge%d_foot = 0
       edge%d_foot(:, mate, mate) = 1
       past%x = rho_own - tip%edge%rho_end
+      past%slope = tip%slope
+      past%d_slope = 0
       edge%foot(:, own) = tip%leaves
       if (is_edge) then
          call touch_in_lanes(tip, rho_mate, edge%line, past, edge%margin, edge%foot(:, mate), edge%d_foot(:, own, mate), &
@@ -56,6 +59,7 @@ contains
       edge%margin = 1
       edge%foot(:, mate) = rho_mate
       call deviation_in_lanes(tip%profile, rho_own, past%lack, past%by_own)
+      if (tip%profile%slopes) call find_slope_in_lanes(tip%profile, rho_own, past%slope, past%d_slope)
       past%by_line = 0
       past%arm = rho_own
    end subroutine find_feet_in_lanes

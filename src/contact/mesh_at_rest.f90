@@ -3,8 +3,9 @@
 !>
 !> The coast flank is the mirror image of a drive flank whose pairs count against those of the contact: pair k here is its pair -k.
 module evl_mesh_at_rest
-   use evl_deviating_flanks, only: flank_value
-   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_end
+   use evl_deviating_flanks, only: flank_value, turning_arm
+   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, flank_slope, &
+                                  slope_on, zone_end
    use evl_kinds, only: pi, wp
    use evl_pair_place, only: by_a, by_b
    use evl_static_mesh, only: flank_lacks_t, static_mesh_t
@@ -46,6 +47,7 @@ contains
          mesh%width = contact%width
          ! as (5.57) shares it; where only the contact gives way, as Johnson's law does
          if (a%exists .or. b%exists) mesh%k_difference = 2*(pair%share_a - pair%share_b)/(pi*contact%e_star)
+         mesh%turning_arm = turning_arm(pair)
          mesh%fillets = contact%fillets
          mesh%couples = couples
          mesh%reach = reach
@@ -67,21 +69,23 @@ contains
    end subroutine mesh_at_rest
 
    !> What one wheel's flank lacks. Past its end errors of pitch and runout go on.
-   pure subroutine at(self, wheel, pair, rho, beyond, value)
+   pure subroutine at(self, wheel, pair, rho, beyond, value, turn)
       class(two_wheels_t), intent(in) :: self
       integer, intent(in) :: wheel, pair
       real(wp), intent(in) :: rho
       logical, intent(in) :: beyond
       type(flank_value), intent(out) :: value
+      type(flank_slope), intent(out) :: turn
       type(flank_branch) :: branch
       integer :: zone
 
-      value = flank_value(0.0_wp, 0.0_wp, 0.0_wp)
+      value = flank_value()
       associate (deviation => self%deviations(wheel))
          if (.not. deviation%exists) return
          zone = zone_end
          if (.not. beyond) zone = deviation_zone(deviation, rho)
          branch = deviation_branch(deviation, self%first(wheel) + pair*self%step(wheel), self%side, zone)
+         if (branch%slopes) call slope_on(deviation, zone, branch, rho, turn)
       end associate
       call deviation_on(branch, rho, value%e, value%de, value%d2e)
    end subroutine at

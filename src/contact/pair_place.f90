@@ -9,14 +9,14 @@
 !> action. Both gap and feet are continuous; so is the slope of the gap, but for what motions of the axles move x_*, which stays.
 module evl_pair_place
    use evl_deviating_flanks, only: flank_value
-   use evl_flank_deviation, only: deviation_on, flank_branch
+   use evl_flank_deviation, only: deviation_on, find_slope, flank_branch, flank_slope
    use evl_kinds, only: wp
    use evl_tip_edge, only: edge_place, edge_t, place_edge
    implicit none (type, external)
    private
 
    public :: by_a, by_b, by_line, pair_feet, pair_place, tip_t
-   public :: edge_of, end_of, find_feet, on_edge, on_flank, on_straight_end, penetrate, zone_at
+   public :: edge_of, end_of, find_feet, on_edge, on_flank, on_straight_end, penetrate, turn_feet, zone_at
 
    integer, parameter :: by_a = 1, by_b = 2, by_line = 3 !! rho_A, rho_B, rho among the derivatives; A and B among the wheels
 
@@ -31,6 +31,7 @@ module evl_pair_place
       real(wp) :: leaves = 0.0_wp     !! roll length at which the flank ends
       real(wp) :: takes_over = 0.0_wp !! x_* [m]
       real(wp) :: value = 0.0_wp      !! e there [m]
+      real(wp) :: slope = 0.0_wp      !! of the flank there, if it is of second order
    end type tip_t
 
    !> What a pair's zone makes of the three lengths.
@@ -48,6 +49,7 @@ module evl_pair_place
       real(wp) :: arm = 0.0_wp              !! of the friction force about the wheel with the end or edge [m]
       real(wp) :: d_arm(3) = 0.0_wp
       real(wp) :: turn = 0.0_wp             !! of the force from the line of action [rad]
+      type(flank_slope) :: slope = flank_slope() !! of that wheel's flank, where it touches
    end type pair_feet
 
    !> Penetration of a pair.
@@ -110,6 +112,7 @@ contains
          feet%d_foot(w, w) = 0
          if (zone == end_of(w)) then
             call deviation_on(tip%profile, feet%rho(w), feet%lack, feet%d_lack(w), feet%d2_lack(w, w))
+            if (tip%profile%slopes) call find_slope(tip%profile, feet%rho(w), feet%slope)
             feet%arm = feet%rho(w)
             feet%d_arm(w) = 1
          else
@@ -133,6 +136,7 @@ contains
       feet%d_arm(w) = at%arm_x
       feet%d_arm(by_line) = at%arm_rho
       feet%turn = at%turn
+      feet%slope%s = tip%slope
       feet%lack = tip%value + (at%gap - begin%gap)
       feet%d_lack(w) = at%d_x
       feet%d_lack(by_line) = at%d_rho - begin%d_rho
@@ -150,6 +154,40 @@ contains
          feet%d2_foot(by_line, by_line, mate) = -(at%foot_rho_rho - begin%foot_rho_rho)
       end associate
    end subroutine touch_with_edge
+
+   !> What two flanks that slope where they touch lack together, `turn_together`, with second derivatives.
+   pure subroutine turn_feet(arm, turns, feet, lacks)
+      real(wp), intent(in) :: arm                 !! `turning_arm` [m]
+      type(flank_slope), intent(in) :: turns(2)   !! past the end of a flank, of that wheel the feet know it
+      type(pair_feet), intent(inout) :: feet
+      type(flank_value), intent(inout) :: lacks(2)
+      type(flank_slope) :: slopes(2)
+      real(wp) :: along(3, 2)
+      integer :: i, w
+
+      slopes = turns
+      along = feet%d_foot
+      if (feet%wheel > 0) then
+         slopes(feet%wheel) = feet%slope
+         along(feet%wheel, feet%wheel) = 1
+      end if
+      feet%lack = feet%lack + arm*slopes(by_a)%s*slopes(by_b)%s
+      do w = by_a, by_b
+         associate (other => slopes(3 - w)%s, mine => slopes(w))
+            if (w == feet%wheel) then
+               feet%d_lack(w) = feet%d_lack(w) + arm*mine%ds*other
+               feet%d2_lack(w, w) = feet%d2_lack(w, w) + arm*mine%d2s*other
+            else
+               lacks(w)%de = lacks(w)%de + arm*mine%ds*other
+               lacks(w)%d2e = lacks(w)%d2e + arm*mine%d2s*other
+            end if
+         end associate
+      end do
+      do i = by_a, by_line
+         feet%d2_lack(:, i) = feet%d2_lack(:, i) + arm*slopes(by_a)%ds*slopes(by_b)%ds*(along(:, by_a)*along(i, by_b) &
+                                                                                        + along(:, by_b)*along(i, by_a))
+      end do
+   end subroutine turn_feet
 
    !> The penetration, with what both wheels lack besides: on a flank all of it, where the foot is; of a wheel with an end or edge
    !> what goes on beyond the end of its profile, at its own radius of curvature.

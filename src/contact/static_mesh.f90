@@ -7,11 +7,12 @@
 module evl_static_mesh
    use evl_coupled_pairs, only: most_pairs
    use evl_deviating_flanks, only: flank_value
+   use evl_flank_deviation, only: flank_slope
    use evl_flank_potential, only: find_potential, flank_potential, force_changes_of_places, second_derivatives
    use evl_friction_at_rest, only: creep_friction, creep_t
    use evl_kinds, only: wp
    use evl_pair_compliance, only: gather_compliance, pair_compliance
-   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, tip_t, zone_at
+   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, tip_t, turn_feet, zone_at
    use evl_status, only: code_no_solution, code_ok, code_out_of_domain, fail, has_failed, quantity, status_t
    use evl_wheel_compliance, only: wheel_compliance_t
    implicit none (type, external)
@@ -31,8 +32,8 @@ module evl_static_mesh
    abstract interface
 
       !> What one wheel's flank of a pair lacks.
-      pure subroutine lack(self, wheel, pair, rho, beyond, value)
-         import :: flank_lacks_t, flank_value, wp
+      pure subroutine lack(self, wheel, pair, rho, beyond, value, turn)
+         import :: flank_lacks_t, flank_slope, flank_value, wp
          implicit none (type, external)
          class(flank_lacks_t), intent(in) :: self
          integer, intent(in) :: wheel  !! by_a or by_b
@@ -40,6 +41,7 @@ module evl_static_mesh
          real(wp), intent(in) :: rho   !! [m]
          logical, intent(in) :: beyond !! past the end of the flank: without the modifications of the profile, which the tip knows
          type(flank_value), intent(out) :: value
+         type(flank_slope), intent(out) :: turn !! its slope where it touches, of a gap of second order
       end subroutine lack
 
    end interface
@@ -53,6 +55,7 @@ module evl_static_mesh
       real(wp) :: e_star = 0.0_wp        !! effective modulus [Pa]
       real(wp) :: width = 0.0_wp         !! common face width [m]
       real(wp) :: k_difference = 0.0_wp  !! K_A - K_B [1/Pa]
+      real(wp) :: turning_arm = 0.0_wp   !! what the product of both flanks' slopes counts [m]
       real(wp) :: reach = 0.0_wp         !! how far past the ends of their flanks pairs count, with their edges [m]
       logical :: is_drive = .true., couples = .true.
       class(wheel_compliance_t), allocatable :: a, b
@@ -166,6 +169,7 @@ contains
       type(pair_feet), intent(out) :: feet
       type(flank_value), intent(out) :: lacks(2)
       type(pair_place), intent(out) :: place
+      type(flank_slope) :: turns(2)
       real(wp) :: rho(2)
       integer :: w
 
@@ -173,8 +177,9 @@ contains
       rho(by_b) = mesh%line + h - rho(by_a)
       call find_feet(mesh%tips, zone_at(mesh%tips, rho(by_a), rho(by_b)), rho(by_a), rho(by_b), mesh%line, feet)
       do w = by_a, by_b
-         call mesh%lacks%at(w, k, merge(rho(w), feet%foot(w), w == feet%wheel), w == feet%wheel, lacks(w))
+         call mesh%lacks%at(w, k, merge(rho(w), feet%foot(w), w == feet%wheel), w == feet%wheel, lacks(w), turns(w))
       end do
+      call turn_feet(mesh%turning_arm, turns, feet, lacks)
       call penetrate(feet, lacks, place)
       ! rho_A + rho_B - rho is h but for rounding
       place%h = place%h + (h - (rho(by_a) + rho(by_b) - mesh%line))

@@ -12,11 +12,11 @@ module evl_tooth_contact
    use evl_contact_tracking, only: track_points
    use evl_coupled_pairs, only: most_pairs
    use evl_damping_law, only: damping_law_t, viscous_result
-   use evl_deviating_flanks, only: deviate, flank_value
+   use evl_deviating_flanks, only: deviate, flank_value, flanks_turned, turn_values
    use evl_edge_contact, only: edge_contact, feet_beyond, put_on_edge
    use evl_elastic_law, only: elastic_law_t, elastic_result
-   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, zone_edge, &
-                                  zone_end, zone_tip, zone_tip_corner
+   use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, flank_slope, &
+                                  slope_on, zone_edge, zone_end, zone_tip, zone_tip_corner
    use evl_friction_law, only: friction_law_t
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
@@ -209,14 +209,16 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at
       type(flank_value) :: a, b
+      type(flanks_turned) :: turned
       type(flank_branch) :: branches(2)
 
       if (beyond_flank(at%mode)) then
          call flank_branches(contact, at%mode, branches(by_a), branches(by_b))
-         call put_on_edge(contact%pair, contact%tips, [at%mode%zone_a, at%mode%zone_b], branches, at%q, at%point, at%edge)
+         call put_on_edge(contact%pair, contact%tips, contact%deviation_a, contact%deviation_b, [at%mode%zone_a, at%mode%zone_b], &
+                          branches, at%q, at%point, at%edge)
          return
       end if
-      call flank_values(contact, at%mode, at%point, a, b)
+      call flank_values(contact, at%mode, at%point, a, b, turned)
       call deviate(contact%pair, a, b, at%q, at%point)
    end subroutine leave_involutes
 
@@ -289,17 +291,22 @@ contains
    end function unclipped
 
    !> What the flanks of a tooth pair lack in material.
-   pure subroutine flank_values(contact, mode, point, a, b)
+   pure subroutine flank_values(contact, mode, point, a, b, turned)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point
       type(flank_value), intent(out) :: a, b
-
+      type(flanks_turned), intent(out) :: turned
       type(flank_branch) :: branch_a, branch_b
+      type(flank_slope) :: slope_a, slope_b
 
       call flank_branches(contact, mode, branch_a, branch_b)
       call deviation_on(branch_a, point%rho_a, a%e, a%de, a%d2e)
       call deviation_on(branch_b, point%rho_b, b%e, b%de, b%d2e)
+      if (.not. (branch_a%slopes .and. branch_b%slopes)) return
+      call slope_on(contact%deviation_a, mode%zone_a, branch_a, point%rho_a, slope_a)
+      call slope_on(contact%deviation_b, mode%zone_b, branch_b, point%rho_b, slope_b)
+      call turn_values(contact%pair, slope_a, slope_b, a, b, turned)
    end subroutine flank_values
 
    !> The branches of the deviations on which the flanks of a tooth pair lie.

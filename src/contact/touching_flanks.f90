@@ -14,7 +14,7 @@
 module evl_touching_flanks
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_contact_point, only: contact_point
-   use evl_deviating_flanks, only: flank_value
+   use evl_deviating_flanks, only: flank_value, flanks_turned
    use evl_flank_deviation, only: deviation_borders, deviation_on, deviation_zone, flank_branch, flank_deviation_t, &
                                   profile_zone, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner
    use evl_kinds, only: pi, wp
@@ -231,6 +231,7 @@ contains
       real(wp), intent(in) :: rho_a, rho_b !! [m]
       type(contact_point) :: there
       type(flank_value) :: a, b
+      type(flanks_turned) :: turned
       type(contact_mode) :: mode
 
       there%rho_a = rho_a
@@ -239,7 +240,7 @@ contains
       mode%tooth_pair = pair
       mode%zone_a = deviation_zone(contact%deviation_a, rho_a)
       mode%zone_b = deviation_zone(contact%deviation_b, rho_b)
-      call flank_values(contact, mode, there, a, b)
+      call flank_values(contact, mode, there, a, b, turned)
       gap = a%e + b%e
    end function given_gap
 

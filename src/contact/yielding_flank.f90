@@ -5,8 +5,8 @@
 !>
 !>    dV = F dh - a_A drho_A - a_B drho_B - P drho,   a_i = F s_i,   s_i = F/(2 b) dC/drho_i,   P = F**2/(2 pi E* b rho)
 !>
-!> so that beside F the forces a_i act as the slope of a deviation would: on the torques with the arms r_b; and on the axles -P along
-!> e and -(r_bA (a_A + P) + r_bB (a_B + P))/rho along t. Viscous forces and friction know nothing of it. No energy is lost.
+!> so that beside F the forces a_i act as the slope of a deviation would: on the torques with the arms r_b; and on the axles -P
+!> along e and -(r_bA (a_A + P) + r_bB (a_B + P))/rho along t. Viscous forces and friction know nothing of it. No energy is lost.
 !>
 !> Past the end of a flank the places where wheels are loaded depend on all three lengths, so that a_i push them all.
 !>

@@ -15,15 +15,17 @@
 !>    min over d of  e(rho + d) + d**2/(2 q),  q = r_b**2 (1/rho - 1/line)
 !>
 !> on a flank e - F e'**2/2 with F = q/(1 + q e''), and at the corner of a linear relief, where d = rho_s - rho,
-!> e(rho_s) + d**2/(2 q). The zones then are those of the place that touches.
+!> e(rho_s) + d**2/(2 q). The zones then are those of the place that touches. Both flanks of a pair turn by the slopes s at these
+!> places: what they lack together is r_bA r_bB s_A s_B/line more.
 module evl_flank_deviation
    use evl_elementary, only: sine_cosine
    use evl_kinds, only: pi, wp
    implicit none (type, external)
    private
 
-   public :: flank_branch, flank_deviation_t, relief_t
-   public :: deviation_borders, deviation_branch, deviation_on, deviation_zone, has_corner, profile_zone, take_line
+   public :: flank_branch, flank_deviation_t, flank_slope, relief_t
+   public :: deviation_borders, deviation_branch, deviation_on, deviation_zone, has_corner, profile_zone
+   public :: corner_in, find_slope, slope_on, take_line
    public :: zone_edge, zone_end, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner
 
    integer, parameter :: zone_tip_corner = -3  !! on the corner where a linear tip relief begins
@@ -40,6 +42,7 @@ module evl_flank_deviation
       real(wp) :: amount = 0.0_wp        !! C_a or C_f at the end of the profile [m]; 0: no relief
       real(wp) :: border = 0.0_wp        !! rho_s, radius of curvature at which it begins [m]
       real(wp) :: taken(2) = 0.0_wp      !! where a contact that comes meets its corner, and where it leaves the corner for it [m]
+      real(wp) :: slopes(0:3) = 0.0_wp   !! of the slope between both, a cubic of what lies behind over what there is of it
       real(wp) :: length = 1.0_wp        !! from the border to the end of the profile [m], negative for root relief
       logical :: parabolic = .false.     !! with the slope 0 at its border
    end type relief_t
@@ -76,10 +79,18 @@ module evl_flank_deviation
       real(wp) :: turn = 0.0_wp            !! s/r_b [rad/m]
       logical :: is_second = .false.       !! of second order
       logical :: is_corner = .false.       !! and on a corner at `border`; the offset has e there
+      logical :: slopes = .false.          !! and its profile slopes somewhere
       real(wp) :: r_b2 = 0.0_wp            !! r_b**2 [m2]
       real(wp) :: per_line = 0.0_wp        !! 1/line [1/m]
       real(wp) :: least = 0.0_wp           !! [m]
    end type flank_branch
+
+   !> The slope of a flank of second order where it touches.
+   type :: flank_slope
+      real(wp) :: s = 0.0_wp   !! [1]
+      real(wp) :: ds = 0.0_wp  !! to rho [1/m]
+      real(wp) :: d2s = 0.0_wp !! [1/m2]
+   end type flank_slope
 
 contains
 
@@ -102,6 +113,39 @@ contains
       end if
       if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)
    end subroutine deviation_on
+
+   !> The slope of a profile of second order where it touches, with its derivatives to rho.
+   pure subroutine slope_on(deviation, zone, branch, rho, value)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone
+      type(flank_branch), intent(in) :: branch !! of the zone
+      real(wp), intent(in) :: rho              !! radius of curvature [m]
+      type(flank_slope), intent(out) :: value
+
+      if (branch%is_corner) then
+         call slope_at_corner(corner_in(deviation, zone), rho, value%s, value%ds, value%d2s)
+      else
+         call find_slope(branch, rho, value)
+      end if
+   end subroutine slope_on
+
+   !> The same off corners.
+   pure subroutine find_slope(branch, rho, value)
+      type(flank_branch), intent(in) :: branch
+      real(wp), intent(in) :: rho
+      type(flank_slope), intent(out) :: value
+
+      call touching_slope(branch, rho, value%s, value%ds, value%d2s)
+   end subroutine find_slope
+
+   !> The relief on whose corner a contact is.
+   pure type(relief_t) function corner_in(deviation, zone) result(relief)
+      type(flank_deviation_t), intent(in) :: deviation
+      integer, intent(in) :: zone !! zone_tip_corner or zone_root_corner
+
+      relief = deviation%root
+      if (zone == zone_tip_corner) relief = deviation%tip
+   end function corner_in
 
    !> The branch of one tooth's flank in a zone.
    pure type(flank_branch) function deviation_branch(deviation, tooth, side, zone) result(branch)
@@ -145,6 +189,7 @@ contains
       branch%per_line = 1/deviation%line
       branch%least = deviation%least
       branch%is_corner = zone == zone_tip_corner .or. zone == zone_root_corner
+      branch%slopes = branch%is_corner .or. max(branch%linear, branch%parabolic, branch%crowning) > 0
       if (.not. branch%is_corner) return
       branch%border = merge(deviation%tip%border, deviation%root%border, zone == zone_tip_corner)
       branch%offset = branch%crowning*((branch%border - branch%middle)*branch%per_half_length)**2
@@ -194,6 +239,7 @@ contains
       integer, intent(in) :: zone !! of the relief
       type(relief_t), intent(inout) :: relief
       type(flank_branch) :: branch
+      type(flank_slope) :: there(2)
       real(wp) :: e, slope, d2e
       integer :: side, turn
 
@@ -206,9 +252,14 @@ contains
          do turn = 1, most_turns
             relief%taken(side) = relief%border + branch%r_b2*(1/max(relief%taken(side), branch%least) - branch%per_line)*slope
          end do
+         call find_slope(branch, relief%taken(side), there(side))
       end do
       ! without a corner both are one place, but for the last digits
       if (relief%parabolic) relief%taken(2) = relief%taken(1)
+      associate (range => relief%taken(2) - relief%taken(1), rise => there(2)%s - there(1)%s)
+         relief%slopes = [there(1)%s, range*there(1)%ds, 3*rise - range*(2*there(1)%ds + there(2)%ds), &
+                          range*(there(1)%ds + there(2)%ds) - 2*rise]
+      end associate
    end subroutine take_corner
 
    !> The zone to which the material at rho belongs, of which no corner has any.

@@ -1,6 +1,7 @@
 !> A wheel that yields as somebody made up, for the tests: smooth functions with a few parameters in place of elements.
 module made_up_wheel
    use evl_deviating_flanks, only: flank_value
+   use evl_flank_deviation, only: flank_slope
    use evl_kinds, only: lanes, wp
    use evl_static_mesh, only: flank_lacks_t
    use evl_wheel_compliance, only: coupling_at_t, own_at_t, wheel_compliance_t
@@ -99,12 +100,13 @@ contains
    end subroutine other_in_lanes
 
    !> What a flank lacks.
-   pure subroutine relieved(self, wheel, pair, rho, beyond, value)
+   pure subroutine relieved(self, wheel, pair, rho, beyond, value, turn)
       class(relieved_t), intent(in) :: self
       integer, intent(in) :: wheel, pair
       real(wp), intent(in) :: rho
       logical, intent(in) :: beyond
       type(flank_value), intent(out) :: value
+      type(flank_slope), intent(out) :: turn
       real(wp) :: s
 
       s = rho - self%ends(wheel)

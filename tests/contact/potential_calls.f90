@@ -3,11 +3,11 @@ module potential_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_null_char, c_char
    use evl_coupled_pairs, only: most_pairs
    use evl_deviating_flanks, only: flank_value
-   use evl_flank_deviation, only: flank_branch
+   use evl_flank_deviation, only: flank_branch, flank_slope
    use evl_flank_potential, only: find_potential, flank_potential, force_changes_of_places, second_derivatives, wheel_forces
    use evl_kinds, only: wp
    use evl_pair_compliance, only: gather_compliance, pair_compliance
-   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, zone_at
+   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, turn_feet, zone_at
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_status, only: code_ok, status_t
    use evl_tangent_line, only: find_tangent_line, tangent_line_t
@@ -80,6 +80,7 @@ contains
       type(pair_compliance) :: compliance
       type(flank_potential) :: potential
       type(flank_value) :: lacks(2)
+      type(flank_slope) :: turns(2)
       real(wp) :: rho_a, rho_b, changes(most_pairs, 3)
       integer :: k, w
 
@@ -92,8 +93,9 @@ contains
          call find_feet(mesh%tips, zones(k), rho_a, rho_b, line%rho, feet(k))
          do w = by_a, by_b
             call mesh%lacks%at(w, numbers(k), merge(feet(k)%rho(w), feet(k)%foot(w), w == feet(k)%wheel), w == feet(k)%wheel, &
-                               lacks(w))
+                               lacks(w), turns(w))
          end do
+         call turn_feet(mesh%turning_arm, turns, feet(k), lacks)
          call penetrate(feet(k), lacks, places(k))
          h(k) = places(k)%h
       end do

@@ -211,7 +211,7 @@ class BendingPair:
         return case
 
     def slow(self, lag: float, *, coasts: bool, friction: float) -> Block:
-        """On fixed axles, damped, over a pitch of 1e5 natural periods.
+        """On fixed axles, damped, over a pitch of 5e5 natural periods.
 
         The torque of the driving wheel is constant, the driven one turns at a constant speed. It
         begins with a transmission error [m].
@@ -240,7 +240,7 @@ class BendingPair:
 
     def slow_speed(self) -> float:
         """Speed of the driving wheel in a slow run [rad/s]."""
-        return 1e-5 * self.frequency * 2 * math.pi / self.wheels[0].teeth
+        return 2e-6 * self.frequency * 2 * math.pi / self.wheels[0].teeth
 
     def case(self) -> Block:
         """Undamped, from a start with too little deflection."""

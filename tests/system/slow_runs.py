@@ -31,7 +31,8 @@ def places_of(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, int, Any]:
 def apart(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, Any]:
     """Difference of the transmission errors over that at rest, and what friction forces differ.
 
-    The curve has one torque, and speeds if flanks rub.
+    The curve has one torque, and speeds if flanks rub. Where errors take up the backlash both
+    flanks press, of which the curve does not know: these outputs are left out.
     """
     run = run.isel(time=slice(SETTLED, None))
     at, points, forces = places_of(curve, run)
@@ -40,4 +41,7 @@ def apart(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, Any]:
     off = np.abs(run.transmission_error.values[:, 0] / of(at) - 1)
     at_rest = curve.pair_friction_force.sum("pair").values[0, (at * points).astype(int) % h.size]
     rubbing = np.nansum(run.pair_friction_force.values.reshape(forces.shape), axis=1)
-    return off, np.abs(rubbing - at_rest)
+    on_coast = run.coast_force.values[:, 0]
+    on_drive = run.normal_force.values[:, 0] - on_coast
+    one = np.minimum(on_drive, on_coast) <= 1e-9 * np.maximum(on_drive, on_coast)
+    return off[one], np.abs(rubbing - at_rest)[one]

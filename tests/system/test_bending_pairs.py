@@ -130,7 +130,7 @@ def test_forces_at_rest_are_the_gradient_of_the_energy(files: Files, seed: int) 
 def see_slow_run(files: Files, seed: int, **of_mesh: str) -> None:
     """Hold a slow damped run against the mesh at rest: its transmission error over a pitch.
 
-    Between them lie damping and inertia at 1e-5 of f_0. Every second pair coasts, half of them rub,
+    Between them lie damping and inertia at 2e-6 of f_0. Every second pair coasts, half of them rub,
     some have errors.
     """
     pair = BendingPair(seed)
@@ -157,8 +157,9 @@ def see_slow_run(files: Files, seed: int, **of_mesh: str) -> None:
         assert slides.mean() > 0.6
         assert float(np.abs(curve.pair_friction_force.sum("pair")).max()) > 1e-2 * pair.force
         off = off[slides]
+    assert off.size > 30
     assert np.median(off) < 1e-6
-    assert np.quantile(off, 0.95) < 5e-6  # the rest: corners of the curve, where a pair has come
+    assert np.quantile(off, 0.8) < 5e-6  # the rest: corners of the curve, where a pair has come
 
 
 @every_third

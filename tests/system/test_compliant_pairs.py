@@ -60,12 +60,14 @@ def energy(run: Run) -> Any:
 
 
 RELIEF = {"tip_relief": {"amount": 8e-6, "diameter": 0.1535}}
+CROWN = {"root_relief": {"amount": 4e-6, "diameter": 0.1465}, "profile_crowning": 5e-6}
 BEARING = {"support": {"kind": "bearing", "mass": 3.0, "stiffness": [1e8, 3e8]}}
 EDGES: dict[str, dict[str, Any]] = {
     "perfect": {},
     "uncoupled": {"tooth_coupling": "false"},
     "relieved": {"of_wheels": RELIEF},
     "rounded": {"of_wheels": {"tip_rounding": 3e-4}},
+    "both flanks slope": {"of_wheels": {**RELIEF, **CROWN}},
     "moving axles": {"of_wheels": BEARING},
     "relieved on moving axles, uncoupled": {
         "of_wheels": {**RELIEF, **BEARING},
