@@ -84,21 +84,25 @@ static void add(statistics_table *table, const char *name, const char *units, co
 /** Element k of a row as a scalar: NAME_HARMONIC_AXIS_ELEMENT, without what there is only one of. */
 static int add_number(statistics_table *table, const model_output *row, int k)
 {
+    memory_pool *pool = &table->pool;
     const name_list *of = number_row_elements(row, &table->names);
-    const bool has_own = of != &table->names.meshes || of->n > 1;
     const int each = row->count / of->n;
-    const char *element = of->names[k / each], *name = row->name;
+    const char *name = row->name, *text = row->long_name;
     if (words_contain(row->dims, "harmonic")) {
-        name = pool_printf(&table->pool, "%s_%d", name, k % NUMBER_HARMONICS + 1);
+        const int order = k % NUMBER_HARMONICS + 1;
+        name = pool_printf(pool, "%s_%d", name, order);
+        text = pool_printf(pool, "%s, order %d", text, order);
     }
     if (words_contain(row->dims, "axis")) {
-        name = pool_printf(&table->pool, "%s_%c", name, "xy"[k * 2 / each % 2]);
+        name = pool_printf(pool, "%s_%c", name, "xy"[k * 2 / each % 2]);
     }
-    const char *full = has_own ? name_of(table, name, element) : name;
-    const int known = find_scalar(table, full);
+    if (of != &table->names.meshes || of->n > 1) {
+        name = name_of(table, name, of->names[k / each]);
+        text = pool_printf(pool, "%s, %s", text, of->names[k / each]);
+    }
+    const int known = find_scalar(table, name);
     if (known < 0) {
-        add(table, full, row->units,
-            has_own ? pool_printf(&table->pool, "%s, %s", row->long_name, element) : row->long_name);
+        add(table, name, row->units, text);
     }
     return known < 0 ? table->n - 1 : known;
 }

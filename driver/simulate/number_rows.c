@@ -29,8 +29,8 @@ static const struct {
     [TELLS_CREST] = {"crest_factor", "1",
                      "crest factor (largest distance from the mean over the standard deviation) of the"},
     [TELLS_KURTOSIS] = {"kurtosis", "1", "kurtosis (3 for a normal distribution) of the"},
-    [TELLS_AMPLITUDE] = {"amplitude", NULL, "amplitude of a harmonic of the mesh order of the"},
-    [TELLS_PHASE] = {"phase", "rad", "phase of a harmonic, A cos(2 pi n xi - phase), of the"},
+    [TELLS_AMPLITUDE] = {"amplitude", NULL, "amplitudes of the mesh orders of the"},
+    [TELLS_PHASE] = {"phase", "rad", "phases of the mesh orders, A cos(2 pi n xi - phase), of the"},
 };
 
 static const struct {

@@ -5,6 +5,7 @@ Cases that did not finish are part of the answer and are shown: crosses at their
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -30,6 +31,7 @@ MARKED: dict[str, Any] = {
     "zorder": 4,
 }
 MAP_COLOURS = "viridis"
+WIDEST_LABEL = 44  # letters; longer ones go on below
 
 
 def figure_response(summary: xr.Dataset, response: str, against: Sequence[str] = ()) -> Figure:
@@ -153,7 +155,8 @@ def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]
     values = np.where(summary["status"].values == DONE, result.values, np.nan)
     factor, shown = prefixed(values, str(result.attrs.get("units", "1")))
     label = str(result.attrs.get("long_name") or str(result.name).replace("_", " "))
-    return values * factor, f"{label} [{shown}]" if shown else label
+    wrapped = "\n".join(textwrap.wrap(label, WIDEST_LABEL))
+    return values * factor, f"{wrapped} [{shown}]" if shown else wrapped
 
 
 def _draw_lines(
