@@ -148,6 +148,7 @@ contains
 
       s = self%sign_now(i)
       if (s == 0) s = sign_of(self%g(lanes, i))
+      at_middle = 0
       last = 0
       at_last = self%g(lanes, i)
       if (starts_at_zero()) then

@@ -21,11 +21,11 @@ SETTINGS = {
     FRICTION: (tracking("closed_form"),),
     "pair-23-41.yaml": (tracking("closed_form"), "simulation.duration=1"),
 }
-NOT_SERVED = {"paper-rigid.yaml", "paper-rigid-friction.yaml", "sweep-torque.yaml"}  # by radau
+NOT_SERVED = {"paper-rigid.yaml", "paper-rigid-friction.yaml"}  # by radau
 EXAMPLES = {
     file.name: SETTINGS.get(file.name, ())
     for file in sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
-    if file.name not in NOT_SERVED
+    if file.name not in NOT_SERVED and "\nmeshes:" in file.read_text()
 }
 
 
