@@ -66,7 +66,7 @@ static bool interpolate(const void *stepper, double t, double *y)
 
 static void interpolate_lanes(const void *stepper, const double *t, double *y)
 {
-    _Static_assert((int)DAE_LANES == (int)EVL_LANES, "as many as the kernel's");
+    _Static_assert(DAE_LANES - EVL_LANES == 0, "as many as the kernel's");
     const radau_stepper *s = stepper;
     evl_radau_interpolate_lanes(s->radau, t, y);
 }

@@ -67,7 +67,7 @@ def test_file_has_its_own_axes(curves: xr.Dataset) -> None:
 
 
 def test_documentation_lists_what_a_file_has(curves: xr.Dataset, root: Path) -> None:
-    text = (root / "docs" / "result_format.md").read_text().split("## Static analysis")[1]
+    text = (root / "docs" / "result_format.md").read_text().split("## Static analysis")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \|", text, re.MULTILINE)
     listed = {name: (tuple(dims.replace(",", " ").split()), units) for name, dims, units in rows}
     told = {str(n): (v.dims, v.attrs["units"]) for n, v in curves.data_vars.items()}
