@@ -71,19 +71,26 @@ char *xasprintf(const char *format, ...)
 
 struct memory_block {
     struct memory_block *before;
-    max_align_t content[];
+    _Alignas(MEMORY_LINE) char content[];
 };
+
+/** `size` bytes, zeroed, from where a line of the cache begins. */
+static void *line_calloc(size_t size)
+{
+    const size_t whole = (size + MEMORY_LINE - 1) / MEMORY_LINE * MEMORY_LINE;
+    return memset(checked(aligned_alloc(MEMORY_LINE, whole), 1, size), 0, whole);
+}
 
 void *pool_calloc(memory_pool *pool, size_t count, size_t size)
 {
     const size_t head = sizeof(struct memory_block);
-    if (size > 0 && count > (SIZE_MAX - head) / size) {
+    if (size > 0 && count > (SIZE_MAX - head - MEMORY_LINE) / size) {
         return checked(NULL, count, size);
     }
     if (pool == NULL) {
         return xcalloc(count, size);
     }
-    struct memory_block *block = xcalloc(1, head + count * size);
+    struct memory_block *block = line_calloc(head + count * size);
     block->before = pool->last;
     pool->last = block;
     return block->content;

@@ -17,6 +17,9 @@ void *xcalloc(size_t count, size_t size);
 /** count * size bytes with the old content; never NULL. */
 void *xrealloc(void *old, size_t count, size_t size);
 
+/** Bytes of a line of the cache, on which what a pool gives begins: loops over vectors of any length are fastest there. */
+enum { MEMORY_LINE = 64 };
+
 /** What is given back together with its owner. Zeros: nothing yet. */
 typedef struct {
     struct memory_block *last;

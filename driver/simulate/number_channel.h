@@ -6,18 +6,25 @@
 
 enum { NUMBER_HARMONICS = 10 };
 
+/* What is added to in every step stands on lines of the cache: it lies in a pool. */
+
 /** Cosine and sine of 2 pi n xi at the nodes, n from 1. */
 typedef struct {
-    double wave[STEP_NODES_MOST][2 * NUMBER_HARMONICS]; /**< all cosines, then all sines */
+    _Alignas(MEMORY_LINE) double wave[2 * NUMBER_HARMONICS]
+                                     [STEP_NODES_MOST]; /**< all cosines, then all sines; 0 where no node is */
     double rate[STEP_NODES_MOST];                       /**< of xi [1/s] */
+    double near, cosine, sine;                          /**< a place, and the first wave there */
 } number_waves;
 
+/** They are 1 at the place 0. */
+void number_waves_init(number_waves *waves);
 /** @param xi, rate  position [pitches] and its rate at the nodes, [nodes] */
 void number_waves_find(number_waves *waves, int n_nodes, const double *xi, const double *rate);
 
+/** Of each node by itself. */
 typedef struct {
-    double power[4];                   /**< integrals over time of powers of x - shift */
-    double wave[2 * NUMBER_HARMONICS]; /**< of (x - shift) times these, over xi */
+    _Alignas(MEMORY_LINE) double power[4][STEP_NODES_MOST]; /**< integrals over time of powers of x - shift */
+    double wave[2 * NUMBER_HARMONICS][STEP_NODES_MOST];     /**< of (x - shift) times these over xi */
     double high, low;
 } channel_sums;
 

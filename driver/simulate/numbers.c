@@ -168,6 +168,9 @@ numbers *numbers_create(const model *model, const number_window *window, const b
     }
     self->meshes = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->meshes);
     self->waves = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->waves);
+    for (int m = 0; m < self->n_meshes; m++) {
+        number_waves_init(&self->waves[m]);
+    }
     self->channels = pool_calloc(
         pool, 2 * (size_t)self->n_meshes + 3 * (size_t)about->names.wheels.n + (size_t)about->names.accelerometers.n,
         sizeof *self->channels);
@@ -287,40 +290,73 @@ static double time_of(numbers *self, const integrate_step *step, double target, 
 
 /* ---- sums ---- */
 
-static double at_node(const numbers *self, int what, int index, int k)
+static bool is_asked(const numbers *self, int what)
 {
-    return step_nodes_value(&self->nodes, self->at[what] + index)[k];
+    return self->at[what] >= 0;
+}
+
+/** Values at the nodes of what meshes are asked for. */
+static const double *at_nodes(const numbers *self, int what, int index)
+{
+    return step_nodes_value(&self->nodes, self->at[what] + index);
+}
+
+static void add_torque(mesh_sums *sums, const step_nodes *nodes, const double *torque, const double *speed)
+{
+    double work = 0, energy = 0;
+    for (int k = 0; k < nodes->n; k++) {
+        work += nodes->weight[k] * torque[k];
+        energy += nodes->weight[k] * fabs(torque[k] * speed[k]);
+    }
+    sums->torque += work;
+    sums->energy += energy;
+}
+
+static void add_pairs(mesh_sums *sums, const step_nodes *nodes, const double *pairs)
+{
+    for (int k = 0; k < nodes->n; k++) {
+        const int touching = (int)(pairs[k] + 0.5);
+        sums->shares[touching > 3 ? 3 : touching] += nodes->weight[k];
+    }
+}
+
+static void add_coast(mesh_sums *sums, const step_nodes *nodes, const double *force)
+{
+    for (int k = 0; k < nodes->n; k++) {
+        sums->shares[NUMBER_COAST] += force[k] > 0 ? nodes->weight[k] : 0;
+    }
 }
 
 static void add_to_mesh(numbers *self, int m)
 {
     mesh_numbers *mesh = &self->meshes[m];
     mesh_sums *sums = &mesh->period;
-    double xi[STEP_NODES_MOST], rate[STEP_NODES_MOST];
-    for (int k = 0; k < self->nodes.n; k++) {
-        const double weight = self->nodes.weight[k], speed = at_node(self, AT_SPEED, mesh->wheel, k);
-        xi[k] = mesh->xi_0 + mesh->per_turn * at_node(self, AT_ANGLE, mesh->wheel, k);
-        rate[k] = mesh->per_turn * speed;
-        sums->time += weight;
-        sums->pitches += weight * rate[k];
-        if (self->at[AT_TORQUE] >= 0) {
-            const double torque = at_node(self, AT_TORQUE, m, k);
-            sums->torque += weight * torque;
-            sums->energy += weight * fabs(torque * speed);
-        }
-        if (self->at[AT_PAIRS] >= 0) {
-            const long pairs = lround(at_node(self, AT_PAIRS, m, k));
-            sums->shares[pairs > 3 ? 3 : pairs] += weight;
-        }
-        if (self->at[AT_COAST] >= 0) {
-            sums->shares[NUMBER_COAST] += at_node(self, AT_COAST, m, k) > 0 ? weight : 0;
-        }
+    const step_nodes *nodes = &self->nodes;
+    const double *angle = at_nodes(self, AT_ANGLE, mesh->wheel), *speed = at_nodes(self, AT_SPEED, mesh->wheel);
+    double xi[STEP_NODES_MOST], rate[STEP_NODES_MOST], time = 0, pitches = 0;
+    for (int k = 0; k < nodes->n; k++) {
+        xi[k] = mesh->xi_0 + mesh->per_turn * angle[k];
+        rate[k] = mesh->per_turn * speed[k];
+        time += nodes->weight[k];
+        pitches += nodes->weight[k] * rate[k];
+    }
+    sums->time += time;
+    sums->pitches += pitches;
+    if (is_asked(self, AT_TORQUE)) {
+        add_torque(sums, nodes, at_nodes(self, AT_TORQUE, m), speed);
+    }
+    if (is_asked(self, AT_PAIRS)) {
+        add_pairs(sums, nodes, at_nodes(self, AT_PAIRS, m));
+    }
+    if (is_asked(self, AT_COAST)) {
+        add_coast(sums, nodes, at_nodes(self, AT_COAST, m));
     }
     number_waves_find(&self->waves[m], self->nodes.n, xi, rate);
-    for (int p = 0; p < self->n_pairs && self->at[AT_PAIR_FORCE] >= 0; p++) {
+    for (int p = 0; p < self->n_pairs && is_asked(self, AT_PAIR_FORCE); p++) {
         const double *force = step_nodes_value(&self->nodes, self->at[AT_PAIR_FORCE] + m * self->n_pairs + p);
-        const double beyond = fmax(sums->pair_force, mesh->total.pair_force);
-        sums->pair_force = fmax(sums->pair_force, step_nodes_peak(&self->nodes, force, 1, beyond));
+        if (step_nodes_range(&self->nodes, force).may_reach > fmax(sums->pair_force, mesh->total.pair_force)) {
+            sums->pair_force = fmax(sums->pair_force, step_nodes_peak(&self->nodes, force, 1));
+        }
     }
 }
 
@@ -415,8 +451,9 @@ static bool add_plain(numbers *self, const integrate_step *step, double from, do
     if (!step_nodes_look(&self->nodes, step, from, to)) {
         return false;
     }
+    const double *angle = at_nodes(self, AT_ANGLE, wheel);
     for (int k = 0; k < self->nodes.n; k++) {
-        position[k] = self->start_position + self->sense * at_node(self, AT_ANGLE, wheel, k);
+        position[k] = self->start_position + self->sense * angle[k];
     }
     const double end = step_nodes_end(&self->nodes, position), way = 2 * fabs(end - position[0]);
     if (NUMBER_HARMONICS * pitches_of(self, 0, way) > step_nodes_reach(&self->nodes) ||

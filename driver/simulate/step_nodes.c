@@ -132,19 +132,8 @@ double step_nodes_end(const step_nodes *nodes, const double *values)
     return end;
 }
 
-double step_nodes_peak(const step_nodes *nodes, const double *values, int sense, double beyond)
+double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
 {
-    static const double most_hidden =
-        0.5; /* of the range of the values: more does not lie between them or behind the last */
-    double high = -INFINITY, low = INFINITY;
-    for (int k = 0; k < nodes->n; k++) { /* fmax is a call */
-        const double here = sense * values[k];
-        high = here > high ? here : high;
-        low = here < low ? here : low;
-    }
-    if (high + most_hidden * (high - low) <= beyond) {
-        return high;
-    }
     double best = -INFINITY, before = 0, after = 0, last = 0;
     int place = 0;
     for (int i = 0; i < nodes->n_samples; i++) {

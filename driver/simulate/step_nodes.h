@@ -20,7 +20,7 @@ typedef struct {
     double *one;                    /**< [states] at a node */
     double *values;                 /**< [n_values * n] each value at the nodes side by side */
     double t[STEP_NODES_MOST];      /**< the nodes [s] */
-    double weight[STEP_NODES_MOST]; /**< of an integral over time [s] */
+    double weight[STEP_NODES_MOST]; /**< of an integral over time [s]; 0 where no node is */
     int n_samples;
     double
         *samples; /**< [n_samples * n] from values at the nodes to those at evenly spaced places, the ends among them */
@@ -43,7 +43,25 @@ double step_nodes_reach(const step_nodes *nodes);
 double step_nodes_end(const step_nodes *nodes, const double *values);
 /** Find what is wanted between two times in a step. @return false if it is not known there */
 bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from, double to);
+/** Bounds of what a quantity may come to in the part of a step, by its values at the nodes [n]: no more than half of their range
+ *  hides between them or behind the last. */
+typedef struct {
+    double may_reach, may_fall;
+} node_range;
+static inline node_range step_nodes_range(const step_nodes *nodes, const double *values)
+{
+    enum { HALF = STEP_NODES_MOST / 2 };
+    const bool whole = nodes->n == STEP_NODES_MOST;
+    double highest = values[0], lowest = values[0];
+    for (int k = whole ? HALF : 1; k < nodes->n; k++) { /* fmax is a call; two by two, for they wait for each other */
+        const double other = values[whole ? k - HALF : 0];
+        const double high = values[k] > other ? values[k] : other, low = values[k] < other ? values[k] : other;
+        highest = high > highest ? high : highest;
+        lowest = low < lowest ? low : lowest;
+    }
+    const double hidden = 0.5 * (highest - lowest);
+    return (node_range){highest + hidden, lowest - hidden};
+}
 /** Largest value there of a quantity, by the polynomial through its values at the nodes [n].
- *  @param sense  1, or -1 for the smallest
- *  @param beyond what matters is only above that, in the sense */
-double step_nodes_peak(const step_nodes *nodes, const double *values, int sense, double beyond);
+ *  @param sense  1, or -1 for minus the smallest */
+double step_nodes_peak(const step_nodes *nodes, const double *values, int sense);

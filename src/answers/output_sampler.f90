@@ -29,6 +29,8 @@ module evl_output_sampler
                                                           "mesh_torque_driving", "pairs_in_contact", "pair_normal_force", "angle", &
                                                                   "angular_velocity", "angular_acceleration", "centre_acceleration"]
 
+   integer, parameter :: none = -1 !! not asked for
+
    !> The same as numbers, in that order.
    enum, bind(c)
       enumerator :: lane_error = 1, lane_normal, lane_coast, lane_torque, lane_loaded, lane_pair_normal, lane_angle, lane_speed, &
@@ -38,9 +40,9 @@ module evl_output_sampler
    !> Outputs that are asked for. Their values stand one output behind the other.
    type :: output_sampler
       integer, allocatable :: wanted(:)  !! places in the table
-      integer, allocatable :: kinds(:)   !! which of the outputs in lanes each is; 0: none
       integer, allocatable :: before(:)  !! values before those of each; behind the last, all
       logical :: in_lanes = .false.      !! all of them are told in lanes, and the gearbox is served there
+      integer :: columns(size(lane_names)) = none !! values before those of each output in lanes
       integer, allocatable, private :: integers(:) !! discrete state that the slots are settled for
       real(wp), allocatable, private :: reals(:)
       type(lane_slot), allocatable, private :: slots(:)
@@ -58,13 +60,18 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: wanted(:) !! places in the table
       type(output_t), allocatable :: table(:)
-      integer :: i
+      integer :: i, kind
 
       call list_outputs(table)
       self%wanted = wanted
-      self%kinds = [(findloc(lane_names == table(wanted(i))%name, .true., dim=1), i=1, size(wanted))]
       self%before = [(sum(gearbox%output_counts(wanted(:i - 1))), i=1, size(wanted) + 1)]
-      self%in_lanes = all(self%kinds > 0) .and. lanes_serve(gearbox)
+      self%in_lanes = lanes_serve(gearbox)
+      do i = 1, size(wanted)
+         kind = findloc(lane_names == table(wanted(i))%name, .true., dim=1)
+         self%in_lanes = self%in_lanes .and. kind > 0 .and. .not. any(wanted(:i - 1) == wanted(i))
+         ! of coast forces there are none where no mesh has coast flanks
+         if (kind > 0 .and. gearbox%output_counts(wanted(i)) > 0) self%columns(kind) = self%before(i)
+      end do
       allocate (self%slots(merge(size(gearbox%contacts), 0, self%in_lanes)), self%all(gearbox%n_values, 1))
       allocate (self%f(lanes, gearbox%n_states))
    end subroutine sampler_create
@@ -77,7 +84,7 @@ contains
       real(wp), intent(in) :: t(:), reals(size(gearbox%contacts))
       real(wp), intent(in), contiguous :: y(:, :) !! (states, n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
-      real(wp), intent(out) :: values(:, :)       !! (states, wanted values)
+      real(wp), intent(out), contiguous :: values(:, :) !! (states, wanted values)
       type(status_t), intent(inout) :: status
       integer :: i, s
 
@@ -85,15 +92,9 @@ contains
          call settle(self, gearbox, integers, reals)
          call rates_in_lanes(gearbox, t, y, integers, reals, self%slots, self%f, status)
          if (has_failed(status)) return
-         do i = 1, size(self%wanted)
-            associate (first => self%before(i) + 1, last => self%before(i + 1))
-               if (self%kinds(i) < lane_angle) then
-                  call tell_meshes(gearbox, self%kinds(i), y, integers, self%slots, values(:, first:last))
-               else
-                  call tell_wheels(gearbox, self%kinds(i), y, self%f, integers, values(:, first:last))
-               end if
-            end associate
-         end do
+         values = 0
+         call tell_meshes(gearbox, self%columns, y, integers, self%slots, values)
+         call tell_wheels(gearbox, self%columns, y, self%f, integers, values)
          return
       end if
       do s = 1, size(t)
@@ -122,37 +123,55 @@ contains
       call settle_slots(gearbox, integers, reals, self%slots)
    end subroutine settle
 
-   !> One output of all meshes.
-   subroutine tell_meshes(gearbox, kind, y, integers, slots, values)
+   !> Outputs of meshes.
+   subroutine tell_meshes(gearbox, columns, y, integers, slots, values)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: kind
+      integer, intent(in) :: columns(:)
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
-      type(lane_slot), intent(in) :: slots(:)         !! as the rates left them
-      real(wp), intent(out), contiguous :: values(:, :) !! (lanes, of the output)
-      integer :: c, m, place
+      type(lane_slot), intent(in) :: slots(:)  !! as the rates left them
+      real(wp), intent(inout) :: values(lanes, *) !! 0 in those of meshes
+      integer :: c, m
 
-      values = 0
-      if (size(values) == 0) return ! as coast forces where no mesh has coast flanks
       do m = 1, size(gearbox%pairs)
-         if (kind == lane_error) then
-            call find_error(gearbox%contacts(leading_contact(gearbox, m, integers)), y, values(:, m))
-            cycle
-         end if
+         if (columns(lane_error) /= none) &
+            call find_error(gearbox%contacts(leading_contact(gearbox, m, integers)), y, values(:, columns(lane_error) + m))
          do c = gearbox%first(m), gearbox%first(m + 1) - 1
-            if (.not. slots(c)%touches) cycle
-            associate (contact => gearbox%contacts(c), force => slots(c)%force, &
-                       is_coast => gearbox%contacts(c)%flank == flank_coast)
-               if (kind == lane_torque) values(:, m) = values(:, m) + force%torque_a
-               if (slots(c)%mode%flanks /= flanks_loaded) cycle
-               if (kind == lane_loaded) values(:, m) = values(:, m) + 1
-               if (kind == lane_normal .or. (kind == lane_coast .and. is_coast)) values(:, m) = values(:, m) + force%unclipped
-               place = (m - 1)*gearbox%n_pair_places + 1 + contact%slot + merge(gearbox%n_drive_places, 0, is_coast)
-               if (kind == lane_pair_normal) values(:, place) = force%unclipped
-            end associate
+            if (slots(c)%touches) call tell_contact(gearbox, gearbox%contacts(c), m, columns, slots(c), values)
          end do
       end do
    end subroutine tell_meshes
+
+   !> What a tooth contact adds to the outputs of its mesh.
+   subroutine tell_contact(gearbox, contact, m, columns, slot, values)
+      type(gearbox_t), intent(in) :: gearbox
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: m !! mesh
+      integer, intent(in) :: columns(:)
+      type(lane_slot), intent(in) :: slot
+      real(wp), intent(inout) :: values(lanes, *)
+      logical :: is_coast
+      integer :: place
+
+      is_coast = contact%flank == flank_coast
+      call add(lane_torque, m, slot%force%torque_a)
+      if (slot%mode%flanks /= flanks_loaded) return
+      call add(lane_loaded, m, [(1.0_wp, place=1, lanes)])
+      call add(lane_normal, m, slot%force%unclipped)
+      if (is_coast) call add(lane_coast, m, slot%force%unclipped)
+      place = (m - 1)*gearbox%n_pair_places + 1 + contact%slot + merge(gearbox%n_drive_places, 0, is_coast)
+      call add(lane_pair_normal, place, slot%force%unclipped)
+
+   contains
+
+      subroutine add(kind, place, what)
+         integer, intent(in) :: kind, place
+         real(wp), intent(in) :: what(lanes)
+
+         if (columns(kind) /= none) values(:, columns(kind) + place) = values(:, columns(kind) + place) + what
+      end subroutine add
+
+   end subroutine tell_contact
 
    !> Transmission error of a mesh.
    subroutine find_error(leader, y, lag)
@@ -167,35 +186,31 @@ contains
       lag = error_of_turns(leader%pair, line%psi_a, line%psi_b, turn)
    end subroutine find_error
 
-   !> One output of all wheels.
-   subroutine tell_wheels(gearbox, kind, y, f, integers, values)
+   !> Outputs of wheels.
+   subroutine tell_wheels(gearbox, columns, y, f, integers, values)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: kind
+      integer, intent(in) :: columns(:)
       real(wp), intent(in) :: y(lanes, gearbox%n_states), f(lanes, gearbox%n_states)
       integer, intent(in) :: integers(:)
-      real(wp), intent(out), contiguous :: values(:, :) !! (lanes, of the output)
+      real(wp), intent(inout) :: values(lanes, *) !! 0 in those of axles
       real(wp), dimension(lanes) :: psi, rate
-      integer :: i, l
+      integer :: i, l, before
 
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            select case (kind)
-            case (lane_angle)
-               call turn_wheel(wheel%i_psi, y, psi, rate)
-               values(:, i) = wheel%ratio*(y(:, i_theta) + 2*pi*integers(i_turns)) + psi
-            case (lane_speed)
-               call turn_wheel(wheel%i_psi, y, psi, rate)
-               values(:, i) = wheel%ratio*y(:, i_omega) + rate
-            case (lane_acceleration)
+            call turn_wheel(wheel%i_psi, y, psi, rate)
+            if (columns(lane_angle) /= none) &
+               values(:, columns(lane_angle) + i) = wheel%ratio*(y(:, i_theta) + 2*pi*integers(i_turns)) + psi
+            if (columns(lane_speed) /= none) values(:, columns(lane_speed) + i) = wheel%ratio*y(:, i_omega) + rate
+            if (columns(lane_acceleration) /= none) then
                call turn_wheel(wheel%i_psi, f, psi, rate)
-               values(:, i) = wheel%ratio*f(:, i_omega) + rate
-            case default
-               values(:, 2*i - 1:2*i) = 0
-               if (wheel%support%n == 0) cycle
-               do l = 1, lanes
-                  values(l, 2*i - 1:2*i) = axle_deviation(wheel%support, f(l, :), 1)
-               end do
-            end select
+               values(:, columns(lane_acceleration) + i) = wheel%ratio*f(:, i_omega) + rate
+            end if
+            if (columns(lane_axle) == none .or. wheel%support%n == 0) cycle
+            before = columns(lane_axle) + 2*(i - 1)
+            do l = 1, lanes
+               values(l, before + 1:before + 2) = axle_deviation(wheel%support, f(l, :), 1)
+            end do
          end associate
       end do
    end subroutine tell_wheels
