@@ -70,9 +70,10 @@ def cases(kernel: Kernel) -> Iterator[tuple[str, Gearbox, State]]:
         yield f"flanks {name} ({loaded} pairs)", gearbox, state
     for name, keys in BENDING.items():
         gearbox = real_gears(kernel, "perfect", **keys)
-        state = gearbox.start(STEADY, mesh_position=0.1)
-        modes = [gearbox.mode(state, contact)[1] for contact in range(gearbox.sizes.n_reals)]
-        yield f"at rest, {name} ({modes.count(LOADED)} pairs)", gearbox, state
+        for mesh_position in (0.1, 0.75):
+            state = gearbox.start(STEADY, mesh_position=mesh_position)
+            modes = [gearbox.mode(state, contact)[1] for contact in range(gearbox.sizes.n_reals)]
+            yield f"at rest, {name}, pairs: {modes.count(LOADED)}", gearbox, state
 
 
 class Worker:

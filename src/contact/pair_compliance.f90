@@ -135,8 +135,8 @@ contains
       class(wheel_compliance_t), intent(in) :: wheel
       integer, intent(in) :: w
       logical, intent(in) :: against
-      integer, intent(in) :: numbers(:), k, l
-      real(wp), intent(in) :: foot(:, :, :)
+      integer, intent(in) :: numbers(*), k, l
+      real(wp), intent(in) :: foot(lanes, 2, *)
       real(wp), intent(inout) :: c(lanes, most_pairs, *), d(lanes, most_pairs, most_pairs, 2)
       real(wp), dimension(lanes) :: value, by_here, by_there
       integer :: first, second
