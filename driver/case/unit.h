@@ -1,0 +1,39 @@
+/** Units as engineers write them: `3 mm`, `1500 rpm`, `206 GPa`. The one table: what a key's unit takes, in which spellings, and what a
+ *  number in it is in the key's unit. A key's unit is that of its row, such as "m", "rad/s" or "deg"; "" takes percent. Small and
+ *  capital letters differ. */
+#pragma once
+
+#include "base/memory.h"
+#include "base/number.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/** What a text says of a number. */
+typedef enum {
+    QUANTITY_NUMBER,     /**< a number alone, in the key's unit */
+    QUANTITY_CONVERTED,  /**< a number with one of the key's units */
+    QUANTITY_NOT_FINITE, /**< or too large for a double in the key's unit */
+    QUANTITY_OTHER_UNIT, /**< a number and behind it what is none of the key's units */
+    QUANTITY_NONE        /**< no number */
+} quantity_kind;
+
+/** Read a number with or without a unit, such as `3 mm`, `3mm` or `3e-3`. With a power of ten between the units it is the double of
+ *  the decimal text in the key's unit: `3 mm` is 0.003. Other factors are rounded once.
+ *  @param[out] value  in the key's unit, where the result is QUANTITY_NUMBER or QUANTITY_CONVERTED
+ *  @param[out] unit   the part of `text` behind the number and its blanks, where there is one */
+quantity_kind quantity_read(const char *text, const char *key_unit, double *value, const char **unit);
+
+/** The names of the units that a key of this unit takes: the usual one first, in which things are printed for reading. NULL if there is
+ *  no such key unit. They are the table's.
+ *  @param pool  of the array, as pool_calloc has it */
+const char **unit_names(const char *key_unit, memory_pool *pool, int *n);
+/** The same in all spellings that are read, exactly: `kg mm2` is also kg·mm², kg*mm^2 and more. They are the pool's, which is there. */
+const char **unit_spellings(const char *key_unit, memory_pool *pool, int *n);
+/** What a key of this unit is, such as "length"; NULL if there is no such key unit. */
+const char *unit_kind_name(const char *key_unit);
+/** The key units of the table, one by one: NULL behind the last. */
+const char *unit_of_keys(int index);
+
+/** Why what stands behind a number is refused, and what a key of this unit takes instead: one line without end, a new string. */
+char *unit_refusal(const char *key_unit, const char *unit);
