@@ -1,4 +1,5 @@
-/** The checker's parts: case_check.c walks the blocks, case_value.c looks at single values. */
+/** The checker's parts: case_check.c walks the blocks, case_value.c looks at single values, case_number.c at
+ *  numbers. */
 #pragma once
 
 #include "case/case_schema.h"
@@ -27,7 +28,9 @@ bool refuse_type(const checker *checker, const case_node *node, const char *want
 /** A name that paths and references can use. */
 bool check_name(const checker *checker, case_place place, const char *name);
 bool check_choice(const checker *checker, const evl_row *key, const case_node *node);
-/** A number of a key whose value is one number or several. */
-bool check_number_of(const checker *checker, const evl_row *key, const case_node *node);
+/** A number of a key whose value is one number or several. One with a unit becomes that in the key's unit. */
+bool check_number(const checker *checker, const evl_row *key, case_node *node);
+/** A scalar that is a number, good or bad, with or without unit. */
+bool looks_like_number(const evl_row *key, const case_node *node);
 /** A value of any type but block, list of blocks and map. */
 bool check_single_value(const checker *checker, const evl_row *key, case_node *node);

@@ -97,11 +97,12 @@ static bool exchange_numbers(const case_base *base, case_file *file, const char 
             memcpy(file->options[i] + (text - set_options[i]), text, size);
             memcpy(number->node->text, text, size);
             number->node->plain = true;
+            number->node->written = NULL;
         }
     }
     bool good = true;
     for (int i = 0; i < file->n_options && good; i++) {
-        good = file->numbers[i].node == NULL || check_number_of(&checker, file->numbers[i].row, file->numbers[i].node);
+        good = file->numbers[i].node == NULL || check_number(&checker, file->numbers[i].row, file->numbers[i].node);
     }
     description_clear(&file->description);
     good = good && case_resolve(base->schema, file->path, file->root, &file->description, &ignored);

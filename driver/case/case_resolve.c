@@ -69,8 +69,9 @@ static bool check_knots(const checker *checker, const evl_row *row, const case_n
     for (int i = 1; i < knots->n; i++) {
         const case_node *knot = knots->entries[i].value, *before = knots->entries[i - 1].value;
         if (node_number(knot) <= node_number(before)) {
-            return checker_refuse(checker, knot->place, "the %ss of a table must increase: %s %s follows %s %s",
-                                  row->key, knot->text, row->unit, before->text, row->unit);
+            OWNED char *found = node_quantity(knot, row->unit), *last = node_quantity(before, row->unit);
+            return checker_refuse(checker, knot->place, "the %ss of a table must increase: %s follows %s", row->key,
+                                  found, last);
         }
     }
     return true;
@@ -236,9 +237,10 @@ static bool take_numbers(const checker *checker, const case_node *block, descrip
             "periods are pitches of a mesh or turns of a wheel, not both; leave out pitches_of or turns_of");
     }
     if (to != NULL && numbers->to > simulation->duration) {
+        OWNED char *end = node_quantity(to, "s");
         return checker_refuse(checker, to->place,
-                              "the window ends at %s s, but the case at %.9g s; make it longer, or leave out to",
-                              to->text, simulation->duration);
+                              "the window ends at %s, but the case at %.9g s; make it longer, or leave out to", end,
+                              simulation->duration);
     }
     return block == NULL || numbers->from < numbers->to ||
            checker_refuse(checker, (from == NULL ? block : from)->place,
@@ -256,21 +258,21 @@ static bool take_positions(const checker *checker, const case_node *number, cons
 }
 
 /** The interval of an output grid of times. */
-static bool take_interval(const checker *checker, const case_node *interval, const char *duration,
+static bool take_interval(const checker *checker, const case_node *interval, const case_node *duration,
                           simulation_description *simulation)
 {
     simulation->output_interval = node_number(interval);
+    OWNED char *step = node_quantity(interval, "s"), *span = node_quantity(duration, "s");
     if (simulation->output_interval > simulation->duration) {
-        return checker_refuse(checker, interval->place, "is %s s, longer than the duration of %s s", interval->text,
-                              duration);
+        return checker_refuse(checker, interval->place, "is %s, longer than the duration of %s", step, span);
     }
     return simulation->duration / simulation->output_interval <= MOST_OUTPUTS ||
-           checker_refuse(checker, interval->place, "is %s s, which gives more than %g rows in %s s; take a longer one",
-                          interval->text, MOST_OUTPUTS, duration);
+           checker_refuse(checker, interval->place, "is %s, which gives more than %g rows in %s; take a longer one",
+                          step, MOST_OUTPUTS, span);
 }
 
 /** The block `output`: one of its ways to say where outputs stand. The names that it gives are there: the schema knows. */
-static bool take_output_block(const checker *checker, const case_node *output, const char *duration,
+static bool take_output_block(const checker *checker, const case_node *output, const case_node *duration,
                               description *description)
 {
     simulation_description *simulation = &description->simulation;
@@ -297,7 +299,7 @@ static bool take_output(const checker *checker, const case_node *block, descript
     const struct checker of_interval = checker_at(checker, "output_interval"),
                          of_output = checker_at(checker, "output");
     const case_node *interval = node_get(block, "output_interval"), *output = node_get(block, "output");
-    const char *duration = node_get_text(block, "duration");
+    const case_node *duration = node_get(block, "duration");
     simulation->output_interval = 0;
     simulation->output_by = (position_description){0, -1, -1};
     if (interval != NULL && output != NULL) {

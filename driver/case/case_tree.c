@@ -90,6 +90,22 @@ double node_get_number(const case_node *mapping, const char *key)
     return node_number(node_get(mapping, key));
 }
 
+char *node_quantity(const case_node *node, const char *unit)
+{
+    const char *gap = unit[0] == '\0' ? "" : " ";
+    return node->written == NULL ? xasprintf("%s%s%s", node->text, gap, unit)
+                                 : xasprintf("%s (%s%s%s)", node->written, node->text, gap, unit);
+}
+
+void node_convert(case_node *node, double value)
+{
+    char number[NUMBER_TEXT_LENGTH];
+    number_write(number, value);
+    node->written = node->text;
+    node->text = pool_copy(node->pool, number);
+    node->plain = true;
+}
+
 bool node_is_null(const case_node *node)
 {
     static const char *const nulls[] = {"", "~", "null", "Null", "NULL"};

@@ -29,9 +29,10 @@ struct case_node {
     memory_pool *pool;
     node_kind kind;
     case_place place;
-    char *text; /**< of a scalar, else NULL */
-    bool plain; /**< scalar without quotes: may be a number or null */
-    int n;      /**< entries of a sequence or mapping */
+    char *text;          /**< of a scalar, else NULL */
+    const char *written; /**< of a number that was given with a unit: as it was given; else NULL */
+    bool plain;          /**< scalar without quotes: may be a number or null */
+    int n;               /**< entries of a sequence or mapping */
     int capacity;
     case_entry *entries;
 };
@@ -55,6 +56,11 @@ const char *node_get_text(const case_node *mapping, const char *key);
 double node_number(const case_node *node);
 bool node_is_number(const case_node *node);
 double node_get_number(const case_node *mapping, const char *key);
+/** The number with its unit, for messages: "0.003 m", or "3 mm (0.003 m)" if it was given so. A new string. */
+char *node_quantity(const case_node *node, const char *unit);
+
+/** Put a number in place of one with a unit. */
+void node_convert(case_node *node, double value);
 
 /** Nothing was written where a value belongs: null, ~ or empty. */
 bool node_is_null(const case_node *node);

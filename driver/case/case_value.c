@@ -1,4 +1,4 @@
-/* Single values against their key: type, range, choice; and the words of a refusal. */
+/* Single values against their key: type, choice, lists of numbers; and the words of a refusal. */
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/suggest.h"
@@ -65,52 +65,6 @@ static bool refuse_word(const checker *checker, const evl_row *key, const case_n
                                                     n > 1 ? "one of " : "", list, found, hint);
 }
 
-static bool is_in_range(const evl_row *key, double value)
-{
-    return (key->minimum_open ? value > key->minimum : value >= key->minimum) &&
-           (key->maximum_open ? value < key->maximum : value <= key->maximum);
-}
-
-static bool check_number(const checker *checker, const evl_row *key, const case_node *node, double *value)
-{
-    const number_kind kind = node->kind == NODE_SCALAR && node->plain ? number_read(node->text, value) : NUMBER_NONE;
-    if (kind == NUMBER_NONE) {
-        return refuse_type(checker, node, key->type == EVL_INTEGER ? "a whole number" : "a number", key->unit);
-    }
-    const char *gap = key->unit[0] == '\0' ? "" : " ";
-    if (kind == NUMBER_NOT_FINITE) {
-        return checker_refuse(checker, node->place, "is %s, which is not a finite number", node->text);
-    }
-    if (!is_in_range(key, *value)) {
-        char range[128];
-        row_range_text(key, range);
-        return checker_refuse(checker, node->place, "is %s%s%s, must be %s%s%s%s", node->text, gap, key->unit,
-                              key->type == EVL_INTEGER ? "a whole number " : "", range, gap, key->unit);
-    }
-    return true;
-}
-
-static bool check_integer(const checker *checker, const evl_row *key, const case_node *node)
-{
-    double value = 0;
-    if (!check_number(checker, key, node, &value)) {
-        return false;
-    }
-    if (value == floor(value) && fabs(value) <= INT_MAX) {
-        return true;
-    }
-    char range[128];
-    row_range_text(key, range);
-    return checker_refuse(checker, node->place, "is %s, must be a whole number%s%s", node->text,
-                          range[0] == '\0' ? "" : " ", range);
-}
-
-bool check_number_of(const checker *checker, const evl_row *key, const case_node *node)
-{
-    double value = 0;
-    return key->type == EVL_INTEGER ? check_integer(checker, key, node) : check_number(checker, key, node, &value);
-}
-
 /** A list of so many numbers, which `wanted` describes. */
 static bool check_components(const checker *checker, const evl_row *key, const case_node *node, int n,
                              const char *wanted)
@@ -122,10 +76,9 @@ static bool check_components(const checker *checker, const evl_row *key, const c
         return checker_refuse(checker, node->place, "has %d %s, must be %s", node->n, node->n == 1 ? "value" : "values",
                               wanted);
     }
-    double value = 0;
     bool good = true;
     for (int i = 0; i < n && good; i++) {
-        good = check_number(checker, key, node->entries[i].value, &value);
+        good = check_number(checker, key, node->entries[i].value);
     }
     return good;
 }
@@ -141,8 +94,7 @@ static bool check_numbers(const checker *checker, const evl_row *key, const case
         char index[16];
         (void)snprintf(index, sizeof index, "%d", i);
         const struct checker inner = checker_at(checker, is_series ? index : node->entries[i].key);
-        double value = 0;
-        if (!check_number(&inner, key, node->entries[i].value, &value)) {
+        if (!check_number(&inner, key, node->entries[i].value)) {
             return false;
         }
     }
@@ -211,16 +163,15 @@ static bool check_two_names(const checker *checker, case_node *node)
 
 bool check_single_value(const checker *checker, const evl_row *key, case_node *node)
 {
-    double value = 0;
     switch (key->type) {
     case EVL_NUMBER:
         if (key->words[0] != '\0' && node->kind == NODE_SCALAR && !node_is_null(node) &&
-            number_read(node->text, &value) == NUMBER_NONE) {
+            !looks_like_number(key, node)) {
             return words_contain(key->words, node->text) || refuse_word(checker, key, node);
         }
-        return check_number(checker, key, node, &value);
+        return check_number(checker, key, node);
     case EVL_INTEGER:
-        return check_integer(checker, key, node);
+        return check_number(checker, key, node);
     case EVL_PAIR:
         return check_components(checker, key, node, 2, "a pair [x, y]");
     case EVL_TRIPLE:

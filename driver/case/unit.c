@@ -79,7 +79,7 @@ static const unit_kind kinds[] = {
      UNITS(SAME("N m s/rad"), SAME("N m s"), TEN("N mm s/rad", -3), TEN("N mm s", -3), {"N m/rpm", 0, PER_RPM})},
     {"N s/m2", "damping per penetration", UNITS(SAME("N s/m2"), TEN("N s/mm2", 6))},
     {"N/m^exponent", "force per power of the penetration", UNITS(SAME("N/m^exponent"))},
-    {"", "number without unit", UNITS(TEN("%", -2))},
+    {"", "ratio", UNITS(TEN("%", -2))},
 };
 
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
@@ -87,10 +87,10 @@ enum { N_KINDS = sizeof kinds / sizeof *kinds };
 static const unit_kind *kind_of(const char *key_unit)
 {
     int i = 0;
-    while (i < N_KINDS && strcmp(kinds[i].key_unit, key_unit) != 0) {
+    while (key_unit != NULL && i < N_KINDS && strcmp(kinds[i].key_unit, key_unit) != 0) {
         i++;
     }
-    return i < N_KINDS ? &kinds[i] : NULL;
+    return key_unit != NULL && i < N_KINDS ? &kinds[i] : NULL;
 }
 
 const char *unit_kind_name(const char *key_unit)
@@ -185,7 +185,8 @@ static bool has_style(const char *name, const style *style)
 static bool is_spelled(const char *name, const char *text)
 {
     char spelling[SPELLING_LENGTH];
-    for (int i = 0; i < N_STYLES; i++) {
+    const bool begins_alike = strchr("u1", name[0]) != NULL || name[0] == text[0];
+    for (int i = 0; i < N_STYLES && begins_alike; i++) {
         const style style = style_at(i);
         if (has_style(name, &style)) {
             spell(name, &style, spelling);
@@ -336,4 +337,13 @@ char *unit_refusal(const char *key_unit, const char *unit)
                                           : xasprintf("the unit '%.40s' is not known%s", unit, hint);
     return key_unit[0] == '\0' ? xasprintf("%s, and this number has none; leave it away, or write %s", found, list)
                                : xasprintf("%s; write the %s in %s", found, unit_kind_name(key_unit), list);
+}
+
+char *quantity_complaint(const char *text, const char *key_unit, const char *must, double *value)
+{
+    const char *unit = NULL;
+    const quantity_kind kind = quantity_read(text, key_unit, value, &unit);
+    return kind == QUANTITY_NUMBER || kind == QUANTITY_CONVERTED ? NULL
+           : kind == QUANTITY_OTHER_UNIT                         ? unit_refusal(key_unit, unit)
+                                                                 : xstrdup(must);
 }

@@ -20,6 +20,7 @@ typedef enum {
 
 /** Read a number with or without a unit, such as `3 mm`, `3mm` or `3e-3`. With a power of ten between the units it is the double of
  *  the decimal text in the key's unit: `3 mm` is 0.003. Other factors are rounded once.
+ *  @param key_unit    NULL: no unit is taken, nor percent
  *  @param[out] value  in the key's unit, where the result is QUANTITY_NUMBER or QUANTITY_CONVERTED
  *  @param[out] unit   the part of `text` behind the number and its blanks, where there is one */
 quantity_kind quantity_read(const char *text, const char *key_unit, double *value, const char **unit);
@@ -37,3 +38,7 @@ const char *unit_of_keys(int index);
 
 /** Why what stands behind a number is refused, and what a key of this unit takes instead: one line without end, a new string. */
 char *unit_refusal(const char *key_unit, const char *unit);
+/** Read the number of an option, with or without a unit.
+ *  @param must  what is said of a text that is no number
+ *  @return NULL if `value` is read; else why not, one line without end, a new string */
+char *quantity_complaint(const char *text, const char *key_unit, const char *must, double *value);

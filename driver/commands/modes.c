@@ -1,7 +1,7 @@
 #include "base/interrupt.h"
 #include "base/memory.h"
-#include "base/number.h"
 #include "base/progress.h"
+#include "case/unit.h"
 #include "commands/command.h"
 #include "commands/modes_print.h"
 #include "commands/warn.h"
@@ -54,14 +54,18 @@ static bool move_to(const prepared_case *prepared, double time, dae_state *state
 /* ---- the state ---- */
 
 /** The number of an option; none if the option was not given. */
-static bool read_number(const char *option, const char *text, double most, const char *range, double *number,
-                        evl_error *error)
+static bool read_number(const char *option, const char *text, const char *unit, double most, const char *range,
+                        double *number, evl_error *error)
 {
-    if (text == NULL || (number_read(text, number) == NUMBER_FINITE && *number >= 0.0 && *number <= most)) {
+    if (text == NULL) {
+        return true;
+    }
+    OWNED char *why = quantity_complaint(text, unit, range, number);
+    if (why == NULL && *number >= 0.0 && *number <= most) {
         return true;
     }
     OWNED char *place = xasprintf("--%s %s", option, text);
-    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", range);
+    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why == NULL ? range : why);
 }
 
 /** @return false */
@@ -84,7 +88,7 @@ static bool find_state_at(const prepared_case *prepared, const char *at, double 
     if (time > duration) {
         OWNED char *place = xasprintf("--at %s", at);
         return evl_error_set(error, EVL_EXIT_CASE, place,
-                             "the case ends at %.9g s; --set simulation.duration=%s makes it longer", duration, at);
+                             "the case ends at %.9g s; --set simulation.duration=%.9g makes it longer", duration, time);
     }
     return prepare_start(prepared, state, error) && (time <= state->t || move_to(prepared, time, state, error));
 }
@@ -146,8 +150,9 @@ static evl_exit modes(const char *file, const void *given, evl_error *error)
     prepared_case prepared = {0};
     double time = 0.0, position = 0.0;
     interrupt_install();
-    if (read_number("at", options->at, HUGE_VAL, "the time must be a number of seconds, at least 0", &time, error) &&
-        read_number("mesh-position", options->mesh_position, most_pitches,
+    if (read_number("at", options->at, "s", HUGE_VAL, "the time must be a number of seconds, at least 0", &time,
+                    error) &&
+        read_number("mesh-position", options->mesh_position, NULL, most_pitches,
                     "the position must be a number of pitches, from 0 to 1e6", &position, error) &&
         prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
         modes_of(&prepared, options, time, position, error);
@@ -165,7 +170,7 @@ static const char *check(const void *given)
 
 static const option_row rows[] = {
     {OPTION_TEXT, 0, "--at", "TIME", offsetof(modes_options, at),
-     "integrate the case from its initial state to this time [s] and linearise there"},
+     "integrate the case from its initial state to this time [s], or such as '20 ms', and linearise there"},
     {OPTION_TEXT, 0, "--mesh-position", "X", offsetof(modes_options, mesh_position),
      "linearise where a tooth pair of the first mesh is X pitches from the start of contact; 0 if not given"},
     {OPTION_FLAG, 0, "--mean", NULL, offsetof(modes_options, mean),

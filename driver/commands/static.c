@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/suggest.h"
+#include "case/unit.h"
 #include "commands/command.h"
 #include "commands/result.h"
 #include "commands/static_print.h"
@@ -68,14 +69,40 @@ static bool find_mesh(const prepared_case *prepared, const char *text, int *mesh
     return refuse_option("--mesh", text, why, error);
 }
 
+static const char HOW_TORQUES[] =
+    "it must be FROM:TO:STEPS, two torques [N m] that grow and how many there are, from 2 to "
+    "1000, such as 10:200:20 or '10 N m:0.2 kN m:20'; or one torque";
+
+/** A torque of --torque. */
+static bool read_torque(const char *option, const char *text, double *torque, evl_error *error)
+{
+    OWNED char *why = quantity_complaint(text, "N m", HOW_TORQUES, torque);
+    return why == NULL || refuse_option("--torque", option, why, error);
+}
+
+/** Both ends of FROM:TO:STEPS. @param parts  its texts */
+static bool read_ends(const char *option, char *const parts[3], double ends[2], int *n, evl_error *error)
+{
+    static const char one_flank[] =
+        "torques above 0 press the drive flanks, those below 0 the coast flanks, 0 none: ask for either";
+    static const char one_unit[] = "one of its torques has a unit and the other has none: give both a unit, or neither";
+    double number = 0.0;
+    if (!read_torque(option, parts[0], &ends[0], error) || !read_torque(option, parts[1], &ends[1], error)) {
+        return false;
+    }
+    if ((number_read(parts[0], &number) == NUMBER_NONE) != (number_read(parts[1], &number) == NUMBER_NONE)) {
+        return refuse_option("--torque", option, one_unit, error);
+    }
+    if (!(ends[1] > ends[0]) || !read_count(parts[2], MOST_TORQUES, n) || *n < 2) {
+        return refuse_option("--torque", option, HOW_TORQUES, error);
+    }
+    return ends[0] > 0.0 || ends[1] < 0.0 || refuse_option("--torque", option, one_flank, error);
+}
+
 /** FROM:TO:STEPS, evenly from one to the other, or one torque.
  *  @param torques  room for MOST_TORQUES */
 static bool read_torques(const char *text, double *torques, int *n, evl_error *error)
 {
-    static const char how[] = "it must be FROM:TO:STEPS, two torques [N m] that grow and how many there are, from 2 to "
-                              "1000, such as 10:200:20; or one torque";
-    static const char one_flank[] =
-        "torques above 0 press the drive flanks, those below 0 the coast flanks, 0 none: ask for either";
     OWNED char *copy = xstrdup(text);
     char *parts[3] = {copy, strchr(copy, ':'), NULL};
     double ends[2];
@@ -85,18 +112,18 @@ static bool read_torques(const char *text, double *torques, int *n, evl_error *e
             parts[i + 1] = strchr(parts[i], ':');
         }
     }
-    const bool is_range = parts[1] != NULL;
     *n = 1;
-    if (number_read(parts[0], &ends[0]) != NUMBER_FINITE ||
-        (is_range && (parts[2] == NULL || number_read(parts[1], &ends[1]) != NUMBER_FINITE || !(ends[1] > ends[0]) ||
-                      !read_count(parts[2], MOST_TORQUES, n) || *n < 2))) {
-        return refuse_option("--torque", text, how, error);
+    if (parts[1] == NULL) {
+        return read_torque(text, copy, &torques[0], error);
     }
-    if (is_range && ends[0] <= 0.0 && ends[1] >= 0.0) {
-        return refuse_option("--torque", text, one_flank, error);
+    if (parts[2] == NULL) {
+        return refuse_option("--torque", text, HOW_TORQUES, error);
+    }
+    if (!read_ends(text, parts, ends, n, error)) {
+        return false;
     }
     for (int i = 0; i < *n; i++) {
-        torques[i] = i == *n - 1 && is_range ? ends[1] : ends[0] + (ends[1] - ends[0]) * i / (*n > 1 ? *n - 1 : 1);
+        torques[i] = i == *n - 1 ? ends[1] : ends[0] + (ends[1] - ends[0]) * i / (*n - 1);
     }
     return true;
 }
@@ -257,8 +284,10 @@ static void analyse_case(analysis *a, const static_options *options, int points,
         refuse(a, &refusal, "--points", options->points == NULL ? "" : options->points, error);
         return;
     }
-    if (options->speed != NULL && number_read(options->speed, &a->plan.speed) != NUMBER_FINITE) {
-        refuse_option("--speed", options->speed, "it must be a speed of the driving wheel [rad/s]", error);
+    static const char must[] = "it must be a speed of the driving wheel [rad/s]";
+    OWNED char *why = options->speed == NULL ? NULL : quantity_complaint(options->speed, "rad/s", must, &a->plan.speed);
+    if (why != NULL) {
+        refuse_option("--speed", options->speed, why, error);
         return;
     }
     if (find_torques(a, options->torque, error)) {
@@ -309,9 +338,11 @@ static const option_row rows[] = {
     {OPTION_TEXT, 0, "--mesh", "NAME", offsetof(static_options, mesh),
      "mesh to look at, by name or index; the first one if not given"},
     {OPTION_TEXT, 0, "--torque", "FROM:TO:STEPS", offsetof(static_options, torque),
-     "torques of the driving wheel [N m], or one, below 0 on the coast flanks; what the loads give if not given"},
+     "torques of the driving wheel [N m], or with their units, or one, below 0 on the coast flanks; what the loads "
+     "give if not given"},
     {OPTION_TEXT, 0, "--speed", "SPEED", offsetof(static_options, speed),
-     "speed of the driving wheel [rad/s] at which flanks rub as the mesh's friction says; without friction if not "
+     "speed of the driving wheel [rad/s], or such as '1500 rpm', at which flanks rub as the mesh's friction says; "
+     "without friction if not "
      "given"},
     {OPTION_TEXT, 0, "--points", "N", offsetof(static_options, points), "positions over a pitch; 200 if not given"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(static_options, output),

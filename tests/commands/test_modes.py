@@ -108,10 +108,20 @@ def test_a_load_of_the_wrong_sense_is_refused_at_its_place(evolvent: Evolvent, c
     )
 
 
-@pytest.mark.parametrize("time", ["-1", "soon", ".inf", "1 s"])
+@pytest.mark.parametrize("time", ["-1", "soon", ".inf", "-1 ms"])
 def test_a_time_that_is_none_is_misuse(evolvent: Evolvent, case: Path, time: str) -> None:
     result = evolvent("modes", case, "--at", time)
     assert_refused(result, 2, f"--at {time}: ", "at least 0")
+
+
+def test_a_time_with_a_unit_is_that_in_seconds(evolvent: Evolvent, case: Path) -> None:
+    assert (
+        evolvent("modes", case, "--at", "0 ms").stdout
+        == evolvent("modes", case, "--at", "0").stdout
+    )
+    assert_refused(
+        evolvent("modes", case, "--at", "1 m"), 2, "--at 1 m: ", "write the time in s, ms"
+    )
 
 
 def test_a_time_past_the_end_of_the_case_is_refused_with_the_remedy(

@@ -67,7 +67,12 @@ def test_file_has_its_own_axes(curves: xr.Dataset) -> None:
 
 
 def test_documentation_lists_what_a_file_has(curves: xr.Dataset, root: Path) -> None:
-    text = (root / "docs" / "result_format.md").read_text().split("## Static analysis")[1].split("\n## ")[0]
+    text = (
+        (root / "docs" / "result_format.md")
+        .read_text()
+        .split("## Static analysis")[1]
+        .split("\n## ")[0]
+    )
     rows = re.findall(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \|", text, re.MULTILINE)
     listed = {name: (tuple(dims.replace(",", " ").split()), units) for name, dims, units in rows}
     told = {str(n): (v.dims, v.attrs["units"]) for n, v in curves.data_vars.items()}
@@ -192,6 +197,10 @@ def test_examples_of_the_help_work(evolvent: Evolvent, examples: Path, tmp_path:
         (["--torque", "10:50:3:4"], ["it must be FROM:TO:STEPS"]),
         (["--torque", ".inf"], ["it must be FROM:TO:STEPS"]),
         (["--torque", "much"], ["it must be FROM:TO:STEPS"]),
+        (["--torque", "10:50 N m:3"], ["one of its torques has a unit", "both a unit, or neither"]),
+        (["--torque", "10 N:50 N:3"], ["'N' is a unit of force; write the torque in N m, kN m"]),
+        (["--torque", "0.05 kN m:10 N m:3"], ["it must be FROM:TO:STEPS"]),
+        (["--speed", "3 m/s"], ["--speed 3 m/s", "write the angular velocity in rpm, 1/min"]),
         (["--points", "20"], ["--points 20", "21 or more show 10 harmonics"]),
         (["--points", "many"], ["--points many", "whole number of positions a pitch"]),
     ],
@@ -202,6 +211,19 @@ def test_bad_options_are_named_and_exit_with_2(
 ) -> None:
     assert_refused(evolvent("static", case, *words, cwd=tmp_path), 2, *parts)
     assert not any(tmp_path.iterdir())
+
+
+def test_torques_and_speeds_with_units_are_those_in_newton_metres_and_radians_a_second(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    def told(torque: str, speed: str) -> str:
+        words = ("--torque", torque, "--speed", speed, "--points", "21", "--json", "-o", "out.h5")
+        return evolvent("static", case, *words, cwd=tmp_path).stdout
+
+    bare = told("10:200:3", "157.07963267948966")
+    assert '"torque"' in bare
+    assert told("10 N m:0.2 kN m:3", "1500 rpm") == bare
+    assert told("10000 Nmm:200 N·m:3", "1500 min-1") == bare
 
 
 def test_too_many_positions_exit_with_2(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:

@@ -1,0 +1,80 @@
+/* Numbers against their key: the unit that they are written with, finite, range, whole. */
+#include "base/memory.h"
+#include "base/number.h"
+#include "case/case_check.h"
+#include "case/unit.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+static bool is_in_range(const evl_row *key, double value)
+{
+    return (key->minimum_open ? value > key->minimum : value >= key->minimum) &&
+           (key->maximum_open ? value < key->maximum : value <= key->maximum);
+}
+
+/** What a scalar says of a number of the key. Quotes make text of a number, but not of one with a unit, which is text to YAML anyway. */
+static quantity_kind read_node(const evl_row *key, const case_node *node, double *value, const char **unit)
+{
+    if (node->kind != NODE_SCALAR) {
+        return QUANTITY_NONE;
+    }
+    const quantity_kind kind = quantity_read(node->text, key->type == EVL_INTEGER ? NULL : key->unit, value, unit);
+    return kind == QUANTITY_NUMBER && !node->plain ? QUANTITY_NONE : kind;
+}
+
+bool looks_like_number(const evl_row *key, const case_node *node)
+{
+    double value = 0;
+    const char *unit = NULL;
+    return read_node(key, node, &value, &unit) != QUANTITY_NONE;
+}
+
+static bool refuse_unit(const checker *checker, const evl_row *key, const case_node *node, const char *unit)
+{
+    OWNED char *why = unit_refusal(key->unit, unit);
+    return checker_refuse(checker, node->place, "is %.64s, but %s", node->text, why);
+}
+
+static bool refuse_range(const checker *checker, const evl_row *key, const case_node *node)
+{
+    char range[128];
+    row_range_text(key, range);
+    OWNED char *found = node_quantity(node, key->unit);
+    return checker_refuse(checker, node->place, "is %s, must be %s%s%s%s", found,
+                          key->type == EVL_INTEGER ? "a whole number " : "", range, key->unit[0] == '\0' ? "" : " ",
+                          key->unit);
+}
+
+static bool refuse_fraction(const checker *checker, const evl_row *key, const case_node *node)
+{
+    char range[128];
+    row_range_text(key, range);
+    return checker_refuse(checker, node->place, "is %s, must be a whole number%s%s", node->text,
+                          range[0] == '\0' ? "" : " ", range);
+}
+
+bool check_number(const checker *checker, const evl_row *key, case_node *node)
+{
+    double value = 0;
+    const char *unit = NULL;
+    switch (read_node(key, node, &value, &unit)) {
+    case QUANTITY_NONE:
+        return refuse_type(checker, node, key->type == EVL_INTEGER ? "a whole number" : "a number", key->unit);
+    case QUANTITY_NOT_FINITE:
+        return checker_refuse(checker, node->place, "is %s, which is not a finite number", node->text);
+    case QUANTITY_OTHER_UNIT:
+        return refuse_unit(checker, key, node, unit);
+    case QUANTITY_CONVERTED:
+        node_convert(node, value);
+        break;
+    default:
+        break;
+    }
+    if (!is_in_range(key, value)) {
+        return refuse_range(checker, key, node);
+    }
+    const bool is_good = key->type != EVL_INTEGER || (value == floor(value) && fabs(value) <= INT_MAX);
+    return is_good || refuse_fraction(checker, key, node);
+}
