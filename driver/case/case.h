@@ -28,6 +28,19 @@ const char **case_base_elements(const case_base *base, const char *list, memory_
  *  @return false with what is wrong with the path in error->message */
 bool case_base_has_path(const case_base *base, const char *path, evl_error *error);
 
+/** A value as its key takes it. */
+typedef struct {
+    bool is_number, has_unit; /**< has_unit: it was given with one */
+    double value;             /**< in the key's unit */
+    const char *unit;         /**< the key's; "" if it has none */
+} case_quantity;
+
+/** As case_base_parse, of the case file at `path`. */
+case_base *case_base_read(const char *path, const case_schema *schema, evl_error *error);
+/** What the value of an option "PATH=VALUE" is as a number in the unit of its key; no range is looked at.
+ *  @return false with the reason in `error`: no such path, or not a unit of the key */
+bool case_base_convert(const case_base *base, const char *option, case_quantity *quantity, evl_error *error);
+
 /** Read the case at `path`, apply the options in their order, check and resolve.
  *  @param set_options  [n_set] each "PATH=VALUE"
  *  @param schema       what a case may say

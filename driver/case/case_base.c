@@ -7,17 +7,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-case_base *case_base_parse(const char *name, const char *text, const case_schema *schema, evl_error *error)
+/** @param text  NULL: that of the file of this name */
+static case_base *load(const char *name, const char *text, const case_schema *schema, evl_error *error)
 {
     memset(error, 0, sizeof *error);
     case_base *base = xcalloc(1, sizeof *base);
     base->schema = schema;
     base->name = pool_copy(&base->pool, name);
-    base->root = tree_load_named(&base->pool, name, text, error);
+    base->root =
+        text == NULL ? tree_load_file(&base->pool, name, error) : tree_load_named(&base->pool, name, text, error);
     if (base->root == NULL) {
         case_base_delete(&base);
     }
     return base;
+}
+
+case_base *case_base_parse(const char *name, const char *text, const case_schema *schema, evl_error *error)
+{
+    return load(name, text, schema, error);
+}
+
+case_base *case_base_read(const char *path, const case_schema *schema, evl_error *error)
+{
+    return load(path, NULL, schema, error);
 }
 
 void case_base_delete(case_base **base)

@@ -15,30 +15,12 @@ static bool holds_numbers(int type)
     return type <= EVL_NAMED;
 }
 
-/** The block whose keys the value of a key, or an element of it, has; NULL if there is none. */
-static const char *block_below(const evl_row *row, bool is_element)
-{
-    const bool has_elements = row->type == EVL_LIST || row->type == EVL_MAP;
-    return has_elements == is_element && (has_elements || row->type == EVL_BLOCK) ? row->holds : NULL;
-}
-
 /** Follow the path of an option through a checked tree. */
 static case_number find_number(const case_schema *schema, case_node *root, const char *option)
 {
     OWNED char *path = xasprintf("%.*s", (int)strcspn(option, "="), option);
-    char *rest = NULL;
-    const char *block = CASE_ROOT;
-    case_number number = {.node = root};
-    for (char *segment = strtok_r(path, ".", &rest); segment != NULL && number.node != NULL;
-         segment = strtok_r(NULL, ".", &rest)) {
-        const bool is_key = block != NULL;
-        if (is_key) {
-            number.row = schema_find(schema, block, schema_variant(schema, block, number.node), segment);
-        }
-        const int i = number.row == NULL ? -1 : node_step(number.node, segment);
-        number.node = i < 0 ? NULL : number.node->entries[i].value;
-        block = i < 0 ? NULL : block_below(number.row, !is_key);
-    }
+    case_number number = {.node = NULL};
+    number.row = row_at_path(schema, root, path, &number.node);
     const bool is_value = number.row != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
     const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.row->type);
     return is_number ? number : (case_number){NULL, NULL};

@@ -35,6 +35,12 @@ case_file *case_file_create(const char *path, int n_set, const char *const *set_
 /** Apply the options to the tree that the file has, check and resolve it. @return false with the reason in `error` */
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error);
 
+/** What a path of --set leads to.
+ *  @param[out] node  of the tree; NULL if it does not go so far
+ *  @return the row of the last key on the path; NULL if there is none, or several with different units of which the tree's variants
+ *          choose none */
+const evl_row *row_at_path(const case_schema *schema, case_node *root, const char *path, case_node **node);
+
 /** Fill `description`, but for its entries, from a tree that schema_check accepted; gaps that are not given are added to the tree as 0.
  *  @param path  the case file, for the places in messages
  *  @return false with the reason in `error`; `description` can be freed in any case */

@@ -1,5 +1,8 @@
-/* The table of all keys as a Markdown reference. */
+/* The tables of all keys and of all units as a Markdown reference. */
+#include "base/memory.h"
+#include "base/words.h"
 #include "case/case_schema.h"
+#include "case/unit.h"
 
 #include <string.h>
 
@@ -50,6 +53,19 @@ static void print_key(FILE *stream, const evl_row *key)
         fprintf(stream, "`%s`", key->default_text);
     }
     fprintf(stream, " | %s |\n", key->text);
+}
+
+void unit_print(FILE *stream)
+{
+    fputs("| number | unit of the key | units that it takes |\n|---|---|---|\n", stream);
+    const char *key_unit = NULL;
+    for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
+        int n = 0;
+        OWNED const char **names = unit_names(key_unit, NULL, &n);
+        OWNED char *list = words_join(n, names, "`, `");
+        const char *quote = key_unit[0] == '\0' ? "" : "`";
+        fprintf(stream, "| %s | %s%s%s | `%s` |\n", unit_kind_name(key_unit), quote, key_unit, quote, list);
+    }
 }
 
 void schema_print(FILE *stream, const case_schema *schema)

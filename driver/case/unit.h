@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 /** What a text says of a number. */
 typedef enum {
@@ -42,3 +43,6 @@ char *unit_refusal(const char *key_unit, const char *unit);
  *  @param must  what is said of a text that is no number
  *  @return NULL if `value` is read; else why not, one line without end, a new string */
 char *quantity_complaint(const char *text, const char *key_unit, const char *must, double *value);
+
+/** Print the table in Markdown. */
+void unit_print(FILE *stream);

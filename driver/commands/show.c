@@ -2,16 +2,18 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_schema.h"
+#include "case/unit.h"
 #include "commands/command.h"
 #include "commands/show_geometry.h"
 #include "simulate/prepare.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct {
-    option_values set;
-    bool json, parameters, laws, keys;
+    option_values set, convert;
+    bool json, parameters, laws, keys, units;
 } show_options;
 
 /* ---- for reading ---- */
@@ -172,6 +174,34 @@ static void show_parameters(FILE *stream, const model *model, bool as_json)
     }
 }
 
+/* ---- units ---- */
+
+/** What values are as numbers in the units of their keys, a JSON list. */
+static void show_converted(FILE *stream, const char *file, const option_values *options, evl_error *error)
+{
+    case_base *base = case_base_read(file, model_schema(), error);
+    OWNED case_quantity *quantities = xcalloc((size_t)options->n, sizeof *quantities);
+    bool good = base != NULL;
+    for (int i = 0; i < options->n && good; i++) {
+        good = case_base_convert(base, options->values[i], &quantities[i], error);
+    }
+    case_base_delete(&base);
+    if (!good) {
+        return;
+    }
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '[');
+    for (int i = 0; i < options->n; i++) {
+        json_open(&writer, NULL, '{');
+        json_text(&writer, "option", options->values[i]);
+        json_text(&writer, "unit", quantities[i].unit);
+        json_number(&writer, "value", quantities[i].is_number ? quantities[i].value : NAN);
+        json_text(&writer, "given", !quantities[i].is_number ? "text" : quantities[i].has_unit ? "quantity" : "number");
+        json_close(&writer, '}');
+    }
+    json_close(&writer, ']');
+}
+
 /* ---- the command ---- */
 
 static void show_prepared(const prepared_case *prepared, const show_options *options, evl_error *error)
@@ -192,6 +222,10 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
         show_laws(stdout);
     } else if (options->keys) {
         schema_print(stdout, model_schema());
+    } else if (options->units) {
+        unit_print(stdout);
+    } else if (options->convert.n > 0) {
+        show_converted(stdout, file, &options->convert, error);
     } else {
         prepared_case prepared;
         (void)(prepare_case(&prepared, file, options->set.n, options->set.values, error) &&
@@ -212,12 +246,17 @@ static const option_row rows[] = {
     {OPTION_ALONE, 0, "--laws", NULL, offsetof(show_options, laws),
      "the laws of contact, damping and friction instead"},
     {OPTION_ALONE, 0, "--keys", NULL, offsetof(show_options, keys), "every key of a case file, as Markdown, instead"},
+    {OPTION_ALONE, 0, "--units", NULL, offsetof(show_options, units),
+     "the units that numbers may have, as Markdown, instead"},
+    {OPTION_LIST, 0, "--convert", "PATH=VALUE", offsetof(show_options, convert),
+     "what a value with a unit is in the unit of its key, as JSON, instead; may be repeated"},
     OPTION_ROW_HELP,
 };
 
 const command show_command = {
     .name = "show",
-    .synopsis = "CASE.yaml [--set PATH=VALUE]... [--json] [--parameters] | --laws | --keys",
+    .synopsis =
+        "CASE.yaml [--set PATH=VALUE]... [--json] [--parameters] | --convert PATH=VALUE... | --laws | --keys | --units",
     .summary = "print a case with its derived geometry",
     .text =
         "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated. Of "

@@ -27,8 +27,8 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
     SweepError
         A plan, table or window that cannot be used, or no case that the program takes.
     """
-    spec = read_spec(path)
-    parameters, n_cases, sampling = columns(spec)
+    spec = read_spec(path, program)
+    parameters, n_cases, sampling = columns(spec, program)
     design = Design(
         title=spec.title,
         case=read_text(spec.case, f"{path}: case {spec.case}"),

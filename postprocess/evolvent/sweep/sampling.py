@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from scipy.stats import qmc
 from evolvent.errors import SweepError, needing, reason_of
 from evolvent.sweep.design import Parameter, identifier
 from evolvent.sweep.expression import evaluate
+from evolvent.sweep.quantities import Asked, key_unit, may_have_unit, read_quantities
 from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique
 from evolvent.sweep.yaml_text import yaml_text
 
@@ -21,8 +23,12 @@ MOST_CASES = 50_000_000  # more is a slip of the pen: a table of gigabytes
 LARGEST_WHOLE = 2**53  # doubles beyond are not all whole numbers
 
 
-def columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
+def columns(spec: Spec, program: Path | None = None) -> tuple[list[Parameter], int, dict[str, Any]]:
     """Make all columns of a plan.
+
+    Parameters
+    ----------
+    program : is asked about values with units in a table; None: the one that is found.
 
     Returns
     -------
@@ -35,18 +41,18 @@ def columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
         Values of different lengths, an empty design, a formula or a table that cannot be used.
     """
     try:
-        return _columns(spec)
+        return _columns(spec, program)
     except SweepError as error:
         raise error.at(str(spec.source)) from None
 
 
-def _columns(spec: Spec) -> tuple[list[Parameter], int, dict[str, Any]]:
+def _columns(spec: Spec, program: Path | None) -> tuple[list[Parameter], int, dict[str, Any]]:
     entries = spec.entries
     sampling: dict[str, Any] = {}
     table: pd.DataFrame | None = None
     if spec.method == "table":
         table = _read_table(spec)
-        entries = entries or _entries_of(table)
+        table, entries = _with_units_read(table, entries or _entries_of(table), spec, program)
         length = len(table)
     else:
         length, sampling = _length(spec)
@@ -203,6 +209,32 @@ def _entries_of(table: pd.DataFrame) -> tuple[Entry, ...]:
         raise SweepError("the table has no columns")
     check_unique(entries)
     return entries
+
+
+def _with_units_read(
+    table: pd.DataFrame, entries: tuple[Entry, ...], spec: Spec, program: Path | None
+) -> tuple[pd.DataFrame, tuple[Entry, ...]]:
+    """Read columns of numbers with units; one that has other texts too stays as it is."""
+    asked: dict[str, list[Asked]] = {}
+    for entry in entries:
+        is_there = entry.column in table.columns
+        is_text = is_there and not pd.api.types.is_numeric_dtype(table[entry.column].dtype)
+        texts = table[entry.column].dropna().astype(str).str.strip().unique() if is_text else []
+        if entry.path and len(texts) and all(may_have_unit(text) for text in texts):
+            asked[entry.name] = [Asked(entry.place, entry.path, text) for text in texts]
+    if not asked:
+        return table, entries
+    read = read_quantities([a for some in asked.values() for a in some], spec.case, program)
+    changed = []
+    for entry in entries:
+        given = {each.text: read[each.option] for each in asked.get(entry.name, [])}
+        numbers = {text: q.value for text, q in given.items() if q.value is not None}
+        if given and len(numbers) == len(given):
+            table = table.assign(**{entry.column: table[entry.column].str.strip().map(numbers)})
+            unit = next(iter(given.values())).unit
+            entry = replace(entry, units=key_unit(entry.units, unit, entry.place))
+        changed.append(entry)
+    return table, tuple(changed)
 
 
 def _of_table(table: pd.DataFrame, entry: Entry, path: Path | None) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import Any
 
 from evolvent.errors import SweepError, reason_of
 from evolvent.sweep.design import NAME, identifier
+from evolvent.sweep.quantities import may_have_unit, with_units_read
 from evolvent.sweep.yaml_text import read_yaml
 
 FORMAT = 1
@@ -73,8 +74,12 @@ class Spec:
     history_rows: int  # 0: not given
 
 
-def read_spec(path: Path) -> Spec:
+def read_spec(path: Path, program: Path | None = None) -> Spec:
     """Read SWEEP.yaml. Files that it names are relative to its folder.
+
+    Parameters
+    ----------
+    program : is asked about values with units; None: the one that is found.
 
     Raises
     ------
@@ -83,12 +88,13 @@ def read_spec(path: Path) -> Spec:
     """
     text = read_text(path, str(path))
     try:
-        return _spec(path, text, _mapping(read_yaml(text, str(path)), "the plan", TOP_KEYS))
+        top = _mapping(read_yaml(text, str(path)), "the plan", TOP_KEYS)
+        return _spec(path, text, top, program)
     except SweepError as error:
         raise error.at(str(path)) from None
 
 
-def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
+def _spec(path: Path, text: str, top: Mapping[str, Any], program: Path | None) -> Spec:
     if top.get("format") != FORMAT:
         raise SweepError(f"format: is {top.get('format', 'missing')}, must be {FORMAT}")
     method = _one_of(top.get("method"), METHODS, "method")
@@ -101,6 +107,8 @@ def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
     if method in ("sobol", "saltelli") and samples & (samples - 1):
         better = 2 ** round(math.log2(samples))
         raise SweepError(f"samples: is {samples}, must be a power of 2 with {method}, as {better}")
+    case = path.parent / _text(top.get("case"), "case")
+    top = with_units_read(top, case, program)
     given = top.get("parameters", [] if method == "table" else None)
     if not isinstance(given, list) or (not given and method != "table"):
         raise SweepError("parameters: must be a list of at least one parameter")
@@ -112,7 +120,7 @@ def _spec(path: Path, text: str, top: Mapping[str, Any]) -> Spec:
         source=path,
         text=text,
         title=str(top.get("title", "")),
-        case=path.parent / _text(top.get("case"), "case"),
+        case=case,
         method=method,
         samples=samples,
         seed=_whole(top.get("seed", 0), "seed", 0),
@@ -272,7 +280,8 @@ def _one_of(given: Any, known: Sequence[str], place: str) -> str:
 
 def _number(given: Any, place: str) -> float:
     good = type(given) in (int, float) and math.isfinite(given)
-    return float(_checked(given, good, place, "a finite number"))
+    why = "; only a path to a key with a unit takes others" if may_have_unit(given) else ""
+    return float(_checked(given, good, place, f"a finite number{why}"))
 
 
 def _whole(given: Any, place: str, least: int) -> int:
