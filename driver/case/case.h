@@ -58,6 +58,8 @@ const char *case_path(const case_file *file);
 /** The whole case as YAML text: options applied, every default filled in (those that the
  *  model decides by case_settle_...), nothing derived. Reading it gives the same description. NULL for a case of case_edit, which spares the time. */
 const char *case_text(const case_file *file);
+/** The same in engineering units: `module: 3 mm`. Reading it gives the same description too. A new string. */
+char *case_text_for_reading(const case_file *file, const case_schema *schema);
 
 /** Fill in the integrator of a case that does not name one. */
 void case_settle_integrator(case_file *file, integrator_kind integrator);

@@ -2,6 +2,7 @@
 
 #include "base/suggest.h"
 #include "base/words.h"
+#include "case/unit_spelling.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -32,7 +33,8 @@ typedef struct {
 
 typedef struct {
     const char *key_unit, *name;
-    const unit *units; /**< the usual one first, the last one without a name */
+    int n_read;        /**< in so many of the units things are printed for reading */
+    const unit *units; /**< those first, the largest one of them first; the last one without a name */
 } unit_kind;
 
 #define SAME(name) {name, 0, ONE}
@@ -48,38 +50,39 @@ typedef struct {
 
 /* No kind has one unit with both m for milli and M for mega. `1/s` is no angular velocity: it could be turns. */
 static const unit_kind kinds[] = {
-    {"m", "length", UNITS(TEN("mm", -3), TEN("um", -6), TEN("nm", -9), TEN("cm", -2), SAME("m"), {"in", -4, {254, 0}})},
-    {"s", "time", UNITS(SAME("s"), TEN("ms", -3), TEN("us", -6), {"min", 0, {60, 0}}, {"h", 0, {3600, 0}})},
-    {"deg", "angle",
+    {"m", "length", 2,
+     UNITS(TEN("mm", -3), TEN("um", -6), TEN("nm", -9), TEN("cm", -2), SAME("m"), {"in", -4, {254, 0}})},
+    {"s", "time", 3, UNITS(SAME("s"), TEN("ms", -3), TEN("us", -6), {"min", 0, {60, 0}}, {"h", 0, {3600, 0}})},
+    {"deg", "angle", 1,
      UNITS(SAME("deg"), SAME("°"), {"rad", 0, PER_DEGREE}, {"mrad", -3, PER_DEGREE}, {"arcmin", 0, SIXTIETH})},
-    {"rad/s", "angular velocity",
+    {"rad/s", "angular velocity", 1,
      UNITS({"rpm", 0, RPM}, {"1/min", 0, RPM}, SAME("rad/s"), {"deg/s", 0, DEGREE}, {"°/s", 0, DEGREE})},
-    {"Hz", "frequency", UNITS(SAME("Hz"), TEN("kHz", 3), SAME("1/s"), {"1/min", 0, SIXTIETH})},
-    {"N", "force", UNITS(SAME("N"), TEN("kN", 3))},
-    {"N m", "torque", UNITS(SAME("N m"), TEN("kN m", 3), TEN("N mm", -3), TEN("N cm", -2), TEN("mN m", -3))},
-    {"Pa", "pressure or modulus",
+    {"Hz", "frequency", 1, UNITS(SAME("Hz"), TEN("kHz", 3), SAME("1/s"), {"1/min", 0, SIXTIETH})},
+    {"N", "force", 1, UNITS(SAME("N"), TEN("kN", 3))},
+    {"N m", "torque", 1, UNITS(SAME("N m"), TEN("kN m", 3), TEN("N mm", -3), TEN("N cm", -2), TEN("mN m", -3))},
+    {"Pa", "pressure or modulus", 1,
      UNITS(TEN("GPa", 9), TEN("MPa", 6), TEN("kPa", 3), SAME("Pa"), TEN("N/mm2", 6), TEN("kN/mm2", 9), SAME("N/m2"),
-           TEN("bar", 5))},
-    {"1/Pa", "compliance",
+           TEN("bar", 5), TEN("N/(mm um)", 9))},
+    {"1/Pa", "compliance", 1,
      UNITS(TEN("um mm/N", -9), TEN("mm2/N", -6), SAME("m2/N"), TEN("1/GPa", -9), TEN("1/MPa", -6), SAME("1/Pa"))},
-    {"kg", "mass", UNITS(SAME("kg"), TEN("g", -3), TEN("t", 3))},
-    {"kg/m3", "density", UNITS(SAME("kg/m3"), TEN("kg/dm3", 3), TEN("g/cm3", 3), TEN("t/m3", 3))},
-    {"kg m2", "moment of inertia",
-     UNITS(SAME("kg m2"), TEN("kg cm2", -4), TEN("kg mm2", -6), TEN("g cm2", -7), TEN("g mm2", -9))},
-    {"m/s", "velocity",
-     UNITS(SAME("m/s"), TEN("cm/s", -2), TEN("mm/s", -3), TEN("um/s", -6), {"m/min", 0, SIXTIETH},
+    {"kg", "mass", 2, UNITS(SAME("kg"), TEN("g", -3), TEN("t", 3))},
+    {"kg/m3", "density", 1, UNITS(SAME("kg/m3"), TEN("kg/dm3", 3), TEN("g/cm3", 3), TEN("t/m3", 3))},
+    {"kg m2", "moment of inertia", 2,
+     UNITS(SAME("kg m2"), TEN("kg mm2", -6), TEN("kg cm2", -4), TEN("g cm2", -7), TEN("g mm2", -9))},
+    {"m/s", "velocity", 3,
+     UNITS(SAME("m/s"), TEN("mm/s", -3), TEN("um/s", -6), TEN("cm/s", -2), {"m/min", 0, SIXTIETH},
            {"km/h", 0, PER_3_6})},
-    {"m/s2", "acceleration", UNITS(SAME("m/s2"), TEN("mm/s2", -3))},
-    {"N/m", "stiffness",
+    {"m/s2", "acceleration", 2, UNITS(SAME("m/s2"), TEN("mm/s2", -3))},
+    {"N/m", "stiffness", 2,
      UNITS(TEN("N/um", 6), TEN("N/mm", 3), TEN("kN/mm", 6), TEN("kN/m", 3), TEN("MN/m", 6), SAME("N/m"))},
-    {"N m/rad", "torsional stiffness",
+    {"N m/rad", "torsional stiffness", 1,
      UNITS(SAME("N m/rad"), TEN("kN m/rad", 3), TEN("MN m/rad", 6), TEN("N mm/rad", -3), {"N m/deg", 0, PER_DEGREE})},
-    {"N s/m", "damping", UNITS(SAME("N s/m"), TEN("N s/mm", 3), TEN("kN s/m", 3))},
-    {"N m s/rad", "torsional damping",
+    {"N s/m", "damping", 1, UNITS(SAME("N s/m"), TEN("N s/mm", 3), TEN("kN s/m", 3))},
+    {"N m s/rad", "torsional damping", 1,
      UNITS(SAME("N m s/rad"), SAME("N m s"), TEN("N mm s/rad", -3), TEN("N mm s", -3), {"N m/rpm", 0, PER_RPM})},
-    {"N s/m2", "damping per penetration", UNITS(SAME("N s/m2"), TEN("N s/mm2", 6))},
-    {"N/m^exponent", "force per power of the penetration", UNITS(SAME("N/m^exponent"))},
-    {"", "ratio", UNITS(TEN("%", -2))},
+    {"N s/m2", "damping per penetration", 1, UNITS(SAME("N s/m2"), TEN("N s/mm2", 6))},
+    {"N/m^exponent", "force per power of the penetration", 1, UNITS(SAME("N/m^exponent"))},
+    {"", "ratio", 1, UNITS(TEN("%", -2))},
 };
 
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
@@ -104,104 +107,12 @@ const char *unit_of_keys(int index)
     return index < N_KINDS ? kinds[index].key_unit : NULL;
 }
 
-/* ---- spellings ---- */
-
-enum { N_MICROS = 3, N_POWERS = 3, N_PRODUCTS = 5, N_QUOTIENTS = 2, N_STYLES = 90, SPELLING_LENGTH = 64 };
-
-static const char *const micros[N_MICROS] = {"u", "µ", "μ"}; /* U+00B5, and the Greek letter U+03BC */
-static const char *const products[N_PRODUCTS] = {" ", "·", "⋅", "*", ""};
-
-/** A choice from each list. */
-typedef struct {
-    int micro, power, product, quotient;
-} style;
-
-static style style_at(int i)
-{
-    return (style){.micro = i % N_MICROS,
-                   .power = i / N_MICROS % N_POWERS,
-                   .product = i / (N_MICROS * N_POWERS) % N_PRODUCTS,
-                   .quotient = i / (N_MICROS * N_POWERS * N_PRODUCTS)};
-}
-
-/** m2, m^2, m²; below the stroke of a name that is spelled without one: m-2, m^-2, m⁻². */
-static const char *power_text(const style *style, bool is_negative, char digit)
-{
-    static const char *const texts[2][N_POWERS][3] = {{{"", "2", "3"}, {"", "^2", "^3"}, {"", "²", "³"}},
-                                                      {{"-1", "-2", "-3"}, {"^-1", "^-2", "^-3"}, {"⁻¹", "⁻²", "⁻³"}}};
-    return texts[is_negative ? 1 : 0][style->power][digit - '1'];
-}
-
-static bool is_letter(char c)
-{
-    return isalpha((unsigned char)c) != 0;
-}
-
-static void add(char text[SPELLING_LENGTH], const char *more)
-{
-    const size_t length = strlen(text);
-    (void)snprintf(text + length, SPELLING_LENGTH - length, "%s", more);
-}
-
-/** Letter by letter; 1/min without stroke is min-1. */
-static void spell(const char *name, const style *style, char text[SPELLING_LENGTH])
-{
-    const bool has_stroke = style->quotient == 0;
-    bool is_below = false;
-    text[0] = '\0';
-    for (const char *c = name; *c != '\0'; c++) {
-        const char letter[2] = {*c, '\0'};
-        if (*c == '/') {
-            is_below = true;
-            add(text, has_stroke ? letter : text[0] == '\0' ? "" : products[style->product]);
-        } else if (*c == ' ') {
-            add(text, products[style->product]);
-        } else if (*c == '2' || *c == '3') {
-            add(text, power_text(style, is_below && !has_stroke, *c));
-        } else if (*c != '1' || has_stroke) {
-            add(text, *c == 'u' ? micros[style->micro] : letter);
-        }
-        if (is_letter(*c) && !is_letter(c[1]) && c[1] != '2' && c[1] != '3') {
-            add(text, power_text(style, is_below && !has_stroke, '1'));
-        }
-    }
-}
-
-/** Whether the name in this style is another spelling than in the earlier ones. Symbols without anything between them are read
- *  behind N and kg, as in Nm. */
-static bool has_style(const char *name, const style *style)
-{
-    const bool has_stroke = strchr(name, '/') != NULL, has_blank = strchr(name, ' ') != NULL;
-    const bool has_power = strpbrk(name, "23") != NULL || style->quotient == 1;
-    const bool has_product = has_blank || (style->quotient == 1 && name[0] != '1');
-    const bool may_join = has_blank && style->quotient == 0 && (strstr(name, "N ") || strstr(name, "kg "));
-    const bool is_verbatim = strchr(name, '^') != NULL;
-    return (style->micro == 0 || strchr(name, 'u') != NULL) && (style->power == 0 || has_power) &&
-           (style->product == 0 || (has_product && (style->product < N_PRODUCTS - 1 || may_join))) &&
-           (style->quotient == 0 || has_stroke) &&
-           (!is_verbatim || style->micro + style->power + style->product + style->quotient == 0);
-}
-
-static bool is_spelled(const char *name, const char *text)
-{
-    char spelling[SPELLING_LENGTH];
-    const bool begins_alike = strchr("u1", name[0]) != NULL || name[0] == text[0];
-    for (int i = 0; i < N_STYLES && begins_alike; i++) {
-        const style style = style_at(i);
-        if (has_style(name, &style)) {
-            spell(name, &style, spelling);
-            if (strcmp(spelling, text) == 0) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
+/* ---- names ---- */
 
 static const unit *find_unit(const unit_kind *kind, const char *text)
 {
     const unit *unit = kind->units;
-    while (unit->name != NULL && !is_spelled(unit->name, text)) {
+    while (unit->name != NULL && !unit_is_spelled(unit->name, text)) {
         unit++;
     }
     return unit->name == NULL ? NULL : unit;
@@ -234,13 +145,10 @@ const char **unit_spellings(const char *key_unit, memory_pool *pool, int *n)
     if (kind == NULL) {
         return NULL;
     }
-    const char **spellings = pool_calloc(pool, (size_t)count_units(kind) * N_STYLES, sizeof *spellings);
-    char spelling[SPELLING_LENGTH];
-    for (int i = 0; i < count_units(kind) * N_STYLES; i++) {
-        const style style = style_at(i % N_STYLES);
-        const char *name = kind->units[i / N_STYLES].name;
-        if (has_style(name, &style)) {
-            spell(name, &style, spelling);
+    const char **spellings = pool_calloc(pool, (size_t)count_units(kind) * N_UNIT_SPELLINGS, sizeof *spellings);
+    char spelling[UNIT_SPELLING_LENGTH];
+    for (int i = 0; i < count_units(kind) * N_UNIT_SPELLINGS; i++) {
+        if (unit_spelling(kind->units[i / N_UNIT_SPELLINGS].name, i % N_UNIT_SPELLINGS, spelling)) {
             spellings[(*n)++] = pool_copy(pool, spelling);
         }
     }
@@ -299,7 +207,7 @@ quantity_kind quantity_read(const char *text, const char *key_unit, double *valu
     const unit *unit = find_unit(kind, name);
     *unit_text = name;
     if (unit == NULL || (name == end && *name == '1')) { /* 31/min has no beginning */
-        const bool begins_as_one = is_letter(*name) || *name == '%' || (unsigned char)*name >= 0x80;
+        const bool begins_as_one = isalpha((unsigned char)*name) || *name == '%' || (unsigned char)*name >= 0x80;
         return begins_as_one || (name > end && strncmp(name, "1/", 2) == 0) ? QUANTITY_OTHER_UNIT : QUANTITY_NONE;
     }
     const double number = read_shifted(text, digits_end, unit->exponent);
@@ -310,6 +218,70 @@ quantity_kind quantity_read(const char *text, const char *key_unit, double *valu
     }
     *value = converted;
     return QUANTITY_CONVERTED;
+}
+
+/* ---- for reading ---- */
+
+static reading_unit reading_of(const unit *unit)
+{
+    const double ten = pow(10.0, -unit->exponent);
+    return (reading_unit){unit->name, unit->factor.first == 0 ? ten : ten / unit->factor.first};
+}
+
+/** The largest unit of which the number is a tenth or more; but no unit of which it is thousands, if a larger one is there. */
+static const unit *unit_of_size(const unit_kind *kind, double number)
+{
+    const double tenth = 0.1 - 1e-12; /* 0.1 mm in metres may be a little less */
+    int i = 0;
+    while (i < kind->n_read - 1 && number != 0 && fabs(number) * reading_of(&kind->units[i]).factor < tenth &&
+           fabs(number) * reading_of(&kind->units[i + 1]).factor < 1e4) {
+        i++;
+    }
+    return &kind->units[i];
+}
+
+reading_unit unit_for_reading(const char *name, double largest)
+{
+    for (int i = 0; i < N_KINDS; i++) {
+        const unit *given = name[0] == '\0' ? NULL : find_unit(&kinds[i], name);
+        if (given != NULL) {
+            const double in_key_unit = 1 / reading_of(given).factor;
+            reading_unit found = reading_of(unit_of_size(&kinds[i], largest * in_key_unit));
+            found.factor *= in_key_unit;
+            return found;
+        }
+    }
+    return (reading_unit){strcmp(name, "1") == 0 ? "" : name, 1};
+}
+
+reading_unit unit_of_name(const char *key_unit, const char *name)
+{
+    return reading_of(find_unit(kind_of(key_unit), name));
+}
+
+char *quantity_text(double value, const char *key_unit)
+{
+    const unit_kind *kind = kind_of(key_unit);
+    char number[NUMBER_TEXT_LENGTH];
+    number_write(number, value);
+    if (kind == NULL || key_unit[0] == '\0') {
+        return xstrdup(number);
+    }
+    const unit *unit = unit_of_size(kind, value);
+    char shown[NUMBER_TEXT_LENGTH];
+    if (unit->factor.first == 0) {
+        number_write_plain(shown, read_shifted(number, number + strcspn(number, "e"), -unit->exponent));
+    } else { /* a speed such as 1500 rpm, if it is one of few digits */
+        (void)snprintf(shown, sizeof shown, "%.10g", value * reading_of(unit).factor);
+    }
+    char *text = xasprintf("%s %s", shown, unit->name);
+    double same = 0;
+    const char *behind = NULL;
+    if (quantity_read(text, key_unit, &same, &behind) == QUANTITY_CONVERTED && same == value) {
+        return text;
+    }
+    free(text);
+    return xasprintf("%s %s", number, key_unit);
 }
 
 /* ---- refusals ---- */

@@ -26,7 +26,7 @@ typedef enum {
  *  @param[out] unit   the part of `text` behind the number and its blanks, where there is one */
 quantity_kind quantity_read(const char *text, const char *key_unit, double *value, const char **unit);
 
-/** The names of the units that a key of this unit takes: the usual one first, in which things are printed for reading. NULL if there is
+/** The names of the units that a key of this unit takes: the usual one first. NULL if there is
  *  no such key unit. They are the table's.
  *  @param pool  of the array, as pool_calloc has it */
 const char **unit_names(const char *key_unit, memory_pool *pool, int *n);
@@ -36,6 +36,20 @@ const char **unit_spellings(const char *key_unit, memory_pool *pool, int *n);
 const char *unit_kind_name(const char *key_unit);
 /** The key units of the table, one by one: NULL behind the last. */
 const char *unit_of_keys(int index);
+
+/** A unit in which something is printed for reading. */
+typedef struct {
+    const char *name; /**< "" of a number without unit */
+    double factor;    /**< number in it = factor * number */
+} reading_unit;
+/** The unit that suits numbers of this size, such as mm or um; angles in degrees.
+ *  @param unit    of the numbers: that of a key or any other of the table, such as "rad". What is none is its own reading unit
+ *  @param largest of the numbers that are to have one unit */
+reading_unit unit_for_reading(const char *unit, double largest);
+/** One of a key's units, which has to be one of its names. */
+reading_unit unit_of_name(const char *key_unit, const char *name);
+/** A number in the unit that suits its size, with that unit: reading the text gives the number again. A new string. */
+char *quantity_text(double value, const char *key_unit);
 
 /** Why what stands behind a number is refused, and what a key of this unit takes instead: one line without end, a new string. */
 char *unit_refusal(const char *key_unit, const char *unit);

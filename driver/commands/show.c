@@ -18,11 +18,39 @@ typedef struct {
 
 /* ---- for reading ---- */
 
+/** The speeds of a line once more: in rad/s if they are in rpm, and in rpm if they are in rad/s. */
+static void print_speeds(FILE *stream, const char *line, size_t n)
+{
+    static const char *const names[] = {" rpm", " rad/s"}, *const others[] = {"rad/s", "rpm"};
+    const double rpm = unit_of_name("rad/s", "rpm").factor, factors[] = {1 / rpm, rpm};
+    const char *before = "   # ";
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < 2; k++) {
+            const size_t length = strlen(names[k]);
+            if (strncmp(line + i, names[k], length) != 0 || i + length > n) {
+                continue;
+            }
+            size_t first = i;
+            while (first > 0 && strchr("+-.0123456789e", line[first - 1]) != NULL) {
+                first--;
+            }
+            if (first < i) {
+                fprintf(stream, "%s%.6g %s", before, strtod(line + first, NULL) * factors[k], others[k]);
+                before = ", ";
+            }
+        }
+    }
+}
+
 static void print_indented(FILE *stream, const char *text)
 {
     for (const char *line = text; *line != '\0';) {
         const size_t n = strcspn(line, "\n");
-        fprintf(stream, "  %.*s\n", (int)n, line);
+        fprintf(stream, "  %.*s", (int)n, line);
+        if (strncmp(line, "title:", strlen("title:")) != 0) {
+            print_speeds(stream, line, n);
+        }
+        fputc('\n', stream);
         line += n + (line[n] == '\n' ? 1 : 0);
     }
 }
@@ -31,8 +59,9 @@ static void print_indented(FILE *stream, const char *text)
  *  case alone. */
 static void show_text(FILE *stream, const prepared_case *prepared)
 {
-    fprintf(stream, "Case %s, with all defaults (angles in degrees)\n\n", case_path(prepared->file));
-    print_indented(stream, case_text(prepared->file));
+    fprintf(stream, "Case %s, with all defaults\n\n", case_path(prepared->file));
+    OWNED char *text = case_text_for_reading(prepared->file, model_schema());
+    print_indented(stream, text);
     if (prepared->model == NULL) {
         return;
     }

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/words.h"
+#include "case/unit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +11,6 @@
 enum { MOST_COLUMNS = 4, COLUMN_WIDTH = 16, ERRORS_A_LINE = 10 };
 
 static const double MICROMETRES_PER_METRE = 1e6;
-#define DEGREES_PER_RADIAN 57.295779513082320877
 
 /** The quantities of a wheel or mesh. */
 typedef struct {
@@ -35,11 +35,6 @@ static double *pitch_errors_of(const model *model, int wheel, int *n)
     return errors;
 }
 
-static bool is_angle(const evl_output *quantity)
-{
-    return strcmp(quantity->units, "rad") == 0;
-}
-
 /* ---- for reading ---- */
 
 /** Each in a line. */
@@ -54,51 +49,49 @@ static void print_rows(FILE *stream, const char *title, const column *column)
     for (int i = 0; i < column->n; i++) {
         const evl_output *row = &column->rows[i];
         fprintf(stream, "  %-*s  %-*s  ", name_width, row->long_name, symbol_width, row->symbol);
-        if (row->n == 2) {
-            fprintf(stream, "(%.10g, %.10g)", row->value[0], row->value[1]);
-        } else if (isnan(row->value[0])) {
+        const bool is_point = row->n == 2;
+        const reading_unit unit =
+            unit_for_reading(row->units, is_point ? fmax(fabs(row->value[0]), fabs(row->value[1])) : row->value[0]);
+        if (isnan(row->value[0])) {
             fputs("-\n", stream);
             continue;
+        }
+        if (is_point) {
+            fprintf(stream, "(%.10g, %.10g)", row->value[0] * unit.factor, row->value[1] * unit.factor);
         } else {
-            fprintf(stream, "%.10g", row->value[0]);
+            fprintf(stream, "%.10g", row->value[0] * unit.factor);
         }
-        if (strcmp(row->units, "1") != 0) {
-            fprintf(stream, " %s", row->units);
-        }
-        if (is_angle(row)) {
-            fprintf(stream, " = %.8g deg", row->value[0] * DEGREES_PER_RADIAN);
-        }
-        fputc('\n', stream);
+        fprintf(stream, "%s%s\n", unit.name[0] == '\0' ? "" : " ", unit.name);
     }
 }
 
-/** A unit as drawings and tables have it. */
-typedef struct {
-    const char *units, *usual;
-    double factor;
-} usual_unit;
-
-static const usual_unit *usual(const evl_output *quantity)
+/** That of a row of a list: a stiffness for each width and a line load as in tables of tooth stiffness. */
+static reading_unit unit_of(const evl_output *quantity)
 {
-    static const usual_unit units[] = {
-        {"rad", "deg", DEGREES_PER_RADIAN}, {"m", "mm", 1e3},      {"1/Pa", "um mm/N", 1e9},
-        {"Pa", "N/(mm um)", 1e-9},          {"N/m", "N/mm", 1e-3}, {"", "", 1.0}};
-    const usual_unit *unit = units;
-    while (unit->units[0] != '\0' && strcmp(quantity->units, unit->units) != 0) {
-        unit++;
-    }
-    return unit;
+    return strcmp(quantity->units, "Pa") == 0    ? unit_of_name("Pa", "N/(mm um)")
+           : strcmp(quantity->units, "N/m") == 0 ? unit_of_name("N/m", "N/mm")
+                                                 : unit_for_reading(quantity->units, quantity->value[0]);
 }
 
-/** Each in a line, in its usual unit. */
+/** Each in a line. */
 static void print_list(FILE *stream, const column *column, const int widths[3], int digits)
 {
     for (int i = 0; i < column->n; i++) {
         const evl_output *row = &column->rows[i];
-        const usual_unit *unit = usual(row);
+        const reading_unit unit = unit_of(row);
         fprintf(stream, "  %-*s %-*s %*.*g %s\n", widths[0], row->long_name, widths[1], row->symbol, widths[2], digits,
-                row->value[0] * unit->factor, unit->usual);
+                row->value[0] * unit.factor, unit.name);
     }
+}
+
+/** The unit of a row of columns. */
+static reading_unit unit_of_row(int row, int n, const column *columns)
+{
+    double largest = 0;
+    for (int k = 0; k < n; k++) {
+        largest = fmax(largest, fabs(columns[k].rows[row].value[0]));
+    }
+    return unit_for_reading(columns[0].rows[row].units, largest);
 }
 
 /** Up to MOST_COLUMNS columns beside each other; all have the same rows. */
@@ -115,9 +108,10 @@ static void print_columns(FILE *stream, int n, const column *columns)
     fputc('\n', stream);
     for (int i = 0; i < columns[0].n; i++) {
         const evl_output *first = &columns[0].rows[i];
-        fprintf(stream, "  %-*s  %-9s  %-3s", name_width, first->long_name, first->symbol, usual(first)->usual);
+        const reading_unit unit = unit_of_row(i, n, columns);
+        fprintf(stream, "  %-*s  %-9s  %-3s", name_width, first->long_name, first->symbol, unit.name);
         for (int k = 0; k < n; k++) {
-            fprintf(stream, "  %*.10g", COLUMN_WIDTH, columns[k].rows[i].value[0] * usual(&columns[k].rows[i])->factor);
+            fprintf(stream, "  %*.10g", COLUMN_WIDTH, columns[k].rows[i].value[0] * unit.factor);
         }
         fputc('\n', stream);
     }

@@ -7,8 +7,8 @@
 
 #include <stdio.h>
 
-/** Of every wheel and mesh; then the real gears beside each other and the deviations, as ISO 21771 has them: lengths in mm,
- *  angles in degrees, pitch errors in um; then how the wheels of the meshes give way. */
+/** In engineering units, each beside its number: of every wheel and mesh; then the real gears beside each other and the deviations,
+ *  as ISO 21771 has them; then how the wheels of the meshes give way. */
 void show_geometry(FILE *stream, const description *description, const model *model);
 /** What makes the meshes too stiff, in one line without end; "" if nothing does. To be freed. */
 char *stiffness_note(const description *description, const model *model);

@@ -501,13 +501,17 @@ def test_show_gives_the_geometry_of_the_papers_pair(evolvent: Evolvent, examples
     assert shown["case"]["meshes"][0]["contact"] == {"law": "johnson"}
 
 
-def test_show_for_reading_has_defaults_units_and_degrees(
+def test_show_for_reading_has_defaults_and_engineering_units(
     evolvent: Evolvent, examples: Path
 ) -> None:
     text = evolvent("show", examples / "paper.yaml").stdout
-    assert "max_step: 0.02" in text
-    assert re.search(r"working pressure angle +alpha_w +0\.1312\d* rad = 7\.5205\d* deg\n", text)
-    assert re.search(r"base pitch.* 0\.06229\d* m\n", text)
+    assert "max_step: 20 ms" in text
+    assert "youngs_modulus: 200 GPa" in text
+    assert re.search(r"working pressure angle +alpha_w +7\.5205\d* deg\n", text)
+    assert re.search(r"base pitch.* 62\.29\d* mm\n", text)
+    assert re.search(r"its penetration +h_0 +0\.002966\d* um\n", text)
+    assert re.search(r"stiffness of one tooth pair there +k +1788\.15\d* N/um\n", text)
+    assert re.search(r"reference position of the axle +O +\(500, 0\) mm\n", text)
 
 
 def test_show_applies_options(evolvent: Evolvent, examples: Path) -> None:

@@ -61,7 +61,7 @@ def test_show_prints_symbols_of_iso_21771_with_lengths_in_mm_and_angles_in_degre
     rows = {
         match[1]: match[2].split()
         for match in re.finditer(
-            r"^  \S.*? {2,}(\S+) +(?:mm|deg)? +([-\d. ]+)$", text, re.MULTILINE
+            r"^  \S.*? {2,}(\S+) +(?:mm|um|deg)? +([-\d. ]+)$", text, re.MULTILINE
         )
     }
     assert rows["z"] == ["12", "40"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 from collections.abc import Callable
 from decimal import Decimal
@@ -178,3 +179,133 @@ def test_a_history_holds_the_case_in_the_keys_units(
     with h5py.File(tmp_path / "a.h5") as first, h5py.File(tmp_path / "b.h5") as second:
         assert first.attrs["case"] == second.attrs["case"]
         assert (first["normal_force"][...] == second["normal_force"][...]).all()
+
+
+# ---- what `show` prints
+
+
+def printed_case(evolvent: Evolvent, case: Path, *words: str) -> str:
+    """The case as `show` prints it, as a case file."""
+    lines = evolvent("show", case, *words).stdout.split("\n\n")[1].splitlines()
+    assert all(line.startswith("  ") for line in lines)
+    return "\n".join(line[2:] for line in lines) + "\n"
+
+
+def test_the_case_that_show_prints_is_a_case_of_the_same_doubles(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    odd = ("--set", "simulation.duration=0.123456789012345678", "--set", "gravity=[0, -9.80665, 0]")
+    for case in sorted(examples.glob("*.yaml")):
+        if case.name.startswith("sweep"):
+            continue
+        for words in ((), odd):
+            first = json.loads(evolvent("show", case, "--json", *words).stdout)
+            (tmp_path / "printed.yaml").write_text(printed_case(evolvent, case, *words))
+            second = shown(evolvent, tmp_path / "printed.yaml")
+            assert {**second, "path": ""} == {**first, "path": ""}
+
+
+def test_show_prints_the_numbers_of_its_json_in_engineering_units(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    """Each row of a wheel and a mesh, by an independent table of powers."""
+    case = examples / "spur-pair.yaml"
+    told = shown(evolvent, case)
+    sections = evolvent("show", case).stdout.split("\n\n")
+    (mesh,) = [text for text in sections if text.startswith("Mesh ")]
+    units = {"N/um": 1e6, "mm": 1e-3, "um": 1e-6, "GPa": 1e9, "kg": 1, "N": 1, "Hz": 1}
+    units |= {"deg": math.pi / 180, "N s/m": 1}
+    values = told["meshes"]["pinion-gear"]
+    values.pop("gear")
+    rows = mesh.splitlines()[1:]
+    assert len(rows) == len(values)
+    checked = 0
+    for row, value in zip(rows, values.values(), strict=True):
+        words = row.split("  ")[-1].strip().removeprefix("(").replace("(", "").split()
+        numbers = [float(word.strip("(),")) for word in words if word.strip("(),-.")[:1].isdigit()]
+        unit = " ".join(word for word in words if not word.strip("(),-.")[:1].isdigit())
+        expected = value if isinstance(value, list) else [value]
+        scaled = [number * units.get(unit, 1) for number in numbers]
+        assert scaled == pytest.approx(expected, rel=1e-9, abs=1e-15)
+        assert unit in units or not unit
+        checked += bool(unit)
+    assert checked > 15
+
+
+def test_show_prints_speeds_both_ways(evolvent: Evolvent, examples: Path) -> None:
+    case = examples / "spur-pair.yaml"
+    given = "wheels.0.loads.0={kind: drive, speed: -1500 rpm, torque: -50 N m, slope: 0}"
+    assert "speed: -1500 rpm, torque: -50 N m, slope: 0 N m s/rad}   # -157.08 rad/s\n" in (
+        evolvent("show", case, "--set", given).stdout
+    )
+    given = given.replace("-1500 rpm", "-150")
+    assert "speed: -150 rad/s, torque: -50 N m, slope: 0 N m s/rad}   # -1432.39 rpm\n" in (
+        evolvent("show", case, "--set", given).stdout
+    )
+
+
+def test_parameters_stay_in_the_units_of_their_keys(evolvent: Evolvent, examples: Path) -> None:
+    words = ("--set", "wheels.pinion.module=3 mm", "--parameters")
+    text = evolvent("show", examples / "spur-pair.yaml", *words).stdout
+    assert "wheels.pinion.module = 0.003 m\n" in text
+
+
+# ---- the table, and what values are
+
+
+def test_show_lists_the_units_that_numbers_take(evolvent: Evolvent) -> None:
+    rows = evolvent("show", "--units").stdout.splitlines()[2:]
+    table = {
+        row.split("|")[2].strip().strip("`"): re.findall("`([^`]+)`", row.split("|")[3])
+        for row in rows
+    }
+    keys = evolvent("show", "--keys").stdout
+    used = {row.split("|")[4].strip() for row in keys.splitlines() if row.startswith("| `")}
+    assert table.keys() == used == POWERS.keys()
+    for key_unit, names in table.items():
+        assert not key_unit or key_unit in names
+
+
+def test_convert_tells_values_in_the_units_of_their_keys(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    options = {
+        "wheels.pinion.module=3 mm": ("m", 0.003, "quantity"),
+        "wheels.pinion.module=0.003": ("m", 0.003, "number"),
+        "wheels.0.loads.0.value=0.05 kNm": ("N m", 50, "quantity"),
+        "wheels.0.loads.0.speed=3000 rpm": ("rad/s", 100 * math.pi, "quantity"),
+        "simulation.initial.speeds.pinion=30 1/min": ("rad/s", math.pi, "quantity"),
+        "meshes.0.pressure_angle=paper_rule": ("deg", None, "text"),
+        "wheels.pinion.name=3 mm": ("", None, "text"),
+        "wheels.pinion.teeth=3 mm": ("", None, "text"),
+        "title=3 mm": ("", None, "text"),
+        # Of two laws, neither of which the case has, with different units.
+        "meshes.0.damping.coefficient=3 N s/m": ("", None, "text"),
+    }
+    words = [word for option in options for word in ("--convert", option)]
+    result = evolvent("show", examples / "spur-pair.yaml", *words)
+    told = json.loads(result.stdout)
+    assert [row["option"] for row in told] == list(options)
+    for row, (unit, value, given) in zip(told, options.values(), strict=True):
+        assert (row["unit"], row["given"]) == (unit, given)
+        assert row["value"] == (None if value is None else pytest.approx(value, rel=3e-16))
+
+
+@pytest.mark.parametrize(
+    ("option", "code", "reason"),
+    [
+        ("wheels.pinion.module=3 N", 3, "'N' is a unit of force; write the length in mm,"),
+        ("wheels.pinion.modul=3 mm", 3, "wheels.pinion has no key 'modul' (did you mean 'module'?"),
+        ("wheels.pinon.module=3 mm", 3, "wheels has no 'pinon' (did you mean 'pinion'?)"),
+        ("wheels.pinion.module", 2, "has no '='; write --convert PATH=VALUE"),
+    ],
+)
+def test_convert_refuses_as_set_does(
+    evolvent: Evolvent, examples: Path, option: str, code: int, reason: str
+) -> None:
+    result = evolvent("show", examples / "spur-pair.yaml", "--convert", option)
+    assert result.returncode == code
+    assert result.stdout == ""
+    (line,) = result.stderr.splitlines()
+    assert line.startswith(f"--convert {option}: ")
+    assert reason in line

@@ -54,8 +54,9 @@ static int exponent_of(const char *key_unit, const char *name)
     static const struct {
         const char *key_unit, *name;
         int exponent;
-    } others[] = {{"Pa", "bar", 5},       {"kg", "t", 3},         {"kg", "g", -3},       {"kg/m3", "t/m3", 3},
-                  {"kg m2", "g cm2", -7}, {"kg m2", "g mm2", -9}, {"kg/m3", "g/cm3", 3}, {"", "%", -2}};
+    } others[] = {{"Pa", "bar", 5},      {"kg", "t", 3},         {"kg", "g", -3},
+                  {"kg/m3", "t/m3", 3},  {"kg m2", "g cm2", -7}, {"kg m2", "g mm2", -9},
+                  {"kg/m3", "g/cm3", 3}, {"", "%", -2},          {"Pa", "N/(mm um)", 9}};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         if (strcmp(others[i].key_unit, key_unit) == 0 && strcmp(others[i].name, name) == 0) {
             return others[i].exponent;
@@ -245,6 +246,56 @@ static void every_unit_of_the_models_keys_is_in_the_table_and_taken_by_them(void
     }
 }
 
+/* ---- for reading ---- */
+
+static void assert_reads(double value, const char *key_unit, const char *text)
+{
+    OWNED char *found = quantity_text(value, key_unit);
+    assert_string_equal(found, text);
+}
+
+static void numbers_are_printed_in_the_unit_that_suits_their_size(void **state)
+{
+    (void)state;
+    assert_reads(0.003, "m", "3 mm");
+    assert_reads(1e-4, "m", "0.1 mm");
+    assert_reads(-3e-5, "m", "-30 um");
+    assert_reads(12, "m", "12000 mm");
+    assert_reads(0, "m", "0 mm");
+    assert_reads(2.06e11, "Pa", "206 GPa");
+    assert_reads(-150, "N m", "-150 N m");
+    assert_reads(1.4e9, "N/m", "1400 N/um");
+    assert_reads(1e4, "N/m", "10 N/mm");
+    assert_reads(0.05, "s", "50 ms");
+    assert_reads(0.03, "kg m2", "0.03 kg m2");
+    assert_reads(1.95e-4, "kg m2", "195 kg mm2");
+    assert_reads(157.07963267948966, "rad/s", "1500 rpm");
+    assert_reads(152.9, "rad/s", "152.9 rad/s");
+    assert_reads(0.07, "", "0.07");
+    const reading_unit degrees = unit_for_reading("rad", 0.5), none = unit_for_reading("1", 0.5);
+    assert_string_equal(degrees.name, "deg");
+    assert_true(fabs(degrees.factor - 57.29577951308232) < 1e-13);
+    assert_string_equal(none.name, "");
+}
+
+/** Whatever the digits. */
+static void what_is_printed_reads_back_as_the_same_double(void **state)
+{
+    (void)state;
+    const char *key_unit = NULL;
+    for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
+        double number = 1e-9 / 7;
+        for (int k = 0; k < 300; k++, number *= -1.1234567) {
+            double value = 0;
+            const char *unit = NULL;
+            OWNED char *text = quantity_text(number, key_unit);
+            const quantity_kind kind = quantity_read(text, key_unit, &value, &unit);
+            assert_int_equal(kind, key_unit[0] == '\0' ? QUANTITY_NUMBER : QUANTITY_CONVERTED);
+            assert_true(value == number);
+        }
+    }
+}
+
 /* ---- what is refused ---- */
 
 static void refuse_in_other_kinds(const char *key_unit, const char *name)
@@ -315,6 +366,8 @@ int main(void)
         cmocka_unit_test(usual_spellings_are_among_them),
         cmocka_unit_test(no_kind_has_a_unit_with_milli_and_with_mega),
         cmocka_unit_test(every_unit_of_the_models_keys_is_in_the_table_and_taken_by_them),
+        cmocka_unit_test(numbers_are_printed_in_the_unit_that_suits_their_size),
+        cmocka_unit_test(what_is_printed_reads_back_as_the_same_double),
         cmocka_unit_test(a_unit_of_another_kind_is_refused_with_its_kind_and_with_all_that_are_taken),
         cmocka_unit_test(what_is_no_number_with_a_unit_is_told_from_an_unknown_unit),
     };

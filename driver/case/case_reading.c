@@ -1,0 +1,69 @@
+/* A case for reading: its numbers in engineering units. Reading it as a case gives the same numbers. */
+#include "base/memory.h"
+#include "base/words.h"
+#include "case/case_file.h"
+#include "case/unit.h"
+
+#include <string.h>
+
+/** Stands for a blank while the text is made, so that no line breaks between a number and its unit: U+E000, for private use. */
+static const char BLANK[] = "\xee\x80\x80";
+
+/** Blanks to BLANK: a new string. */
+static char *without_blanks(const char *text)
+{
+    OWNED char **words = NULL;
+    const int n = words_split(text, &words);
+    return words_join(n, (const char *const *)words, BLANK);
+}
+
+/** BLANK to blanks, in place. */
+static void put_blanks(char *text)
+{
+    char *end = text;
+    for (const char *c = text; *c != '\0'; end++) {
+        const bool is_blank = strncmp(c, BLANK, sizeof BLANK - 1) == 0;
+        *end = is_blank ? ' ' : *c;
+        c += is_blank ? sizeof BLANK - 1 : 1;
+    }
+    *end = '\0';
+}
+
+static void write_numbers(const evl_row *row, case_node *node)
+{
+    if (node_is_number(node)) {
+        OWNED char *text = quantity_text(node_number(node), row->unit), *joined = without_blanks(text);
+        node->text = pool_copy(node->pool, joined);
+    }
+    for (int i = 0; i < node->n; i++) {
+        write_numbers(row, node->entries[i].value);
+    }
+}
+
+static void write_block(const case_schema *schema, const char *block, case_node *node)
+{
+    const char *variant = schema_variant(schema, block, node);
+    for (int i = 0; i < node->n; i++) {
+        const evl_row *row = schema_find(schema, block, variant, node->entries[i].key);
+        case_node *value = node->entries[i].value;
+        if (row->type == EVL_BLOCK) {
+            write_block(schema, row->holds, value);
+        } else if (row->type == EVL_LIST || row->type == EVL_MAP) {
+            for (int k = 0; k < value->n; k++) {
+                write_block(schema, row->holds, value->entries[k].value);
+            }
+        } else if (row->unit[0] != '\0') {
+            write_numbers(row, value);
+        }
+    }
+}
+
+char *case_text_for_reading(const case_file *file, const case_schema *schema)
+{
+    POOLED memory_pool pool = {NULL};
+    case_node *root = node_copy(&pool, file->root);
+    write_block(schema, CASE_ROOT, root);
+    char *text = tree_text(root);
+    put_blanks(text);
+    return text;
+}
