@@ -27,7 +27,7 @@ def make_program(name: str, package: str, commands: Sequence[str], text: str) ->
         no_args_is_help=True,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
-        add_completion=False,
+        context_settings={"help_option_names": ["-h", "--help"]},  # of its commands, too
         help=text,
     )
     for command in commands:
