@@ -59,7 +59,7 @@ case_file *case_read(const char *path, int n_set, const char *const *set_options
                      evl_error *error)
 {
     memset(error, 0, sizeof *error);
-    case_file *file = case_file_create(path, n_set, set_options);
+    case_file *file = case_file_create(tree_file_name(path), n_set, set_options);
     file->root = tree_load_file(&file->pool, path, error);
     if (file->root != NULL && case_file_resolve(file, schema, error)) {
         case_lay_out(schema, file->root, &file->description);

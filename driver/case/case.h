@@ -41,7 +41,7 @@ case_base *case_base_read(const char *path, const case_schema *schema, evl_error
  *  @return false with the reason in `error`: no such path, or not a unit of the key */
 bool case_base_convert(const case_base *base, const char *option, case_quantity *quantity, evl_error *error);
 
-/** Read the case at `path`, apply the options in their order, check and resolve.
+/** Read the case at `path` ("-": standard input), apply the options in their order, check and resolve.
  *  @param set_options  [n_set] each "PATH=VALUE"
  *  @param schema       what a case may say
  *  @return NULL with the first thing that is wrong in `error`: EVL_EXIT_USAGE for a malformed option,
@@ -53,7 +53,7 @@ void case_delete(case_file **file);
 
 /** The case as plain data; lives as long as the case. */
 const description *case_description(const case_file *file);
-/** The file as it was given to case_read. */
+/** The file as it was given to case_read; "stdin" for standard input. */
 const char *case_path(const case_file *file);
 /** The whole case as YAML text: options applied, every default filled in (those that the
  *  model decides by case_settle_...), nothing derived. Reading it gives the same description. NULL for a case of case_edit, which spares the time. */

@@ -81,6 +81,9 @@ void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LE
 
 /* ---- reading, editing, writing ---- */
 
+/** What messages call a file: its path, or "stdin" for "-", which stands for standard input. */
+const char *tree_file_name(const char *path);
+
 /** Read the one YAML document of a file. @return NULL with the reason in `error` */
 case_node *tree_load_file(memory_pool *pool, const char *path, evl_error *error);
 /** Read the one YAML document of a text, whose lines count as those of a file called `name`. */

@@ -14,7 +14,7 @@ typedef struct {
     const command *command;
     int n; /**< of the words that are left */
     char **words;
-    const char *file;
+    option_values files;
     void *options; /**< of the command */
     bool *given;   /**< [n_options] of the command */
     bool help;
@@ -51,10 +51,15 @@ static bool takes_value(const option_row *row)
     return row->kind == OPTION_TEXT || row->kind == OPTION_LIST;
 }
 
+static void append(option_values *list, const char *value)
+{
+    list->values = xrealloc(list->values, (size_t)list->n + 1, sizeof *list->values);
+    list->values[list->n++] = value;
+}
+
 static void store(parser *parser, const option_row *row, const char *value)
 {
     void *place = (char *)parser->options + row->place;
-    option_values *list = place;
     parser->given[row - parser->command->options] = true;
     switch (row->kind) {
     case OPTION_TEXT:
@@ -65,8 +70,7 @@ static void store(parser *parser, const option_row *row, const char *value)
         *(bool *)place = true;
         break;
     case OPTION_LIST:
-        list->values = xrealloc(list->values, (size_t)list->n + 1, sizeof *list->values);
-        list->values[list->n++] = value;
+        append(place, value);
         break;
     case OPTION_HELP:
         parser->help = true;
@@ -129,11 +133,11 @@ static bool take_letters(parser *parser, const char *word)
 static bool take_file(parser *parser, const char *word)
 {
     const char *kind = parser->command->file;
-    if (parser->file != NULL && kind != NULL) {
+    if (parser->files.n > 0 && kind != NULL && !parser->command->takes_several) {
         return misuse(parser, "one %.*s at a time: what is '%s' after '%s'?", (int)strcspn(kind, " "), kind, word,
-                      parser->file);
+                      parser->files.values[0]);
     }
-    parser->file = word;
+    append(&parser->files, word);
     return true;
 }
 
@@ -169,16 +173,28 @@ static bool check_words(const parser *parser)
         }
     }
     if (alone != NULL) {
-        return (parser->file == NULL && n_given == 1) || misuse(parser, "option '%s' stands alone", alone->name);
+        return (parser->files.n == 0 && n_given == 1) || misuse(parser, "option '%s' stands alone", alone->name);
     }
-    if (parser->file == NULL && command->file == NULL) {
+    if (parser->files.n == 0 && command->file == NULL) {
         return misuse(parser, "a command is missing");
     }
-    if (parser->file == NULL) {
+    if (parser->files.n == 0) {
         return misuse(parser, "'%s' needs a %s", command->name, command->file);
     }
     const char *complaint = command->check != NULL ? command->check(parser->options) : NULL;
     return complaint == NULL || misuse(parser, "%s", complaint);
+}
+
+/** What was understood. @return the highest code of its files */
+static evl_exit do_it(const parser *parser, evl_error *error)
+{
+    const command *command = parser->command;
+    evl_exit worst = parser->files.n > 0 ? EVL_EXIT_OK : command->run(NULL, parser->options, error);
+    for (int i = 0; i < parser->files.n; i++) {
+        const evl_exit code = command->run(parser->files.values[i], parser->options, error);
+        worst = code > worst ? code : worst;
+    }
+    return worst;
 }
 
 /** Understand the words that follow a command, and do it. */
@@ -195,13 +211,14 @@ static evl_exit run_command(const command *command, int n, char **words, evl_err
         help_print(command);
         code = EVL_EXIT_OK;
     } else if (good && check_words(&parser)) {
-        code = command->run(parser.file, parser.options, error);
+        code = do_it(&parser, error);
     }
     for (int i = 0; i < command->n_options; i++) {
         if (command->options[i].kind == OPTION_LIST) {
             free(((option_values *)((char *)parser.options + command->options[i].place))->values);
         }
     }
+    free(parser.files.values);
     free(parser.options);
     free(parser.given);
     return code;

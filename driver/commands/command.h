@@ -32,8 +32,9 @@ typedef struct {
 typedef struct {
     const char *name; /**< "": the program itself */
     const char *synopsis, *summary, *text;
-    const char *file; /**< what it works on; NULL: nothing */
-    size_t size;      /**< of its options, a struct that begins as zeros */
+    const char *file;   /**< what it works on; NULL: nothing */
+    bool takes_several; /**< files, one after the other; the highest exit code is that of the command */
+    size_t size;        /**< of its options, a struct that begins as zeros */
     int n_options;
     const option_row *options;
     /** What is wrong with a combination of options; NULL if nothing is, and for no check. */

@@ -5,25 +5,45 @@
 #include "integrate/integrate.h"
 
 #include <evolvent_version.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
-char *result_path(const char *given, const char *case_path, const char *suffix)
+/** Whether a path is that of the case file, be it the one that standard input comes from. */
+static bool is_case(const char *path, const char *case_path, bool by_input)
+{
+    struct stat first, second;
+    return stat(path, &first) == 0 && (by_input ? fstat(STDIN_FILENO, &second) : stat(case_path, &second)) == 0 &&
+           S_ISREG(first.st_mode) && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+}
+
+/** The case's name with SUFFIX.h5. */
+static char *path_of_case(const char *case_path, const char *suffix)
 {
     const char *slash = strrchr(case_path, '/');
     const char *name = slash == NULL ? case_path : slash + 1;
     const char *dot = strrchr(name, '.');
     const size_t length = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    return given != NULL ? xstrdup(given) : xasprintf("%.*s%s.h5", (int)length, name, suffix);
+    return xasprintf("%.*s%s.h5", (int)length, name, suffix);
 }
 
-bool result_spares_case(const char *what, const char *path, const char *case_path, evl_error *error)
+char *result_path(const char *what, const char *given, const char *case_path, const char *suffix, evl_error *error)
 {
-    struct stat first, second;
-    const bool is_same = stat(path, &first) == 0 && stat(case_path, &second) == 0 && first.st_dev == second.st_dev &&
-                         first.st_ino == second.st_ino;
-    return !is_same || evl_error_set(error, EVL_EXIT_USAGE, "",
-                                     "the %s would replace the case '%s'; name another file with -o", what, path);
+    const bool by_input = strcmp(case_path, "-") == 0;
+    if (given == NULL && by_input) {
+        (void)evl_error_set(error, EVL_EXIT_USAGE, "",
+                            "a case from standard input has no name for the %s; name a file with -o", what);
+        return NULL;
+    }
+    char *path = given != NULL ? xstrdup(given) : path_of_case(case_path, suffix);
+    if (is_case(path, case_path, by_input)) {
+        (void)evl_error_set(error, EVL_EXIT_USAGE, "", "the %s would replace the case '%s'; name another file with -o",
+                            what, path);
+        free(path);
+        return NULL;
+    }
+    return path;
 }
 
 char *result_versions(void)

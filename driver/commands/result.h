@@ -3,9 +3,10 @@
 
 #include "base/status.h"
 
-/** The given name, or the case's with SUFFIX.h5 in the current folder, as a new string. */
-char *result_path(const char *given, const char *case_path, const char *suffix);
-/** Whether it is another file than the case. @param what  it is, for the message. @return false with the reason in `error` */
-bool result_spares_case(const char *what, const char *path, const char *case_path, evl_error *error);
+/** The given name, or the case's with SUFFIX.h5 in the current folder.
+ *  @param what       it is, for the message
+ *  @param case_path  "-": standard input
+ *  @return a new string; NULL with the reason in `error` if there is no name, or if it is that of the case itself */
+char *result_path(const char *what, const char *given, const char *case_path, const char *suffix, evl_error *error);
 /** Versions of all that made it, as a new string. */
 char *result_versions(void);

@@ -301,9 +301,8 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     run run = {.error = error};
     log_set_quiet(options->quiet);
     interrupt_install();
-    OWNED char *path = result_path(options->output, file, "");
-    if (prepare_case(&run.prepared, file, options->set.n, options->set.values, error) &&
-        result_spares_case("history", path, file, error)) {
+    OWNED char *path = result_path("history", options->output, file, "", error);
+    if (path != NULL && prepare_case(&run.prepared, file, options->set.n, options->set.values, error)) {
         run_prepared(&run, options, path);
     }
     prepared_case_free(&run.prepared);

@@ -324,9 +324,8 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
         return error->code;
     }
     OWNED analysis *a = xcalloc(1, sizeof *a);
-    OWNED char *path = result_path(options->output, file, "-static");
-    if (prepare_case(&a->prepared, file, options->set.n, options->set.values, error) &&
-        result_spares_case("result", path, file, error)) {
+    OWNED char *path = result_path("result", options->output, file, "-static", error);
+    if (path != NULL && prepare_case(&a->prepared, file, options->set.n, options->set.values, error)) {
         analyse_case(a, options, points, path, error);
     }
     static_plan_free(&a->plan);

@@ -3,10 +3,41 @@
 from __future__ import annotations
 
 import json
+import subprocess
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+REFUSALS = (2, 3)
+
+
+def without_output(words: tuple[str | Path, ...]) -> Iterator[str | Path]:
+    """The words of a `run` that `validate` takes, too."""
+    rest = iter(words)
+    for word in rest:
+        if word in ("-o", "--output"):
+            next(rest)
+        elif word not in ("-q", "--quiet"):
+            yield word
+
+
+@pytest.fixture
+def evolvent(evolvent: Evolvent) -> Evolvent:
+    """Run the program; what `run` refuses, whatever the test, `validate` refuses alike."""
+
+    def run(*words: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
+        done = evolvent(*words, **options)
+        refused = words[:1] == ("run",) and done.returncode in REFUSALS
+        if refused and not done.stderr.startswith("evolvent: "):  # not the usage, not the output
+            asked = evolvent("validate", *without_output(words[1:]), **options)
+            assert (asked.returncode, asked.stdout) == (done.returncode, "")
+            assert asked.stderr == done.stderr
+        return done
+
+    return run
 
 
 @pytest.fixture

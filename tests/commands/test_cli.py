@@ -109,7 +109,8 @@ def test_every_command_refuses_what_it_does_not_know_and_names_what_it_needs(
 ) -> None:
     for command, text in commands.items():
         assert_misuse(evolvent(command), f"'{command}' needs a ")
-        assert_misuse(evolvent(command, "a", "b"), " at a time: what is 'b' after 'a'?")
+        if "..." not in text.split()[3]:  # CASE.yaml... is several
+            assert_misuse(evolvent(command, "a", "b"), " at a time: what is 'b' after 'a'?")
         assert_misuse(evolvent(command, "a", "-Z"), "unknown option '-Z'")
         complaint = f"unknown command '{command}x' (did you mean '{command}'?)"
         assert_misuse(evolvent(f"{command}x"), complaint)

@@ -119,7 +119,7 @@ STARTS: dict[str, tuple[str, tuple[str, ...], str]] = {
 }
 
 
-ALL = (("modes",), ("modes", "--at", "0"), ("show",), ("show", "--json"))
+ALL = (("validate",), ("modes",), ("modes", "--at", "0"), ("show",), ("show", "--json"))
 
 
 def refused_alike(

@@ -1,0 +1,54 @@
+#include "base/memory.h"
+#include "case/case.h"
+#include "commands/command.h"
+#include "simulate/prepare.h"
+
+typedef struct {
+    option_values set;
+    bool quiet;
+} validate_options;
+
+/** What `evolvent run` does before it touches a file; its refusal is told here, so that the next case has its turn. */
+static evl_exit validate(const char *file, const void *given, evl_error *error)
+{
+    (void)error;
+    const validate_options *options = given;
+    evl_error refusal = {.code = EVL_EXIT_OK};
+    prepared_case prepared;
+    const bool good = prepare_case(&prepared, file, options->set.n, options->set.values, &refusal) &&
+                      prepare_check_start(&prepared, &refusal);
+    if (!good) {
+        (void)fflush(stdout); /* the lines come in the order of the cases */
+        evl_error_print(stderr, &refusal);
+    } else if (!options->quiet) {
+        printf("%s: ok\n", case_path(prepared.file));
+    }
+    prepared_case_free(&prepared);
+    return refusal.code;
+}
+
+static const option_row rows[] = {
+    OPTION_ROW_SET(validate_options),
+    {OPTION_FLAG, 'q', "--quiet", NULL, offsetof(validate_options, quiet), "say nothing of good cases"},
+    OPTION_ROW_HELP,
+};
+
+const command validate_command = {
+    .name = "validate",
+    .synopsis = "CASE.yaml... [--set PATH=VALUE]... [-q]",
+    .summary = "tell whether 'run' would take cases, and write nothing",
+    .text =
+        "Reads each case, makes its gearbox and finds the state that it starts from, as 'evolvent run' does before it\n"
+        "writes anything. Of a case that 'run' takes it prints 'CASE.yaml: ok', of others the line of 'run', on "
+        "stderr.\n"
+        "The exit code is the highest of those that 'run' would end with. CASE.yaml may be -, standard input.\n"
+        "\n"
+        "Examples:\n"
+        "  evolvent validate examples/paper.yaml examples/two-stage.yaml\n"
+        "  evolvent validate examples/paper.yaml --set wheels.gear.teeth=40\n",
+    .file = "case file",
+    .takes_several = true,
+    .size = sizeof(validate_options),
+    OPTION_ROWS(rows),
+    .run = validate,
+};
