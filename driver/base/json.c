@@ -140,3 +140,9 @@ void json_integer(json_writer *writer, const char *key, long value)
     begin_value(writer, key);
     fprintf(writer->stream, "%ld", value);
 }
+
+void json_truth(json_writer *writer, const char *key, bool value)
+{
+    begin_value(writer, key);
+    fputs(value ? "true" : "false", writer->stream);
+}

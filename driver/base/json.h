@@ -21,3 +21,4 @@ void json_text(json_writer *writer, const char *key, const char *text);
 void json_number(json_writer *writer, const char *key, double value);
 void json_numbers(json_writer *writer, const char *key, int n, const double *values);
 void json_integer(json_writer *writer, const char *key, long value);
+void json_truth(json_writer *writer, const char *key, bool value);

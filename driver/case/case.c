@@ -7,21 +7,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 1 };
-
 /** Before anything else: a case of another format has other keys. */
 static bool check_format(const case_file *file, evl_error *error)
 {
     const case_node *format = node_get(file->root, "format");
     double version = 0;
     if (format == NULL || format->kind != NODE_SCALAR || !format->plain ||
-        number_read(format->text, &version) != NUMBER_FINITE || version == FORMAT) {
+        number_read(format->text, &version) != NUMBER_FINITE || version == CASE_FORMAT) {
         return true; /* good, or the schema says better what is wrong */
     }
     char place[EVL_ERROR_PLACE_LENGTH];
     place_text(file->path, format->place, place);
     return evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only",
-                         format->text, FORMAT);
+                         format->text, CASE_FORMAT);
 }
 
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error)

@@ -276,20 +276,27 @@ const char *tree_file_name(const char *path)
     return strcmp(path, "-") == 0 ? "stdin" : path;
 }
 
+static case_node *load_stream(memory_pool *pool, const char *name, FILE *file, evl_error *error)
+{
+    size_t length = 0;
+    OWNED char *text = read_bytes(file, name, &length, error);
+    return text == NULL ? NULL : load_named(pool, name, text, length, error);
+}
+
 case_node *tree_load_file(memory_pool *pool, const char *path, evl_error *error)
 {
     const char *name = tree_file_name(path);
-    FILE *file = name == path ? fopen(path, "rb") : stdin;
+    if (name != path) {
+        return load_stream(pool, name, stdin, error);
+    }
+    FILE *file = fopen(path, "rb");
     if (file == NULL) {
-        evl_error_set(error, EVL_EXIT_CASE, name, "cannot be read: %s", strerror(errno));
+        evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
         return NULL;
     }
-    size_t length = 0;
-    OWNED char *text = read_bytes(file, name, &length, error);
-    if (file != stdin) {
-        (void)fclose(file);
-    }
-    return text == NULL ? NULL : load_named(pool, name, text, length, error);
+    case_node *root = load_stream(pool, path, file, error);
+    (void)fclose(file);
+    return root;
 }
 
 case_node *tree_load_text(memory_pool *pool, const char *text, case_place place, evl_error *error)

@@ -8,6 +8,9 @@
 /** The block of the whole file. */
 #define CASE_ROOT "case"
 
+/** What `format` has to be. */
+enum { CASE_FORMAT = 1 };
+
 /** The table. It belongs to the model and lives as long as the program. */
 typedef struct {
     int n;
@@ -39,5 +42,7 @@ const char *schema_variant(const case_schema *schema, const char *block, const c
  *  @return false with the first fault in `error` */
 bool schema_check(const case_schema *schema, const char *path, case_node *root, evl_error *error);
 
+/** Write the table as a JSON Schema, draft 2020-12, for editors. What it refuses schema_check refuses. */
+void schema_write_json(FILE *stream, const case_schema *schema);
 /** Print the table as a Markdown reference. */
 void schema_print(FILE *stream, const case_schema *schema);

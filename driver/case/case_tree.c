@@ -178,3 +178,19 @@ void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LE
         (void)snprintf(text, EVL_ERROR_PLACE_LENGTH, "%s", path);
     }
 }
+
+void tree_write_json(json_writer *writer, const char *key, const case_node *node)
+{
+    double value = 0;
+    if (node->kind == NODE_SCALAR && node->plain && number_read(node->text, &value) == NUMBER_FINITE) {
+        json_number(writer, key, value);
+    } else if (node->kind == NODE_SCALAR) {
+        json_text(writer, key, node->text);
+    } else {
+        json_open(writer, key, node->kind == NODE_SEQUENCE ? '[' : '{');
+        for (int i = 0; i < node->n; i++) {
+            tree_write_json(writer, node->entries[i].key, node->entries[i].value);
+        }
+        json_close(writer, node->kind == NODE_SEQUENCE ? ']' : '}');
+    }
+}

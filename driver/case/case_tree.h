@@ -2,6 +2,7 @@
  *  libyaml is used by case_load.c and case_emit.c only. */
 #pragma once
 
+#include "base/json.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -91,6 +92,9 @@ case_node *tree_load_named(memory_pool *pool, const char *name, const char *text
 /** Read a YAML text; all of its nodes get `place`, which errors name as well.
  *  @return NULL with the reason in `error`; empty text gives a null scalar */
 case_node *tree_load_text(memory_pool *pool, const char *text, case_place place, evl_error *error);
+
+/** A tree as JSON: numbers without quotes are numbers, all other scalars text. */
+void tree_write_json(json_writer *writer, const char *key, const case_node *node);
 
 /** Apply one --set option "PATH=VALUE" to the tree. The nodes it makes point to `option`, which has to outlive
  *  the tree. Keys that do not exist are added; the schema refuses them later if it does not know them.

@@ -13,7 +13,7 @@
 
 typedef struct {
     option_values set, convert;
-    bool json, parameters, laws, keys, units;
+    bool json, parameters, laws, keys, schema, units;
 } show_options;
 
 /* ---- for reading ---- */
@@ -78,22 +78,6 @@ static void show_text(FILE *stream, const prepared_case *prepared)
 
 /* ---- for scripts ---- */
 
-static void write_node(json_writer *writer, const char *key, const case_node *node)
-{
-    double value = 0;
-    if (node->kind == NODE_SCALAR && node->plain && number_read(node->text, &value) == NUMBER_FINITE) {
-        json_number(writer, key, value);
-    } else if (node->kind == NODE_SCALAR) {
-        json_text(writer, key, node->text);
-    } else {
-        json_open(writer, key, node->kind == NODE_SEQUENCE ? '[' : '{');
-        for (int i = 0; i < node->n; i++) {
-            write_node(writer, node->entries[i].key, node->entries[i].value);
-        }
-        json_close(writer, node->kind == NODE_SEQUENCE ? ']' : '}');
-    }
-}
-
 static void write_model(json_writer *writer, const prepared_case *prepared)
 {
     const model *model = prepared->model;
@@ -113,7 +97,7 @@ static void show_json(FILE *stream, const prepared_case *prepared, const evl_err
     json_writer writer = {.stream = stream};
     json_open(&writer, NULL, '{');
     json_text(&writer, "path", case_path(prepared->file));
-    write_node(&writer, "case", case_root(prepared->file));
+    tree_write_json(&writer, "case", case_root(prepared->file));
     if (prepared->model != NULL) {
         write_model(&writer, prepared);
     }
@@ -255,6 +239,8 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
         unit_print(stdout);
     } else if (options->convert.n > 0) {
         show_converted(stdout, file, &options->convert, error);
+    } else if (options->schema) {
+        schema_write_json(stdout, model_schema());
     } else {
         prepared_case prepared;
         (void)(prepare_case(&prepared, file, options->set.n, options->set.values, error) &&
@@ -279,13 +265,15 @@ static const option_row rows[] = {
      "the units that numbers may have, as Markdown, instead"},
     {OPTION_LIST, 0, "--convert", "PATH=VALUE", offsetof(show_options, convert),
      "what a value with a unit is in the unit of its key, as JSON, instead; may be repeated"},
+    {OPTION_ALONE, 0, "--schema", NULL, offsetof(show_options, schema),
+     "the same as a JSON Schema, which editors check cases by, instead"},
     OPTION_ROW_HELP,
 };
 
 const command show_command = {
     .name = "show",
-    .synopsis =
-        "CASE.yaml [--set PATH=VALUE]... [--json] [--parameters] | --convert PATH=VALUE... | --laws | --keys | --units",
+    .synopsis = "CASE.yaml [--set PATH=VALUE]... [--json] [--parameters] | --convert PATH=VALUE... | --laws | --keys | "
+                "--schema | --units",
     .summary = "print a case with its derived geometry",
     .text =
         "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated. Of "
