@@ -7,6 +7,7 @@
 #include "batch/batch_worker.h"
 
 #include <errno.h>
+#include <math.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,10 +18,9 @@
 
 enum { MOST_TRIES = 2, LOOK_MILLISECONDS = 200 };
 static const struct timespec rest = {
-    .tv_nsec = 10000000};                      /* between two looks at the answers: each look costs the workers time */
-static const double sync_interval = 1.0;       /* [s] between two times that all is brought to the disk */
-static const double terminal_interval = 1.0;   /* [s] between two lines of progress on a terminal */
-static const double elsewhere_interval = 60.0; /* [s] and in a log */
+    .tv_nsec = 10000000};                    /* between two looks at the answers: each look costs the workers time */
+static const double sync_interval = 1.0;     /* [s] between two times that all is brought to the disk */
+static const double terminal_interval = 1.0; /* [s] between two lines of progress on a terminal */
 
 typedef struct {
     memory_pool memory; /**< of the arrays */
@@ -34,6 +34,7 @@ typedef struct {
     long n_bad;   /**< failed or refused in this run */
     double started, synced, shown;
     bool show_progress, is_terminal;
+    double progress_interval; /**< [s] between two lines of progress */
 } pool;
 
 /* ---- what is to be seen and to be safe ---- */
@@ -42,28 +43,17 @@ static void show_progress(const pool *pool, double now)
 {
     const batch_state *state = pool->state;
     const double rate = (double)state->n_finished / (now - pool->started);
-    char left[48] = "";
-    if (rate > 0) {
-        const double seconds = (double)(state->n_todo - state->n_finished) / rate;
-        (void)snprintf(left, sizeof left, seconds < 3600 ? ", %.0f s left" : ", %.1f h left",
-                       seconds < 3600 ? seconds : seconds / 3600);
-    }
-    char text[200];
+    char left[32], text[200];
+    progress_left(left, rate > 0.0 ? (double)(state->n_todo - state->n_finished) / rate : INFINITY);
     (void)snprintf(text, sizeof text, "%ld of %ld done, %ld of them did not finish, %.3g a second%s", state->n_finished,
                    state->n_todo, pool->n_bad, rate, left);
-    if (pool->is_terminal) {
-        fprintf(stderr, "\r%s\x1b[K", text);
-        (void)fflush(stderr);
-    } else {
-        log_note("%s", text);
-    }
+    progress_show(pool->is_terminal, text);
 }
 
 static void wipe_progress(const pool *pool)
 {
     if (pool->is_terminal && pool->show_progress) {
-        fputs("\r\x1b[K", stderr);
-        (void)fflush(stderr);
+        progress_wipe();
     }
 }
 
@@ -81,7 +71,7 @@ static bool sync_all(pool *pool)
 static bool look_at_clock(pool *pool)
 {
     const double now = clock_seconds();
-    if (pool->show_progress && now - pool->shown >= (pool->is_terminal ? terminal_interval : elsewhere_interval)) {
+    if (pool->show_progress && now - pool->shown >= pool->progress_interval) {
         show_progress(pool, now);
         pool->shown = now;
     }
@@ -257,6 +247,7 @@ static void keep_unrecorded(pool *pool)
 void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error)
 {
     const double now = clock_seconds();
+    const bool is_terminal = progress_is_on_terminal();
     pool pool = {.work = {.plan = plan},
                  .state = state,
                  .error = error,
@@ -264,7 +255,8 @@ void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_
                  .synced = now,
                  .shown = now,
                  .show_progress = show_progress,
-                 .is_terminal = isatty(STDERR_FILENO) == 1};
+                 .is_terminal = is_terminal,
+                 .progress_interval = is_terminal ? terminal_interval : progress_log_interval()};
     bool good = begin(&pool, jobs);
     while (good && pool.n_left > 0 && interrupt_signal == 0) {
         good = start_all(&pool) && listen_to_all(&pool);

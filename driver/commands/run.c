@@ -322,14 +322,16 @@ const command run_command = {
     .name = "run",
     .synopsis = "CASE.yaml [-o HISTORY.h5] [--set PATH=VALUE]... [-q]",
     .summary = "integrate a case, write its history",
-    .text = "Integrates the case and writes its time history, an HDF5 file that netCDF-4 readers open. It grows as\n"
-            "HISTORY.h5.partial and gets its name when the run is complete, replacing an older one. A run that fails "
-            "or is\n"
-            "interrupted leaves the .partial, readable, with the reason in its attributes.\n"
-            "\n"
-            "Examples:\n"
-            "  evolvent run examples/paper.yaml\n"
-            "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n",
+    .text =
+        "Integrates the case and writes its time history, an HDF5 file that netCDF-4 readers open. It grows as\n"
+        "HISTORY.h5.partial and gets its name when the run is complete, replacing an older one. A run that fails "
+        "or is\n"
+        "interrupted leaves the .partial, readable, with the reason in its attributes. Where stderr is no terminal,\n"
+        "a line a minute tells how far it is. CASE.yaml may be -, standard input.\n"
+        "\n"
+        "Examples:\n"
+        "  evolvent run examples/paper.yaml\n"
+        "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n",
     .file = "case file",
     .size = sizeof(run_options),
     OPTION_ROWS(rows),

@@ -672,9 +672,28 @@ def test_a_terminal_shows_each_second_how_far_a_batch_is(executable: Path, tmp_p
         process.terminate()
     end = os.read(ours, 4096).decode()
     os.close(ours)
-    assert re.match(r"\r2 of 3 done, 1 of them did not finish, \S+ a second, \S+ s left", shown)
+    assert re.match(r"\r2 of 3 done, 1 of them did not finish, \S+ a second, \d+:\d\d left", shown)
     assert end.startswith("\r\x1b[K")  # the line is wiped before the message
     assert "interrupted by SIGTERM; 2 of 3 cases were finished, --resume runs the others" in end
+
+
+def test_a_log_gets_lines_with_the_time_of_how_far_a_batch_is(
+    executable: Path, tmp_path: Path
+) -> None:
+    columns = {"simulation.duration": [0.02, 1e6, 0.02], "wheels.pinion.teeth": [20, 20, 2]}
+    design = write_design(tmp_path / "design.h5", columns)
+    command = [executable, "batch", design, "-o", "r", "--jobs", "2"]
+    log = tmp_path / "log"
+    often = {**os.environ, "EVOLVENT_PROGRESS_INTERVAL": "0.01"}
+    with log.open("w") as stderr, running(command, tmp_path, stderr=stderr, env=often) as process:
+        wait_for(lambda: log.read_text().count("  2 of 3 done") > 1)
+        process.terminate()
+    *lines, last = log.read_text().splitlines()
+    line = (
+        r"evolvent: \d{4}-\d\d-\d\d \d\d:\d\d:\d\d  [0-2] of 3 done, [01] of them did not finish, "
+    )
+    assert all(re.match(line + r"\S+ a second(, \d+:\d\d left)?$", text) for text in lines), lines
+    assert "interrupted by SIGTERM; 2 of 3 cases were finished" in last
 
 
 def test_quiet_says_nothing(evolvent: Evolvent, design: Path) -> None:

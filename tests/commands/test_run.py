@@ -8,6 +8,7 @@ import re
 import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from processes import wait_for
+from processes import running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 SHORT = ("--set", "simulation.duration=0.05")
@@ -122,6 +123,58 @@ def test_progress_appears_on_a_terminal_and_is_wiped_at_the_end(
     os.close(ours)
     assert re.search(rb"\r *\d+\.\d %  t = \S+ of 1e\+06 s, \S+ s per s, \S+( h)? left", text)
     assert re.search(rb"\r\x1b\[K[^\r]*interrupted by SIGINT", text)
+
+
+LINE = re.compile(
+    r"evolvent: (\d{4}-\d\d-\d\d \d\d:\d\d:\d\d)  +(\S+) %  t = (\S+) of 1e\+06 s, \S+ s per s, "
+    r"(\d+:\d\d|\d+\.\d h) left"
+)
+
+
+def lines_of_an_interrupted_run(
+    executable: Path, case: Path, folder: Path, *words: str
+) -> list[str]:
+    """What an endless run says to a log to which it writes often."""
+    log = folder / "log"
+    often = {**os.environ, "EVOLVENT_PROGRESS_INTERVAL": "0.01"}
+    command = [executable, "run", case, *ENDLESS, *words]
+    partial = folder / "paper.h5.partial"
+    with log.open("w") as stderr, running(command, folder, stderr=stderr, env=often) as process:
+        wait_for(lambda: log.read_text().count(" % ") > 2 or ("-q" in words and partial.exists()))
+        process.send_signal(signal.SIGINT)
+    assert process.returncode == 75
+    return log.read_text().splitlines()
+
+
+def test_a_log_gets_lines_with_the_time_of_how_far_a_run_is(
+    executable: Path, case: Path, tmp_path: Path
+) -> None:
+    lines = lines_of_an_interrupted_run(executable, case, tmp_path)
+    found = [match for match in map(LINE.fullmatch, lines) if match]
+    assert len(found) > 2
+    assert len(found) == sum(" % " in line for line in lines)
+    times = [float(match[3]) for match in found]
+    assert times == sorted(times)
+    for match in found:  # the share is printed with one digit behind the point
+        assert float(match[2]) == pytest.approx(1e-4 * float(match[3]), abs=0.05)
+        time.strptime(match[1], "%Y-%m-%d %H:%M:%S")
+    assert not any("\r" in line or "\x1b" in line for line in lines)
+
+
+def test_a_quiet_run_keeps_the_log_empty(executable: Path, case: Path, tmp_path: Path) -> None:
+    (line,) = lines_of_an_interrupted_run(executable, case, tmp_path, "-q")
+    assert "interrupted by SIGINT" in line
+
+
+@pytest.mark.parametrize("interval", [None, "", "often", "0", "-1", "inf"])
+def test_a_run_below_a_minute_says_nothing_of_how_far_it_is(
+    evolvent: Evolvent, case: Path, interval: str | None
+) -> None:
+    """Also where the variable says no number of seconds."""
+    more = {} if interval is None else {"EVOLVENT_PROGRESS_INTERVAL": interval}
+    result = evolvent("run", case, "--set", "simulation.duration=20", env={**os.environ, **more})
+    assert result.returncode == 0
+    assert " % " not in result.stderr
 
 
 # ---- what is refused leaves no trace -------------------------------------------------------------

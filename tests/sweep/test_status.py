@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import textwrap
@@ -16,7 +17,7 @@ from evolvent.sweep.estimate import span
 from evolvent.sweep.figures import figure_response
 from evolvent.sweep.folder import Shard, is_locked
 from evolvent.sweep.journal import Counts, read_records
-from evolvent.sweep.run import Tally, progress_line
+from evolvent.sweep.run import INTERVAL, LINE_EACH, Tally, display, log_interval, progress_line
 from evolvent.sweep.status import listed, read_status, recent_rate
 
 
@@ -67,6 +68,31 @@ def test_the_progress_of_a_run_is_what_the_program_counts(tmp_path):
         file.write(line_of(row(8))[30:] + "\n")
     tally.look(at_once=True)
     assert (tally.new, tally.recorded, tally.unfinished) == (4, 7, 2)
+
+
+def test_a_log_gets_lines_with_the_time_of_how_far_a_sweep_is(tmp_path, monkeypatch, capsys):
+    design = make_design(10)
+    write_journal(tmp_path, design, [row(0), failed(1)])
+    tally = Tally(tmp_path, read_records(tmp_path, design))
+    with display(tally) as show:  # a minute is not over
+        show()
+    assert capsys.readouterr().err == ""
+    monkeypatch.setenv(INTERVAL, "1e-9")
+    with display(tally) as show:
+        show()
+    first, last = capsys.readouterr().err.splitlines()
+    for line in (first, last):
+        assert re.fullmatch(
+            r"evolvent-sweep: \d{4}-\d\d-\d\d \d\d:\d\d:\d\d  2 of 10 cases, 1 did not finish, "
+            r"0 a second, \? left",
+            line,
+        )
+
+
+@pytest.mark.parametrize("interval", ["", "often", "0", "-1", "inf", "nan"])
+def test_an_interval_that_is_no_number_of_seconds_is_a_minute(monkeypatch, interval):
+    monkeypatch.setenv(INTERVAL, interval)
+    assert log_interval() == LINE_EACH == 60.0
 
 
 def test_reasons_that_differ_in_numbers_are_one_and_the_most_frequent_comes_first(tmp_path):

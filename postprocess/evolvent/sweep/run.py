@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import os
 import signal
 import subprocess
 import sys
@@ -23,7 +25,8 @@ from evolvent.sweep.program import started
 
 LOOKED = 0.25  # seconds between two looks at the journals
 A_LOOK = 0.1  # share of the time that looks may take
-LINE_EACH = 60.0  # seconds between two lines if nobody watches
+LINE_EACH = 60.0  # seconds between two lines if nobody watches, unless a variable says otherwise
+INTERVAL = "EVOLVENT_PROGRESS_INTERVAL"  # the variable; the program knows it, too
 FORWARDED = (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1)
 
 
@@ -164,11 +167,12 @@ def display(tally: Tally) -> Iterator[Callable[[], None]]:
         disable=not sys.stderr.isatty(),
     )
     task = bar.add_task(tally.pace, total=tally.total, completed=tally.recorded)
+    interval = log_interval()
     last_line = time.monotonic()
 
     def show(at_once: bool = False) -> None:
         nonlocal last_line
-        if bar.disable and time.monotonic() - last_line < LINE_EACH:
+        if bar.disable and time.monotonic() - last_line < interval:
             return
         tally.look(at_once)
         bar.update(task, completed=tally.recorded, description=tally.pace)
@@ -181,6 +185,16 @@ def display(tally: Tally) -> Iterator[Callable[[], None]]:
         show(at_once=True)
 
 
+def log_interval() -> float:
+    """Seconds between two lines of a log."""
+    try:
+        seconds = float(os.environ.get(INTERVAL, LINE_EACH))
+    except ValueError:
+        return LINE_EACH
+    return seconds if 0.0 < seconds < math.inf else LINE_EACH
+
+
 def progress_line(tally: Tally) -> str:
     """The progress in one line, for logs."""
-    return f"evolvent-sweep: {tally.recorded} of {tally.total} cases, {tally.pace}"
+    now = time.strftime("%Y-%m-%d %H:%M:%S")
+    return f"evolvent-sweep: {now}  {tally.recorded} of {tally.total} cases, {tally.pace}"
