@@ -1,47 +1,87 @@
-"""SI prefixes, so that axes and tables read 3.2 nm and not 3.2e-09 m."""
+"""Engineering units: axes and tables read 3.2 µm and 1500 rpm, not 3.2e-06 m and 157.08 rad/s."""
 
 from __future__ import annotations
 
 import math
 import re
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-PREFIXES = dict(
-    zip(range(-15, 15, 3), ("f", "p", "n", "µ", "m", "", "k", "M", "G", "T"), strict=True)
-)
 SUPERSCRIPTS = {2: "²", 3: "³", 4: "⁴"}
-# Units that take a prefix at their front; "kg" has one already and "1" has nothing to carry it.
-PREFIXABLE = ("m", "N", "Pa", "J", "rad", "s", "W")
+PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
+PREFIXES |= {"G": 1e9, "T": 1e12}
+SLACK = 1e-9  # 999.9999999 of one unit is better shown as 1 of the next
 
 
-def prefixed(values: ArrayLike, units: str) -> tuple[float, str]:
-    """Choose a prefix.
+class Unit(NamedTuple):
+    """One unit that values may be shown in."""
+
+    name: str  # as it is printed
+    factor: float  # from SI to it
+    least: float = 1.0  # it is taken if the largest value is at least so many of it
+
+
+def _with(prefixes: str, rest: str, **least: float) -> list[Unit]:
+    """Units that differ by their prefixes; a dot stands for none."""
+    names = [prefix.replace(".", "") for prefix in prefixes]
+    return [Unit(p + rest, 1.0 / PREFIXES[p], least.get(p or "none", 1.0)) for p in names]
+
+
+# The units of each SI unit, as a history writes it, from small to large.
+UNITS: dict[str, list[Unit]] = {
+    "m": _with("fpnµm.", "m", none=10.0),  # drawings are in mm
+    "m s-1": _with("pnµm.", "m/s"),
+    "m s-2": _with("pnµm.", "m/s²"),
+    "rad": [*_with("pnµm", "rad"), Unit("°", 180.0 / math.pi)],
+    "rad s-1": [*_with("pnµm", "rad/s"), Unit("rpm", 30.0 / math.pi)],
+    "rad s-2": _with("pnµm.k", "rad/s²"),
+    "s": _with("pnµm.", "s"),
+    "Hz": _with("µm.kM", "Hz"),
+    "N": _with("pnµm.kMG", "N"),
+    "N m": _with("pnµm.kMG", "N m"),
+    "N m-1": [Unit("N/m", 1.0), Unit("N/mm", 1e-3), Unit("N/µm", 1e-6)],
+    "N s m-1": _with("m.kM", "N s/m"),
+    "N m rad-1": _with("m.kMG", "N m/rad"),
+    "N m s rad-1": _with("µm.kM", "N m s/rad"),
+    "Pa": _with(".kMG", "Pa", G=10.0),  # contact pressures in MPa, moduli in GPa
+    "J": _with("pnµm.kMG", "J"),
+    "W": _with("pnµm.kMG", "W"),
+    "kg": [Unit("mg", 1e6), Unit("g", 1e3), Unit("kg", 1.0, 0.1)],
+    "kg m2": [Unit("kg mm²", 1e6), Unit("kg m²", 1.0, 0.1)],
+}
+
+
+def engineering(values: ArrayLike, units: str) -> tuple[float, str]:
+    """Choose the unit that values are shown in: the largest in which they are not below 1.
 
     Parameters
     ----------
-    values : what is to be shown, in `units`; the largest absolute value counts.
-    units : SI unit such as "m", "rad/s", "N m"; "1" if without.
+    values : what is to be shown together, in SI; the largest absolute value counts.
+    units : as the attribute `units` of a variable has it, such as "m", "rad s-1"; "1" if without.
 
     Returns
     -------
-    The factor that values are to be multiplied by, and the unit with its prefix. The factor is 1
-    for units that take none, for 0 and for what is no finite number.
+    The factor that values are to be multiplied by, and the unit; empty for "1". For values that
+    are 0, or no finite numbers, the SI unit if it is among those of the table, else the largest.
+    Units that the table does not have are left as they are.
     """
     sizes = np.abs(np.asarray(values, dtype=float))
     largest = float(sizes[np.isfinite(sizes)].max(initial=0.0))
-    exponent = 0
-    head = units.replace("/", " ").split()
-    if head and head[0] in PREFIXABLE and largest != 0.0:
-        # A little slack: 999.9999 of one unit is better shown as 1 of the next.
-        exponent = 3 * math.floor((math.log10(largest) + 1e-9) / 3)
-        exponent = min(max(exponent, min(PREFIXES)), max(PREFIXES))
-    return 10.0**-exponent, PREFIXES[exponent] + displayed(units)
+    known = UNITS.get(units)
+    if known is None:
+        return 1.0, displayed(units)
+    if largest == 0.0:
+        chosen = next((unit for unit in known if unit.factor == 1.0), known[-1])
+    else:
+        fits = [u for u in known if largest * u.factor >= u.least * (1.0 - SLACK)]
+        chosen = fits[-1] if fits else known[0]
+    return chosen.factor, chosen.name
 
 
 def displayed(units: str) -> str:
-    """Write a UDUNITS string as print has it: "kg m2 s-1" as kg·m²/s, "1" as nothing."""
+    """Write a UDUNITS string as print has it: "kg m2 s-1" as kg m²/s, "1" as nothing."""
     above: list[str] = []
     below: list[str] = []
     for factor in units.split():
@@ -51,15 +91,18 @@ def displayed(units: str) -> str:
         power = int(match[2] or 1)
         (above if power > 0 else below).append(match[1] + SUPERSCRIPTS.get(abs(power), ""))
     if not below:
-        return "·".join(above)
-    denominator = below[0] if len(below) == 1 else f"({'·'.join(below)})"
-    return f"{'·'.join(above) or '1'}/{denominator}"
+        return " ".join(above)
+    denominator = below[0] if len(below) == 1 else f"({' '.join(below)})"
+    return f"{' '.join(above) or '1'}/{denominator}"
 
 
 def quantity(value: float, units: str, digits: int = 6) -> str:
-    """Write a value with its prefixed unit, such as "65.4406 mm"; angles in degrees as well."""
-    if units == "1":
-        return f"{value:.{digits}g}"
-    factor, shown = prefixed(value, units)
-    text = f"{value * factor:.{digits}g} {shown}"
-    return f"{text} ({math.degrees(value):.{digits}g}°)" if units == "rad" else text
+    """Write a value in its engineering unit, such as "65.4406 mm", "45°", "1500 rpm"."""
+    factor, shown = engineering(value, units)
+    text = f"{value * factor:.{digits}g}"
+    return f"{text}{'' if shown in ('', '°') else ' '}{shown}"
+
+
+def axis_label(text: str, unit: str) -> str:
+    """Label of an axis or column: what, and its unit if it has one."""
+    return f"{text} [{unit}]" if unit else text

@@ -107,7 +107,7 @@ def test_normal_force_and_speeds_have_their_units(friction_run):
     force = normal_force(Run(friction_run.history))
     turning = speeds(Run(friction_run.history))
     assert force.axes[0].get_ylabel() == "normal force $F_n$ [N]"
-    assert turning.axes[0].get_ylabel() == r"angular velocity $\omega$ [mrad/s]"
+    assert turning.axes[0].get_ylabel() == r"angular velocity $\omega$ [rpm]"
     assert _texts(turning) == ["pinion", "gear"]
 
 

@@ -75,7 +75,7 @@ def test_every_figure_is_a_readable_image_with_a_text(page, friction_run):
         "energy balance",
         "torque balance",
         "65.4411 mm",  # the line of action
-        "131.259 mrad (7.52058°)",  # the working pressure angle
+        "7.52058°",  # the working pressure angle
         "differential",
         "tooth switch",
         "9,700",  # steps

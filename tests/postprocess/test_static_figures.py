@@ -34,7 +34,7 @@ def test_curves_close_the_cycle_in_micrometres():
 
 def test_stiffness_has_a_panel_for_secant_and_tangent():
     labels = [panel.get_ylabel() for panel in mesh_stiffness(Run(static_curves())).axes]
-    assert labels == ["secant $F/(h - h_0)$ [MN/m]", "tangent $dF/dh$ [MN/m]"]
+    assert labels == ["secant $F/(h - h_0)$ [N/µm]", "tangent $dF/dh$ [N/µm]"]
 
 
 @pytest.mark.parametrize("pitches", [1, 2, 7])

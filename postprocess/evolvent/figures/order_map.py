@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from evolvent.errors import USAGE, HistoryError
 from evolvent.figures.spectrum import described
 from evolvent.figures.style import STYLE
-from evolvent.units import prefixed
+from evolvent.units import engineering
 
 DARK = colormaps["magma_r"]  # its lightness falls steadily: it is read in grey as well
 DEPTH = 1e-3  # of the largest line: what lies below is as light as nothing
@@ -41,7 +41,7 @@ def draw_order_maps(
     first = maps[0][1]
     by_speed = not over_time and all(_is_monotonic(one["speed"].values) for _, one in maps)
     top = max(float(one["amplitude"][:, 1:].max()) for _, one in maps)
-    factor, unit = prefixed(top, str(first["amplitude"].attrs["units"]))
+    factor, unit = engineering(top, str(first["amplitude"].attrs["units"]))
     scale = LogNorm(DEPTH * top * factor, top * factor) if top > 0 else None
     with rc_context({**STYLE, "axes.grid": False}):
         figure = Figure(figsize=(7.5, 0.6 + 3.6 * len(maps)), layout="constrained")

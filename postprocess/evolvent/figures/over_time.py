@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evolvent.figures.style import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
-from evolvent.units import prefixed
+from evolvent.units import engineering
 
 # Events that a reader of the figures asks about, with their marks at the lower edge.
 EVENT_MARKS = {
@@ -78,7 +78,9 @@ def _draw(axis: Axes, panel: Panel) -> None:
         _peaks_within(curve, values) for curve, values in zip(panel.curves, shown, strict=True)
     ]
     heights = [value for curve in shown_peaks for _, value in curve]
-    factor, unit = prefixed(np.concatenate([heights, *(values.values for values in shown)]), units)
+    factor, unit = engineering(
+        np.concatenate([heights, *(values.values for values in shown)]), units
+    )
     for number, (curve, values) in enumerate(zip(panel.curves, shown, strict=True)):
         style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
         axis.plot(

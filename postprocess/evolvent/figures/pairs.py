@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from evolvent.figures.style import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
 from evolvent.history import require
 from evolvent.physics.teeth import pitches_passed
-from evolvent.units import prefixed
+from evolvent.units import engineering
 
 SHOWN_PITCHES = 6.0  # as many as can be told apart if no window is given
 SUM: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 4.0, "zorder": 1.5}
@@ -90,8 +90,8 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
     pressures = require(history, "pair_contact_pressure").values[:, mesh]
     on_path = require(history, "pair_on_path").values[:, mesh] > 0
     numbers = require(history, "pair_number").values[:, mesh]
-    load_factor, load_unit = prefixed(total, "N")
-    pressure_factor, pressure_unit = prefixed(pressures, "Pa")
+    load_factor, load_unit = engineering(total, "N")
+    pressure_factor, pressure_unit = engineering(pressures, "Pa")
     force.plot(x, total * load_factor, label="sum of all pairs", **SUM)
     coast_shown = False
     for place, name in enumerate(str(v) for v in history["pair"].values):

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from evolvent.errors import USAGE, HistoryError
 from evolvent.figures.style import ABOVE, LINES, STYLE
-from evolvent.units import prefixed
+from evolvent.units import engineering
 
 FEW = 60  # lines that stand each for itself; more are a curve
 MARKED = 12  # peaks of a curve
@@ -32,7 +32,7 @@ def draw_spectra(spectra: Sequence[tuple[str, xr.Dataset]]) -> Figure:
     over = _common_axis([spectrum for _, spectrum in spectra])
     first = spectra[0][1]
     tops = [float(spectrum["amplitude"][1:].max()) for _, spectrum in spectra]
-    factor, unit = prefixed(tops, str(first["amplitude"].attrs["units"]))
+    factor, unit = engineering(tops, str(first["amplitude"].attrs["units"]))
     top = max(max(tops), np.finfo(float).tiny)
     last = max(_last_shown(spectrum, over, HEIGHT * top) for _, spectrum in spectra)
     with rc_context(STYLE):

@@ -13,7 +13,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from evolvent.figures.style import ABOVE, LINES, STYLE
-from evolvent.units import prefixed
+from evolvent.units import engineering
 
 TORQUES = colormaps["viridis_r"]  # light to dark: a larger torque is darker
 MOST_NAMED = len(LINES)  # torques that a legend names; more get a bar of colours
@@ -33,9 +33,9 @@ def draw_curves(static: xr.Dataset, shown: Mapping[str, str]) -> Figure:
     with rc_context(STYLE):
         figure = Figure(figsize=(7.5, 1.2 + 3.0 * len(shown)), layout="constrained")
         panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-        factor, unit = prefixed(
+        factor, unit = engineering(
             np.concatenate([static[name].values.ravel() for name in shown]),
-            str(static[next(iter(shown))].attrs["units"]).replace("N m-1", "N/m"),
+            str(static[next(iter(shown))].attrs["units"]),
         )
         for panel, (name, label) in zip(panels, shown.items(), strict=True):
             x, values = closed_cycle(static, static[name].values)
@@ -94,7 +94,7 @@ def draw_harris(static: xr.Dataset) -> Figure:
     """
     torque = static["torque"].values
     spread = static["peak_to_peak_transmission_error"].values
-    factor, unit = prefixed(spread, "m")
+    factor, unit = engineering(spread, "m")
     curves = {"peak to peak": spread}
     for n in static["harmonic"].values[:SHOWN_HARMONICS]:
         curves[f"harmonic {n}, amplitude"] = static["harmonic_amplitude"].sel(harmonic=n).values

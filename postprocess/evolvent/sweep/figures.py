@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from evolvent.errors import USAGE, SweepError
 from evolvent.figures.style import ABOVE, LINES, STYLE
 from evolvent.sweep.journal import DONE, did_not_finish
-from evolvent.units import displayed, prefixed
+from evolvent.units import displayed, engineering
 
 MOST_LINES = 6  # of one figure; more cannot be told apart
 WIDE = 50.0  # ratio of the ends of a positive range that is drawn on a log axis
@@ -136,7 +136,7 @@ def _along(axis: Axes, which: str, summary: xr.Dataset, name: str) -> np.ndarray
         getattr(axis, f"set_{which}ticks")(range(len(texts)), texts.tolist())
         return np.asarray(numbers, dtype=float)
     units = str(summary[name].attrs.get("units", ""))
-    factor, shown = prefixed(values, units)
+    factor, shown = engineering(values, units)
     label = name.replace("_", " ") + (f" [{shown}]" if shown else "")
     scale = "log" if _is_wide(values) else "linear"
     axis.set(**{f"{which}label": label, f"{which}scale": scale})
@@ -153,7 +153,7 @@ def _is_wide(values: np.ndarray) -> bool:
 def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]:
     """Values of the cases that are done, NaN for the others, and the label."""
     values = np.where(summary["status"].values == DONE, result.values, np.nan)
-    factor, shown = prefixed(values, str(result.attrs.get("units", "1")))
+    factor, shown = engineering(values, str(result.attrs.get("units", "1")))
     label = str(result.attrs.get("long_name") or str(result.name).replace("_", " "))
     wrapped = "\n".join(textwrap.wrap(label, WIDEST_LABEL))
     return values * factor, f"{wrapped} [{shown}]" if shown else wrapped
