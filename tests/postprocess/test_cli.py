@@ -59,7 +59,12 @@ def test_version_is_shown(post):
         ("check",),
         ("compare", "a.h5"),
         ("plot", "a.h5", "--format", "gif"),
-        ("plot", "a.h5", "--quantity", "colour"),
+        ("plot",),
+        ("plot", "a.h5", "--mesh", "first"),
+        ("plot", "a.h5", "--quantity", "gap", "--select", "shaft"),
+        ("plot", "a.h5", "--quantity", "gap", "--over", "angle"),
+        ("plot", "a.h5", "--whole", "--from", "1"),
+        ("plot", "a.h5", "--last-pitches", "0"),
         ("plot", "a.h5", "--over-time"),
         ("animate", "a.h5", "--fps", "0"),
         ("animate", "a.h5", "--speed", "-1"),
@@ -164,8 +169,8 @@ def test_plot_tells_files_of_the_same_name_apart(post, smooth_run, tmp_path):
         (tmp_path / folder).mkdir()
         path = tmp_path / folder / "run.h5"
         files.append(write_history(path, smooth_run.history, smooth_run.events))
-    code, out, _ = post("plot", *files, "--quantity", "speeds")
-    assert (code, out.split()) == (0, ["one-run-speeds.png", "two-run-speeds.png"])
+    code, out, _ = post("plot", *files, "--quantity", "penetration")
+    assert (code, out.split()) == (0, ["one-run-penetration.png", "two-run-penetration.png"])
 
 
 def test_plot_refuses_the_same_file_twice(post, smooth_run):

@@ -70,7 +70,7 @@ def test_every_figure_of_the_table_draws_what_has_its_variables_and_names_one_th
 def test_penetration_figure_shows_both_lengths_in_nanometres(friction_run):
     history = friction_run.history
     figure = penetration(Run(history))
-    assert figure.axes[0].get_ylabel() == "length along the line of action [nm]"
+    assert figure.axes[0].get_ylabel() == "length [nm]"
     assert figure.axes[0].get_xlabel() == "time [s]"
     lines = _lines(figure)
     for label, name in (
@@ -107,12 +107,13 @@ def test_normal_force_and_speeds_have_their_units(friction_run):
     force = normal_force(Run(friction_run.history))
     turning = speeds(Run(friction_run.history))
     assert force.axes[0].get_ylabel() == "normal force $F_n$ [N]"
-    assert turning.axes[0].get_ylabel() == r"angular velocity $\omega$ [rpm]"
+    assert turning.axes[0].get_ylabel() == r"speed $\omega$ [rpm]"
     assert _texts(turning) == ["pinion", "gear"]
 
 
 def test_curves_differ_by_dashes_and_lightness(friction_run):
-    many = xr.concat([friction_run.history["angular_velocity"]] * 2, dim="wheel")
+    both = friction_run.history["angular_velocity"]
+    many = xr.concat([both, 2 * both], dim="wheel")
     history = xr.Dataset({"angular_velocity": many.assign_coords(wheel=list("abcd"))})
     lines = speeds(Run(history)).axes[0].lines
     assert len({str(line._unscaled_dash_pattern) for line in lines}) == 4

@@ -145,8 +145,9 @@ def test_sidebands_name_the_wheel_and_the_part_that_holds_its_turns(post, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--quantity", "colour"), "has no variable `colour` over time; there is"),
-        (("--quantity", "teeth"), "has no variable `teeth` over time; there is"),
+        (("--quantity", "colour"), "has no variable `colour` over time; no name is near"),
+        (("--quantity", "transmision_error"), "did you mean transmission_error"),
+        (("--quantity", "teeth"), "`teeth` is no variable over time"),
         (("--quantity", "angular_velocity"), "has 2 wheels; choose one by --wheel: pinion, gear"),
         (
             ("--quantity", "angular_velocity", "--wheel", "drum"),

@@ -11,9 +11,10 @@ import xarray as xr
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from evolvent.figures.style import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
-from evolvent.units import engineering
+from evolvent.figures.style import ABOVE, BELOW, MAX_MARKS, STYLE, legend, line_style
+from evolvent.units import axis_label, engineering
 
 # Events that a reader of the figures asks about, with their marks at the lower edge.
 EVENT_MARKS = {
@@ -25,16 +26,19 @@ EVENT_MARKS = {
     "sliding_ended": ("sliding ended", "x"),
 }
 PEAK = "extreme over the run"
+CROWDED = "too many to mark"
 MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
+FLAT = 2e-4  # of the size of the values: an axis shows at least so much, else ticks need 6 digits
+TALL, SMALL, FEW = 2.7, 2.1, 3  # heights of panels [inch], of few and of more
 
 
 @dataclass(frozen=True)
 class Curve:
     """One line of a figure."""
 
-    label: str
-    values: xr.DataArray  # dim (time)
-    style: int | None = None  # number in `LINES`; that of its place in the panel if None
+    label: str  # in the legend; the same label has the same style in all panels
+    values: xr.DataArray  # dim (time); drawn over its coordinate
+    style: int | None = None  # number for `line_style`; that of its label's turn if None
     peaks: Sequence[tuple[float, float]] = ()  # times [s] and values of the extremes, marked
 
 
@@ -42,60 +46,139 @@ class Curve:
 class Panel:
     """One pair of axes over time."""
 
-    ylabel: str
+    ylabel: str  # panels with the same have the same unit
     curves: list[Curve]
     title: str = ""  # shown if there are several panels
     events: xr.Dataset | None = None  # as from `open_events`; marked if given
     window: tuple[float, float] | None = None  # the times that are shown [s]; all if None
 
 
-def figure_over_time(panels: Sequence[Panel]) -> Figure:
+@dataclass(frozen=True)
+class Over:
+    """What panels are drawn over: the coordinate `time` of their curves and events."""
+
+    label: str = "time"
+    units: str = "s"
+
+
+TIME = Over()
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """Factor from SI and unit of an axis."""
+
+    factor: float
+    unit: str
+
+
+def figure_over_time(
+    panels: Sequence[Panel | None], columns: int = 1, over: Over = TIME, heading: str = ""
+) -> Figure:
     """Draw panels below each other, their curves named above and their events below.
 
     The panels share the time axis unless one of them shows a window of its own.
+
+    Parameters
+    ----------
+    panels : row by row; None leaves a place empty.
+    columns : panels beside each other.
+    heading : a line at the top.
     """
-    shared = all(panel.window is None for panel in panels)
+    there = [panel for panel in panels if panel is not None]
+    shared = all(panel.window is None for panel in there)
+    rows = -(-len(panels) // columns)
+    height = 1.9 + (TALL if rows <= FEW else SMALL) * rows
+    styles = _styles([curve for panel in there for curve in panel.curves])
     with rc_context(STYLE):
-        figure = Figure(figsize=(7.5, 1.9 + 2.7 * len(panels)), layout="constrained")
-        axes = figure.subplots(len(panels), 1, sharex=shared, squeeze=False)[:, 0]
-        marks: set[str] = set()
-        for axis, panel in zip(axes, panels, strict=True):
-            _draw(axis, panel)
+        figure = Figure(
+            figsize=(7.5 if columns == 1 else 4.7 * columns, height), layout="constrained"
+        )
+        share: Any = "col" if shared else False
+        grid = figure.subplots(rows, columns, sharex=share, squeeze=False).ravel()
+        marks: dict[str, Any] = {}
+        entries: dict[str, Any] = {}
+        for number, (axis, panel) in enumerate(
+            zip(grid, [*panels, *[None] * len(grid)], strict=False)
+        ):
+            if panel is None:
+                axis.set_visible(False)
+                continue
+            x = _x_scale(panels[number % columns :: columns] if shared else [panel], over.units)
+            y = _y_scale([other for other in there if other.ylabel == panel.ylabel])
+            _draw(axis, panel, x, y, styles)
             if panel.events is not None:
-                marks.update(_mark_events(axis, panel.events))
-            if panel.title and len(panels) > 1:
+                marks |= _mark_events(axis, panel.events, x.factor)
+            named = zip(*axis.get_legend_handles_labels(), strict=True)
+            entries |= {label: handle for handle, label in named if label not in {*marks, *entries}}
+            if panel.title and len(there) > 1:
                 axis.set_title(panel.title, loc="left", fontsize=12)
-            if axis is axes[-1] or not shared:
-                axis.set_xlabel("time [s]")
-        _legends(figure, list(axes), marks)
+            below = panels[number + columns :: columns]
+            if not shared or all(other is None for other in below):
+                axis.set_xlabel(axis_label(over.label, x.unit))
+                axis.tick_params(labelbottom=True)
+        if heading:
+            figure.suptitle(heading, x=0.01, ha="left", fontsize=11)
+        if PEAK in entries:
+            entries[PEAK] = entries.pop(PEAK)  # the last one
+        legend(figure, entries, ABOVE)
+        for label in [label for label in marks if label.startswith(CROWDED)]:
+            marks[label] = marks.pop(label)
+        legend(figure, marks, BELOW)
     return figure
 
 
-def _draw(axis: Axes, panel: Panel) -> None:
-    shown = [_within(curve.values, panel.window) for curve in panel.curves]
-    units = str(shown[0].attrs.get("units", "1"))
-    shown_peaks = [
-        _peaks_within(curve, values) for curve, values in zip(panel.curves, shown, strict=True)
+def _styles(curves: Sequence[Curve]) -> dict[str, int]:
+    """Number of the style of each label, in the order in which they come."""
+    labels = dict.fromkeys(curve.label for curve in curves if curve.style is None)
+    return {label: number for number, label in enumerate(labels)}
+
+
+def _x_scale(panels: Sequence[Panel | None], units: str) -> _Scale:
+    ends = [
+        curve.values["time"].values[[0, -1]] if panel.window is None else panel.window
+        for panel in panels
+        if panel is not None
+        for curve in panel.curves
+        if curve.values.size
     ]
-    heights = [value for curve in shown_peaks for _, value in curve]
-    factor, unit = engineering(
-        np.concatenate([heights, *(values.values for values in shown)]), units
-    )
-    for number, (curve, values) in enumerate(zip(panel.curves, shown, strict=True)):
-        style = LINES[(number if curve.style is None else curve.style) % len(LINES)]
-        axis.plot(
-            *_thinned(values["time"].values, values.values * factor), label=curve.label, **style
-        )
-    for line, places in zip(list(axis.lines), shown_peaks, strict=True):
-        _mark_peaks(axis, places, factor, line.get_color())
-    axis.set_ylabel(f"{panel.ylabel} [{unit}]" if unit else panel.ylabel)
-    times = [values["time"].values for values in shown if values.size]
-    if times:
-        begin, end = min(t[0] for t in times), max(t[-1] for t in times)
-        if begin < end:
-            axis.set_xlim(begin, end)
+    return _Scale(*engineering(np.array(ends), units))
+
+
+def _y_scale(panels: Sequence[Panel]) -> _Scale:
+    curves = [(curve, panel.window) for panel in panels for curve in panel.curves]
+    units = str(curves[0][0].values.attrs.get("units", "1"))
+    shown = [_within(curve.values, window) for curve, window in curves]
+    heights = [
+        value
+        for (curve, _), values in zip(curves, shown, strict=True)
+        for _, value in _peaks_within(curve, values)
+    ]
+    return _Scale(*engineering(np.concatenate([heights, *(v.values for v in shown)]), units))
+
+
+def _draw(axis: Axes, panel: Panel, x: _Scale, y: _Scale, styles: dict[str, int]) -> None:
+    begin, end = np.inf, -np.inf
+    for curve in panel.curves:
+        values = _within(curve.values, panel.window)
+        style = line_style(styles[curve.label] if curve.style is None else curve.style)
+        if values.dtype.kind in "iub":  # holds from one output to the next
+            style["drawstyle"] = "steps-post"
+            axis.yaxis.set_major_locator(MaxNLocator(nbins="auto", integer=True))
+        times = values["time"].values * x.factor
+        axis.plot(*_thinned(times, values.values * y.factor), label=curve.label or "_", **style)
+        places = [(t * x.factor, v * y.factor) for t, v in _peaks_within(curve, values)]
+        _mark_peaks(axis, places, style["color"])
+        if times.size:
+            begin, end = min(begin, times.min()), max(end, times.max())
+    axis.set_ylabel(axis_label(panel.ylabel, y.unit))
+    if begin < end:
+        axis.set_xlim(begin, end)
     axis.margins(y=0.08)
-    axis.ticklabel_format(useOffset=False)
+    low, high = axis.get_ylim()
+    middle = (low + high) / 2
+    if high - low < FLAT * abs(middle):
+        axis.set_ylim(middle - FLAT / 2 * abs(middle), middle + FLAT / 2 * abs(middle))
 
 
 def _peaks_within(curve: Curve, shown: xr.DataArray) -> list[tuple[float, float]]:
@@ -104,14 +187,12 @@ def _peaks_within(curve: Curve, shown: xr.DataArray) -> list[tuple[float, float]
     return [peak for peak in curve.peaks if times.size and times[0] <= peak[0] <= times[-1]]
 
 
-def _mark_peaks(
-    axis: Axes, places: Sequence[tuple[float, float]], factor: float, color: Any
-) -> None:
+def _mark_peaks(axis: Axes, places: Sequence[tuple[float, float]], color: Any) -> None:
     """Mark where the extremes over the run were reached, though no output lies there."""
     if places:
         axis.plot(
             [time for time, _ in places],
-            [value * factor for _, value in places],
+            [value for _, value in places],
             linestyle="none",
             marker="D",
             markersize=7,
@@ -128,13 +209,15 @@ def _within(values: xr.DataArray, window: tuple[float, float] | None) -> xr.Data
     return values if window is None else values.sel(time=slice(*window))
 
 
-def _mark_events(axis: Axes, events: xr.Dataset) -> list[str]:
-    """Mark events at the lower edge; return the labels of the marks."""
+def _mark_events(axis: Axes, events: xr.Dataset, factor: float) -> dict[str, Any]:
+    """Mark events at the lower edge; return the marks by label."""
     begin, end = axis.get_xlim()
-    inside = (events["time"].values >= begin) & (events["time"].values <= end)
-    labels, crowded = [], []
+    when = events["time"].values * factor
+    inside = (when >= begin) & (when <= end)
+    marks: dict[str, Any] = {}
+    crowded = []
     for kind, (label, marker) in EVENT_MARKS.items():
-        times = events["time"].values[inside & (events["kind"].values == kind)]
+        times = when[inside & (events["kind"].values == kind)]
         if times.size > MAX_MARKS:
             crowded.append(f"{times.size} of {label}")
             continue
@@ -143,7 +226,7 @@ def _mark_events(axis: Axes, events: xr.Dataset) -> list[str]:
         if kind.startswith("tooth_switch"):
             for time in times:
                 axis.axvline(time, color="#999999", linewidth=0.8, linestyle=":", zorder=0.5)
-        axis.plot(
+        (marks[label],) = axis.plot(
             times,
             np.full(times.size, 0.025),
             marker,
@@ -151,38 +234,29 @@ def _mark_events(axis: Axes, events: xr.Dataset) -> list[str]:
             color="#555555",
             markersize=5,
             markerfacecolor="#bbbbbb",
+            clip_on=False,
+            zorder=2.5,
             label=label,
         )
-        labels.append(label)
     if crowded:
-        labels.append(f"too many to mark: {', '.join(crowded)}")
-        axis.plot([], [], " ", label=labels[-1])
-    return labels
-
-
-def _legends(figure: Figure, axes: list[Axes], marks: set[str]) -> None:
-    """Name the curves above the panels and the events below, where they hide nothing."""
-    entries: dict[str, Any] = {}
-    for axis in axes:
-        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    curves = [label for label in entries if label not in marks]
-    for place, labels in ((ABOVE, curves), (BELOW, [label for label in entries if label in marks])):
-        if labels:
-            handles = [entries[label] for label in labels]
-            figure.legend(handles, labels, loc=place, ncols=4, columnspacing=1.4)
+        label = f"{CROWDED}: {', '.join(crowded)}"
+        (marks[label],) = axis.plot([], [], " ", label=label)
+    return marks
 
 
 def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Keep the smallest and the largest value of each of equal blocks if there are too many."""
-    if values.size <= MAX_POINTS:
+    finite = np.isfinite(values)
+    if values.size <= MAX_POINTS or not finite.any():
         return time, values
     block = -(-values.size // (MAX_POINTS // 2))
     starts = np.arange(0, values.size, block)
-    finite = np.where(np.isfinite(values), values, values[np.isfinite(values)][0])
-    low = [s + int(np.argmin(finite[s : s + block])) for s in starts]
-    high = [s + int(np.argmax(finite[s : s + block])) for s in starts]
-    kept = np.unique(np.concatenate([low, high, [0, values.size - 1]]))
+    known = np.where(finite, values, values[finite][0])
+    low = [s + int(np.argmin(known[s : s + block])) for s in starts]
+    high = [s + int(np.argmax(known[s : s + block])) for s in starts]
+    broken = [s for s in starts if not finite[s : s + block].all()]
+    gaps = [s + int(np.argmin(finite[s : s + block])) for s in broken]  # stay gaps
+    kept = np.unique([*low, *high, *gaps, 0, values.size - 1])
     return time[kept], values[kept]
 
 

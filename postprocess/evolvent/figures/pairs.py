@@ -10,10 +10,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.figures.style import ABOVE, BELOW, LINES, MAX_MARKS, STYLE
+from evolvent.figures.style import BELOW, MAX_MARKS, STYLE, legend, line_style
 from evolvent.history import require
 from evolvent.physics.teeth import pitches_passed
-from evolvent.units import engineering
+from evolvent.units import axis_label, engineering
 
 SHOWN_PITCHES = 6.0  # as many as can be told apart if no window is given
 SUM: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 4.0, "zorder": 1.5}
@@ -36,6 +36,14 @@ def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
     wheel = int(require(history, "driving_wheel")[mesh])
     sigma = int(require(history, "flank")[mesh])
     return -sigma * require(history, "angle").isel(wheel=wheel)
+
+
+def on_their_path(history: xr.Dataset, name: str) -> xr.DataArray:
+    """Return a variable; of one of tooth pairs what belongs to pairs on the path, else NaN."""
+    values = require(history, name)
+    if "pair" not in values.dims or "pair_on_path" not in history or name == "pair_on_path":
+        return values
+    return values.where(history["pair_on_path"] > 0).assign_attrs(values.attrs)
 
 
 def draw_pairs(
@@ -62,8 +70,9 @@ def draw_pairs(
             name = str(history["mesh"].values[mesh])
             driving = str(history["wheel"].values[int(require(history, "driving_wheel")[mesh])])
             if over_time:
-                x = history["time"].values
-                pressure.set_xlabel("time [s]")
+                factor, unit = engineering(history["time"].values, "s")
+                x = history["time"].values * factor
+                pressure.set_xlabel(axis_label("time", unit))
             else:
                 x = np.degrees(roll_angle(history, mesh).values)
                 pressure.set_xlabel(f"roll angle of {driving} [°]")
@@ -71,15 +80,14 @@ def draw_pairs(
             if events is not None:
                 marks.update(_mark_changes(force, history, events, mesh, x))
             entries = zip(*force.get_legend_handles_labels(), strict=True)
-            named: Any = zip(*(entry for entry in entries if entry[1] not in marks), strict=True)
+            named = {label: handle for handle, label in entries if label not in marks}
             if n > 1:
                 force.set_title(f"mesh {name}", loc="left", fontsize=12, fontweight="bold")
                 place: Any = {"bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
-                force.legend(*named, loc="lower right", ncols=2, **place)
+                force.legend(named.values(), named, loc="lower right", ncols=2, **place)
             else:
-                figure.legend(*named, loc=ABOVE, ncols=3)
-        if marks:
-            figure.legend(list(marks.values()), list(marks), loc=BELOW, ncols=2)
+                legend(figure, named)
+        legend(figure, marks, BELOW)
     return figure
 
 
@@ -97,7 +105,7 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
     for place, name in enumerate(str(v) for v in history["pair"].values):
         kind, slot = name.rsplit("_", 1)
         coast = kind == "coast"
-        style: Any = LINES[int(slot) % len(LINES)]
+        style: Any = line_style(int(slot))
         seen = on_path[:, place]
         if not seen.any() or (coast and not (loads[:, place] > 0).any()):
             continue
@@ -118,7 +126,6 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
     pressure.set_ylabel(f"contact\npressure [{pressure_unit}]")
     for axis in (force, pressure):
         axis.set_ylim(bottom=0.0)
-        axis.ticklabel_format(useOffset=False)
     # room for the marks of entry and exit above the curves
     force.set_ylim(top=1.12 * force.get_ylim()[1])
     if x.size > 1 and x.min() < x.max():
@@ -148,6 +155,7 @@ def _mark_changes(
             color="#333333",
             markerfacecolor="#ffffff" if marker == "^" else "#333333",
             markersize=6,
+            clip_on=False,
             label=label,
         )
     return marks

@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
+import math
+import textwrap
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
-# Told apart by lightness and by dashes, so that they survive a grey printer.
+# Told apart by colour, by lightness and by dashes, so that they survive a grey printer.
 LINES: tuple[dict[str, Any], ...] = (
     {"color": "#10243e", "linestyle": "-"},
     {"color": "#d1681c", "linestyle": (0, (5, 2))},
     {"color": "#3f8fc4", "linestyle": (0, (1.2, 1.2))},
     {"color": "#7a9a2b", "linestyle": (0, (6, 1.5, 1.2, 1.5))},
     {"color": "#b78bc0", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+    {"color": "#8c1c3a", "linestyle": (0, (9, 3))},
+    {"color": "#17806d", "linestyle": (0, (2.6, 1.4))},
+    {"color": "#d0a41e", "linestyle": (0, (8, 1.4, 1.2, 1.4, 1.2, 1.4))},
 )
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+MOST_STYLES = len(LINES) * (1 + len(MARKERS))
 STYLE: dict[Any, Any] = {
     "font.size": 12,
     "axes.labelsize": 12,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.use_mathtext": True,
     "legend.fontsize": 11,
     "axes.grid": True,
     "grid.color": "#dddddd",
@@ -32,6 +45,11 @@ STYLE: dict[Any, Any] = {
 ABOVE: Any = "outside upper left"
 BELOW: Any = "outside lower left"
 MAX_MARKS = 40  # of one kind of event; more would run into each other and hide the curves
+MOST_COLUMNS = 5  # of a legend
+WIDEST = 60  # letters of a line of a legend; longer ones go on below
+FEW_DECADES = 1.7  # of a logarithmic axis: 2 and 5 have ticks as well
+PART_OF_DECADE = 0.7  # of one that has even ticks
+PLAIN = (1e-4, 1e5)  # numbers at ticks that are written without a power of ten
 
 
 class Format(StrEnum):
@@ -40,6 +58,64 @@ class Format(StrEnum):
     PNG = "png"
     SVG = "svg"
     PDF = "pdf"
+
+
+def line_style(number: int) -> dict[str, Any]:
+    """Style of one of several curves; no two numbers below `MOST_STYLES` have the same.
+
+    The first have colours and dashes, those after them markers besides.
+    """
+    turn, place = divmod(number, len(LINES))
+    if turn == 0:
+        return dict(LINES[place])
+    marker = {"marker": MARKERS[(turn - 1) % len(MARKERS)], "markerfacecolor": "white"}
+    # Markers of neighbours stand beside each other, not on top.
+    return {**LINES[place], **marker, "markersize": 5.5, "markevery": (place / 100.0, 0.1)}
+
+
+def legend(figure: Figure, entries: Mapping[str, Any], place: Any = ABOVE) -> None:
+    """Name lines outside of the panels, in as many columns as the figure is wide enough for.
+
+    Parameters
+    ----------
+    entries : handles by their labels.
+    """
+    if not entries:
+        return
+    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    labels = [textwrap.fill(label, WIDEST) for label in entries]
+    widest = 0.98 * figure.get_figwidth() * figure.dpi
+    for columns in range(min(MOST_COLUMNS, len(labels)), 0, -1):
+        made = figure.legend(
+            list(entries.values()), labels, loc=place, ncols=columns, columnspacing=1.4
+        )
+        if columns == 1 or made.get_window_extent(renderer).width <= widest:
+            return
+        made.remove()
+
+
+def log_ticks(axis: Axis) -> None:
+    """Give a logarithmic axis ticks with numbers, however short it is; its limits are set."""
+    low, high = sorted(axis.get_view_interval())
+    decades = math.log10(high / low)
+    axis.set_minor_formatter(NullFormatter())
+    if decades <= PART_OF_DECADE:
+        axis.set_major_locator(MaxNLocator(5))
+        axis.set_minor_locator(NullLocator())
+    else:
+        subs = (1.0, 2.0, 5.0) if decades <= FEW_DECADES else (1.0,)
+        axis.set_major_locator(LogLocator(subs=subs, numticks=12))
+        axis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=99))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: _log_number(value)))
+
+
+def _log_number(value: float) -> str:
+    if PLAIN[0] <= value <= PLAIN[1]:
+        return f"{value:.6g}"
+    exponent = math.floor(math.log10(value) + 1e-9)
+    front = value / 10.0**exponent
+    power = f"10^{{{exponent}}}"
+    return f"${power}$" if abs(front - 1.0) < 1e-9 else f"${front:.4g} \\times {power}$"
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -7,15 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
 
 from evolvent.errors import HistoryError
 from evolvent.figures.campbell import draw_campbell
+from evolvent.figures.on_path import draw_on_path
 from evolvent.figures.order_map import draw_order_maps
-from evolvent.figures.over_time import Curve, Panel, figure_over_time, of_mesh
 from evolvent.figures.pairs import draw_pairs, last_pitches
+from evolvent.figures.quantities import draw_quantities
 from evolvent.figures.spectrum import draw_spectra
 from evolvent.figures.static import draw_curves, draw_harris, draw_sharing
 from evolvent.history import (
@@ -29,7 +31,6 @@ from evolvent.history import (
     result_kind,
     source_name,
 )
-from evolvent.physics.extremes import peaks
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class Drawing:
     function: Callable[..., Figure]
     of: str = HISTORY  # kind of the files
     many: str = ""  # dimension that must be longer than 1
+    chooses: bool = False  # takes a choice of meshes and so on, and what to draw over
 
     def fits(self, run: Run) -> bool:
         """Whether it has anything to show of a run."""
@@ -62,7 +64,7 @@ class Drawing:
             not self.many or run.history.sizes[self.many] > 1
         )
 
-    def __call__(self, *runs: Run, **options: bool) -> Figure:
+    def __call__(self, *runs: Run, **options: Any) -> Figure:
         """Draw; a variable that is missing is named."""
         for run in runs:
             if not self.fits(run):
@@ -86,6 +88,7 @@ def figure(
     by_default: bool = True,
     of: str = HISTORY,
     many: str = "",
+    chooses: bool = False,
 ) -> Callable[[Callable[..., Figure]], Drawing]:
     """Put a function into the table under its name.
 
@@ -94,7 +97,9 @@ def figure(
 
     def put(function: Callable[..., Figure]) -> Drawing:
         name = function.__name__
-        FIGURES[name] = Drawing(name, text, needs, title, together, by_default, function, of, many)
+        FIGURES[name] = Drawing(
+            name, text, needs, title, together, by_default, function, of, many, chooses
+        )
         return FIGURES[name]
 
     return put
@@ -105,50 +110,42 @@ def figure(
     "transmission_error",
     "penetration",
     title="Transmission error and penetration",
+    chooses=True,
 )
-def penetration(run: Run) -> Figure:
+def penetration(run: Run, **choice: Any) -> Figure:
     """Draw transmission error Delta and penetration h [m], one panel a mesh.
 
     Source: Kosenko & Gusev 2011, Figure 3.
     """
-    shown = {"transmission_error": r"transmission error $\Delta$", "penetration": "penetration $h$"}
-    return _panels(
-        "length along the line of action",
-        [run],
-        lambda mesh: [_curve(run, name, mesh, label) for name, label in shown.items()],
-    )
+    return draw_quantities([run], penetration.needs, **choice)
 
 
-@figure("transmission errors of all histories over time", "transmission_error", together=True)
-def transmission_error(runs: Sequence[Run]) -> Figure:
-    """Draw the transmission error Delta of several runs together [m], one panel a mesh.
+@figure(
+    "transmission errors of all histories over time",
+    "transmission_error",
+    together=True,
+    chooses=True,
+)
+def transmission_error(runs: Sequence[Run], **choice: Any) -> Figure:
+    """Draw the transmission error Delta of several runs [m], one panel a mesh.
 
     The events of a single one are marked.   Source: Kosenko & Gusev 2011, (19) and Figure 4.
     """
-    if len({run.history.sizes["mesh"] for run in runs}) > 1:
-        raise HistoryError("the histories have different numbers of meshes; draw each alone")
-    return _panels(
-        r"transmission error $\Delta$",
-        runs,
-        lambda mesh: [_curve(run, "transmission_error", mesh, run.label) for run in runs],
-    )
+    return draw_quantities(runs, transmission_error.needs, **choice)
 
 
-@figure("normal force over time", "normal_force", title="Normal force")
-def normal_force(run: Run) -> Figure:
-    """Draw the normal force F_n of every mesh [N]."""
-    names = run.history["mesh"].values
-    curves = [_curve(run, "normal_force", m, str(name)) for m, name in enumerate(names)]
-    return figure_over_time([Panel("normal force $F_n$", curves, events=run.events)])
+@figure(
+    "normal forces over time", "normal_force", title="Normal force", together=True, chooses=True
+)
+def normal_force(runs: Sequence[Run], **choice: Any) -> Figure:
+    """Draw the normal force F_n of every mesh [N], one panel a mesh."""
+    return draw_quantities(runs, normal_force.needs, **choice)
 
 
-@figure("speeds over time", "angular_velocity", title="Speeds")
-def speeds(run: Run) -> Figure:
-    """Draw the angular velocity of every wheel [rad/s]."""
-    speed = run.history["angular_velocity"]
-    names = run.history["wheel"].values
-    curves = [Curve(str(name), speed.isel(wheel=w)) for w, name in enumerate(names)]
-    return figure_over_time([Panel(r"angular velocity $\omega$", curves, events=run.events)])
+@figure("speeds over time", "angular_velocity", title="Speeds", together=True, chooses=True)
+def speeds(runs: Sequence[Run], **choice: Any) -> Figure:
+    """Draw the angular velocity of every wheel [rad/s]; wheels that turn alike are one line."""
+    return draw_quantities(runs, speeds.needs, **choice)
 
 
 @figure(
@@ -161,6 +158,26 @@ def pairs(run: Run, over_time: bool = False) -> Figure:
     """Draw the load of each tooth pair; of a whole run in its last pitches."""
     history = last_pitches(run.history) if run.is_whole else run.history
     return draw_pairs(history, run.events, over_time)
+
+
+@figure(
+    "load of tooth pairs along the path of contact, by roll angle",
+    "pair_normal_force",
+    "pair_contact_pressure",
+    "pair_position",
+    title="Tooth pairs along the path of contact",
+    together=True,
+    by_default=False,
+)
+def path(runs: Sequence[Run], meshes: Sequence[str] = ()) -> Figure:
+    """Draw the load of tooth pairs on their way; of a whole run in its last pitches."""
+    return along_path(runs, path.needs[:2], meshes)
+
+
+def along_path(runs: Sequence[Run], names: Sequence[str], meshes: Sequence[str] = ()) -> Figure:
+    """Draw variables of tooth pairs along the path; of a whole run in its last pitches."""
+    shown = [(r.label, last_pitches(r.history) if r.is_whole else r.history) for r in runs]
+    return draw_on_path(shown, names, meshes)
 
 
 @figure(
@@ -246,18 +263,3 @@ def campbell(run: Run) -> Figure:
     Source: W. Campbell 1924, who looked for the speeds at which turbine discs ring.
     """
     return draw_campbell(run.history)
-
-
-def _panels(label: str, runs: Sequence[Run], curves: Callable[[int], list[Curve]]) -> Figure:
-    history = runs[0].history
-    events = runs[0].events if len(runs) == 1 else None
-    return figure_over_time(
-        [
-            Panel(label, curves(mesh), f"mesh {name}", of_mesh(events, mesh))
-            for mesh, name in enumerate(history["mesh"].values)
-        ]
-    )
-
-
-def _curve(run: Run, name: str, mesh: int, label: str) -> Curve:
-    return Curve(label, run.history[name].isel(mesh=mesh), peaks=peaks(run.history, name, mesh))

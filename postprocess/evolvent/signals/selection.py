@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 
 import numpy as np
 import xarray as xr
@@ -10,6 +11,7 @@ import xarray as xr
 from evolvent.errors import USAGE, HistoryError
 from evolvent.history import source_name
 
+MOST_NEAR = 6  # names that a refusal tells
 PLURALS = {"mesh": "meshes", "axis": "axes", "space": "axes"}
 OPTIONS = {"mesh": "--mesh", "wheel": "--wheel", "pair": "--pair", "axis": "--axis"}
 OPTIONS |= {"space": "--axis"}  # both have x and y; the option knows no difference
@@ -35,20 +37,16 @@ def select(history: xr.Dataset, quantity: str, chosen: Mapping[str, str]) -> xr.
         No such variable or name, or one that has to be chosen; the message lists what there is.
     """
     label = source_name(history)
-    if quantity not in history.data_vars or "time" not in history[quantity].dims:
-        raise HistoryError(
-            f"{label}: has no variable `{quantity}` over time; there is "
-            f"{', '.join(over_time(history))}",
-            USAGE,
-        )
+    if quantity not in over_time(history):
+        raise HistoryError(f"{label}: {unknown(history, quantity)}", USAGE)
     values = history[quantity]
     left = dict(chosen)
     places = []
     for dim in [str(dim) for dim in values.dims if dim != "time"]:
         key = "axis" if dim == "space" and "space" not in left else dim
         name = left.pop(key, None)
-        index = _index(label, values, dim, name)
-        places.append(f"{dim} {_names(values, dim)[index]}")
+        index = index_of(label, values, dim, name)
+        places.append(f"{dim} {names_along(values, dim)[index]}")
         values = values.isel({dim: index})
     if left:
         dim = next(iter(left))
@@ -69,14 +67,41 @@ def over_time(history: xr.Dataset) -> list[str]:
     ]
 
 
-def _names(values: xr.DataArray, dim: str) -> list[str]:
+def unknown(history: xr.Dataset, quantity: str, more: Sequence[str] = ()) -> str:
+    """Say that a history has no such variable over time, and which names are near.
+
+    Parameters
+    ----------
+    more : other names that would do.
+    """
+    if quantity in history.variables:
+        return f"`{quantity}` is no variable over time; evolvent-post report shows what is constant"
+    near = get_close_matches(quantity, [*over_time(history), *more], 4, 0.5)
+    parts = [name for name in over_time(history) if quantity in name]
+    found = list(dict.fromkeys([*near, *parts]))[:MOST_NEAR]
+    hint = f"did you mean {', '.join(found)}?" if found else "no name is near"
+    return (
+        f"has no variable `{quantity}` over time; {hint} "
+        f"(evolvent-post plot {source_name(history)} --list shows all)"
+    )
+
+
+def names_along(values: xr.DataArray, dim: str) -> list[str]:
+    """Names along a dimension; numbers if it has none."""
     if dim in values.coords:
         return [str(name) for name in values[dim].values]
     return [str(i) for i in range(values.sizes[dim])]
 
 
-def _index(label: str, values: xr.DataArray, dim: str, name: str | None) -> int:
-    names = _names(values, dim)
+def index_of(label: str, values: xr.DataArray, dim: str, name: str | None) -> int:
+    """Place of a name along a dimension; of the only one if none is asked for.
+
+    Raises
+    ------
+    HistoryError
+        No such name, or one that has to be chosen; the message lists what there is.
+    """
+    names = names_along(values, dim)
     if name in names:
         return names.index(name)
     if name is not None:

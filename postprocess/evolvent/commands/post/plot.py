@@ -3,117 +3,306 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+import xarray as xr
 from matplotlib.figure import Figure
+from rich.markup import escape
 from rich.table import Table
 
-from evolvent.commands.post.common import Files, labels, open_with_warning
+from evolvent.commands.post.common import complain, labels, open_with_warning
 from evolvent.commands.program import new_console, option
 from evolvent.errors import USAGE, HistoryError, writing
+from evolvent.figures.pairs import last_pitches
+from evolvent.figures.quantities import X, draw_quantities
 from evolvent.figures.style import Format, save
-from evolvent.figures.table import FIGURES, Run, pairs
+from evolvent.figures.table import FIGURES, Drawing, Run, along_path, pairs, path
 from evolvent.history import DRAWN, HISTORY, WHAT, open_events, result_kind
+from evolvent.signals.selection import over_time as variables_over_time
+from evolvent.signals.selection import unknown
+from evolvent.units import displayed
 
-Quantity = StrEnum("Quantity", list(FIGURES))  # type: ignore[misc]  # its members are a table
+Names = list[str] | None
+WIDE = 240  # letters of a line of a list that a script reads
 
 
-def _list(wanted: bool) -> None:
-    """Print the table of the figures instead of drawing."""
-    if not wanted:
-        return
-    table = Table("quantity", "what is drawn", "of the variables", box=None)
-    for row in FIGURES.values():
-        name = row.name if row.by_default else f"{row.name} (if asked for)"
-        table.add_row(name, row.text, ", ".join(row.needs))
-    new_console().print(table)
-    raise typer.Exit
+class Over(StrEnum):
+    """What is drawn over."""
+
+    TIME = "time"
+    ROLL_ANGLE = "roll-angle"
+    PATH = "path"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What of the quantities is drawn, and over what."""
+
+    names: dict[str, list[str]]  # by dimension
+    over: Over | None
+
+    def __bool__(self) -> bool:
+        return bool(self.names) or self.over is not None
+
+    def options(self) -> str:
+        """The options that made it, as they are written."""
+        given = [f"--{dim}" for dim in self.names] + (["--over"] if self.over is not None else [])
+        return ", ".join(given)
 
 
 def plot(
-    files: Files,
+    files: Annotated[
+        list[Path] | None, typer.Argument(metavar="FILE", help="Histories (.h5).")
+    ] = None,
     output: Annotated[Path, option("-o --output DIR", "Folder for the figures.")] = Path(),
     file_format: Annotated[Format, option("--format", "File format.")] = Format.PNG,
     quantities: Annotated[
-        list[Quantity] | None,
+        Names,
         option(
-            "--quantity",
-            "What to draw; may be repeated. All that fit the file, but pairs, if not given.",
+            "--quantity NAME[,NAME]",
+            "What to draw: a picture or any variable over time (--list tells them), several in one "
+            "picture with commas; may be repeated. The usual pictures if not given.",
+        ),
+    ] = None,
+    mesh: Annotated[Names, option("--mesh NAME", "Only this mesh; may be repeated.")] = None,
+    wheel: Annotated[Names, option("--wheel NAME", "Only this wheel; may be repeated.")] = None,
+    pair: Annotated[
+        Names, option("--pair NAME", "Only this place for tooth pairs, as drive_0.")
+    ] = None,
+    axis: Annotated[Names, option("--axis NAME", "Only this axis: x, y, z.")] = None,
+    others: Annotated[
+        Names, option("--select DIM=NAME", "Any other dimension, such as shaft=input.")
+    ] = None,
+    over: Annotated[
+        Over | None,
+        option(
+            "--over",
+            "Draw over time, over the roll angle of the driving wheel since the start, or, of "
+            "tooth pairs, along the path of contact from its start to its end.",
         ),
     ] = None,
     begin: Annotated[
-        float, option("--from TIME", "First time drawn [s]; else the first.", show_default=False)
+        float, option("--from TIME", "First time drawn [s].", show_default=False)
     ] = -math.inf,
     end: Annotated[
-        float, option("--to TIME", "Last time drawn [s]; else the last.", show_default=False)
+        float, option("--to TIME", "Last time drawn [s].", show_default=False)
     ] = math.inf,
+    last: Annotated[
+        float | None,
+        option("--last-pitches N", "Draw the last N pitches of the fastest teeth.", min=0.01),
+    ] = None,
+    whole: Annotated[
+        bool,
+        option("--whole", "Draw the whole run, though it has a window (simulation.numbers)."),
+    ] = False,
     with_pairs: Annotated[
         bool,
         option(
-            "--pairs",
-            "Draw the load of each tooth pair over the roll angle of the driving wheel: of "
-            "the last 6 pitches, unless --from or --to is given.",
+            "--pairs", "The same as --quantity pairs: of the last 6 pitches if none are chosen."
         ),
     ] = False,
     over_time: Annotated[bool, option("--over-time", "With --pairs: over time.")] = False,
-    _: Annotated[
-        bool, option("--list", "List the figures instead.", callback=_list, is_eager=True)
+    only_list: Annotated[
+        bool, option("--list", "List pictures, and all variables of the files, instead.")
     ] = False,
 ) -> None:
-    """Draw quantities over time; the transmission errors of all files come in one figure.
+    """Draw quantities over time, the roll angle or the path of contact; several histories in one.
 
     Of a static analysis: over the mesh cycle and over the torque.
 
     \b
+    A run with a window for its numbers shows that window, without what comes before.
+    Histories with the same wheels lie on top of each other, others beside each other.
     The figures are named after the histories, as in paper-penetration.png.
     Example:
       evolvent-post plot paper.h5 -o figures
+      evolvent-post plot paper.h5 --list
       evolvent-post plot paper.h5 paper-friction.h5 --quantity transmission_error --format pdf
-      evolvent-post plot paper.h5 --from 2.5 --to 2.7
-      evolvent-post plot spur-pair.h5 --pairs
+      evolvent-post plot paper.h5 --from 2.5 --to 2.7 --quantity friction_force,normal_force
+      evolvent-post plot two-stage-gears.h5 --quantity bearing_force --wheel gear-1 --axis x
+      evolvent-post plot spur-pair.h5 --quantity path --quantity pairs
+      evolvent-post plot spur-pair.h5 --quantity pair_sliding_velocity --over path
       evolvent-post plot spur-pair-static.h5
     """  # noqa: D301 - \b keeps click from filling the lines
-    asked = [str(q) for q in quantities or ()]
-    asked += [pairs.name] if with_pairs and pairs.name not in asked else []
-    if over_time and pairs.name not in asked:
+    if only_list:
+        _list(files or [])
+        return
+    if not files:
+        raise typer.BadParameter("missing", param_hint="FILE")
+    if whole and (begin, end, last) != (-math.inf, math.inf, None):
+        raise typer.BadParameter(
+            "shows all: leave out --from, --to and --last-pitches", param_hint="--whole"
+        )
+    requests = [[name.strip() for name in text.split(",")] for text in quantities or ()]
+    requests += [[pairs.name]] if with_pairs and [pairs.name] not in requests else []
+    if over_time and [pairs.name] not in requests:
         raise typer.BadParameter("is for --pairs", param_hint="--over-time")
+    choice = Choice(
+        _chosen({"mesh": mesh, "wheel": wheel, "pair": pair, "axis": axis}, others),
+        Over.TIME if over_time else over,
+    )
+    if choice and not requests:
+        raise typer.BadParameter(f"is needed by {choice.options()}", param_hint="--quantity")
     runs = [
-        _open(path, label, begin, end) for path, label in zip(files, labels(files), strict=True)
+        _open(file, label, (begin, end), last, whole)
+        for file, label in zip(files, labels(files), strict=True)
     ]
     drawn: dict[str, Figure] = {}
-    for name in asked or [row.name for row in FIGURES.values() if row.by_default]:
-        row = FIGURES[name]
-        shown = runs if asked else [run for run in runs if row.fits(run)]
-        if not shown:
-            continue
-        if row.together and len(shown) > 1:
-            drawn[row.name] = row(*shown)
-            continue
-        options = {"over_time": True} if row is pairs and over_time else {}
-        drawn |= {f"{run.label}-{row.name}": row(run, **options) for run in shown}
+    usual = [[row.name] for row in FIGURES.values() if row.by_default]
+    for names in requests or usual:
+        shown = runs if requests else [run for run in runs if FIGURES[names[0]].fits(run)]
+        if shown:
+            drawn |= _draw(names, shown, choice)
     for name, figure in drawn.items():
-        path = output / f"{name.replace('/', '-')}.{file_format}"
-        with writing(path):
+        target = output / f"{name.replace('/', '-')}.{file_format}"
+        with writing(target):
             output.mkdir(parents=True, exist_ok=True)
-            save(figure, path)
-        typer.echo(path)
+            save(figure, target)
+        typer.echo(target)
 
 
-def _open(path: Path, label: str, begin: float, end: float) -> Run:
-    """Open a file of any kind that has figures; of a history what lies between two times."""
-    result = open_with_warning(path, HISTORY, *DRAWN)
-    is_whole = begin == -math.inf and end == math.inf
+def _draw(names: list[str], runs: list[Run], choice: Choice) -> dict[str, Figure]:
+    """Draw one picture, or one of each run, by the names of their files."""
+    row = FIGURES.get(names[0]) if len(names) == 1 else None
+    name = "-".join(names)
+    if row is None:
+        name += "" if choice.over in (None, Over.TIME) else f"-over-{choice.over}"
+        figure = _draw_variables(_expanded(names), runs, choice)
+    elif row.together and len(runs) > 1:
+        figure = _draw_row(row, runs, choice)
+    else:
+        return {f"{run.label}-{name}": _draw_row(row, [run], choice) for run in runs}
+    return {name if len(runs) > 1 else f"{runs[0].label}-{name}": figure}
+
+
+def _draw_row(row: Drawing, runs: list[Run], choice: Choice) -> Figure:
+    """Draw a picture of the table, with what it can choose."""
+    if not choice:
+        return row(*runs)
+    if row is pairs and not choice.names and choice.over is not Over.PATH:
+        return row(*runs, over_time=choice.over is Over.TIME)
+    if row is path and set(choice.names) <= {"mesh"} and choice.over in (None, Over.PATH):
+        return row(*runs, meshes=choice.names.get("mesh", ()))
+    if not row.chooses:
+        raise HistoryError(
+            f"{choice.options()} cannot be used with {row.name}; draw its variables instead: "
+            f"--quantity {','.join(row.needs)}",
+            USAGE,
+        )
+    if choice.over is Over.PATH:
+        return _draw_variables(row.needs, runs, choice)
+    return row(*runs, chosen=choice.names, over=X(choice.over or X.TIME))
+
+
+def _draw_variables(names: Sequence[str], runs: list[Run], choice: Choice) -> Figure:
+    """Draw any variables of histories."""
+    for run in runs:
+        for name in names:
+            if result_kind(run.history) != HISTORY:
+                known = [row.name for row in FIGURES.values() if row.fits(run)]
+                raise HistoryError(
+                    f"{run.label}: is {WHAT[result_kind(run.history)]}, of which --quantity knows "
+                    f"{', '.join(known)}, not {name}",
+                    USAGE,
+                )
+            if name not in variables_over_time(run.history):
+                pictures = [row.name for row in FIGURES.values() if row.of == HISTORY]
+                raise HistoryError(f"{run.label}.h5: {unknown(run.history, name, pictures)}", USAGE)
+    if choice.over is not Over.PATH:
+        return draw_quantities(runs, names, choice.names, X(choice.over or X.TIME))
+    if set(choice.names) - {"mesh"}:
+        raise HistoryError("--over path takes --mesh only: it shows all tooth pairs", USAGE)
+    return along_path(runs, names, choice.names.get("mesh", ()))
+
+
+def _expanded(names: Sequence[str]) -> list[str]:
+    """Variables of pictures among variables, such as angular_velocity for speeds."""
+    found: list[str] = []
+    for name in names:
+        row = FIGURES.get(name)
+        found += row.needs if row is not None and row.chooses else [name]
+    return list(dict.fromkeys(found))
+
+
+def _chosen(given: dict[str, Names], others: Names) -> dict[str, list[str]]:
+    """Names by dimension, from the options."""
+    chosen = {dim: list(names) for dim, names in given.items() if names}
+    for text in others or ():
+        dim, equals, name = text.partition("=")
+        if not (dim and equals and name):
+            raise typer.BadParameter(f"{text} is no DIM=NAME", param_hint="--select")
+        chosen.setdefault(dim, []).append(name)
+    return chosen
+
+
+def _open(
+    file: Path, label: str, times: tuple[float, float], last: float | None, whole: bool
+) -> Run:
+    """Open a file of any kind that has figures; of a history what is to be shown."""
+    result = open_with_warning(file, HISTORY, *DRAWN)
+    is_chosen = times != (-math.inf, math.inf) or last is not None
     kind = result_kind(result)
     if kind != HISTORY:
-        if not is_whole:
+        if is_chosen or whole:
             raise HistoryError(
-                f"{path}: is {WHAT[kind]}, not a history: leave out --from and --to", USAGE
+                f"{file}: is {WHAT[kind]}, not a history: leave out --from, --to, --last-pitches "
+                "and --whole",
+                USAGE,
             )
         return Run(result, label=label)
-    part = result.sel(time=(result["time"] >= begin) & (result["time"] <= end))
+    window = None if is_chosen or whole else steady_window(result)
+    if window is not None:
+        complain(
+            f"{file}: shows the window of its numbers, {window[0]:.6g} to {window[1]:.6g} s; "
+            "--whole shows all"
+        )
+    part = _between(result, *(window or times))
     if part.sizes["time"] == 0:
-        raise HistoryError(f"{path}: has no output between --from and --to", USAGE)
-    return Run(part, open_events(path), label, is_whole)
+        raise HistoryError(f"{file}: has no output between --from and --to", USAGE)
+    part = part if last is None else last_pitches(part, last)
+    return Run(part, open_events(file), label, not is_chosen)
+
+
+def steady_window(history: xr.Dataset) -> tuple[float, float] | None:
+    """Times of the window of a run's numbers; None without, or without two outputs in it."""
+    if "window_begin" not in history or "window_end" not in history:
+        return None
+    begin, end = float(history["window_begin"]), float(history["window_end"])
+    return (begin, end) if _between(history, begin, end).sizes["time"] > 1 else None
+
+
+def _between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
+    return history.sel(time=(history["time"] >= begin) & (history["time"] <= end))
+
+
+def _list(files: Sequence[Path]) -> None:
+    """Print the table of the pictures, and of all variables of files."""
+    console = new_console()
+    if not console.is_terminal:
+        console.width = WIDE
+    runs = [Run(open_with_warning(file, HISTORY, *DRAWN)) for file in files]
+    rows = [row for row in FIGURES.values() if not runs or any(row.fits(run) for run in runs)]
+    table = Table("picture", "what is drawn", "of the variables", box=None)
+    for row in rows:
+        name = row.name if row.by_default else f"{row.name} (if asked for)"
+        table.add_row(name, row.text, ", ".join(row.needs))
+    console.print(table)
+    for file, run in zip(files, runs, strict=True):
+        if result_kind(run.history) != HISTORY:
+            continue
+        variables = Table("variable", "of each", "unit", "meaning", box=None)
+        for name in variables_over_time(run.history):
+            values: Any = run.history[name]
+            variables.add_row(
+                name,
+                ", ".join(str(dim) for dim in values.dims if dim != "time"),
+                displayed(str(values.attrs.get("units", "1"))),
+                escape(str(values.attrs.get("long_name", ""))),
+            )
+        console.print(f"\n{file}: variables over time", highlight=False, markup=False)
+        console.print(variables)
