@@ -77,7 +77,7 @@ def test_maps_beside_each_other_have_one_scale():
 def test_a_map_is_over_speed_unless_the_speed_turns_round():
     found = map_of_run_up()
     assert draw_order_maps([("", found)]).axes[0].get_xlabel() == "speed of pinion [rpm]"
-    assert draw_order_maps([("", found)], over_time=True).axes[0].get_xlabel() == "time [s]"
+    assert draw_order_maps([("", found)], over_time=True).axes[0].get_xlabel() == "time [ms]"
     back = found.assign(speed=("time", np.abs(np.linspace(-9, 7, found.sizes["time"]))))
     assert draw_order_maps([("", back)]).axes[0].get_xlabel() == "time [s]"
 

@@ -46,9 +46,9 @@ def test_a_grid_gives_a_line_for_each_value_of_the_other_parameter(grid):
     figure = figure_response(grid, "penetration_max", ["load"])
     lines = figure.axes[0].lines
     assert legend(figure) == [
-        "friction = 0 N",
-        "friction = 0.1 N",
-        "friction = 0.3 N",
+        "friction = 0 mN",
+        "friction = 100 mN",
+        "friction = 300 mN",
         "did not finish: 1 of 12",
     ]
     for number, line in enumerate(lines[:3]):

@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evolvent.figures.style import ABOVE, LINES, STYLE
+from evolvent.figures.style import STYLE, legend, line_style
 
 RPM = 30.0 / math.pi
 HIGH, WIDE = 0.042, 0.032  # of a label of an order, over the axes
@@ -40,7 +40,7 @@ def draw_campbell(result: xr.Dataset) -> Figure:
             axis.plot(
                 speed * RPM, one["natural_frequency"] / 1000.0,
                 label=f"mode {mode}, damping ratio {damping:.3g}",
-                **{**LINES[number % len(LINES)], "linewidth": 2.0},
+                **{**line_style(number), "linewidth": 2.0},
             )  # fmt: skip
         _draw_orders(axis, result, top)
         for is_mesh in sorted({is_mesh for _, is_mesh in _excitations(result)}, reverse=True):
@@ -56,7 +56,8 @@ def draw_campbell(result: xr.Dataset) -> Figure:
         axis.set_ylim(0.0, top)
         axis.set_xlabel(f"speed of {result.attrs['wheel']} [rpm]")
         axis.set_ylabel("frequency [kHz]")
-        figure.legend(loc=ABOVE, ncols=2)
+        handles, labels = axis.get_legend_handles_labels()
+        legend(figure, dict(zip(labels, handles, strict=True)))
     return figure
 
 

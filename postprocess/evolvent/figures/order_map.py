@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,8 +14,8 @@ from matplotlib.figure import Figure
 
 from evolvent.errors import USAGE, HistoryError
 from evolvent.figures.spectrum import described
-from evolvent.figures.style import STYLE
-from evolvent.units import engineering
+from evolvent.figures.style import STYLE, log_ticks
+from evolvent.units import axis_label, engineering
 
 DARK = colormaps["magma_r"]  # its lightness falls steadily: it is read in grey as well
 DEPTH = 1e-3  # of the largest line: what lies below is as light as nothing
@@ -43,12 +44,16 @@ def draw_order_maps(
     top = max(float(one["amplitude"][:, 1:].max()) for _, one in maps)
     factor, unit = engineering(top, str(first["amplitude"].attrs["units"]))
     scale = LogNorm(DEPTH * top * factor, top * factor) if top > 0 else None
+    last = max(_last(one, HEIGHT * top, as_frequency) for _, one in maps)
+    scale_y, hertz = engineering(last, "Hz") if as_frequency else (1.0, "")
+    scale_t, unit_t = engineering([one["time"].values[-1] for _, one in maps], "s")
     with rc_context({**STYLE, "axes.grid": False}):
         figure = Figure(figsize=(7.5, 0.6 + 3.6 * len(maps)), layout="constrained")
         panels = figure.subplots(len(maps), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
         for panel, (label, one) in zip(panels, maps, strict=True):
-            x = one["speed"].values * RPM if by_speed else one["time"].values
+            x = one["speed"].values * RPM if by_speed else one["time"].values * scale_t
             y = one["frequency"].values if as_frequency else one["order"].values[None, :]
+            y = y * scale_y
             shape = one["amplitude"].shape
             drawn = panel.pcolormesh(
                 np.broadcast_to(x[:, None], shape)[:, 1:],
@@ -56,15 +61,18 @@ def draw_order_maps(
                 np.maximum(one["amplitude"].values[:, 1:] * factor, DEPTH * top * factor),
                 norm=scale, cmap=DARK, shading="nearest", rasterized=True,
             )  # fmt: skip
-            panel.set_ylabel("frequency [Hz]" if as_frequency else _order_label(one))
-            panel.set_ylim(0.0, max(_last(one, HEIGHT * top, as_frequency) for _, one in maps))
+            panel.set_ylabel(axis_label("frequency", hertz) if hertz else _order_label(one))
+            panel.set_ylim(0.0, last * scale_y)
             if len(maps) > 1:
                 panel.set_title(label, loc="left", fontsize=12)
         wheel = first.attrs.get("wheel", "")
-        panels[-1].set_xlabel(f"speed of {wheel} [rpm]" if by_speed else "time [s]")
-        figure.suptitle(described(first), x=0.01, ha="left", fontsize=11)
+        panels[-1].set_xlabel(f"speed of {wheel} [rpm]" if by_speed else axis_label("time", unit_t))
+        heading = textwrap.fill(described(first), 80)
+        figure.suptitle(heading, x=0.01, ha="left", fontsize=11)
         bar = figure.colorbar(drawn, ax=list(panels), extend="min")
-        bar.set_label(f"amplitude [{unit}]" if unit else "amplitude")
+        bar.set_label(axis_label("amplitude", unit))
+        if scale is not None:
+            log_ticks(bar.ax.yaxis)
     return figure
 
 

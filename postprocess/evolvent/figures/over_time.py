@@ -77,7 +77,7 @@ def figure_over_time(
 ) -> Figure:
     """Draw panels below each other, their curves named above and their events below.
 
-    The panels share the time axis unless one of them shows a window of its own.
+    The panels share the axis of time unless one of them shows a window of its own.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def figure_over_time(
     heading : a line at the top.
     """
     there = [panel for panel in panels if panel is not None]
-    shared = all(panel.window is None for panel in there)
+    shared = over is TIME and all(panel.window is None for panel in there)
     rows = -(-len(panels) // columns)
     height = 1.9 + (TALL if rows <= FEW else SMALL) * rows
     styles = _styles([curve for panel in there for curve in panel.curves])
@@ -117,11 +117,9 @@ def figure_over_time(
             if not shared or all(other is None for other in below):
                 axis.set_xlabel(axis_label(over.label, x.unit))
                 axis.tick_params(labelbottom=True)
-        if heading:
-            figure.suptitle(heading, x=0.01, ha="left", fontsize=11)
         if PEAK in entries:
             entries[PEAK] = entries.pop(PEAK)  # the last one
-        legend(figure, entries, ABOVE)
+        legend(figure, entries, ABOVE, heading)
         for label in [label for label in marks if label.startswith(CROWDED)]:
             marks[label] = marks.pop(label)
         legend(figure, marks, BELOW)

@@ -105,6 +105,11 @@ def draw_quantities(
             for run, column in zip(runs, columns, strict=True)
         ]
     rows = max(len(column) for column in columns)
+    if rows == 0:
+        raise HistoryError(
+            f"{source_name(runs[0].history)}: {', '.join(names)} has no value in what is shown",
+            USAGE,
+        )
     _check_size(runs[0], picked[0], columns)
     filled = [[*column, *[None] * (rows - len(column))] for column in columns]
     return figure_over_time(
@@ -200,7 +205,9 @@ def _panels(
     for (units, dims), members in groups.items():
         arrays = [[values[i] for i in members] for values in picked]
         names = [str(values.name) for values in arrays[0]]
-        ylabel = _label(names[0]) if len(names) == 1 else KINDS.get(units, ", ".join(names))
+        ylabel = (
+            _label(names[0]) if len(names) == 1 else KINDS.get(units, ", ".join(map(_label, names)))
+        )
         places = _places(arrays, dims)
         for place in places:
             curves = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,14 +13,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evolvent.errors import USAGE, HistoryError
-from evolvent.figures.style import ABOVE, LINES, STYLE
-from evolvent.units import engineering
+from evolvent.figures.style import ABOVE, MARKERS, STYLE, legend, line_style, log_ticks
+from evolvent.units import axis_label, engineering
 
 FEW = 60  # lines that stand each for itself; more are a curve
 MARKED = 12  # peaks of a curve
 DEPTH = 1e-4  # of the largest line: what lies below is not shown
 HEIGHT = 1e-3  # of the largest line: lines are shown up to the last one that is higher
-MARKERS = ("o", "s", "^", "D", "v")
 
 
 def draw_spectra(spectra: Sequence[tuple[str, xr.Dataset]]) -> Figure:
@@ -35,23 +35,26 @@ def draw_spectra(spectra: Sequence[tuple[str, xr.Dataset]]) -> Figure:
     factor, unit = engineering(tops, str(first["amplitude"].attrs["units"]))
     top = max(max(tops), np.finfo(float).tiny)
     last = max(_last_shown(spectrum, over, HEIGHT * top) for _, spectrum in spectra)
+    scale, hertz = engineering(last, "Hz") if over == "frequency" else (1.0, "")
     with rc_context(STYLE):
         figure = Figure(figsize=(7.5, 4.4), layout="constrained")
         axis = figure.subplots()
         for number, (label, spectrum) in enumerate(spectra):
             shown = spectrum.isel({over: slice(1, None)})
             shown = shown.isel({over: np.flatnonzero(shown[over] <= last * 1.0001)})
+            shown = shown.assign_coords({over: shown[over] * scale})
             _draw(axis, shown, over, factor, number, len(spectra), label, DEPTH * top * factor)
         axis.set_yscale("log")
         axis.set_ylim(DEPTH * top * factor, 2.0 * top * factor)
-        axis.set_xlim(0.0, 1.03 * last)
+        axis.set_xlim(0.0, 1.03 * last * scale)
+        log_ticks(axis.yaxis)
         axis.set_xlabel(
-            "frequency [Hz]" if over == "frequency" else str(first[over].attrs["long_name"])
+            axis_label("frequency", hertz) if hertz else str(first[over].attrs["long_name"])
         )
-        axis.set_ylabel(f"amplitude [{unit}]" if unit else "amplitude")
-        axis.set_title(described(first), loc="left", fontsize=11, wrap=True)
-        if len(spectra) > 1:
-            figure.legend(loc=ABOVE, ncols=3)
+        axis.set_ylabel(axis_label("amplitude", unit))
+        handles, labels = axis.get_legend_handles_labels()
+        names = dict(zip(labels, handles, strict=True)) if len(spectra) > 1 else {}
+        legend(figure, names, ABOVE, textwrap.fill(described(first), 80))
     return figure
 
 
@@ -84,7 +87,7 @@ def _draw(
     floor: float,
 ) -> None:  # fmt: skip
     place, amplitude = shown[over].values, shown["amplitude"].values * factor
-    style = LINES[number % len(LINES)]
+    style = line_style(number)
     dot: dict[str, Any] = {
         "marker": MARKERS[number % len(MARKERS)],
         "markersize": 5.5,

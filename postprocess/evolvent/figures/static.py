@@ -9,16 +9,18 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps, rc_context
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from evolvent.figures.style import ABOVE, LINES, STYLE
-from evolvent.units import engineering
+from evolvent.figures.style import LINES, STYLE, legend
+from evolvent.units import axis_label, engineering, quantity
 
-TORQUES = colormaps["viridis_r"]  # light to dark: a larger torque is darker
-MOST_NAMED = len(LINES)  # torques that a legend names; more get a bar of colours
+# Light to dark: a larger torque is darker, and the lightest is seen on white.
+TORQUES = ListedColormap(colormaps["viridis_r"](np.linspace(0.12, 1.0, 256)))
+MOST_NAMED = 5  # torques that a legend names; more get a bar of colours
 SHOWN_HARMONICS = 3
 PATH: dict[str, Any] = {"color": "#777777", "linewidth": 1.0, "linestyle": ":"}
+TORQUE = "torque of the driving wheel"
 CYCLE = "position in the mesh cycle [pitches]"
 
 
@@ -41,9 +43,8 @@ def draw_curves(static: xr.Dataset, shown: Mapping[str, str]) -> Figure:
             x, values = closed_cycle(static, static[name].values)
             for style, line in zip(styles(static), values, strict=True):
                 panel.plot(x, line * factor, **style)
-            panel.set_ylabel(f"{label} [{unit}]")
+            panel.set_ylabel(axis_label(label, unit))
             panel.set_xlim(x[0], x[-1])
-            panel.ticklabel_format(useOffset=False)
         panels[-1].set_xlabel(CYCLE)
         name_torques(figure, static, list(panels))
     return figure
@@ -95,6 +96,7 @@ def draw_harris(static: xr.Dataset) -> Figure:
     torque = static["torque"].values
     spread = static["peak_to_peak_transmission_error"].values
     factor, unit = engineering(spread, "m")
+    scale, torque_unit = engineering(torque, "N m")
     curves = {"peak to peak": spread}
     for n in static["harmonic"].values[:SHOWN_HARMONICS]:
         curves[f"harmonic {n}, amplitude"] = static["harmonic_amplitude"].sel(harmonic=n).values
@@ -102,12 +104,13 @@ def draw_harris(static: xr.Dataset) -> Figure:
         figure = Figure(figsize=(7.5, 4.4), layout="constrained")
         panel = figure.subplots()
         for style, (label, values) in zip(LINES, curves.items(), strict=False):
-            panel.plot(torque, values * factor, label=label, **style)
-        panel.set_xlabel("torque of the driving wheel [N m]")
-        panel.set_ylabel(f"transmission error [{unit}]")
-        panel.set_xlim(0.0, torque[-1])
+            panel.plot(torque * scale, values * factor, label=label, **style)
+        panel.set_xlabel(axis_label(TORQUE, torque_unit))
+        panel.set_ylabel(axis_label("transmission error", unit))
+        panel.set_xlim(*reach(torque * scale))
         panel.set_ylim(bottom=0.0)
-        figure.legend(loc=ABOVE, ncols=2)
+        handles, labels = panel.get_legend_handles_labels()
+        legend(figure, dict(zip(labels, handles, strict=True)))
     return figure
 
 
@@ -144,17 +147,24 @@ def styles(static: xr.Dataset) -> list[dict[str, Any]]:
     torque = static["torque"].values
     if torque.size <= MOST_NAMED:
         return [
-            {**line, "label": f"{value:.4g} N m"}
+            {**line, "label": quantity(value, "N m", 4)}
             for line, value in zip(LINES, torque, strict=False)
         ]
-    return [{"color": TORQUES(Normalize(0.0, torque[-1])(value))} for value in torque]
+    return [{"color": TORQUES(Normalize(*reach(torque))(value))} for value in torque]
+
+
+def reach(torque: np.ndarray) -> tuple[float, float]:
+    """Ends of an axis of torques; 0 is on it."""
+    return min(0.0, float(torque.min())), max(0.0, float(torque.max()))
 
 
 def name_torques(figure: Figure, static: xr.Dataset, panels: list[Any]) -> None:
     """Say which line is which torque: a legend of few, a bar of colours for many."""
     torque = static["torque"].values
     if torque.size <= MOST_NAMED:
-        figure.legend(*panels[0].get_legend_handles_labels(), loc=ABOVE, ncols=MOST_NAMED)
+        handles, labels = panels[0].get_legend_handles_labels()
+        legend(figure, dict(zip(labels, handles, strict=True)))
         return
-    colours = ScalarMappable(Normalize(0.0, torque[-1]), TORQUES)
-    figure.colorbar(colours, ax=panels, label="torque of the driving wheel [N m]")
+    factor, unit = engineering(torque, "N m")
+    colours = ScalarMappable(Normalize(*reach(torque * factor)), TORQUES)
+    figure.colorbar(colours, ax=panels, label=axis_label(TORQUE, unit))

@@ -73,21 +73,33 @@ def line_style(number: int) -> dict[str, Any]:
     return {**LINES[place], **marker, "markersize": 5.5, "markevery": (place / 100.0, 0.1)}
 
 
-def legend(figure: Figure, entries: Mapping[str, Any], place: Any = ABOVE) -> None:
+def legend(
+    figure: Figure, entries: Mapping[str, Any], place: Any = ABOVE, heading: str = ""
+) -> None:
     """Name lines outside of the panels, in as many columns as the figure is wide enough for.
 
     Parameters
     ----------
     entries : handles by their labels.
+    heading : what the figure shows, above the names.
     """
     if not entries:
+        if heading:
+            figure.suptitle(heading, x=0.01, ha="left", fontsize=11)
         return
     renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     labels = [textwrap.fill(label, WIDEST) for label in entries]
     widest = 0.98 * figure.get_figwidth() * figure.dpi
     for columns in range(min(MOST_COLUMNS, len(labels)), 0, -1):
         made = figure.legend(
-            list(entries.values()), labels, loc=place, ncols=columns, columnspacing=1.4
+            list(entries.values()),
+            labels,
+            loc=place,
+            ncols=columns,
+            columnspacing=1.4,
+            title=heading or None,
+            title_fontsize=11,
+            alignment="left",
         )
         if columns == 1 or made.get_window_extent(renderer).width <= widest:
             return
@@ -95,7 +107,7 @@ def legend(figure: Figure, entries: Mapping[str, Any], place: Any = ABOVE) -> No
 
 
 def log_ticks(axis: Axis) -> None:
-    """Give a logarithmic axis ticks with numbers, however short it is; its limits are set."""
+    """Give a logarithmic axis ticks with plain numbers, however short it is; its limits are set."""
     low, high = sorted(axis.get_view_interval())
     decades = math.log10(high / low)
     axis.set_minor_formatter(NullFormatter())

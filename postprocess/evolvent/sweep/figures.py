@@ -16,9 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evolvent.errors import USAGE, SweepError
-from evolvent.figures.style import ABOVE, LINES, STYLE
+from evolvent.figures.style import ABOVE, LINES, STYLE, legend, line_style, log_ticks
 from evolvent.sweep.journal import DONE, did_not_finish
-from evolvent.units import displayed, engineering
+from evolvent.units import axis_label, engineering
 
 MOST_LINES = 6  # of one figure; more cannot be told apart
 WIDE = 50.0  # ratio of the ends of a positive range that is drawn on a log axis
@@ -28,6 +28,7 @@ MARKED: dict[str, Any] = {
     "marker": "x",
     "color": BAD,
     "markersize": 6,
+    "clip_on": False,
     "zorder": 4,
 }
 MAP_COLOURS = "viridis"
@@ -58,9 +59,11 @@ def figure_response(summary: xr.Dataset, response: str, against: Sequence[str] =
             _draw_map(axis, summary, result, names[0], names[1], others)
         else:
             raise SweepError("a figure shows a result against one or two parameters", USAGE)
+        for ruler in (axis.xaxis, axis.yaxis):
+            if ruler.get_scale() == "log":
+                log_ticks(ruler)
         handles, labels = axis.get_legend_handles_labels()
-        if labels:
-            figure.legend(handles, labels, loc=ABOVE, ncols=3, columnspacing=1.4)
+        legend(figure, dict(zip(labels, handles, strict=True)))
     return figure
 
 
@@ -137,7 +140,7 @@ def _along(axis: Axes, which: str, summary: xr.Dataset, name: str) -> np.ndarray
         return np.asarray(numbers, dtype=float)
     units = str(summary[name].attrs.get("units", ""))
     factor, shown = engineering(values, units)
-    label = name.replace("_", " ") + (f" [{shown}]" if shown else "")
+    label = axis_label(name.replace("_", " "), shown)
     scale = "log" if _is_wide(values) else "linear"
     axis.set(**{f"{which}label": label, f"{which}scale": scale})
     return np.asarray(values * factor)
@@ -156,7 +159,7 @@ def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]
     factor, shown = engineering(values, str(result.attrs.get("units", "1")))
     label = str(result.attrs.get("long_name") or str(result.name).replace("_", " "))
     wrapped = "\n".join(textwrap.wrap(label, WIDEST_LABEL))
-    return values * factor, f"{wrapped} [{shown}]" if shown else wrapped
+    return values * factor, axis_label(wrapped, shown)
 
 
 def _draw_lines(
@@ -171,7 +174,7 @@ def _draw_lines(
         axis.plot(x[finite], values[finite], ".", color=LINES[0]["color"], markersize=4)
     for number, (text, members) in enumerate((groups or {}).items()):
         order = members[np.argsort(x[members], kind="stable")]
-        style = LINES[number % len(LINES)]
+        style = line_style(number)
         dots: dict[str, Any] = {"marker": ".", "markersize": 6} if members.size <= 60 else {}
         # A gap in the line where a case failed.
         axis.plot(x[order], values[order], label=text or None, **style, **dots)
@@ -200,7 +203,8 @@ def _shown(values: xr.DataArray, case: int) -> str:
     value = values.values[case]
     if not isinstance(value, float | np.floating | int | np.integer):
         return str(value)
-    return f"{value:.4g} {displayed(str(values.attrs.get('units', '1')))}".strip()
+    factor, unit = engineering(values.values, str(values.attrs.get("units", "1")))
+    return f"{value * factor:.4g} {unit}".strip()
 
 
 def _draw_map(

@@ -210,6 +210,10 @@ def _draw_variables(names: Sequence[str], runs: list[Run], choice: Choice) -> Fi
                     f"{', '.join(known)}, not {name}",
                     USAGE,
                 )
+            if name in FIGURES and name not in run.history:
+                raise HistoryError(
+                    f"{name} is a picture of its own: give it its own --quantity", USAGE
+                )
             if name not in variables_over_time(run.history):
                 pictures = [row.name for row in FIGURES.values() if row.of == HISTORY]
                 raise HistoryError(f"{run.label}.h5: {unknown(run.history, name, pictures)}", USAGE)
