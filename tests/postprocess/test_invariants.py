@@ -266,6 +266,12 @@ TRACKED = ["gradient_ratio"] + [
 ]
 
 
+def test_numbers_over_whole_periods_that_do_not_apply_are_no_missing_values(smooth_run):
+    number = ("wheel", [np.nan] * smooth_run.history.sizes["wheel"])
+    resting = smooth_run.history.assign(window_centre_acceleration_crest_factor=number)
+    assert _verdict(resting, "finite values").verdict == "pass"
+
+
 def test_points_are_not_checked_while_the_flanks_are_too_far_apart(smooth_run):
     parted = smooth_run.history.copy(deep=True)
     parted["contact_mode"][200:300] = 3

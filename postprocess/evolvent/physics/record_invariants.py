@@ -9,6 +9,7 @@ from evolvent.history import require
 from evolvent.physics.applicable import NotApplicableError, depth_scale, is_tracked
 from evolvent.physics.extremes import told_extremes
 from evolvent.physics.invariant import invariant
+from evolvent.physics.numbers import is_number
 
 OF_REAL_GEARS = {  # constants of wheels and meshes that other pairs do not have
     *("root_radius", "form_radius", "tooth_angle", "backlash"),
@@ -76,8 +77,9 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
     What only tracked points have is missing on purpose where none are tracked, position,
     penetration and sliding velocity of a tooth pair off the path of contact, its pressure on a
     hollow flank, the efficiency of a mesh without power, the gap of coast flanks of a mesh that has
-    none, what only real gears have, and the vibration of a mesh whose contact is rigid, that has no
-    load or whose wheels both have prescribed speeds.
+    none, what only real gears have, the vibration of a mesh whose contact is rigid, that has no
+    load or whose wheels both have prescribed speeds, and numbers over whole periods that do not
+    apply, as the crest factor of an axle that rests.
     """
     shares: dict[str, float] = {}
     for name, variable in history.variables.items():
@@ -96,7 +98,7 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
             values = values.fillna(0.0)
         if name == "coast_gap":
             values = values.where(values.notnull().any("time"), 0.0)
-        if name in OF_REAL_GEARS | OF_VIBRATING_MESHES:
+        if name in OF_REAL_GEARS | OF_VIBRATING_MESHES or is_number(str(name)):
             values = values.fillna(0.0)
         shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
     return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
