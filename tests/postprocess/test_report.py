@@ -14,7 +14,7 @@ from evolvent import open_events, open_history
 from evolvent.figures.table import FIGURES
 from evolvent.pages.report import event_counts, report, static_table
 
-VOID = {"meta", "img", "br", "link", "input", "hr"}
+VOID = {"meta", "img", "br", "link", "input", "hr", "wbr"}
 
 
 class Page(HTMLParser):
@@ -26,6 +26,7 @@ class Page(HTMLParser):
         self.text: list[str] = []
         self.images: list[dict[str, str | None]] = []
         self.references: list[str] = []
+        self.headings: list[str] = []
         self.feed(source)
         self.close()
 
@@ -33,6 +34,8 @@ class Page(HTMLParser):
         attributes = dict(attrs)
         if tag not in VOID:
             self.open.append(tag)
+        if tag == "h2":
+            self.headings.append(str(attributes["id"]))
         if tag == "img":
             self.images.append(attributes)
         self.references += [str(v) for k, v in attrs if k in ("src", "href")]
@@ -56,7 +59,14 @@ def test_page_is_well_formed(page):
 
 def test_page_needs_no_other_file(page):
     assert page.references
-    assert all(reference.startswith("data:") for reference in page.references)
+    assert all(reference.startswith(("data:", "#")) for reference in page.references)
+
+
+def test_the_contents_lead_to_headings_that_exist(page):
+    places = [reference[1:] for reference in page.references if reference.startswith("#")]
+    assert len(places) > 5
+    assert set(places) <= set(page.headings)
+    assert page.headings[0] == "results"  # what an engineer asks first
 
 
 def test_every_figure_is_a_readable_image_with_a_text(page, friction_run):

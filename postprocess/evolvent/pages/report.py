@@ -18,10 +18,13 @@ from evolvent.figures.scheme import figure_mesh_scheme
 from evolvent.figures.style import STYLE
 from evolvent.figures.table import FIGURES, Run
 from evolvent.history import run_warning, source_name
+from evolvent.pages.explorer import explorer
+from evolvent.pages.formulas import formula, symbol
 from evolvent.physics.extremes import extremes, extremes_table, is_extreme
-from evolvent.physics.invariants import check_history
+from evolvent.physics.invariants import Verdict, check_history
 from evolvent.physics.mesh_summary import mesh_summaries
 from evolvent.physics.numbers import is_number, numbers_tables, window_text
+from evolvent.physics.results import results
 from evolvent.units import quantity
 
 # Attributes of a history that have a place of their own on the page.
@@ -45,12 +48,13 @@ class Picture:
     source: str  # data URI
 
 
-def report(history: xr.Dataset, events: xr.Dataset) -> str:
+def report(history: xr.Dataset, events: xr.Dataset, interactive: bool = False) -> str:
     """Make the page.
 
     Parameters
     ----------
     history, events : as from `open_history` and `open_events`.
+    interactive : its pictures can be zoomed and hovered over, instead of figures.
 
     Returns
     -------
@@ -62,31 +66,47 @@ def report(history: xr.Dataset, events: xr.Dataset) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters |= {"formula": formula, "symbol": symbol}
     attributes = {k: v for k, v in history.attrs.items() if k not in PLACED_ATTRIBUTES}
     numbers = {k: v for k, v in attributes.items() if isinstance(v, int | float | np.number)}
+    verdicts = check_history(history)
     return environment.get_template("report.html.j2").render(
         title=str(history.attrs.get("title") or source_name(history)),
         file=source_name(history),
         warnings=_warnings(history),
         status=history.attrs.get("status", "unknown"),
         time=history["time"].values,
-        verdicts=check_history(history),
+        results=results(history),
+        names={dim: [str(v) for v in history[dim].values] for dim in ("wheel", "mesh")},
+        verdict=_in_a_word(verdicts),
+        applied=[v for v in verdicts if v.verdict != "not applicable"],
+        not_applied=[v for v in verdicts if v.verdict == "not applicable"],
+        explorer=explorer(history, events) if interactive and history.sizes["time"] else None,
+        figures=[] if interactive else _figures(history, events),
         schemes=[_scheme(history, mesh) for mesh in range(history.sizes["mesh"])],
         tables={dim: static_table(history, dim) for dim in ("wheel", "mesh")},
-        figures=_figures(history, events),
         meshes=mesh_summaries(history),
         extremes=extremes_table(history),
         extremes_note=_extremes_note(history, events),
         window=window_text(history),
-        numbers=numbers_tables(history),
+        numbers=[(names, rows) for names, rows in numbers_tables(history) if rows],
         events=event_counts(history, events),
         counts={
             k: f"{v:,}" if isinstance(v, int | np.integer) else f"{v:.6g}"
             for k, v in numbers.items()
         },
-        versions={k: str(v) for k, v in attributes.items() if k not in numbers},
+        versions={k: str(v) for k, v in attributes.items() if k not in numbers and str(v)},
         case=str(history.attrs.get("case", "")),
     )
+
+
+def _in_a_word(verdicts: list[Verdict]) -> str:
+    """What became of all invariants."""
+    failed = [v.invariant.name for v in verdicts if v.failed]
+    if failed:
+        return f"Do not trust this run before you know why: broken is {', '.join(failed)}."
+    passed = sum(v.verdict == "pass" for v in verdicts)
+    return f"All {passed} invariants that apply hold." if passed else "No invariant applies."
 
 
 def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
@@ -99,7 +119,8 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
 
     Returns
     -------
-    `columns`, the names along `dim`, and `rows`: (long name, symbol, one text a column).
+    `columns`, the names along `dim`, and `rows`: (long name, symbol, one text a column), without
+    what is 0 or unknown for all of them.
     """
     rows = []
     for name, variable in history.data_vars.items():
@@ -109,6 +130,8 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
             continue
         units = str(variable.attrs.get("units", "1"))
         names = _names(history, str(name))
+        if not names and not np.nan_to_num(variable.values).any():
+            continue
         texts = [names[int(v)] if names else _text(v, units) for v in variable.values]
         label = str(name).replace("_", " ") if names else str(variable.attrs.get("long_name", name))
         rows.append((label, str(variable.attrs.get("symbol", "")), texts))

@@ -7,10 +7,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import xarray as xr
 
 from evolvent.units import quantity
 
+# Found in the outputs where a history does not tell them.
+OF_OUTPUTS = (
+    "normal_force",
+    "pair_normal_force",
+    "friction_force",
+    "pair_contact_pressure",
+    "penetration",
+    "transmission_error",
+    "sliding_velocity",
+)
+SIGNED = ("friction_force", "transmission_error", "sliding_velocity")
 ENDINGS = {"_max": True, "_min": False}  # of the names: whether it is the largest
 
 
@@ -56,13 +68,14 @@ def extremes(history: xr.Dataset) -> list[Extreme]:
     told = told_extremes(history)
     if told or history.sizes["time"] == 0:
         return told
-    names = ("normal_force", "friction_force", "penetration", "transmission_error")
-    signed = ("friction_force", "transmission_error")
     found = []
-    for name in (n for n in names if n in history):
-        for is_largest in (True, False) if name in signed else (True,):
-            values = history[name]
-            place = values.argmax("time") if is_largest else values.argmin("time")
+    for name in (n for n in OF_OUTPUTS if n in history):
+        values = history[name]
+        for is_largest in (True, False) if name in SIGNED else (True,):
+            if "pair" in values.dims:
+                values = values.max("pair")
+            filled = values.fillna(-np.inf if is_largest else np.inf)
+            place = filled.argmax("time") if is_largest else filled.argmin("time")
             value = values.isel(time=place).drop_vars("time")
             found.append(Extreme(name, is_largest, False, value, history["time"][place]))
     return found

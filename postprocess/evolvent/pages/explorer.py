@@ -1,0 +1,260 @@
+"""Every quantity of a history in pictures that can be zoomed, inside one page without a network.
+
+The numbers go into the page as compressed binary arrays, thinned until they fit: the smallest and
+the largest value of each stretch of a line stay, at the times at which they were. plotly.js draws
+them; it comes from the Python package of that name, and goes into the page compressed as well.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from evolvent.errors import needing
+from evolvent.figures.style import LINES
+from evolvent.physics.extremes import told_extremes
+from evolvent.physics.numbers import PREFIX
+from evolvent.physics.thinning import thinned
+from evolvent.units import engineering
+
+MOST_ROWS = 12_000  # of a line: a wide screen has 4000 pixels, and pictures are zoomed
+LARGEST = 3_300_000  # characters that the numbers may take; a page then is below 6 MB
+FAVOUR = 4  # so many times the rows of other lines have those that are shown at first
+MOST_EVENTS = 2000  # of one kind
+FIRST = ("transmission_error", "pair_normal_force", "pair_contact_pressure", "angular_velocity")
+GROUPS = {"pair": "Tooth pairs", "mesh": "Meshes", "wheel": "Wheels"}
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a picture."""
+
+    label: str
+    rows: NDArray[np.int64]  # of the history
+    values: NDArray[np.float64]  # there, in SI
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One picture."""
+
+    name: str
+    text: str
+    units: str
+    group: str
+    lines: list[Line]
+    extremes: list[tuple[float, float, str]] = field(default_factory=list)  # time [s], value, where
+
+
+@dataclass(frozen=True)
+class Explorer:
+    """What the page needs."""
+
+    facts: Markup  # JSON
+    numbers: str  # compressed, in base 64
+    library: str  # plotly.js, compressed, in base 64
+    library_name: str
+    groups: dict[str, list[tuple[str, str, bool]]]  # of name, text, whether it is shown at first
+    note: str
+    window: str  # the time that is shown at first; "" if all
+
+
+def explorer(history: xr.Dataset, events: xr.Dataset) -> Explorer:
+    """Collect the pictures of a history that has outputs.
+
+    Parameters
+    ----------
+    history, events : as from `open_history` and `open_events`.
+
+    Raises
+    ------
+    EvolventError
+        The Python package plotly is not installed.
+    """
+    library, name = _library()
+    outputs = history.sizes["time"]
+    quantities = list(_quantities(history))
+    first = _first(quantities)
+    most = MOST_ROWS
+    packed = _packed(history, quantities)
+    while len(packed[1]) > LARGEST:
+        most = max(8, int(0.95 * most * min(LARGEST / len(packed[1]), 1)))
+        quantities = [
+            _thinner(q, min(MOST_ROWS, most * (FAVOUR if q.name in first else 1)))
+            for q in quantities
+        ]
+        packed = _packed(history, quantities)
+    facts, numbers = packed
+    window = _window(history)
+    whole = history["time"].values[[0, -1]]
+    time_factor, time_unit = engineering(whole, "s")
+    facts |= {
+        "time_unit": time_unit,
+        "whole": (whole * time_factor).tolist(),
+        "window": None if window is None else [t * time_factor for t in window],
+        "first": first,
+        "events": _events(history, events, time_factor),
+        "styles": [_style(line) for line in LINES],
+    }
+    groups: dict[str, list[tuple[str, str, bool]]] = {}
+    for q in quantities:
+        groups.setdefault(q.group, []).append((q.name, q.text, q.name in first))
+    sizes = [line.rows.size for q in quantities for line in q.lines if line.rows.size > 2]
+    note = f"All {outputs:,} outputs are in the page."
+    if min(sizes, default=outputs) < outputs:
+        note = (
+            f"Of {outputs:,} outputs the lines here have {min(sizes):,} to {max(sizes):,}: the "
+            "smallest and the largest of each stretch, so that no extreme is lost."
+        )
+    if history.sizes.get("pair", 1) > 1:
+        note += " Tooth pairs take the places drive 0, drive 1 and so on in turns."
+    shown = "" if window is None else f"{window[0]:.6g} to {window[1]:.6g} s"
+    return Explorer(_json(facts), numbers, library, name, groups, note, shown)
+
+
+def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
+    """Each variable over time that is not 0 throughout."""
+    for name in map(str, history.data_vars):
+        # A copy that shares nothing is let go of; histories of millions of outputs are large.
+        variable = history[name].copy(deep=False)
+        if variable.dims[:1] != ("time",) or variable.dtype.kind not in "iuf":
+            continue
+        lines = list(_lines(history, variable))
+        if not any(np.nan_to_num(line.values).any() for line in lines):
+            continue
+        dims = variable.dims[1:]
+        other = str(dims[0]).capitalize() + "s" if dims else "Gearbox"
+        group = next((text for dim, text in GROUPS.items() if dim in dims), other)
+        text = str(variable.attrs.get("long_name", name)).split(";")[0]
+        if text[0].isdigit():  # what its values mean
+            text = f"{name.replace('_', ' ')}: {text}"
+        marked = [
+            (float(e.time[mesh]), float(e.value[mesh]), str(where))
+            for e in told_extremes(history)
+            if e.output == name
+            for mesh, where in enumerate(history["mesh"].values)
+            if np.isfinite(float(e.value[mesh]))
+        ]
+        yield Quantity(name, text, str(variable.attrs.get("units", "1")), group, lines, marked)
+
+
+def _lines(history: xr.Dataset, variable: xr.DataArray) -> Iterator[Line]:
+    """Each line of a variable; those of tooth pairs that never have a value are left out."""
+    values = variable.values
+    dims = [str(dim) for dim in variable.dims[1:]]
+    of_pairs = "pair" in dims
+    for number, index in enumerate(np.ndindex(values.shape[1:])):
+        one = values.reshape(values.shape[0], -1)[:, number].astype(float)
+        if not np.isfinite(one).any() or (of_pairs and not np.nan_to_num(one).any()):
+            continue
+        rows = _ends(one) if one.min() == one.max() else thinned(one, MOST_ROWS)
+        places = list(zip(dims, index, strict=True))
+        # What there is one of needs no name, if something else has one.
+        named = [(d, i) for d, i in places if history.sizes[d] > 1] or places
+        names = [str(history[d].values[i]).replace("_", " ") for d, i in named]
+        yield Line(" ".join(names) or "value", rows, one[rows])
+
+
+def _ends(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    return np.unique([0, values.size - 1])
+
+
+def _thinner(quantity: Quantity, most: int) -> Quantity:
+    lines = []
+    for line in quantity.lines:
+        kept = thinned(line.values, most)
+        lines.append(Line(line.label, line.rows[kept], line.values[kept]))
+    return Quantity(
+        quantity.name, quantity.text, quantity.units, quantity.group, lines, quantity.extremes
+    )
+
+
+def _packed(history: xr.Dataset, quantities: list[Quantity]) -> tuple[dict[str, Any], str]:
+    """All numbers in one array of bytes, and what they are.
+
+    Times first, as doubles; then of each line its rows among these times, each less the one before,
+    and its values as floats.
+    """
+    used = np.unique(np.concatenate([line.rows for q in quantities for line in q.lines]))
+    time_factor, _ = engineering(history["time"].values[[0, -1]], "s")
+    pieces = [(history["time"].values[used] * time_factor).astype("<f8").tobytes()]
+    facts: dict[str, Any] = {"times": used.size, "quantities": []}
+    for q in quantities:
+        tops = [v for _, v, _ in q.extremes]
+        factor, unit = engineering(
+            np.concatenate([tops, *(line.values for line in q.lines)]), q.units
+        )
+        lines = []
+        for line in q.lines:
+            places = np.searchsorted(used, line.rows)
+            pieces.append(np.diff(places, prepend=0).astype("<u4").tobytes())
+            pieces.append((line.values * factor).astype("<f4").tobytes())
+            lines.append({"label": line.label, "size": int(line.rows.size)})
+        marks = [[t * time_factor, v * factor, where] for t, v, where in q.extremes]
+        facts["quantities"].append(
+            {"name": q.name, "text": q.text, "unit": unit, "lines": lines, "extremes": marks}
+        )
+    return facts, _compressed(b"".join(pieces))
+
+
+def _first(quantities: list[Quantity]) -> list[str]:
+    """What is shown at first; the force of the mesh where it has no pairs or one."""
+    names = {q.name: len(q.lines) for q in quantities}
+    wanted = list(FIRST)
+    if names.get("pair_normal_force", 0) < 2:
+        wanted[1] = "normal_force"
+    return [name for name in wanted if name in names] or list(names)[:1]
+
+
+def _window(history: xr.Dataset) -> tuple[float, float] | None:
+    """The time that the numbers over whole periods are of."""
+    if f"{PREFIX}periods" not in history or float(history[f"{PREFIX}periods"]) == 0:
+        return None
+    return float(history[f"{PREFIX}begin"]), float(history[f"{PREFIX}end"])
+
+
+def _events(history: xr.Dataset, events: xr.Dataset, factor: float) -> list[dict[str, Any]]:
+    """When the events of each kind were; of very many only some."""
+    shown = []
+    kinds = events["kind"].values
+    for kind in dict.fromkeys(kinds):
+        times = events["time"].values[kinds == kind] * factor
+        step = -(-times.size // MOST_EVENTS)
+        text = str(kind).replace("_", " ") + (f" (one of {step})" if step > 1 else "")
+        shown.append({"label": text, "times": times[::step].tolist()})
+    return shown
+
+
+def _style(line: dict[str, Any]) -> dict[str, str]:
+    """Colour and dashes of a figure's line, as plotly writes them."""
+    dashes = line["linestyle"]
+    if dashes == "-":
+        return {"color": line["color"], "dash": "solid"}
+    return {"color": line["color"], "dash": ",".join(f"{1.6 * d:.3g}px" for d in dashes[1])}
+
+
+def _json(facts: dict[str, Any]) -> Markup:
+    """JSON that cannot end the element that it stands in."""
+    return Markup(json.dumps(facts, allow_nan=False).replace("<", "\\u003c"))
+
+
+@cache
+def _library() -> tuple[str, str]:
+    with needing("interactive", "interactive pictures need plotly"):
+        from plotly.offline import get_plotlyjs, get_plotlyjs_version
+    return _compressed(get_plotlyjs().encode()), f"plotly.js {get_plotlyjs_version()}"
+
+
+def _compressed(content: bytes) -> str:
+    """Compress, without a date; base 64 is what a page can hold."""
+    return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")

@@ -1,0 +1,84 @@
+"""Where a mesh's tooth pairs touch at a time: which pair, and how far on the path of contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+NEEDS = ("pair_normal_force", "pair_number", "pair_position")
+
+
+@dataclass(frozen=True)
+class PairPlace:
+    """Where a tooth pair touches."""
+
+    number: int  # of the tooth pair, pitches since the start
+    is_coast: bool
+    on_path: float  # 0 at the start of the path of contact, 1 at its end
+    roll_angle: float  # radius of curvature of the driving flank over its base radius [rad]
+
+    def text(self) -> str:
+        """Say it."""
+        flank = " of the coast flanks" if self.is_coast else ""
+        if 0.0 <= self.on_path <= 1.0:
+            place = f"at {100 * self.on_path:.0f} % of the path"
+        elif self.on_path < 0.0:
+            place = "before the path"
+        else:
+            place = "behind the path"
+        return (
+            f"tooth pair {self.number}{flank}, {place} (roll angle "
+            f"{np.degrees(self.roll_angle):.3g}°)"
+        )
+
+
+def place_of_pair(
+    history: xr.Dataset, mesh: int, time: float, output: str = "pair_normal_force"
+) -> PairPlace | None:
+    """Find the tooth pair of a mesh whose output is largest at a time, and where it touches.
+
+    The pair is that of the nearest output in which one has a value; its place is interpolated
+    between two outputs that both have it. None where no pair has a value other than 0, or the
+    history tells no pairs.
+
+    Parameters
+    ----------
+    time : [s].
+    output : of tooth pairs, dims (time, mesh, pair); that of the forces for any other.
+    """
+    if not all(name in history for name in (*NEEDS, "base_pitch")):
+        return None
+    if "pair" not in history[output].dims:
+        output = "pair_normal_force"
+    times = history["time"].values
+    behind = int(np.clip(np.searchsorted(times, time), 1, max(times.size - 1, 1)))
+    rows = sorted({behind - 1, min(behind, times.size - 1)}, key=lambda r: abs(times[r] - time))
+    for row in rows:
+        size = np.nan_to_num(np.abs(history[output][row, mesh].values))
+        slot = int(np.argmax(size))
+        if size[slot] > 0:
+            break
+    else:
+        return None
+    around = history.isel(time=slice(behind - 1, behind + 1), mesh=mesh, pair=slot)
+    number = int(history["pair_number"][row, mesh, slot])
+    places = around["pair_position"].values
+    if (around["pair_number"].values == number).all() and np.isfinite(places).all():
+        rho = float(np.interp(time, around["time"].values, places))
+    else:
+        rho = float(history["pair_position"][row, mesh, slot])
+    return _place(history, mesh, slot, number, rho) if np.isfinite(rho) else None
+
+
+def _place(history: xr.Dataset, mesh: int, slot: int, number: int, rho: float) -> PairPlace:
+    ratio = float(history["contact_ratio"][mesh]) if "contact_ratio" in history else 1.0
+    start, length = (float(history[name][mesh]) for name in ("rho_start_driving", "base_pitch"))
+    wheel = int(history["driving_wheel"][mesh])
+    return PairPlace(
+        number,
+        str(history["pair"].values[slot]).startswith("coast"),
+        (rho - start) / (ratio * length),
+        rho / float(history["base_radius"][wheel]),
+    )

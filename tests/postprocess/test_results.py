@@ -1,0 +1,108 @@
+"""The opening of a report: how much, when and where, against the history's own arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from real_gears import RealPair
+from scipy.integrate import trapezoid
+
+from evolvent.physics.pair_places import place_of_pair
+from evolvent.physics.results import Answer, results
+from evolvent.units import quantity
+
+
+def texts(rows: list[Answer], label: str) -> list[str]:
+    (row,) = [row for row in rows if row.label == label]
+    return [cell.text if cell else "" for cell in row.cells]
+
+
+def test_largest_values_are_those_of_the_outputs_where_none_are_told(friction_run):
+    history = friction_run.history
+    told = results(history)
+    force = history["normal_force"].values[:, 0]
+    assert texts(told.largest, "largest normal force") == [quantity(force.max(), "N", 4)]
+    (row,) = [row for row in told.largest if row.label == "largest normal force"]
+    when = float(history["time"][int(force.argmax())])
+    assert row.cells[0].where.startswith(f"at {quantity(when, 's', 5)}")
+
+
+def test_the_largest_of_a_quantity_with_both_signs_is_the_farthest_from_0(friction_run):
+    friction = friction_run.history["friction_force"].values[:, 0]
+    farthest = friction[np.abs(friction).argmax()]
+    told = texts(results(friction_run.history).largest, "largest friction force")
+    assert told == [quantity(float(farthest), "N", 4)]
+
+
+def test_without_a_window_means_and_factors_are_of_the_whole_run_and_say_so(friction_run):
+    history = friction_run.history
+    told = results(history)
+    force, time = history["normal_force"].values[:, 0], history["time"].values
+    mean = trapezoid(force, time) / (time[-1] - time[0])
+    error = history["transmission_error"].values[:, 0]
+    assert "The whole run" in told.scope
+    assert texts(told.means, "mean normal force") == [quantity(mean, "N", 4)]
+    assert texts(told.means, "dynamic factor") == [f"{force.max() / mean:.4g}"]
+    spread = quantity(np.ptp(error), "m", 4)
+    assert texts(told.means, "transmission error, peak to peak") == [spread]
+
+
+def test_numbers_over_whole_periods_are_preferred(friction_run):
+    window = {"window_begin": 1.0, "window_end": 2.0, "window_periods": 7}
+    numbers = {"window_dynamic_factor": 1.25, "window_transmission_error_mean": 3e-6}
+    history = friction_run.history.assign(
+        {name: ((), value) for name, value in window.items()}
+        | {name: ("mesh", [value]) for name, value in numbers.items()}
+    )
+    told = results(history)
+    assert "7 whole periods" in told.scope
+    assert texts(told.means, "dynamic factor") == ["1.25"]
+    assert texts(told.means, "mean transmission error") == [quantity(3e-6, "m", 4)]
+    speed = history["angular_velocity"].sel(time=slice(1.0, 2.0))
+    mean = (speed.integrate("time") / float(speed.time[-1] - speed.time[0])).values
+    assert texts(told.wheels, "speed") == [quantity(v, "rad s-1", 4) for v in mean]
+
+
+def test_losses_are_the_energy_that_went_over_the_time(friction_run):
+    history = friction_run.history
+    lost = float(history["dissipated_energy"][-1] - history["dissipated_energy"][0])
+    assert results(history).lost == quantity(lost / float(history["time"][-1]), "W", 4)
+
+
+def test_a_row_that_says_nothing_is_not_there(friction_run):
+    told = results(friction_run.history)
+    for row in [*told.largest, *told.means, *told.wheels]:
+        assert any(cell is not None for cell in row.cells), row.label
+    assert "torque of its shafts" not in [row.label for row in told.wheels]
+
+
+@pytest.mark.parametrize("outputs", [0, 1])
+def test_less_than_two_outputs_have_no_results(friction_run, outputs):
+    assert results(friction_run.history.isel(time=slice(0, outputs))) is None
+
+
+@pytest.mark.parametrize("share", [0.05, 0.5, 0.95])
+def test_the_place_of_a_force_between_two_outputs_is_that_of_its_pair(share):
+    """In closed form: pair 0 rolls along its path by the base radius times the angle."""
+    pair = RealPair()
+    length = pair.path[1] - pair.path[0]
+    history = pair.history(np.linspace(0.0, length / pair.base[0], 401))
+    history = history.assign(pair_normal_force=history["pair_normal_force"] + 0.0)
+    history["pair_normal_force"][:, 0, 0] *= 10.0  # that of pair 0
+    time = 400 * share + 0.3
+    place = place_of_pair(history, 0, time)
+    rho = pair.path[0] + pair.penetration + length * time / 400
+    assert (place.number, place.is_coast) == (0, False)
+    assert place.roll_angle == pytest.approx(rho / pair.base[0], rel=1e-9)
+    assert place.on_path == pytest.approx((rho - pair.path[0]) / length, rel=1e-9)
+
+
+def test_the_place_of_a_coast_force_is_named(smooth_run):
+    pair = RealPair(coast=True)
+    history = pair.history(np.linspace(0.0, 0.1, 11))
+    assert place_of_pair(history, 0, 5.0).is_coast
+    assert "of the coast flanks" in place_of_pair(history, 0, 5.0).text()
+
+
+def test_without_tooth_pairs_there_is_no_place(friction_run):
+    assert place_of_pair(friction_run.history, 0, 1.0, "normal_force") is None
