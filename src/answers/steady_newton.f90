@@ -38,7 +38,7 @@ module evl_steady_newton
 contains
 
    !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta, halving corrections that leave the domain or do not reduce the
-   !> scaled residual.
+   !> scaled residual. If however small ones leave the domain, y has the whole correction: behind the border other modes may hold.
    !> Errors: code_no_solution, code_out_of_domain.
    subroutine solve_steady(gearbox, system, t, y, integers, reals, found, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -84,7 +84,12 @@ contains
                share = share/2
                if (share < 1.0e-6_wp) exit
             end do
-            if (has_failed(status)) return
+            if (has_failed(status)) then
+               y(unknown) = y(unknown) + step(:, 1)*scale(unknown)
+               if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, y)
+               call follow(system, y)
+               return
+            end if
             y = trial
             found = norm2(step) < newton_tolerance .or. (norm2(step) < 1.0e-9_wp .and. norm2(step) >= last)
             if (found) return

@@ -10,7 +10,7 @@ module evl_steady_state
    use evl_local_variables, only: i_omega
    use evl_no_damping, only: no_damping_t
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
-   use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
+   use evl_status, only: clear, code_no_solution, code_out_of_domain, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
    use evl_tooth_contact, only: contact_state, flank_drive, flanks_loaded, flanks_off, settle_friction
@@ -142,17 +142,27 @@ contains
       integer, intent(inout) :: integers(:)
       type(status_t), intent(inout) :: status
       integer :: before(gearbox%n_integers), turn
+      type(status_t) :: refusal
       logical :: found
 
+      found = .false.
       do turn = 1, max_modes
          before = integers
          call load_all(gearbox, y, integers, reals, status)
-         if (has_failed(status)) return
-         if (turn > 1 .and. all(integers == before)) return
+         if (has_failed(status)) exit
+         if (found .and. all(integers == before)) return
          call solve_steady(gearbox, system, t, y, integers, reals, found, status)
-         if (has_failed(status)) return
-         if (.not. found) exit
+         if (status%code == code_out_of_domain) then ! as where a soft shaft twists by more than these pairs reach
+            if (.not. has_failed(refusal)) refusal = status
+            call clear(status)
+         else if (has_failed(status)) then
+            return
+         else if (.not. found) then
+            exit
+         end if
       end do
+      if (.not. found .and. has_failed(refusal)) status = refusal
+      if (has_failed(status)) return
       if (found) call refuse_alternation(gearbox, before, integers, status)
       if (.not. has_failed(status)) call refuse_slope(gearbox, y, integers, reals, status)
    end subroutine settle_steady
