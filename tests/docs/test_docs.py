@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,22 +10,15 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from documents import FENCE, NOT_RUN, ROOT, blocks, run_as_reader
+
 README = ROOT / "README.md"
+TUTORIAL = ROOT / "docs" / "tutorial.md"  # test_tutorial.py goes through it
 PAGES = sorted(
     [README, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]
 )
-# Fenced blocks: the language, then everything up to the closing fence.
-FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"^ {4}(.*)$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
-NOT_RUN = "# not run:"  # at the start of a block, or after a command; the reason follows
-
-
-def blocks(page: Path, *languages: str) -> list[str]:
-    """Fenced blocks of these languages, in their order."""
-    text = page.read_text(encoding="utf-8")
-    return [body for language, body in FENCE.findall(text) if language in languages]
 
 
 def commands(page: Path) -> Iterator[str]:
@@ -50,38 +41,10 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", h.strip().lower()).replace(" ", "-") for h in headings}
 
 
-@pytest.fixture(scope="session")
-def workplace(tmp_path_factory: pytest.TempPathFactory, executable: Path) -> Path:
-    """Give a folder with the examples, and all commands in its `bin`."""
-    folder = tmp_path_factory.mktemp("docs")
-    shutil.copytree(ROOT / "examples", folder / "examples")
-    (folder / "bin").mkdir()
-    (folder / "bin" / "evolvent").symlink_to(executable)
-    for name in ("post", "sweep"):
-        script = folder / "bin" / f"evolvent-{name}"
-        script.write_text(
-            f"#!{sys.executable}\nfrom evolvent.commands.{name}.app import main\n\nmain()\n"
-        )
-        script.chmod(0o755)
-    return folder
-
-
 def run(command: str, folder: Path) -> None:
     """Run a command line as a user would; it has to succeed."""
-    path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
-    python_path = os.pathsep.join(
-        [str(ROOT / "postprocess"), os.environ.get("PYTHONPATH", "")]
-    ).rstrip(os.pathsep)
-    done = subprocess.run(
-        ["bash", "-c", command],
-        cwd=folder,
-        env={**os.environ, "PATH": path, "PYTHONPATH": python_path},
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    done = run_as_reader(["bash", "-c", command], folder)
+    assert done.returncode == 0, f"{command}\n{done.stdout}"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
@@ -99,7 +62,7 @@ def test_links_lead_to_files_and_headings_that_exist(page: Path) -> None:
 
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if next(commands(page), None)],
+    [page for page in PAGES if page != TUTORIAL and next(commands(page), None)],
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_commands_succeed_in_the_order_in_which_they_are_printed(
@@ -116,7 +79,7 @@ def test_readme_prints_commands_of_all_programs() -> None:
 
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if blocks(page, "python")],
+    [page for page in PAGES if page != TUTORIAL and blocks(page, "python")],
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_python_runs_on_the_histories_that_the_readme_and_the_program_make(

@@ -1,0 +1,111 @@
+"""Documents as tests read them: their fenced blocks, run as a reader would, and what they quote."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+# Fenced blocks: the language, then everything up to the closing fence.
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NOT_RUN = "# not run:"  # at the start of a block, or after a command; the reason follows
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+TOKEN = re.compile(rf"{NUMBER.pattern}|\.\.\.|[^\s\d+-]+|[-+]")
+LEFT_OUT = "..."  # in a quote: a line, or the rest of one
+
+
+def blocks(page: Path, *languages: str) -> list[str]:
+    """Fenced blocks of these languages, in their order."""
+    text = page.read_text(encoding="utf-8")
+    return [body for language, body in FENCE.findall(text) if language in languages]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A block of commands or of Python, and what the page says that it prints."""
+
+    language: str
+    text: str
+    quote: str | None
+
+
+def steps(page: Path) -> list[Step]:
+    """Blocks that a reader runs, in their order; a text block behind one is what comes out."""
+    text = page.read_text(encoding="utf-8")
+    found = list(FENCE.finditer(text))
+    listed = []
+    for block, behind in zip(found, [*found[1:], None], strict=True):
+        if block[1] not in ("bash", "python") or block[2].startswith(NOT_RUN):
+            continue
+        quoted = behind and behind[1] == "text" and not text[block.end() : behind.start()].strip()
+        listed.append(Step(block[1], block[2], behind[2] if behind and quoted else None))
+    return listed
+
+
+def run_as_reader(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command with those of `folder/bin` in the path: both outputs as one, as on a screen."""
+    path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
+    python_path = os.pathsep.join([str(ROOT / "postprocess"), os.environ.get("PYTHONPATH", "")])
+    return subprocess.run(
+        words,
+        cwd=folder,
+        env={**os.environ, "PATH": path, "PYTHONPATH": python_path.rstrip(os.pathsep)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+def tokens(line: str) -> list[str]:
+    """Numbers and what is between them; blanks do not count."""
+    return TOKEN.findall(line)
+
+
+def same(quoted: str, printed: str) -> bool:
+    """Whether a token is the quoted one: words are, numbers agree to the digits shown.
+
+    Numbers with a decimal point, and whole ones from 1000 on, may differ by one in the last digit.
+    """
+    if not NUMBER.fullmatch(quoted) or not NUMBER.fullmatch(printed):
+        return quoted == printed
+    digits = quoted.partition("e")[0].lstrip("+-")
+    if "." not in digits and len(digits) < 4:
+        return quoted == printed
+    shown = Decimal(quoted)
+    last = Decimal(1).scaleb(int(shown.as_tuple().exponent))
+    return abs(shown - Decimal(printed)) <= last
+
+
+def agrees(quoted: str, printed: str) -> bool:
+    """Whether a printed line is the quoted one, which may leave out the rest of it."""
+    here, there = tokens(quoted), tokens(printed)
+    if here and here[-1] == LEFT_OUT:
+        here.pop()
+        there = there[: len(here)]
+    return len(here) == len(there) and all(map(same, here, there))
+
+
+def missing_line(quote: str, output: str) -> str | None:
+    """The first line of a quote that is not where it has to be in the output; None if all are.
+
+    Lines follow each other as in the output; a line `...` stands for any lines that are left out.
+    Empty lines do not count.
+    """
+    printed = [line for line in output.splitlines() if line.strip()]
+    place, free = 0, False
+    for quoted in filter(str.strip, quote.splitlines()):
+        if quoted.strip() == LEFT_OUT:
+            free = True
+            continue
+        last = len(printed) if free else place + 1
+        fits = [i for i in range(place, min(last, len(printed))) if agrees(quoted, printed[i])]
+        if not fits:
+            return quoted
+        place, free = fits[0] + 1, False
+    return None if free or place == len(printed) else f"nothing behind: {printed[place]}"
