@@ -86,7 +86,7 @@ def test_a_mesh_that_does_not_turn_is_told(evolvent: Evolvent, examples: Path) -
 def rows_of(
     evolvent: Evolvent, folder: Path, case: Path, words: str | None, *, code: int = 0
 ) -> dict[int, dict[str, float]]:
-    base = case.read_text().replace("duration: 0.05 ", "duration: 0.02 ")
+    base = case.read_text().replace("duration: 50 ms", "duration: 20 ms")
     assert base != case.read_text()
     design = write_design(folder / "d.h5", {"wheels.pinion.loads.0.value": [-50.0, -30.0]}, base)
     if words is not None:
@@ -146,7 +146,7 @@ def test_numbers_of_a_batch_are_those_of_the_history(
 def test_a_batch_says_where_a_case_has_no_whole_period(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    base = case.read_text().replace("duration: 0.05 ", "duration: 0.002 ")
+    base = case.read_text().replace("duration: 50 ms", "duration: 2 ms")
     design = write_design(tmp_path / "d.h5", {"wheels.pinion.loads.0.value": [-50.0]}, base)
     with h5py.File(design, "a") as file:
         file.attrs["numbers"] = "dynamic_factor"
