@@ -5,6 +5,8 @@
 
 #include <stdio.h>
 
+/** What stands without a command: the program itself. */
+extern const command program_command;
 extern const command *const commands[];
 extern const int n_commands;
 
