@@ -266,7 +266,7 @@ static const option_row rows[] = {
     {OPTION_LIST, 0, "--convert", "PATH=VALUE", offsetof(show_options, convert),
      "what a value with a unit is in the unit of its key, as JSON, instead; may be repeated"},
     {OPTION_ALONE, 0, "--schema", NULL, offsetof(show_options, schema),
-     "the same as a JSON Schema, which editors check cases by, instead"},
+     "every key of a case file as a JSON Schema, by which editors check cases, instead"},
     OPTION_ROW_HELP,
 };
 

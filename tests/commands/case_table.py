@@ -101,7 +101,10 @@ def limits_of(text: str) -> dict[str, Any]:
 class Table:
     """All rows."""
 
-    def __init__(self, markdown: str) -> None:
+    def __init__(self, markdown: str, units: str) -> None:
+        """Read what `show --keys` and `show --units` print."""
+        told = [line.split(" | ") for line in units.splitlines()[2:]]
+        self.units = {key.strip("` "): re.findall("`([^`]+)`", names) for _, key, names in told}
         self.rows: list[Row] = []
         for part in markdown.split("### ")[1:]:
             block, _, lines = part.partition("\n")
@@ -246,8 +249,9 @@ class Table:
             yield "half a number", False, row.number + 0.5
             yield "a whole number with a point", True, float(row.number)
             yield "too large a whole number", False, 1e12
-        if row.block == "case":
+        if row.block == "case" and row.is_whole:  # the format, of which there is one
             return
+        yield from self.quantities(row)
         for limit, is_open, beyond in (
             (row.low, row.is_low_open, -1.0),
             (row.high, row.is_high_open, 1.0),
@@ -259,6 +263,20 @@ class Table:
                 )
                 yield f"the limit {limit}", not is_open, row.with_number(limit)
                 yield f"past the limit {limit}", False, row.with_number(past)
+
+    def quantities(self, row: Row) -> Iterator[tuple[str, bool, Any]]:
+        """Numbers with units. Ranges are those of the key's own unit."""
+        own = self.units[row.unit] if not row.is_whole else []
+        yield "text of a number", False, row.with_number(f"{row.number}")
+        for unit in ("no_such_unit", "", *(names[0] for names in self.units.values())):
+            if unit not in own:
+                yield f"1 {unit}", False, row.with_number(f"1 {unit}")
+        for unit in own:
+            if unit == row.unit or (row.low <= 0.0 and math.isinf(row.high)):
+                number = row.number if unit == row.unit else 1
+                yield f"{number} {unit}", True, row.with_number(f"{number} {unit}")
+                joined = not unit[0].isdigit()  # 11/min has no beginning
+                yield f"{number}{unit}", joined, row.with_number(f"{number}{unit}")
 
     def elsewhere(self, row: Row) -> Iterator[tuple[str, bool, dict[str, Any]]]:
         """The row where it has no meaning."""

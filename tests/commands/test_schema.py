@@ -34,8 +34,11 @@ def schema(executable: Path) -> Draft202012Validator:
 
 @pytest.fixture(scope="session")
 def table(executable: Path) -> Table:
-    done = subprocess.run([executable, "show", "--keys"], capture_output=True, check=True)
-    return Table(done.stdout.decode())
+    def shown(option: str) -> str:
+        done = subprocess.run([executable, "show", option], capture_output=True, check=True)
+        return done.stdout.decode()
+
+    return Table(shown("--keys"), shown("--units"))
 
 
 def test_every_example_is_accepted_and_a_plan_is_not(schema: Draft202012Validator) -> None:
