@@ -217,11 +217,16 @@ void json_schema_quantity(json_writer *json, const char *key_unit)
     OWNED char *name = quantity_name(key_unit), *usual = spellings_pattern(key_unit, false);
     OWNED char *fractions = spellings_pattern(key_unit, true);
     OWNED char *pattern = xasprintf("^" DECIMAL "(%s%s)$", usual, fractions);
+    int n = 0;
+    OWNED const char **units = unit_names(key_unit, NULL, &n);
+    OWNED char *list = words_join(n, units, ", ");
+    OWNED char *said = xasprintf("must be a number, also with a unit of %s: %s", unit_kind_name(key_unit), list);
     json_open(json, name, '{');
     json_open(json, "type", '[');
     json_text(json, NULL, "number");
     json_text(json, NULL, "string");
     json_close(json, ']');
     json_text(json, "pattern", pattern);
+    json_text(json, "patternErrorMessage", said); /* of editors, in place of the pattern */
     json_close(json, '}');
 }
