@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 SUPERSCRIPTS = {2: "²", 3: "³", 4: "⁴"}
 PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 PREFIXES |= {"G": 1e9, "T": 1e12}
+MICRO = re.compile("^u(?=[A-Za-z])")  # as it is typed
 SLACK = 1e-9  # 999.9999999 of one unit is better shown as 1 of the next
 
 
@@ -89,7 +90,9 @@ def displayed(units: str) -> str:
         if match is None or units == "1":
             return "" if units == "1" else units
         power = int(match[2] or 1)
-        (above if power > 0 else below).append(match[1] + SUPERSCRIPTS.get(abs(power), ""))
+        (above if power > 0 else below).append(
+            MICRO.sub("µ", match[1]) + SUPERSCRIPTS.get(abs(power), "")
+        )
     if not below:
         return " ".join(above)
     denominator = below[0] if len(below) == 1 else f"({' '.join(below)})"

@@ -79,7 +79,7 @@ def test_a_map_is_over_speed_unless_the_speed_turns_round():
     assert draw_order_maps([("", found)]).axes[0].get_xlabel() == "speed of pinion [rpm]"
     assert draw_order_maps([("", found)], over_time=True).axes[0].get_xlabel() == "time [ms]"
     back = found.assign(speed=("time", np.abs(np.linspace(-9, 7, found.sizes["time"]))))
-    assert draw_order_maps([("", back)]).axes[0].get_xlabel() == "time [s]"
+    assert draw_order_maps([("", back)]).axes[0].get_xlabel() == "time [ms]"
 
 
 def test_crossings_are_marked_where_orders_meet_modes():

@@ -88,6 +88,8 @@ def test_numbers_have_few_digits_over_the_whole_range_of_the_table(units):
         ("rad s-2", "rad/s²"),
         ("kg m2 s-2", "kg m²/s²"),
         ("s-1", "1/s"),
+        ("um", "µm"),
+        ("rpm", "rpm"),
         ("W m-2 K-1", "W/(m² K)"),
         ("N m-1.5", "N m-1.5"),
         ("degree_C", "degree_C"),

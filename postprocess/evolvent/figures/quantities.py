@@ -36,6 +36,7 @@ APART = ("wheel", "shaft", "accelerometer")  # dimensions whose lines share a pa
 SAME = 2e-3  # of the height of a panel: lines that are nowhere further apart are one
 FAR = 0.2  # of the height: where all lines together move less, each has a panel of its own
 MOST_PANELS = 12
+WIDEST_TITLE = 36  # letters of the title of a panel beside others
 WIDEST = 27  # letters of the label of an axis
 
 
@@ -101,7 +102,7 @@ def draw_quantities(
     else:
         columns = [list(_panels([r], [v], over)) for r, v in zip(runs, picked, strict=True)]
         columns = [
-            [replace(panel, title=f"{run.label} {panel.title}".strip()) for panel in column]
+            [replace(panel, title=_beside(run.label, panel.title)) for panel in column]
             for run, column in zip(runs, columns, strict=True)
         ]
     rows = max(len(column) for column in columns)
@@ -118,6 +119,11 @@ def draw_quantities(
         TIME if over is X.TIME else Over("roll angle of the driving wheel", "rad"),
         _heading(picked[0]),
     )
+
+
+def _beside(label: str, title: str) -> str:
+    """Title of a panel beside those of another run."""
+    return "\n".join(filter(None, [textwrap.fill(label, WIDEST_TITLE), title]))
 
 
 def _named(panels: list[Panel]) -> list[Panel]:

@@ -122,12 +122,14 @@ def log_ticks(axis: Axis) -> None:
 
 
 def _log_number(value: float) -> str:
+    if value <= 0.0:  # beyond the end of the axis
+        return ""
     if PLAIN[0] <= value <= PLAIN[1]:
         return f"{value:.6g}"
     exponent = math.floor(math.log10(value) + 1e-9)
     front = value / 10.0**exponent
     power = f"10^{{{exponent}}}"
-    return f"${power}$" if abs(front - 1.0) < 1e-9 else f"${front:.4g} \\times {power}$"
+    return f"${power}$" if abs(front - 1.0) < 1e-9 else f"${front:.6g} \\times {power}$"
 
 
 def save(figure: Figure, path: Path) -> None:
