@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pictures import assert_readable
 from PIL import Image
 from real_gears import RealPair
 
@@ -17,7 +20,10 @@ from evolvent.pages.animation import (
     animate,
     choose_clip,
 )
+from evolvent.pages.scales import Largest, largest_of
 from evolvent.pages.scene import Scene
+from evolvent.pages.touching import touching
+from evolvent.physics.teeth import drawn_meshes
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +91,7 @@ def test_the_same_history_gives_the_same_file(history, tmp_path):
 
 
 def test_an_arrow_is_as_long_as_its_force_and_begins_where_the_flanks_touch(history):
-    scene = Scene(history, mesh=0, largest=200.0)
+    scene = Scene(history, mesh=0, largest=Largest(force=200.0))
     scene.show(2)
     forces = history["pair_normal_force"].values[2, 0]
     loaded = forces[forces > 0]
@@ -99,34 +105,86 @@ def test_an_arrow_is_as_long_as_its_force_and_begins_where_the_flanks_touch(hist
             assert length == pytest.approx(scene.per_newton * total, rel=1e-6)
 
 
-def test_the_picture_tells_time_pace_load_and_what_is_what(history):
-    figure = Scene(history, mesh=0, largest=110.0, speed=0.01, exaggeration=20.0).show(1)
+@pytest.fixture(scope="module")
+def loaded(history):
+    """Both wheels loaded, the tooth pairs slide."""
+    torque = np.tile([-7.5, -11.25], (history.sizes["time"], 1))
+    slides = 0.5 * (history["pair_position"] / history["pair_position"].max() - 0.3)
+    return history.assign(
+        load_torque=(("time", "wheel"), torque), pair_sliding_velocity=slides.fillna(np.nan)
+    )
+
+
+def test_the_picture_tells_time_pace_load_and_what_is_what(loaded):
+    largest = Largest(110.0, 11.25, 0.5)
+    figure = Scene(loaded, 0, largest, speed=0.01, exaggeration=20.0).show(1)
     texts = [text.get_text() for text in figure.texts]
     assert "t = 1 s" in texts
     assert "slowed down 100 times" in texts
     assert "2 tooth pairs loaded: 220 N" in texts
     keys = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
     assert {"line of action", "path of contact", "deviations 20 times"} <= set(keys)
-    assert {"pinion", "gear"} <= {text.get_text() for text in figure.axes[0].texts}
-    assert {"5 mm", "100 N"} <= {text.get_text() for text in figure.axes[1].texts}
+    assert {"presses on the tooth it lies in", "slides: driving flank over its mate"} <= set(keys)
+    assert {"torque that drives a wheel", "torque that brakes one"} <= set(keys)
+    # the pinion turns clockwise, the gear counterclockwise; both torques are clockwise
+    names = {text.get_text() for text in figure.axes[0].texts}
+    assert names == {"pinion\ndrives with 7.5 N m", "gear\nbrakes with 11.2 N m"}
+    assert {"5 mm", "100 N", "500 mm/s"} <= {text.get_text() for text in figure.axes[1].texts}
+
+
+def test_what_a_history_does_not_tell_is_not_in_the_key(history):
+    figure = Scene(history, 0, largest_of(history, [0, 1])).show(1)
+    keys = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
+    assert not any("slides" in key or "torque" in key for key in keys)
+    assert {text.get_text() for text in figure.axes[0].texts} == {"pinion", "gear"}
 
 
 @pytest.mark.parametrize("mesh", [None, 0])
-def test_nothing_is_clipped_by_the_edge(history, mesh):
-    figure = Scene(history, mesh, largest=110.0, speed=0.5, exaggeration=2.0).show(0)
-    figure.draw_without_rendering()
-    inside = figure.bbox.padded(1.0)
-    for text in [*figure.texts, *figure.axes[0].texts, *figure.axes[1].texts]:
-        box = text.get_window_extent()
-        assert inside.containsx(box.x0), text
-        assert inside.containsx(box.x1), text
-        assert inside.containsy(box.y0), text
-        assert inside.containsy(box.y1), text
-    legend = figure.axes[1].get_legend().get_window_extent()
-    keys = [text.get_window_extent() for text in figure.axes[1].texts]
-    assert all(not legend.overlaps(box) for box in keys)
-    assert inside.containsx(legend.x0)
-    assert inside.containsx(legend.x1)
+def test_the_arrow_of_a_torque_turns_the_way_of_the_torque(loaded, mesh):
+    """Seen from the axle, its tip lies behind its tail in the sense of the torque."""
+    for sense in (-1.0, 1.0):
+        turned = loaded.assign(load_torque=sense * loaded["load_torque"])
+        scene = Scene(turned, mesh, Largest(110.0, 11.25))
+        scene.show(1)
+        for wheel, path in zip(scene.wheels, scene.torques.get_paths(), strict=True):
+            points = path.vertices @ [1, 1j] - wheel.centre
+            begin, tip = points[0], points[41]  # of 40 chords, then a barb
+            assert np.sign(np.angle(tip / begin)) == -sense
+
+
+def test_a_flank_slides_along_its_tangent_and_friction_resists(loaded):
+    """The force on the driving flank along the sliding is opposite to it: friction takes power."""
+    (mesh,) = drawn_meshes(loaded)
+    signed = np.sign(loaded["pair_sliding_velocity"].fillna(0.0))
+    resisting = loaded.assign(pair_friction_force=-10.0 * signed)
+    for row in range(loaded.sizes["time"]):
+        for touch in touching(resisting, mesh, 0, row):
+            along = mesh.line()[1]
+            assert (touch.sliding * along.conjugate()).real == pytest.approx(0.0, abs=1e-12)
+            assert (-touch.force * touch.sliding.conjugate()).real < 0.0
+
+
+@pytest.mark.parametrize("mesh", [None, 0])
+def test_nothing_is_clipped_by_the_edge_and_no_label_stands_on_another(loaded, mesh):
+    scene = Scene(loaded, mesh, Largest(110.0, 11.25, 0.5), speed=0.5, exaggeration=2.0)
+    assert_readable(scene.show(0))
+
+
+NAMES = st.text(st.characters(codec="ascii", categories=("L", "N")), min_size=1, max_size=40)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.lists(NAMES, min_size=2, max_size=2, unique=True),
+    st.sampled_from([None, 0]),
+    st.floats(-9.0, 9.0),
+)
+def test_whatever_the_wheels_are_called_no_label_stands_on_another(loaded, names, mesh, power):
+    torque = 10.0**power
+    named = loaded.assign(load_torque=torque * loaded["load_torque"]).assign_coords(wheel=names)
+    scene = Scene(named, mesh, largest_of(named, [0, 1], mesh), speed=10.0**power)
+    for row in (0, 1):
+        assert_readable(scene.show(row))
 
 
 def test_a_history_of_an_older_version_is_refused_with_the_remedy(friction_run):

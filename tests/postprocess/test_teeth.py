@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.path import Path as Outline
 from real_gears import ALPHA, RealPair, involute
 
-from evolvent.pages.scene import loaded_pairs
+from evolvent.pages.touching import touching
 from evolvent.physics.teeth import drawn_meshes, drawn_wheels
 
 ROLLED = np.linspace(0.0, 1.0, 14)  # more than three pitches
@@ -50,7 +50,7 @@ def test_the_touching_point_lies_on_both_outlines(coast):
     # K_A and e of theory.md by hand, for centres on the x axis
     start = pair.base[0] * np.exp(1j * sign * pair.alpha)
     along = math.sin(pair.alpha) - 1j * sign * math.cos(pair.alpha)
-    touching = 0
+    touched = 0
     for row in range(ROLLED.size):
         driving, driven = outlines(history, row)
         for place in range(6):
@@ -59,11 +59,11 @@ def test_the_touching_point_lies_on_both_outlines(coast):
             point = start + history["pair_position"].values[row, 0, place] * along
             assert distance(point, driving) < CHORD
             assert distance(point - pair.penetration * along, driven) < CHORD
-            touching += 1
-        points = [point for point, _ in loaded_pairs(history, mesh, 0, row)]
+            touched += 1
+        points = [touch.point for touch in touching(history, mesh, 0, row)]
         assert all(min(abs(start + r * along - p) for p in points) < 1e-15
                    for r in history["pair_position"].values[row, 0] if np.isfinite(r))  # fmt: skip
-    assert touching > 1.4 * ROLLED.size  # contact ratio 1.59
+    assert touched > 1.4 * ROLLED.size  # contact ratio 1.59
 
 
 @pytest.mark.parametrize("coast", [False, True])
@@ -89,7 +89,8 @@ def test_wheels_without_known_teeth_touch_and_do_not_overlap():
     for row in range(ROLLED.size):
         one, two = outlines(history, row)
         assert max(overlap(one, two), overlap(two, one)) < pair.penetration + CHORD
-        for point, _ in loaded_pairs(history, mesh, 0, row):
+        for touch in touching(history, mesh, 0, row):
+            point = touch.point
             assert max(distance(point, one), distance(point, two)) < pair.penetration + CHORD
     for wheel in drawn_wheels(history):
         assert wheel.profile.root_radius < wheel.profile.active_radius
@@ -170,8 +171,9 @@ def test_drawn_forces_have_the_torques_of_the_theory(coast):
     sign = -1 if coast else 1
     for row in range(0, ROLLED.size, 5):
         places = np.flatnonzero(history["pair_normal_force"].values[row, 0] > 0)
-        drawn = loaded_pairs(history, mesh, 0, row)
-        for place, (point, force) in zip(places, drawn, strict=True):
+        drawn = touching(history, mesh, 0, row)
+        for place, touch in zip(places, drawn, strict=True):
+            point, force = touch.point, touch.force
             normal = float(history["pair_normal_force"].values[row, 0, place])
             rho = float(history["pair_position"].values[row, 0, place])
             tangential = pair.friction * normal

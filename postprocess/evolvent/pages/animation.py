@@ -14,6 +14,7 @@ from PIL import Image
 
 from evolvent.errors import USAGE, EvolventError
 from evolvent.history import require
+from evolvent.pages.scales import largest_of
 from evolvent.pages.scene import Scene, check_teeth
 from evolvent.physics.teeth import pitches_passed
 
@@ -116,10 +117,7 @@ def animate(
     """
     check_format(path)
     check_teeth(history)
-    force = require(history, "pair_normal_force").values[list(clip.rows)]
-    if mesh is not None:
-        force = force[:, mesh]
-    largest = float(np.nanmax(force, initial=0.0))
+    largest = largest_of(history, list(clip.rows), mesh)
     scene = Scene(history, mesh, largest, clip.speed, exaggeration)
     if path.suffix.lower() == ".mp4":
         _write_mp4(scene, path, clip, dpi)

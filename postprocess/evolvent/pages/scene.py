@@ -1,4 +1,4 @@
-"""A picture of a gearbox at any output: wheels, lines of action, and forces on the teeth."""
+"""A picture of a gearbox at any output: what turns the wheels, what presses and slides on teeth."""
 
 from __future__ import annotations
 
@@ -7,28 +7,38 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib import rc_context
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 from evolvent.errors import HistoryError
 from evolvent.figures.style import STYLE
 from evolvent.history import require, source_name
-from evolvent.physics.teeth import DrawnMesh, DrawnWheel, drawn_meshes, drawn_wheels
+from evolvent.pages.keys import Scale, draw_keys
+from evolvent.pages.labels import Wanted, place_labels
+from evolvent.pages.scales import Largest
+from evolvent.pages.shapes import arrow, curved_arrow, xy
+from evolvent.pages.touching import touching
+from evolvent.physics.teeth import DrawnMesh, drawn_meshes, drawn_wheels
 from evolvent.units import quantity
 
 # Light enough for the arrows on them, and told apart by a grey printer.
 FILLS = ("#b9cbe0", "#f2dcc0", "#d5e6c9", "#e3d3ea")
-EDGE, FORCE, ACTION = "#3a4654", "#b3122f", "#1f6f9f"
-WIDTH, TOP, BOTTOM = 7.2, 0.42, 0.98  # of the picture and the bands above and below it [inch]
+EDGE, ACTION = "#3a4654", "#1f6f9f"
+FORCE, SLIDES, DRIVES, BRAKES = "#b3122f", "#e07b00", "#2e7d32", "#6a3d9a"
+WIDTH, TOP, BOTTOM = 7.2, 0.42, 1.1  # of the picture and the bands above and below it [inch]
 HEIGHTS = (2.6, 6.2)  # least and largest of the drawing between them [inch]
 COAST: Any = (0, (2, 2))  # dashes of the coast flanks' lines
 LONGEST = 0.17  # length of the arrow of the largest force, of the picture's smaller side
 AROUND = 1.35  # half of the height of a zoom over the longer of path of contact and base pitch
+OUTLINED: Any = [withStroke(linewidth=2.5, foreground="white", alpha=0.8)]
+LONGEST_TORQUE = "\nbrakes with 888 mN m"
 
 
 class Scene:
@@ -38,7 +48,7 @@ class Scene:
     ----------
     history : with the static variables of the teeth, the motion and the forces of tooth pairs.
     mesh : number of the mesh to zoom on; the whole gearbox if None.
-    largest : force whose arrow is the longest [N].
+    largest : what the longest arrows stand for.
     speed : shown beside the time, if given.
     exaggeration : factor of the deviations of the flanks.
     """
@@ -47,22 +57,25 @@ class Scene:
         self,
         history: xr.Dataset,
         mesh: int | None = None,
-        largest: float = 0.0,
+        largest: Largest | None = None,
         speed: float | None = None,
         exaggeration: float = 1.0,
     ) -> None:
         check_teeth(history)
-        self.history, self.exaggeration, self.largest = history, exaggeration, largest
+        self.history, self.exaggeration = history, exaggeration
+        self.largest = largest or Largest()
         self.wheels = drawn_wheels(history)
         self.meshes = drawn_meshes(history)
         self.zoomed = mesh is not None
         self.shown = range(len(self.meshes)) if mesh is None else range(mesh, mesh + 1)
         self.visible = range(len(self.wheels)) if mesh is None else self.meshes[mesh].wheels
         self.box = self._whole() if mesh is None else self._around(self.meshes[mesh])
+        self._scale()
         with rc_context(STYLE | {"axes.grid": False}):
             self._lay_out(speed)
             self._add_artists()
             self._add_keys()
+            self._add_names()
 
     def show(self, row: int) -> Figure:
         """Move everything to output number `row` and return the figure."""
@@ -75,31 +88,87 @@ class Scene:
                 float(turned[number]),
                 complex(*moved[number]),
             )
-            patch.set_xy(_xy(wheel.outline(angle, shift, self.exaggeration)))
+            patch.set_xy(xy(wheel.outline(angle, shift, self.exaggeration)))
             spoke = np.array([0.6, 0.75]) * wheel.radius * np.exp(1j * angle)
-            mark.set_data(*_xy(wheel.centre + shift + spoke).T)
-        arrows, points, loads = [], [], []
+            mark.set_data(*xy(wheel.centre + shift + spoke).T)
+        self._show_contacts(row)
+        self._show_torques(row)
+        self.clock.set_text(f"t = {float(history['time'][row]):.{self.decimals}f} s")
+        return self.figure
+
+    def _show_contacts(self, row: int) -> None:
+        """Lines of action, forces and sliding of all loaded tooth pairs."""
+        forces, slides, points, loads = [], [], [], []
         for number, lines in zip(self.shown, self.lines, strict=True):
             mesh = self.meshes[number]
-            shifts = mesh.shifts(history, row)
+            shifts = mesh.shifts(self.history, row)
             for coast, (whole, path) in enumerate(lines):
                 start, along, length = mesh.line(bool(coast), shifts)
-                whole.set_data(*_xy(start + along * np.array([0.0, length])).T)
-                path.set_data(*_xy(start + along * np.array(mesh.path)).T)
-            touching = loaded_pairs(history, mesh, number, row, self)
-            loads.append(float(require(history, "normal_force").values[row, number]))
-            for point, force in touching:
-                points.append(point)
-                for on_wheel in (-force, force):
-                    arrows.append(_arrow(point, on_wheel * self.per_newton, self.arrow_width))
-        self.arrows.set_verts([_xy(arrow) for arrow in arrows])
-        self.contacts.set_data(*(_xy(np.array(points)).T if points else ([], [])))
-        self.clock.set_text(f"t = {float(history['time'][row]):.{self.decimals}f} s")
+                whole.set_data(*xy(start + along * np.array([0.0, length])).T)
+                path.set_data(*xy(start + along * np.array(mesh.path)).T)
+            touches = touching(self.history, mesh, number, row, self._deviation(mesh))
+            loads.append(float(require(self.history, "normal_force").values[row, number]))
+            for touch in touches:
+                points.append(touch.point)
+                for on_wheel in (-touch.force, touch.force):
+                    forces.append(arrow(touch.point, on_wheel * self.per_newton, self.arrow_width))
+                slide = touch.sliding * self.per_speed
+                slides.append(arrow(touch.point, slide, self.arrow_width))
+        self.arrows.set_verts([xy(outline) for outline in forces])
+        self.slides.set_verts([xy(outline) for outline in slides])
+        self.contacts.set_data(*(xy(np.array(points)).T if points else ([], [])))
         if len(loads) == 1:
-            count = len(touching)
-            pairs = f"{count} tooth pair{'' if count == 1 else 's'} loaded"
-            self.load.set_text(f"{pairs}: {quantity(loads[0], 'N', 3)}" if count else "no contact")
-        return self.figure
+            self.load.set_text(_loaded(len(touches), loads[0]))
+
+    def _show_torques(self, row: int) -> None:
+        """Curved arrows of the loads, and words for them."""
+        shapes, colours, words = [], [], {}
+        for number in self.loaded:
+            torque = float(self.history["load_torque"].values[row, number])
+            speed = float(require(self.history, "angular_velocity").values[row, number])
+            if torque == 0.0:
+                continue
+            drives = torque * speed >= 0
+            shapes.append(xy(self._torque_arrow(number, torque / self.largest.torque)))
+            colours.append(DRIVES if drives else BRAKES)
+            verb = "drives" if drives else "brakes"
+            words[number] = f"\n{verb} with {quantity(abs(torque), 'N m', 3)}"
+        self.torques.set_verts(shapes)
+        self.torques.set_facecolor(colours)
+        for text, numbers in self.names:
+            lines = [self.wheels[n].name + words.get(n, "") for n in numbers]
+            text.set_text("\n".join(lines))
+
+    def _torque_arrow(self, number: int, share: float) -> np.ndarray:
+        """Outline of the arrow of a torque, by its share in the largest one."""
+        wheel, away = self.wheels[number], self._away(number)
+        radius, longest = 0.5 * wheel.radius, 2.4
+        if self.zoomed:
+            place = self._place_in_zoom(number, 0.25)
+            distance = abs(place - wheel.centre)
+            if wheel.profile is not None:
+                distance = min(distance, 0.93 * wheel.profile.root_radius)
+            away = float(np.angle(place - wheel.centre))
+            radius, longest = distance, 0.45 * self.small / distance
+        angle = np.sign(share) * longest * (0.25 + 0.75 * min(abs(share), 1.0))
+        return curved_arrow(wheel.centre, radius, away, float(angle), 1.3 * self.arrow_width)
+
+    def _away(self, number: int) -> float:
+        """Direction from a wheel's axle away from its mates, or from those on the same axle."""
+        centre = self.wheels[number].centre
+        pull = 0j
+        for mesh in self.meshes:
+            for side, wheel in enumerate(mesh.wheels):
+                towards = mesh.centres[1 - side] - mesh.centres[side]
+                if abs(self.wheels[wheel].centre - centre) < 1e-9 + 1e-6 * abs(towards):
+                    pull -= towards / abs(towards)
+        return float(np.angle(pull)) if abs(pull) > 0.1 else np.pi / 2
+
+    def _deviation(self, mesh: DrawnMesh) -> Any:
+        profile = self.wheels[mesh.wheels[0]].profile
+        if profile is None:
+            return None
+        return lambda rho: self.exaggeration * float(profile.deviation(np.array(rho)))
 
     def _whole(self) -> tuple[float, float, float, float]:
         centres = np.array([wheel.centre for wheel in self.wheels])
@@ -114,6 +183,25 @@ class Scene:
         half = AROUND * max(mesh.path[1] - mesh.path[0], pitch)
         x = middle.real - 1.25 * half, middle.real + 1.25 * half
         return _fitted(x, (middle.imag - half, middle.imag + half), 0.0)
+
+    def _scale(self) -> None:
+        """Lengths of arrows."""
+        wide, high = self.box[1] - self.box[0], self.box[3] - self.box[2]
+        self.small = min(wide, high)
+        self.arrow_width = 0.011 * self.small
+        longest = LONGEST * self.small
+        if self.zoomed:
+            # arrows of neighbouring tooth pairs, a base pitch apart, do not overlap
+            pitch = require(self.history, "base_pitch").values[self.shown[0]]
+            longest = min(longest, 0.46 * float(pitch))
+        force, sliding = self.largest.force, self.largest.sliding
+        self.per_newton = longest / force if force > 0 else 0.0
+        self.per_speed = longest / sliding if sliding > 0 else 0.0
+        self.longest = longest
+        self.loaded: list[int] = []
+        if "load_torque" in self.history and self.largest.torque > 0:
+            ever = (self.history["load_torque"] != 0).any("time").values
+            self.loaded = [number for number in self.visible if ever[number]]
 
     def _lay_out(self, speed: float | None) -> None:
         x0, x1, y0, y1 = self.box
@@ -131,13 +219,13 @@ class Scene:
         self.keys.set(xlim=(0, x1 - x0), ylim=(0, 1))
         self.keys.set_axis_off()
         at = 1 - TOP / 2 / total
-        self.clock = self.figure.text(0.015, at, "", va="center", fontsize=12)
-        self.load = self.figure.text(0.34, at, "", va="center", fontsize=12)
+        self.clock = self.figure.text(0.015, at, "", va="center", fontsize=11)
+        self.load = self.figure.text(0.3, at, "", va="center", fontsize=11)
         step = np.median(np.diff(self.history["time"].values)) if self.history.time.size > 1 else 1
         self.decimals = int(np.clip(np.ceil(-np.log10(step)), 0, 9))
         if speed is not None:
             text = _pace(speed)
-            self.figure.text(0.985, at, text, va="center", ha="right", fontsize=11, color="#555555")
+            self.figure.text(0.985, at, text, va="center", ha="right", fontsize=10, color="#555555")
 
     def _add_artists(self) -> None:
         axes = self.axes
@@ -155,7 +243,6 @@ class Scene:
             (mark,) = axes.plot([], [], color=EDGE, linewidth=2.5, zorder=depth + 0.01)
             axes.add_patch(patch)
             self.artists[number] = patch, mark
-        self._name_wheels()
         for number in self.shown:
             flanks = []
             for coast in range(1 + self.meshes[number].has_coast):
@@ -164,76 +251,83 @@ class Scene:
                 (path,) = axes.plot([], [], linewidth=2.6, zorder=3, **style)
                 flanks.append((whole, path))
             self.lines.append(flanks)
-        self.arrows = PolyCollection(
-            [], facecolor=FORCE, edgecolor="white", linewidth=0.6, zorder=5
+        self.torques, self.arrows, self.slides = (
+            PolyCollection([], facecolor=colour, edgecolor="white", linewidth=0.6, zorder=5 + depth)
+            for depth, colour in enumerate((DRIVES, FORCE, SLIDES))
         )
-        axes.add_collection(self.arrows, autolim=False)
-        (self.contacts,) = axes.plot([], [], "o", color="black", markersize=3.5, zorder=6)
+        for shapes in (self.torques, self.arrows, self.slides):
+            axes.add_collection(shapes, autolim=False)
+        (self.contacts,) = axes.plot([], [], "o", color="black", markersize=3.5, zorder=8)
 
-    def _name_wheels(self) -> None:
-        """Name the wheels: those on one axis together, the smallest first."""
-        axles: dict[complex, list[DrawnWheel]] = {}
+    def _add_names(self) -> None:
+        """Name the wheels where nothing else stands: those on one axis together."""
+        self.names: list[tuple[Text, list[int]]] = []
+        axles: dict[complex, list[int]] = {}
         for number in self.visible:
             wheel = self.wheels[number]
             nearest = min(axles, key=lambda c: abs(c - wheel.centre), default=None)
             if nearest is None or abs(nearest - wheel.centre) > 1e-6 * wheel.radius:
                 nearest = wheel.centre
-            axles.setdefault(nearest, []).append(wheel)
-        for centre, wheels in axles.items():
-            wheels.sort(key=lambda wheel: wheel.radius)
-            place = self._place_of_name(centre, wheels[-1].radius)
-            if place is None:
-                continue
-            self.axes.plot(centre.real, centre.imag, "+", color=EDGE, zorder=4)
-            names = "\n".join(wheel.name for wheel in wheels)
-            self.axes.text(
-                place.real,
-                place.imag,
-                names,
-                ha="center",
-                va="top",
-                fontsize=12,
-                zorder=4,
-                clip_on=True,
-            )
+            axles.setdefault(nearest, []).append(number)
+        wanted = []
+        for centre, numbers in axles.items():
+            numbers.sort(key=lambda number: self.wheels[number].radius)
+            lines = [
+                self.wheels[n].name + (LONGEST_TORQUE if n in self.loaded else "") for n in numbers
+            ]
+            text = self.axes.text(
+                0, 0, "\n".join(lines), ha="center", va="center", zorder=9,
+                path_effects=OUTLINED,
+            )  # fmt: skip
+            self.names.append((text, numbers))
+            anchor = centre
+            if self.zoomed:
+                anchor = self._place_in_zoom(numbers[0], 0.37)
+            else:
+                self.axes.plot(centre.real, centre.imag, "+", color=EDGE, zorder=4)
+            wanted.append(Wanted(text, anchor))
+        place_labels(self.axes, wanted, self._taken())
 
-    def _place_of_name(self, centre: complex, radius: float) -> complex | None:
-        """Below the centre, or where a zoom shows the wheel best: away from its mate."""
+    def _taken(self) -> list[Bbox]:
+        """Boxes around the arrows: of contacts anywhere on their paths, of the largest torques."""
+        boxes = []
+        for number in self.shown:
+            mesh = self.meshes[number]
+            ends = []
+            for coast in range(1 + mesh.has_coast):
+                start, along, _ = mesh.line(bool(coast))
+                ends += [start + along * rho for rho in mesh.path]
+            x, y = np.real(ends), np.imag(ends)
+            reach = self.longest
+            boxes.append(
+                Bbox([[x.min() - reach, y.min() - reach], [x.max() + reach, y.max() + reach]])
+            )
+        for number in self.loaded:
+            for sense in (1.0, -1.0):
+                outline = xy(self._torque_arrow(number, sense))
+                boxes.append(Bbox([outline.min(axis=0), outline.max(axis=0)]))
+        return boxes
+
+    def _place_in_zoom(self, number: int, share: float) -> complex:
+        """Where a zoom shows a wheel: so far from its middle away from the wheel's mate."""
+        centre = self.wheels[number].centre
         x0, x1, y0, y1 = self.box
-        if x0 < centre.real < x1 and y0 < centre.imag < y1:
-            return centre - 0.025j * (y1 - y0)
         middle = complex((x0 + x1) / 2, (y0 + y1) / 2)
         towards = (centre - middle) / abs(centre - middle)
         reach = min(
             (x1 - x0) / max(abs(towards.real), 1e-9), (y1 - y0) / max(abs(towards.imag), 1e-9)
         )
-        place = middle + 0.37 * reach * towards
-        return place if abs(place - centre) < radius else None
+        return middle + share * reach * towards
 
     def _add_keys(self) -> None:
-        """Below the picture: what is what, a length and a force to scale."""
-        wide = self.box[1] - self.box[0]
-        small = min(wide, self.box[3] - self.box[2])
-        self.arrow_width = 0.011 * small
-        longest = LONGEST * small
-        if self.zoomed:
-            # arrows of neighbouring tooth pairs, a base pitch apart, do not overlap
-            pitch = require(self.history, "base_pitch").values[self.shown[0]]
-            longest = min(longest, 0.46 * float(pitch))
-        self.per_newton = longest / self.largest if self.largest > 0 else 0.0
-        length = _round_below(wide / 5)
-        keys: Axes = self.keys
-        at = 0.03 * wide
-        keys.plot([at, at + length], [0.78, 0.78], color="black", linewidth=2, marker="|")
-        keys.text(at, 0.5, quantity(length, "m", 3), va="center", fontsize=10)
-        if self.largest > 0:
-            force = _round_below(self.largest)
-            tall = (self.box[3] - self.box[2]) * BOTTOM / (self.axes.get_position().height)
-            tall /= self.figure.get_size_inches()[1]  # height of the band in lengths of the picture
-            arrow = _arrow(0j, force * self.per_newton, self.arrow_width)
-            shape = np.stack([at + arrow.real, 0.27 + arrow.imag / tall], axis=1)
-            keys.add_patch(Polygon(shape, facecolor=FORCE, edgecolor="white", linewidth=0.6))
-            keys.text(at, 0.06, quantity(force, "N", 3), va="center", fontsize=10)
+        """Below the picture: what is what; a length, a force and a speed to scale."""
+        wide, high = self.box[1] - self.box[0], self.box[3] - self.box[2]
+        per_unit = BOTTOM / (WIDTH * high / wide) * high  # height of the band, in the picture
+        scales = [
+            Scale(wide / 7, 1.0, "m", ""),
+            Scale(self.largest.force, self.per_newton, "N", FORCE),
+            Scale(self.largest.sliding, self.per_speed, "m s-1", SLIDES),
+        ]
         entries: list[Any] = [
             Line2D([], [], color=ACTION, linewidth=0.9, label="line of action"),
             Line2D([], [], color=ACTION, linewidth=2.6, label="path of contact"),
@@ -241,19 +335,17 @@ class Scene:
         if any(self.meshes[m].has_coast for m in self.shown):
             label = "the same, coast flanks"
             entries.append(Line2D([], [], color=ACTION, linestyle=COAST, label=label))
-        entries.append(Patch(facecolor=FORCE, label="force on the tooth it lies in"))
         if self.exaggeration != 1.0:
             label = f"deviations {self.exaggeration:g} times"
             entries.append(Line2D([], [], color=EDGE, linewidth=1.0, label=label))
-        keys.legend(
-            handles=entries,
-            loc="center right",
-            ncols=2,
-            fontsize=10,
-            columnspacing=1.2,
-            bbox_to_anchor=(0.995, 0.5),
-            borderaxespad=0.0,
-        )
+        entries.append(Patch(facecolor=FORCE, label="presses on the tooth it lies in"))
+        if self.largest.sliding > 0:
+            label = "slides: driving flank over its mate"
+            entries.append(Patch(facecolor=SLIDES, label=label))
+        if self.loaded:
+            entries.append(Patch(facecolor=DRIVES, label="torque that drives a wheel"))
+            entries.append(Patch(facecolor=BRAKES, label="torque that brakes one"))
+        draw_keys(self.keys, scales, self.arrow_width, per_unit, entries)
 
 
 def check_teeth(history: xr.Dataset) -> None:
@@ -263,44 +355,6 @@ def check_teeth(history: xr.Dataset) -> None:
             f"{source_name(history)}: does not tell where the teeth are; run the case again with "
             "this version of evolvent"
         )
-
-
-def loaded_pairs(
-    history: xr.Dataset, mesh: DrawnMesh, number: int, row: int, scene: Scene | None = None
-) -> list[tuple[complex, complex]]:
-    """Where tooth pairs carry load, and the force on the driven wheel there, friction included.
-
-    Parameters
-    ----------
-    history : with pair_position [m], pair_normal_force and pair_friction_force [N].
-    mesh, number : the mesh and its number in the history.
-    row : output.
-    scene : whose exaggerated deviations move the points; the perfect flanks if None.
-
-    Returns
-    -------
-    Points [m] and forces [N] in the housing frame. The driving wheel feels the opposite.
-
-    Source: docs/theory.md, forces: -F_n e + F_t t on the driving wheel.
-    """
-    names = [str(name) for name in history["pair"].values]
-    normal = require(history, "pair_normal_force").values[row, number]
-    friction = require(history, "pair_friction_force").values[row, number]
-    position = require(history, "pair_position").values[row, number]
-    found = []
-    for place, name in enumerate(names):
-        if not normal[place] > 0:
-            continue
-        coast = name.startswith("coast")
-        start, along, _ = mesh.line(coast, mesh.shifts(history, row))
-        across = (start - mesh.centres[0] - mesh.shifts(history, row)[0]) / mesh.base_radii[0]
-        rho = float(position[place])
-        profile = scene.wheels[mesh.wheels[0]].profile if scene is not None else None
-        if scene is not None and profile is not None:
-            rho -= scene.exaggeration * float(profile.deviation(np.array(rho)))
-        force = complex(normal[place] * along - friction[place] * across)
-        found.append((complex(start + rho * along), force))
-    return found
 
 
 def _fitted(
@@ -316,31 +370,13 @@ def _fitted(
     )  # fmt: skip
 
 
-def _arrow(tail: complex, vector: complex, width: float) -> np.ndarray:
-    """Outline of an arrow; the head of a short one shrinks with it."""
-    length = abs(vector)
-    if length == 0.0:
-        return np.full(7, tail)
-    head = min(4.0 * width, 0.6 * length)
-    half = width / 2 * min(1.0, head / (4.0 * width) + 0.4)
-    flat = np.array([
-        -1j * half, length - head - 1j * half, length - head - 1j * head / 2.4, length,
-        length - head + 1j * head / 2.4, length - head + 1j * half, 1j * half,
-    ])  # fmt: skip
-    return np.asarray(tail + flat * vector / length)
-
-
-def _round_below(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
+def _loaded(count: int, force: float) -> str:
+    if count == 0:
+        return "no contact"
+    return f"{count} tooth pair{'' if count == 1 else 's'} loaded: {quantity(force, 'N', 3)}"
 
 
 def _pace(speed: float) -> str:
     if abs(speed - 1) < 0.005:
         return "real time"
     return f"slowed down {1 / speed:.3g} times" if speed < 1 else f"sped up {speed:.3g} times"
-
-
-def _xy(points: Any) -> np.ndarray:
-    return np.stack([np.real(points), np.imag(points)], axis=-1)

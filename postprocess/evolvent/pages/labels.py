@@ -1,0 +1,86 @@
+"""Places for labels: near what they name, inside the picture, never on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox, BboxBase
+
+GRID = 48  # places tried along each side of the picture
+APART = 3.0  # least distance of two labels, and from the edge [pixels]
+LARGEST = 11.0  # size of letters [points]
+SMALLEST = 6.0  # below it a label is left out
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A label and where it would best stand."""
+
+    text: Text  # with the longest words that it will have
+    anchor: complex  # middle of its place, in the axes' coordinates
+
+
+def place_labels(axes: Axes, labels: Sequence[Wanted], taken: Sequence[Bbox] = ()) -> None:
+    """Move labels to the free places that are nearest to their anchors.
+
+    Parameters
+    ----------
+    taken : boxes in the axes' coordinates that labels keep out of where there is room elsewhere.
+
+    Labels are placed in their order. Letters become smaller where there is no room; a label that
+    has none in the smallest letters is hidden.
+    """
+    drawn = [box.transformed(axes.transData) for box in taken]
+    placed: list[Bbox] = []
+    for label in labels:
+        box = _fitting(axes, label, drawn, placed)
+        label.text.set_visible(box is not None)
+        if box is not None:
+            placed.append(box)
+
+
+def _fitting(axes: Axes, label: Wanted, drawn: list[Bbox], placed: list[Bbox]) -> Bbox | None:
+    """Make a label so small that it has a place, and move it there."""
+    size = LARGEST
+    while size >= SMALLEST:
+        label.text.set_fontsize(size)
+        for kept_out in (drawn + placed, placed):
+            box = _free(axes, label, kept_out)
+            if box is not None:
+                middle = axes.transData.inverted().transform(_corners(box).mean(axis=0))
+                label.text.set_position((float(middle[0]), float(middle[1])))
+                return box
+        size *= 0.9
+    return None
+
+
+def _free(axes: Axes, label: Wanted, kept_out: list[Bbox]) -> Bbox | None:
+    """The free box that is nearest to the anchor; boxes are in pixels."""
+    extent = label.text.get_window_extent()
+    half = np.array([extent.width / 2 + APART, extent.height / 2 + APART])
+    low, high = _corners(axes.bbox)
+    if (low + half > high - half).any():
+        return None
+    anchor = axes.transData.transform((label.anchor.real, label.anchor.imag))
+    sides = [np.linspace(a, b, GRID) for a, b in zip(low + half, high - half, strict=True)]
+    grid = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+    places = np.concatenate([[np.clip(anchor, low + half, high - half)], grid])
+    free = np.ones(len(places), bool)
+    for box in kept_out:
+        begin, end = _corners(box)
+        away = np.abs(places - (begin + end) / 2)
+        free &= (away >= (end - begin) / 2 + half).any(axis=1)
+    if not free.any():
+        return None
+    distance = np.where(free, np.linalg.norm(places - anchor, axis=1), np.inf)
+    middle = places[int(distance.argmin())]
+    return Bbox([middle - half + APART, middle + half - APART])
+
+
+def _corners(box: BboxBase) -> np.ndarray:
+    """Lower left and upper right corner, shape (2, 2)."""
+    return np.array([[box.xmin, box.ymin], [box.xmax, box.ymax]])
