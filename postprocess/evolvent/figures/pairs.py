@@ -25,7 +25,10 @@ MAX_NAMED = 4  # pairs of one style that the legend names
 def last_pitches(history: xr.Dataset, n: float = SHOWN_PITCHES) -> xr.Dataset:
     """Return the part of a history in which the fastest teeth pass their last `n` pitches."""
     passed = pitches_passed(history)
-    return history.isel(time=passed >= passed[-1] - n - 1e-9) if passed.size else history
+    if not passed.size:
+        return history
+    # a slice, which copies nothing: histories of millions of outputs are large
+    return history.isel(time=slice(int(np.argmax(passed >= passed[-1] - n - 1e-9)), None))
 
 
 def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
