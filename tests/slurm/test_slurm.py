@@ -15,11 +15,13 @@ from pathlib import Path
 import h5py
 import pytest
 
+from documents import NOT_RUN, ROOT, blocks
 from evolvent.sweep.folder import Shard, is_locked
 from processes import awaits
 
 HERE = Path(__file__).resolve().parent
-PAPER = HERE.parents[1] / "examples" / "paper-friction.yaml"
+EXAMPLES = ROOT / "examples"
+PAPER = EXAMPLES / "paper-friction.yaml"
 PATIENCE = 120.0  # until something that takes seconds is taken for stuck [s]
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch")
 
@@ -294,3 +296,28 @@ def test_what_slurm_refuses_is_told_in_its_words(slurm_sweep, tmp_path):
     code, _, err = slurm_sweep("slurm", "design.h5", "-o", "d", "--shards", "3")
     assert code == 2
     assert "--shards 3: the design has only 2 cases" in err
+
+
+def test_the_submission_of_the_tutorial_runs(slurm_sweep, tmp_path):
+    text = (EXAMPLES / "tutorial-sweep.yaml").read_text(encoding="utf-8")
+    (tmp_path / "tutorial-pair.yaml").symlink_to(EXAMPLES / "tutorial-pair.yaml")
+    few = text.replace("number: 100}", "number: 2}")  # 10 cases in place of 500
+    assert few != text
+    (tmp_path / "sweep.yaml").write_text(few, encoding="utf-8")
+    assert slurm_sweep("plan", "sweep.yaml", "-o", "relief-design.h5")[0] == 0
+    lines = "".join(steps_with_slurm(ROOT / "docs" / "tutorial.md")).splitlines()
+    submitting = next(line for line in lines if line.endswith("--submit"))
+    words = submitting.removeprefix("evolvent-sweep ").replace(" --account gears", "").split()
+    code, out, err = slurm_sweep(*words)
+    assert (code, err) == (0, "")
+    assert "submitted: 8 shards" in out
+    wait_for_jobs()
+    asking = next(line for line in lines if line.startswith("evolvent-sweep status"))
+    assert " 10  done" in slurm_sweep(*asking.split()[1:])[1]
+    with h5py.File("cluster/summary.h5") as summary:
+        assert summary["dynamic_factor"][:].min() > 1
+
+
+def steps_with_slurm(page: Path) -> list[str]:
+    """Blocks of a page that tests of documents leave out because they need Slurm."""
+    return [body for body in blocks(page, "bash") if body.startswith(f"{NOT_RUN} needs Slurm")]
