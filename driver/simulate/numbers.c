@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/words.h"
-#include "model/model_static.h"
+#include "simulate/mesh_numbers.h"
 #include "simulate/number_channel.h"
 
 #include <math.h>
@@ -14,24 +14,6 @@ static const double two_pi = 6.283185307179586;
 
 /* ---- what is kept ---- */
 
-/** A mesh over the periods: sums, and largest values. */
-typedef struct {
-    double time, pitches, torque, energy, impact_energy;
-    double shares[NUMBER_COAST + 1]; /**< times [s] */
-    long impacts;
-    double impact_speed, pair_force;
-} mesh_sums;
-
-typedef struct {
-    int wheel;       /**< that drives it */
-    double xi_0;     /**< position where angles are 0 [pitches] */
-    double per_turn; /**< pitches a radian of that wheel, with the sign of its nominal sense */
-    double mass;     /**< of both wheels along the line of action [kg] */
-    double radius;   /**< base radius of the driving wheel [m] */
-    double t_impact; /**< of the last one [s]: pairs that meet at once are one */
-    mesh_sums period, total;
-} mesh_numbers;
-
 /** A channel is one element of an output. */
 typedef struct {
     int row;     /**< first of its rows: those of its quantity */
@@ -40,19 +22,6 @@ typedef struct {
     int mesh;    /**< whose pitches its harmonics are of */
     number_channel sums;
 } channel;
-
-/** Values at the nodes of what meshes are asked for; -1: there is none. */
-enum { AT_ANGLE, AT_SPEED, AT_FORCE, AT_PAIRS, AT_COAST, AT_TORQUE, AT_PAIR_FORCE, AT_ERROR, N_AT };
-static const char *const asked[N_AT] = {
-    [AT_ANGLE] = "angle",
-    [AT_SPEED] = "angular_velocity",
-    [AT_FORCE] = "normal_force",
-    [AT_PAIRS] = "pairs_in_contact",
-    [AT_COAST] = "coast_force",
-    [AT_TORQUE] = "mesh_torque_driving",
-    [AT_PAIR_FORCE] = "pair_normal_force",
-    [AT_ERROR] = "transmission_error",
-};
 
 struct numbers {
     memory_pool pool;
@@ -64,7 +33,7 @@ struct numbers {
     channel *channels;
     number_waves *waves; /**< [n_meshes] */
     step_nodes nodes;
-    int at[N_AT];
+    mesh_places places;
     model_sampler *angles;  /**< of all wheels, at one state */
     double *y, *values;     /**< of one state */
     int closed, impact;     /**< event kinds */
@@ -88,46 +57,11 @@ static bool takes(const numbers *numbers, int first, int n)
     return any;
 }
 
-static bool takes_contact(const numbers *numbers, number_of_contact what)
-{
-    return numbers->taken[number_row_of_contact(what)];
-}
-
-static void want(numbers *numbers, int what)
-{
-    numbers->at[what] = step_nodes_want(&numbers->nodes, asked[what]);
-}
-
-static bool takes_energy(const numbers *numbers)
-{
-    return takes_contact(numbers, NUMBER_ENERGY) || takes_contact(numbers, NUMBER_RATTLE) ||
-           takes_contact(numbers, NUMBER_PAIR_DYNAMIC);
-}
-
-static void want_of_meshes(numbers *numbers)
-{
-    const int shares = number_row_of_contact(NUMBER_NO_CONTACT);
-    want(numbers, AT_ANGLE);
-    want(numbers, AT_SPEED);
-    if (takes(numbers, shares, NUMBER_COAST)) {
-        want(numbers, AT_PAIRS);
-    }
-    if (takes_contact(numbers, NUMBER_COAST)) {
-        want(numbers, AT_COAST);
-    }
-    if (takes_energy(numbers)) {
-        want(numbers, AT_TORQUE);
-    }
-    if (takes_contact(numbers, NUMBER_PAIR_FORCE) || takes_contact(numbers, NUMBER_PAIR_DYNAMIC)) {
-        want(numbers, AT_PAIR_FORCE);
-    }
-}
-
 /** Whether a quantity has to be followed: the dynamic factor is made of the force. */
 static bool follows(const numbers *numbers, int quantity)
 {
     return takes(numbers, number_row(quantity, (number_tells)0), N_TELLS) ||
-           (quantity == NUMBER_FORCE && takes_contact(numbers, NUMBER_DYNAMIC));
+           (quantity == NUMBER_FORCE && numbers->taken[number_row_of_contact(NUMBER_DYNAMIC)]);
 }
 
 static void open_channels(numbers *numbers)
@@ -163,9 +97,6 @@ numbers *numbers_create(const model *model, const number_window *window, const b
     memory_pool *pool = &self->pool;
     bool *own = pool_calloc(pool, N_NUMBER_ROWS, sizeof *own);
     self->taken = memcpy(own, taken, N_NUMBER_ROWS * sizeof *own);
-    for (int i = 0; i < N_AT; i++) {
-        self->at[i] = -1;
-    }
     self->meshes = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->meshes);
     self->waves = pool_calloc(pool, (size_t)self->n_meshes, sizeof *self->waves);
     for (int m = 0; m < self->n_meshes; m++) {
@@ -177,8 +108,8 @@ numbers *numbers_create(const model *model, const number_window *window, const b
     self->y = pool_calloc(pool, (size_t)about->dae.n, sizeof *self->y);
     self->values = pool_calloc(pool, (size_t)about->n_values, sizeof *self->values);
     step_nodes_init(&self->nodes, model, pool);
-    want_of_meshes(self);
-    const int angle = (int)(model_output_named(model, asked[AT_ANGLE]) - about->outputs);
+    mesh_numbers_want(own, &self->nodes, &self->places);
+    const int angle = (int)(model_output_named(model, mesh_output(AT_ANGLE)) - about->outputs);
     self->angles = model_sampler_create(model, 1, &angle);
     open_channels(self);
     return self;
@@ -232,7 +163,6 @@ static bool set_up(numbers *self, const integrate_step *step)
         mesh->xi_0 = constant(self, "start_position", m);
         mesh->per_turn = -constant(self, "flank", m) * constant(self, "teeth", mesh->wheel) / two_pi;
         mesh->mass = constant(self, "reference_mass", m);
-        mesh->radius = constant(self, "base_radius", mesh->wheel);
     }
     for (int i = 0; i < self->n_channels; i++) {
         channel *one = &self->channels[i];
@@ -290,81 +220,11 @@ static double time_of(numbers *self, const integrate_step *step, double target, 
 
 /* ---- sums ---- */
 
-static bool is_asked(const numbers *self, int what)
-{
-    return self->at[what] >= 0;
-}
-
-/** Values at the nodes of what meshes are asked for. */
-static const double *at_nodes(const numbers *self, int what, int index)
-{
-    return step_nodes_value(&self->nodes, self->at[what] + index);
-}
-
-static void add_torque(mesh_sums *sums, const step_nodes *nodes, const double *torque, const double *speed)
-{
-    double work = 0, energy = 0;
-    for (int k = 0; k < nodes->n; k++) {
-        work += nodes->weight[k] * torque[k];
-        energy += nodes->weight[k] * fabs(torque[k] * speed[k]);
-    }
-    sums->torque += work;
-    sums->energy += energy;
-}
-
-static void add_pairs(mesh_sums *sums, const step_nodes *nodes, const double *pairs)
-{
-    for (int k = 0; k < nodes->n; k++) {
-        const int touching = (int)(pairs[k] + 0.5);
-        sums->shares[touching > 3 ? 3 : touching] += nodes->weight[k];
-    }
-}
-
-static void add_coast(mesh_sums *sums, const step_nodes *nodes, const double *force)
-{
-    for (int k = 0; k < nodes->n; k++) {
-        sums->shares[NUMBER_COAST] += force[k] > 0 ? nodes->weight[k] : 0;
-    }
-}
-
-static void add_to_mesh(numbers *self, int m)
-{
-    mesh_numbers *mesh = &self->meshes[m];
-    mesh_sums *sums = &mesh->period;
-    const step_nodes *nodes = &self->nodes;
-    const double *angle = at_nodes(self, AT_ANGLE, mesh->wheel), *speed = at_nodes(self, AT_SPEED, mesh->wheel);
-    double xi[STEP_NODES_MOST], rate[STEP_NODES_MOST], time = 0, pitches = 0;
-    for (int k = 0; k < nodes->n; k++) {
-        xi[k] = mesh->xi_0 + mesh->per_turn * angle[k];
-        rate[k] = mesh->per_turn * speed[k];
-        time += nodes->weight[k];
-        pitches += nodes->weight[k] * rate[k];
-    }
-    sums->time += time;
-    sums->pitches += pitches;
-    if (is_asked(self, AT_TORQUE)) {
-        add_torque(sums, nodes, at_nodes(self, AT_TORQUE, m), speed);
-    }
-    if (is_asked(self, AT_PAIRS)) {
-        add_pairs(sums, nodes, at_nodes(self, AT_PAIRS, m));
-    }
-    if (is_asked(self, AT_COAST)) {
-        add_coast(sums, nodes, at_nodes(self, AT_COAST, m));
-    }
-    number_waves_find(&self->waves[m], self->nodes.n, xi, rate);
-    for (int p = 0; p < self->n_pairs && is_asked(self, AT_PAIR_FORCE); p++) {
-        const double *force = step_nodes_value(&self->nodes, self->at[AT_PAIR_FORCE] + m * self->n_pairs + p);
-        if (step_nodes_range(&self->nodes, force).may_reach > fmax(sums->pair_force, mesh->total.pair_force)) {
-            sums->pair_force = fmax(sums->pair_force, step_nodes_peak(&self->nodes, force, 1));
-        }
-    }
-}
-
 /** What is known at the nodes. */
 static void add_nodes(numbers *self)
 {
     for (int m = 0; m < self->n_meshes; m++) {
-        add_to_mesh(self, m);
+        mesh_numbers_add(&self->meshes[m], m, self->n_pairs, &self->places, &self->nodes, &self->waves[m]);
     }
     for (int i = 0; i < self->n_channels; i++) {
         channel *one = &self->channels[i];
@@ -391,28 +251,10 @@ static void add_span(numbers *self, const integrate_step *step, double from, dou
     }
 }
 
-static void complete_mesh(mesh_numbers *mesh)
-{
-    mesh_sums *total = &mesh->total;
-    const mesh_sums *period = &mesh->period;
-    total->time += period->time;
-    total->pitches += period->pitches;
-    total->torque += period->torque;
-    total->energy += period->energy;
-    total->impact_energy += period->impact_energy;
-    total->impacts += period->impacts;
-    for (int i = 0; i <= NUMBER_COAST; i++) {
-        total->shares[i] += period->shares[i];
-    }
-    total->impact_speed = fmax(total->impact_speed, period->impact_speed);
-    total->pair_force = fmax(total->pair_force, period->pair_force);
-    mesh->period = (mesh_sums){0};
-}
-
 static void complete_period(numbers *self, double t)
 {
     for (int m = 0; m < self->n_meshes; m++) {
-        complete_mesh(&self->meshes[m]);
+        mesh_numbers_complete(&self->meshes[m]);
     }
     for (int i = 0; i < self->n_channels; i++) {
         number_channel_complete(&self->channels[i].sums);
@@ -451,7 +293,7 @@ static bool add_plain(numbers *self, const integrate_step *step, double from, do
     if (!step_nodes_look(&self->nodes, step, from, to)) {
         return false;
     }
-    const double *angle = at_nodes(self, AT_ANGLE, wheel);
+    const double *angle = step_nodes_value(&self->nodes, self->places.at[AT_ANGLE] + wheel);
     for (int k = 0; k < self->nodes.n; k++) {
         position[k] = self->start_position + self->sense * angle[k];
     }
@@ -513,15 +355,7 @@ void numbers_event(numbers *self, const event_record *record)
         constant(self, "pairs_in_contact", m) > 0) {
         return;
     }
-    mesh_numbers *mesh = &self->meshes[m];
-    if (mesh->period.impacts + mesh->total.impacts > 0 && !(record->t > mesh->t_impact)) {
-        return;
-    }
-    mesh->t_impact = record->t;
-    const double speed = fabs(constant(self, "gap_rate", m));
-    mesh->period.impacts++;
-    mesh->period.impact_speed = fmax(mesh->period.impact_speed, speed);
-    mesh->period.impact_energy += 0.5 * mesh->mass * speed * speed;
+    mesh_numbers_impact(&self->meshes[m], record->t, fabs(constant(self, "gap_rate", m)));
 }
 
 /* ---- results ---- */
@@ -530,59 +364,6 @@ number_span numbers_span(const numbers *self)
 {
     return (number_span){self->periods > 0 ? self->t_first : NAN, self->periods > 0 ? self->t_last : NAN, self->periods,
                          self->position > -INFINITY ? self->position - self->first_seen : 0};
-}
-
-/** Largest force of a tooth pair of a mesh at rest under a torque; NAN where the analysis does not apply. */
-static double static_force(const numbers *self, int m, double torque)
-{
-    enum { POINTS = 100 };
-    static_plan plan;
-    model_message error;
-    double largest = NAN;
-    if (model_plan_static(self->model, m, POINTS, &plan, &error)) {
-        OWNED double *values = xcalloc((size_t)plan.n_values, sizeof *values);
-        const bool good = model_static(self->model, &plan, torque, values, &error);
-        for (int i = 0; i < plan.n_outputs && good; i++) {
-            const model_output *output = &plan.outputs[i];
-            for (int j = 0; j < output->count && strcmp(output->name, "pair_normal_force") == 0; j++) {
-                largest = fmax(largest, values[output->offset + j]);
-            }
-        }
-    }
-    static_plan_free(&plan);
-    return largest;
-}
-
-static void put(const model_output *rows, double *values, number_of_contact what, int mesh, double value)
-{
-    values[rows[number_row_of_contact(what)].offset + mesh] = value;
-}
-
-static void conclude_mesh(const numbers *self, int m, const model_output *rows, double *values)
-{
-    const mesh_numbers *mesh = &self->meshes[m];
-    const mesh_sums *sums = &mesh->total;
-    for (int i = 0; i <= NUMBER_COAST; i++) {
-        const bool is_known = self->at[i == NUMBER_COAST ? AT_COAST : AT_PAIRS] >= 0;
-        put(rows, values, (number_of_contact)i, m,
-            is_known            ? sums->shares[i] / sums->time
-            : i == NUMBER_COAST ? 0
-                                : NAN);
-    }
-    if (self->at[AT_PAIR_FORCE] >= 0) {
-        put(rows, values, NUMBER_PAIR_FORCE, m, sums->pair_force);
-    }
-    if (takes_contact(self, NUMBER_PAIR_DYNAMIC)) {
-        const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
-        put(rows, values, NUMBER_PAIR_DYNAMIC, m, sums->pair_force / static_force(self, m, mean));
-    }
-    put(rows, values, NUMBER_IMPACTS, m, (double)sums->impacts);
-    put(rows, values, NUMBER_IMPACT_SPEED, m, sums->impact_speed);
-    put(rows, values, NUMBER_IMPACT_ENERGY, m, sums->impact_energy);
-    if (self->at[AT_TORQUE] >= 0) {
-        put(rows, values, NUMBER_ENERGY, m, sums->energy);
-        put(rows, values, NUMBER_RATTLE, m, sums->energy > 0 ? sums->impact_energy / sums->energy : NAN);
-    }
 }
 
 static void conclude_channel(const numbers *self, const channel *one, const model_output *rows, double *values)
@@ -606,7 +387,7 @@ static void conclude_channel(const numbers *self, const channel *one, const mode
         values[rows[one->row + TELLS_PHASE].offset + place] = told.phase[n];
     }
     if (is_force) {
-        put(rows, values, NUMBER_DYNAMIC, one->element, told.high / told.mean);
+        values[rows[number_row_of_contact(NUMBER_DYNAMIC)].offset + one->element] = told.high / told.mean;
     }
 }
 
@@ -625,7 +406,7 @@ void numbers_conclude(const numbers *self, double *values)
         conclude_channel(self, &self->channels[i], rows, values);
     }
     for (int m = 0; m < self->n_meshes; m++) {
-        conclude_mesh(self, m, rows, values);
+        mesh_numbers_conclude(&self->meshes[m], m, &self->places, self->model, self->taken, rows, values);
     }
 }
 

@@ -148,7 +148,6 @@ contains
 
       s = self%sign_now(i)
       if (s == 0) s = sign_of(self%g(lanes, i))
-      at_middle = 0
       last = 0
       at_last = self%g(lanes, i)
       if (starts_at_zero()) then
@@ -260,6 +259,7 @@ contains
 
       a = node(l)
       b = node(r)
+      at_middle = 0
       f_a = s*self%g(l, i)
       f_b = s*self%g(r, i)
       call values_at(self, model, step, y, z, middle, status, i)
