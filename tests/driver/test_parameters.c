@@ -167,7 +167,8 @@ static void every_number_of_every_example_can_be_set(void **state)
     int examples = 0, checked = 0;
     for (struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
         const char *end = strrchr(entry->d_name, '.');
-        if (end == NULL || strcmp(end, ".yaml") != 0 || strncmp(entry->d_name, "sweep", 5) == 0) {
+        const bool is_other = strstr(entry->d_name, "sweep") != NULL || strstr(entry->d_name, "tutorial") != NULL;
+        if (end == NULL || strcmp(end, ".yaml") != 0 || is_other) { /* a plan; the keys of other examples, dear ones */
             continue;
         }
         char *path = xasprintf("examples/%s", entry->d_name);
