@@ -59,3 +59,12 @@ char *words_join(int n, const char *const *words, const char *separator)
     }
     return joined;
 }
+
+int words_cut(const char *text, int most)
+{
+    int shown = (int)strnlen(text, (size_t)most);
+    while (shown > 0 && ((unsigned char)text[shown] & 0xC0) == 0x80) {
+        shown--;
+    }
+    return shown;
+}

@@ -13,3 +13,5 @@ int words_split(const char *words, char ***list);
 int words_width(int width, const char *text);
 /** The words with the separator between them, as a new string. */
 char *words_join(int n, const char *const *words, const char *separator);
+/** Bytes of the start of a text that is to be shown: at most so many, and no part of a UTF-8 character. */
+int words_cut(const char *text, int most);

@@ -1,6 +1,6 @@
 /* Numbers against their key: the unit that they are written with, finite, range, whole. */
 #include "base/memory.h"
-#include "base/number.h"
+#include "base/words.h"
 #include "case/case_check.h"
 #include "case/unit.h"
 
@@ -34,7 +34,7 @@ bool looks_like_number(const evl_row *key, const case_node *node)
 static bool refuse_unit(const checker *checker, const evl_row *key, const case_node *node, const char *unit)
 {
     OWNED char *why = unit_refusal(key->unit, unit);
-    return checker_refuse(checker, node->place, "is %.64s, but %s", node->text, why);
+    return checker_refuse(checker, node->place, "is %.*s, but %s", words_cut(node->text, 64), node->text, why);
 }
 
 static bool refuse_range(const checker *checker, const evl_row *key, const case_node *node)

@@ -125,11 +125,7 @@ void node_describe(const case_node *node, char text[64])
     } else if (strlen(node->text) <= SHOWN) {
         (void)snprintf(text, 64, "'%s'", node->text);
     } else {
-        int shown = SHOWN;
-        while (shown > 0 && ((unsigned char)node->text[shown] & 0xC0) == 0x80) {
-            shown--; /* not into the middle of a UTF-8 character */
-        }
-        (void)snprintf(text, 64, "'%.*s...'", shown, node->text);
+        (void)snprintf(text, 64, "'%.*s...'", words_cut(node->text, SHOWN), node->text);
     }
 }
 

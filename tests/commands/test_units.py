@@ -170,6 +170,16 @@ def test_what_is_no_unit_of_the_key_is_refused_with_those_that_are(
     assert reason in line
 
 
+@pytest.mark.parametrize("start", ["", "x", "xx"])
+def test_a_long_unit_is_cut_between_characters(
+    evolvent: Evolvent, examples: Path, start: str
+) -> None:
+    option = f"wheels.pinion.width=3 {start}{'°µ∑' * 40}"
+    line = evolvent("show", examples / "paper.yaml", "--set", option).stderr
+    assert "�" not in line
+    assert "is not known; write the length in mm," in line
+
+
 def test_a_history_holds_the_case_in_the_keys_units(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:

@@ -117,6 +117,22 @@ static void what_is_no_number_makes_the_case_anew(void **state)
     ASSERT_ROWS(rows, is_in_place);
 }
 
+static void a_number_with_a_unit_makes_the_case_anew_and_gives_way_to_numbers_in_place(void **state)
+{
+    (void)state;
+    static const row rows[] = {
+        {"wheels.gear.support.stiffness=1 kN/mm", "simulation.output_interval=1 ms"},
+        {"wheels.gear.support.stiffness=123456789.125", "simulation.output_interval=2e-3"},
+        {"wheels.gear.support.stiffness=123456789.125", "simulation.output_interval=6"}, /* said in the key's unit */
+        {"wheels.gear.support.stiffness=2 kN/mm", "simulation.output_interval=2e-3"},
+        {"wheels.gear.support.stiffness=2 kN/mm", "simulation.output_interval=6 min"},
+        {"wheels.gear.support.stiffness=-2 kN/mm", "simulation.output_interval=1 ms"},
+        {"wheels.gear.support.stiffness=2 kg", "simulation.output_interval=1 ms"},
+    };
+    static const bool is_in_place[] = {false, true, false, false, false, false, false};
+    ASSERT_ROWS(rows, is_in_place);
+}
+
 static void an_option_that_a_later_one_overrules_changes_nothing(void **state)
 {
     (void)state;
@@ -170,6 +186,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_of_every_kind_are_exchanged_in_place),
         cmocka_unit_test(what_is_no_number_makes_the_case_anew),
+        cmocka_unit_test(a_number_with_a_unit_makes_the_case_anew_and_gives_way_to_numbers_in_place),
         cmocka_unit_test(an_option_that_a_later_one_overrules_changes_nothing),
         cmocka_unit_test(a_refused_number_is_refused_in_the_same_words_and_forgotten),
         cmocka_unit_test(the_place_of_a_number_is_its_new_option),
