@@ -169,6 +169,21 @@ def test_events_too_many_to_mark_are_counted_instead(friction_run):
     assert [line.get_label() for line in drawn] == ["pinion-gear"]
 
 
+def test_events_too_many_to_mark_are_counted_over_all_meshes(friction_run):
+    n = MAX_MARKS + 1
+    events = xr.Dataset(
+        {
+            "time": ("event", np.tile(np.linspace(0.1, 2.9, n), 2)),
+            "kind": ("event", np.array(["sliding_began"] * 2 * n, dtype=object)),
+            "mesh": ("event", np.repeat([0, 1], n)),
+        }
+    )
+    history = friction_run.history
+    names = [n for n, v in history.data_vars.items() if "mesh" in v.dims]
+    both = xr.concat([history[names]] * 2, dim="mesh").assign_coords(mesh=["first", "second"])
+    assert _texts(normal_force(Run(both, events))) == ["too many to mark: 82 of sliding began"]
+
+
 def test_a_long_run_is_thinned_without_losing_its_peaks():
     n = 100_000
     values = np.sin(np.linspace(0.0, 3000.0, n))

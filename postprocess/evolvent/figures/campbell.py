@@ -50,7 +50,7 @@ def draw_campbell(result: xr.Dataset) -> Figure:
         axis.plot(
             result["crossing_speed"] * RPM, result["crossing_frequency"] / 1000.0,
             linestyle="none", marker="o", markersize=6, markerfacecolor="white",
-            markeredgecolor="#10243e", markeredgewidth=1.4, zorder=4,
+            markeredgecolor="#10243e", markeredgewidth=1.4, zorder=4, clip_on=False,
         )  # fmt: skip
         axis.set_xlim(speed[0] * RPM, speed[-1] * RPM)
         axis.set_ylim(0.0, top)

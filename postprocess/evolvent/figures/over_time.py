@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ import xarray as xr
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from evolvent.figures.style import ABOVE, BELOW, MAX_MARKS, STYLE, legend, line_style
@@ -26,7 +28,6 @@ EVENT_MARKS = {
     "sliding_ended": ("sliding ended", "x"),
 }
 PEAK = "extreme over the run"
-CROWDED = "too many to mark"
 MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
 FLAT = 2e-4  # of the size of the values: an axis shows at least so much, else ticks need 6 digits
 TALL, SMALL, FEW = 2.7, 2.1, 3  # heights of panels [inch], of few and of more
@@ -97,6 +98,7 @@ def figure_over_time(
         share: Any = "col" if shared else False
         grid = figure.subplots(rows, columns, sharex=share, squeeze=False).ravel()
         marks: dict[str, Any] = {}
+        crowded: Counter[str] = Counter()
         entries: dict[str, Any] = {}
         for number, (axis, panel) in enumerate(
             zip(grid, [*panels, *[None] * len(grid)], strict=False)
@@ -108,7 +110,7 @@ def figure_over_time(
             y = _y_scale([other for other in there if other.ylabel == panel.ylabel])
             _draw(axis, panel, x, y, styles)
             if panel.events is not None:
-                marks |= _mark_events(axis, panel.events, x.factor)
+                marks |= _mark_events(axis, panel.events, x.factor, crowded)
             named = zip(*axis.get_legend_handles_labels(), strict=True)
             entries |= {label: handle for handle, label in named if label not in {*marks, *entries}}
             if panel.title and len(there) > 1:
@@ -120,8 +122,9 @@ def figure_over_time(
         if PEAK in entries:
             entries[PEAK] = entries.pop(PEAK)  # the last one
         legend(figure, entries, ABOVE, heading)
-        for label in [label for label in marks if label.startswith(CROWDED)]:
-            marks[label] = marks.pop(label)
+        if crowded:
+            counted = ", ".join(f"{number} of {label}" for label, number in crowded.items())
+            marks[f"too many to mark: {counted}"] = Line2D([], [], linestyle="none")
         legend(figure, marks, BELOW)
     return figure
 
@@ -207,17 +210,18 @@ def _within(values: xr.DataArray, window: tuple[float, float] | None) -> xr.Data
     return values if window is None else values.sel(time=slice(*window))
 
 
-def _mark_events(axis: Axes, events: xr.Dataset, factor: float) -> dict[str, Any]:
-    """Mark events at the lower edge; return the marks by label."""
+def _mark_events(
+    axis: Axes, events: xr.Dataset, factor: float, crowded: Counter[str]
+) -> dict[str, Any]:
+    """Mark events at the lower edge; return the marks by label, and count what is too many."""
     begin, end = axis.get_xlim()
     when = events["time"].values * factor
     inside = (when >= begin) & (when <= end)
     marks: dict[str, Any] = {}
-    crowded = []
     for kind, (label, marker) in EVENT_MARKS.items():
         times = when[inside & (events["kind"].values == kind)]
         if times.size > MAX_MARKS:
-            crowded.append(f"{times.size} of {label}")
+            crowded[label] += int(times.size)
             continue
         if times.size == 0:
             continue
@@ -236,9 +240,6 @@ def _mark_events(axis: Axes, events: xr.Dataset, factor: float) -> dict[str, Any
             zorder=2.5,
             label=label,
         )
-    if crowded:
-        label = f"{CROWDED}: {', '.join(crowded)}"
-        (marks[label],) = axis.plot([], [], " ", label=label)
     return marks
 
 

@@ -85,9 +85,12 @@ def draw_pairs(
             entries = zip(*force.get_legend_handles_labels(), strict=True)
             named = {label: handle for handle, label in entries if label not in marks}
             if n > 1:
-                force.set_title(f"mesh {name}", loc="left", fontsize=12, fontweight="bold")
-                place: Any = {"bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1}
-                force.legend(named.values(), named, loc="lower right", ncols=2, **place)
+                place: Any = {"bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.1}
+                named_by = force.legend(
+                    named.values(), named, loc="lower left", ncols=2, title=f"mesh {name}",
+                    alignment="left", **place,
+                )  # fmt: skip
+                named_by.get_title().set_fontweight("bold")
             else:
                 legend(figure, named)
         legend(figure, marks, BELOW)

@@ -95,6 +95,7 @@ def _draw(
         "markeredgecolor": style["color"],
         "linestyle": "none",
         "zorder": 3,
+        "clip_on": False,
     }
     if place.size <= FEW:
         apart = 0.22 * (place[1] - place[0] if place.size > 1 else 1.0)
