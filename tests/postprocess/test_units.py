@@ -114,6 +114,11 @@ def test_quantity_reads_as_text(value, units, text):
     assert quantity(value, units) == text
 
 
+def test_large_numbers_have_no_exponent():
+    assert quantity(1151.0, "rad s-1", 4) == "10990 rpm"
+    assert quantity(-123456.0 * math.pi / 30, "rad s-1", 3) == "-123000 rpm"
+
+
 def test_a_label_of_an_axis_has_its_unit_in_brackets():
     assert axis_label("force", "kN") == "force [kN]"
     assert axis_label("efficiency", "") == "efficiency"
