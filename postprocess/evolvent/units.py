@@ -13,6 +13,7 @@ SUPERSCRIPTS = {2: "²", 3: "³", 4: "⁴"}
 PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 PREFIXES |= {"G": 1e9, "T": 1e12}
 MICRO = re.compile("^u(?=[A-Za-z])")  # as it is typed
+PLAIN = 1e7  # numbers below it have no exponent: 10990 rpm, not 1.099e+04 rpm
 SLACK = 1e-9  # 999.9999999 of one unit is better shown as 1 of the next
 
 
@@ -103,6 +104,8 @@ def quantity(value: float, units: str, digits: int = 6) -> str:
     """Write a value in its engineering unit, such as "65.4406 mm", "45°", "1500 rpm"."""
     factor, shown = engineering(value, units)
     text = f"{value * factor:.{digits}g}"
+    if "e+" in text and abs(value * factor) < PLAIN:
+        text = f"{float(text):.0f}"
     return f"{text}{'' if shown in ('', '°') else ' '}{shown}"
 
 

@@ -88,7 +88,12 @@ def _math(tokens: list[str], goes_on: bool = False) -> str:
             row.append(f'<mo form="infix">{escape(SIGNS.get(token, token))}</mo>')
         else:
             row.append(_operand(token, rest))
-    return f"<math>{''.join(row)}</math>"
+    shown = "".join(row)
+    return (
+        f'<math displaystyle="true">{shown}</math>'
+        if "<mfrac>" in shown
+        else f"<math>{shown}</math>"
+    )
 
 
 def _joined(tokens: list[str]) -> list[str]:

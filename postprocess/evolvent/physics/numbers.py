@@ -35,13 +35,15 @@ def numbers_tables(history: xr.Dataset) -> list[tuple[list[str], list[tuple[str,
 
 
 def _rows(history: xr.Dataset, dim: str) -> list[tuple[str, list[str]]]:
-    """Write what, and for each how much; without phases, and what none of them has."""
+    """Write what, and for each how much; without phases, what none has, and wheels that rest."""
     rows = []
     for name, variable in history.data_vars.items():
         if not is_number(str(name)) or variable.dims[:1] != (dim,):
             continue
         values = variable.values.reshape(variable.shape[0], -1)
         if str(name).endswith("phase") or np.isnan(values).all():
+            continue
+        if dim != "mesh" and not np.nan_to_num(values).any():
             continue
         units = str(variable.attrs.get("units", "1"))
         label = str(variable.attrs.get("long_name", name))
