@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from evolvent.figures.style import ABOVE, BELOW, MAX_MARKS, STYLE, legend, line_style
+from evolvent.physics.thinning import thinned
 from evolvent.units import axis_label, engineering
 
 # Events that a reader of the figures asks about, with their marks at the lower edge.
@@ -167,7 +168,9 @@ def _draw(axis: Axes, panel: Panel, x: _Scale, y: _Scale, styles: dict[str, int]
             style["drawstyle"] = "steps-post"
             axis.yaxis.set_major_locator(MaxNLocator(nbins="auto", integer=True))
         times = values["time"].values * x.factor
-        axis.plot(*_thinned(times, values.values * y.factor), label=curve.label or "_", **style)
+        rows = thinned(values.values, MAX_POINTS)
+        heights = values.values[rows] * y.factor
+        axis.plot(times[rows], heights, label=curve.label or "_", **style)
         places = [(t * x.factor, v * y.factor) for t, v in _peaks_within(curve, values)]
         _mark_peaks(axis, places, style["color"])
         if times.size:
@@ -241,22 +244,6 @@ def _mark_events(
             label=label,
         )
     return marks
-
-
-def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Keep the smallest and the largest value of each of equal blocks if there are too many."""
-    finite = np.isfinite(values)
-    if values.size <= MAX_POINTS or not finite.any():
-        return time, values
-    block = -(-values.size // (MAX_POINTS // 2))
-    starts = np.arange(0, values.size, block)
-    known = np.where(finite, values, values[finite][0])
-    low = [s + int(np.argmin(known[s : s + block])) for s in starts]
-    high = [s + int(np.argmax(known[s : s + block])) for s in starts]
-    broken = [s for s in starts if not finite[s : s + block].all()]
-    gaps = [s + int(np.argmin(finite[s : s + block])) for s in broken]  # stay gaps
-    kept = np.unique([*low, *high, *gaps, 0, values.size - 1])
-    return time[kept], values[kept]
 
 
 def of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:

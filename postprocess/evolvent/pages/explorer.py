@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from evolvent.errors import needing
 from evolvent.figures.style import LINES
 from evolvent.physics.extremes import told_extremes
-from evolvent.physics.numbers import PREFIX
+from evolvent.physics.numbers import steady_window
 from evolvent.physics.thinning import thinned
 from evolvent.units import engineering
 
@@ -95,7 +95,7 @@ def explorer(history: xr.Dataset, events: xr.Dataset) -> Explorer:
         ]
         packed = _packed(history, quantities)
     facts, numbers = packed
-    window = _window(history)
+    window = steady_window(history)
     whole = history["time"].values[[0, -1]]
     time_factor, time_unit = engineering(whole, "s")
     facts |= {
@@ -214,13 +214,6 @@ def _first(quantities: list[Quantity]) -> list[str]:
     if names.get("pair_normal_force", 0) < 2:
         wanted[1] = "normal_force"
     return [name for name in wanted if name in names] or list(names)[:1]
-
-
-def _window(history: xr.Dataset) -> tuple[float, float] | None:
-    """The time that the numbers over whole periods are of."""
-    if f"{PREFIX}periods" not in history or float(history[f"{PREFIX}periods"]) == 0:
-        return None
-    return float(history[f"{PREFIX}begin"]), float(history[f"{PREFIX}end"])
 
 
 def _events(history: xr.Dataset, events: xr.Dataset, factor: float) -> list[dict[str, Any]]:

@@ -23,7 +23,7 @@ from evolvent.pages.formulas import formula, symbol
 from evolvent.physics.extremes import extremes, extremes_table, is_extreme
 from evolvent.physics.invariants import Verdict, check_history
 from evolvent.physics.mesh_summary import mesh_summaries
-from evolvent.physics.numbers import is_number, numbers_tables, window_text
+from evolvent.physics.numbers import is_number, numbers_tables, steady_window, window_text
 from evolvent.physics.results import results
 from evolvent.units import quantity
 
@@ -89,6 +89,7 @@ def report(history: xr.Dataset, events: xr.Dataset, interactive: bool = False) -
         extremes=extremes_table(history),
         extremes_note=_extremes_note(history, events),
         window=window_text(history),
+        shown=steady_window(history),
         numbers=[(names, rows) for names, rows in numbers_tables(history) if rows],
         events=event_counts(history, events),
         counts={
@@ -198,10 +199,12 @@ def _scheme(history: xr.Dataset, mesh: int) -> Picture:
 def _figures(history: xr.Dataset, events: xr.Dataset) -> list[Picture]:
     if history.sizes["time"] == 0:
         return []
+    window = steady_window(history)
+    part = history if window is None else history.sel(time=slice(*window))
     return [
-        _picture(row.title, row.text, row(Run(history, events)))
+        _picture(row.title, row.text, row(Run(part, events)))
         for row in FIGURES.values()
-        if row.title and all(name in history for name in row.needs)
+        if row.title and row.fits(Run(part)) and all(name in history for name in row.needs)
     ]
 
 

@@ -28,6 +28,15 @@ def window_text(history: xr.Dataset) -> str:
     return f"{periods:.0f} whole periods, from {begin:.6g} to {end:.6g} s."
 
 
+def steady_window(history: xr.Dataset) -> tuple[float, float] | None:
+    """Times of the window of a run's numbers [s]; None without, or without two outputs in it."""
+    if f"{PREFIX}begin" not in history or f"{PREFIX}end" not in history:
+        return None
+    begin, end = float(history[f"{PREFIX}begin"]), float(history[f"{PREFIX}end"])
+    time = history["time"].values
+    return (begin, end) if np.count_nonzero((time >= begin) & (time <= end)) > 1 else None
+
+
 def numbers_tables(history: xr.Dataset) -> list[tuple[list[str], list[tuple[str, list[str]]]]]:
     """Write the numbers of all meshes, wheels, accelerometers: their names, and a row each."""
     dims = [dim for dim in ("mesh", "wheel", "accelerometer") if dim in history.dims]

@@ -14,7 +14,7 @@ import xarray as xr
 
 from evolvent.physics.extremes import SIGNED, Extreme, extremes
 from evolvent.physics.mesh_summary import mesh_summaries
-from evolvent.physics.numbers import PREFIX, window_text
+from evolvent.physics.numbers import PREFIX, steady_window, window_text
 from evolvent.physics.pair_places import place_of_pair
 from evolvent.physics.wheel_torques import contact_torque, shaft_torque
 from evolvent.units import quantity
@@ -108,12 +108,10 @@ def results(history: xr.Dataset) -> Results | None:
 
 def _window(history: xr.Dataset) -> tuple[xr.Dataset, str, bool]:
     """Give the part of a history that means are of, what is said of it, if it has numbers."""
-    text = window_text(history)
-    if text and float(history[f"{PREFIX}periods"]) > 0:
-        begin, end = (float(history[f"{PREFIX}{which}"]) for which in ("begin", "end"))
-        shown = history.sel(time=slice(begin, end))
-        if shown.sizes["time"] >= 2:
-            return shown, f"{text} Losses, torques and speeds are means of its outputs.", True
+    window = steady_window(history)
+    if window is not None:
+        scope = f"{window_text(history)} Losses, torques and speeds are means of its outputs."
+        return history.sel(time=slice(*window)), scope, True
     first, last = (quantity(float(history["time"][row]), "s", 5) for row in (0, -1))
     scope = (
         f"The whole run, from {first} to {last}, with its start; means are of its outputs. With "

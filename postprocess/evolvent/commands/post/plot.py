@@ -23,6 +23,7 @@ from evolvent.figures.quantities import X, draw_quantities
 from evolvent.figures.style import Format, save
 from evolvent.figures.table import FIGURES, Drawing, Run, along_path, pairs, path
 from evolvent.history import DRAWN, HISTORY, WHAT, open_events, result_kind
+from evolvent.physics.numbers import steady_window
 from evolvent.signals.selection import over_time as variables_over_time
 from evolvent.signals.selection import unknown
 from evolvent.units import displayed
@@ -270,14 +271,6 @@ def _open(
         raise HistoryError(f"{file}: has no output between --from and --to", USAGE)
     part = part if last is None else last_pitches(part, last)
     return Run(part, open_events(file), label, not is_chosen)
-
-
-def steady_window(history: xr.Dataset) -> tuple[float, float] | None:
-    """Times of the window of a run's numbers; None without, or without two outputs in it."""
-    if "window_begin" not in history or "window_end" not in history:
-        return None
-    begin, end = float(history["window_begin"]), float(history["window_end"])
-    return (begin, end) if _between(history, begin, end).sizes["time"] > 1 else None
 
 
 def _between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
