@@ -2,9 +2,20 @@
 
 #include "base/log.h"
 
+#include <stdio.h>
+
 static double of_mesh(const model_output *rows, const double *values, int row, int mesh)
 {
     return values[rows[row].offset + mesh];
+}
+
+/** ", 4 impacts at up to 19.7 mm/s", or nothing. */
+static void write_impacts(char *text, size_t size, double impacts, double speed)
+{
+    text[0] = '\0';
+    if (impacts > 0) {
+        snprintf(text, size, ", %.0f impact%s at up to %.3g mm/s", impacts, impacts > 1 ? "s" : "", 1e3 * speed);
+    }
 }
 
 void tell_numbers(const numbers *numbers, const model_names *names, const model_output *rows, const double *values)
@@ -18,13 +29,16 @@ void tell_numbers(const numbers *numbers, const model_names *names, const model_
     }
     for (int m = 0; m < names->meshes.n; m++) {
         const double first = values[rows[number_row(NUMBER_ERROR, TELLS_AMPLITUDE)].offset + m * NUMBER_HARMONICS];
+        char impacts[64];
+        write_impacts(impacts, sizeof impacts, of_mesh(rows, values, number_row_of_contact(NUMBER_IMPACTS), m),
+                      of_mesh(rows, values, number_row_of_contact(NUMBER_IMPACT_SPEED), m));
         log_note(
             "mesh %s from %.6g to %.6g s: force %.5g N, dynamic factor %.4g; transmission error %.4g um, peak to peak "
-            "%.4g um, first order %.4g um; without contact %.3g %%",
+            "%.4g um, first order %.4g um; without contact %.3g %%%s",
             names->meshes.names[m], span.from, span.to, of_mesh(rows, values, number_row(NUMBER_FORCE, TELLS_MEAN), m),
             of_mesh(rows, values, number_row_of_contact(NUMBER_DYNAMIC), m),
             1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_MEAN), m),
             1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_RANGE), m), 1e6 * first,
-            100 * of_mesh(rows, values, number_row_of_contact(NUMBER_NO_CONTACT), m));
+            100 * of_mesh(rows, values, number_row_of_contact(NUMBER_NO_CONTACT), m), impacts);
     }
 }

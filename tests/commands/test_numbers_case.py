@@ -75,6 +75,21 @@ def test_a_window_without_a_whole_period_is_told_and_gives_no_numbers(
         assert all(np.isnan(history[n].values).all() for n in names if n != "window_periods")
 
 
+def test_a_run_tells_its_impacts_where_there_are_some(
+    evolvent: Evolvent, examples: Path, case: Path, tmp_path: Path
+) -> None:
+    rattle = ("--set", "simulation.duration=0.1", "--set", "simulation.numbers={from: 0.02}")
+    result = evolvent("run", examples / "rattle.yaml", *rattle, "-o", "rattle.h5")
+    assert result.returncode == 0, result.stderr
+    with h5py.File(tmp_path / "rattle.h5") as history:
+        impacts = history["window_impacts"][0]
+        speed = 1e3 * history["window_impact_speed_max"][0]
+    assert impacts > 1
+    assert f" %, {impacts:.0f} impacts at up to {speed:.3g} mm/s\n" in result.stderr
+    result = evolvent("run", case, *SHORT, "--set", "simulation.numbers={from: 0}", "-o", "n.h5")
+    assert "without contact 0 %\n" in result.stderr
+
+
 def test_a_mesh_that_does_not_turn_is_told(evolvent: Evolvent, examples: Path) -> None:
     settings = ("wheels.0.loads=[]", "simulation.duration=0.01", "simulation.numbers={}")
     words = [word for setting in settings for word in ("--set", setting)]
