@@ -4,6 +4,7 @@
 #include "case/case_check.h"
 #include "case/unit.h"
 
+#include <ctype.h>
 #include <limits.h>
 #include <math.h>
 #include <string.h>
@@ -55,13 +56,22 @@ static bool refuse_fraction(const checker *checker, const evl_row *key, const ca
                           range[0] == '\0' ? "" : " ", range);
 }
 
+static bool refuse_text(const checker *checker, const evl_row *key, const case_node *node)
+{
+    const char *wanted = key->type == EVL_INTEGER ? "a whole number" : "a number";
+    const char *comma = node->kind == NODE_SCALAR ? strchr(node->text, ',') : NULL;
+    const bool is_decimal = comma != NULL && comma > node->text && isdigit((unsigned char)comma[-1]) &&
+                            isdigit((unsigned char)comma[1]) && key->type != EVL_INTEGER;
+    return refuse_type(checker, node, is_decimal ? "a number with a point, no comma" : wanted, key->unit);
+}
+
 bool check_number(const checker *checker, const evl_row *key, case_node *node)
 {
     double value = 0;
     const char *unit = NULL;
     switch (read_node(key, node, &value, &unit)) {
     case QUANTITY_NONE:
-        return refuse_type(checker, node, key->type == EVL_INTEGER ? "a whole number" : "a number", key->unit);
+        return refuse_text(checker, key, node);
     case QUANTITY_NOT_FINITE:
         return checker_refuse(checker, node->place, "is %s, which is not a finite number", node->text);
     case QUANTITY_OTHER_UNIT:

@@ -142,7 +142,7 @@ REFUSED = {
         "is 20 mm, but 'mm' is a unit of length; write the angle in deg, °, rad, mrad, arcmin",
     ),
     "too large": ("wheels.pinion.width=1e400 mm", "is 1e400 mm, which is not a finite number"),
-    "a comma": ("wheels.pinion.width=3,5 mm", "must be a number [m], not '3,5 mm'"),
+    "a comma": ("wheels.pinion.width=3,5 mm", "must be a number with a point, no comma [m]"),
     "an element": ("wheels.pinion.centre=[0 mm, 0 s]", "is 0 s, but 's' is a unit of time; write"),
     "cycles for an angle": (
         "wheels.pinion.loads.0={kind: speed, value: 25 Hz}",
