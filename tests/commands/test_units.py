@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from example_cases import CASES
+
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
 CASE = 3
@@ -42,12 +44,8 @@ POWERS: dict[str, dict[str, int]] = {
 }  # fmt: skip
 
 
-def cases(examples: Path) -> list[Path]:
-    """Those examples whose wheels are not computed for long: the others have the same keys."""
-    dear = ("sweep", "tutorial", "high-speed", "motor-driven")
-    return [
-        path for path in sorted(examples.glob("*.yaml")) if not any(d in path.name for d in dear)
-    ]
+# The others have the same keys, and wheels that are computed for long.
+CHEAP = [case for case in CASES if "model: finite_elements" not in case.read_text()]
 
 
 def shown(evolvent: Evolvent, case: Path, *options: str) -> dict[str, Any]:
@@ -60,10 +58,10 @@ def shown(evolvent: Evolvent, case: Path, *options: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("turn", range(4))
 def test_every_number_of_the_examples_is_the_same_double_in_another_unit(
-    evolvent: Evolvent, examples: Path, turn: int
+    evolvent: Evolvent, turn: int
 ) -> None:
     seen: set[str] = set()
-    for case in cases(examples):
+    for case in CHEAP:
         given = json.loads(evolvent("show", case, "--parameters", "--json").stdout)
         options = []
         for index, (path, parameter) in enumerate(given.items()):
@@ -208,10 +206,10 @@ def printed_case(evolvent: Evolvent, case: Path, *words: str) -> str:
 
 
 def test_the_case_that_show_prints_is_a_case_of_the_same_doubles(
-    evolvent: Evolvent, examples: Path, tmp_path: Path
+    evolvent: Evolvent, tmp_path: Path
 ) -> None:
     odd = ("--set", "simulation.duration=0.123456789012345678", "--set", "gravity=[0, -9.80665, 0]")
-    for case in cases(examples):
+    for case in CHEAP:
         for words in ((), odd):
             first = json.loads(evolvent("show", case, "--json", *words).stdout)
             (tmp_path / "printed.yaml").write_text(printed_case(evolvent, case, *words))

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from example_cases import CASES
+
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
-EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.yaml"))
-CASES = [path for path in EXAMPLES if "\ncase:" not in path.read_text()]  # the others are plans
 BAD = ("--set", "wheels.0.teeth=2")
 
 
