@@ -222,6 +222,21 @@ def test_plot_draws_what_is_asked_for(post, stages_file, arguments, names):
     assert out.split() == [f"{name}.png" for name in names]
 
 
+@pytest.mark.parametrize("text", ["50000 ms", "5e4ms", "50", "5e7us", "5e7 µs", "5e1 s"])
+def test_times_are_taken_in_the_units_that_axes_show(post, stages_file, text):
+    code, _, err = post("plot", stages_file, "--quantity", "normal_force", "--from", text)
+    assert (code, err) == (0, "")
+    code, _, _ = post("plot", stages_file, "--from", text, "--to", "49.5", "--quantity", "speeds")
+    assert code == 2
+
+
+@pytest.mark.parametrize("text", ["soon", "25 mm", "ms", "1 2 s"])
+def test_what_is_no_time_is_wrong_usage(post, stages_file, text):
+    code, out, err = post("plot", stages_file, "--from", text)
+    assert (code, out) == (2, "")
+    assert "is no time, such as 0.025 or 25ms" in err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
+from pictures import faults
 from sweeps import failed, make_design, row, write_journal
 
 from evolvent.errors import SweepError
@@ -40,6 +41,16 @@ def grid(summarise) -> xr.Dataset:
 
 def legend(figure) -> list[str]:
     return [text.get_text() for found in figure.legends for text in found.get_texts()]
+
+
+@pytest.mark.parametrize("wide", [False, True], ids=["linear", "logarithmic"])
+def test_no_figure_of_a_sweep_has_a_fault(summarise, wide):
+    loads = np.geomspace(1.0, 1e4, 4) if wide else np.array(LOADS)
+    for short in (1.0, 0.3):  # a logarithmic axis of less than a decade as well
+        columns = {"load": np.repeat(loads**short, 3), "friction": np.tile(FRICTIONS, 4)}
+        grid = summarise(columns, bad=(0, 11))
+        for against in (["load"], ["friction"], ["load", "friction"]):
+            assert faults(figure_response(grid, "penetration_max", against)) == []
 
 
 def test_a_grid_gives_a_line_for_each_value_of_the_other_parameter(grid):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -16,6 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from evolvent.commands.post.common import complain, labels, open_with_warning
+from evolvent.commands.post.signal_options import WHOLE_TIME, OptionFrom, OptionTo
 from evolvent.commands.program import new_console, option
 from evolvent.errors import USAGE, HistoryError, writing
 from evolvent.figures.pairs import last_pitches
@@ -87,12 +87,8 @@ def plot(
             "tooth pairs, along the path of contact from its start to its end.",
         ),
     ] = None,
-    begin: Annotated[
-        float, option("--from TIME", "First time drawn [s].", show_default=False)
-    ] = -math.inf,
-    end: Annotated[
-        float, option("--to TIME", "Last time drawn [s].", show_default=False)
-    ] = math.inf,
+    begin: OptionFrom = WHOLE_TIME[0],
+    end: OptionTo = WHOLE_TIME[1],
     last: Annotated[
         float | None,
         option("--last-pitches N", "Draw the last N pitches of the fastest teeth.", min=0.01),
@@ -135,7 +131,7 @@ def plot(
         return
     if not files:
         raise typer.BadParameter("missing", param_hint="FILE")
-    if whole and (begin, end, last) != (-math.inf, math.inf, None):
+    if whole and (begin, end, last) != (*WHOLE_TIME, None):
         raise typer.BadParameter(
             "shows all: leave out --from, --to and --last-pitches", param_hint="--whole"
         )
@@ -250,7 +246,7 @@ def _open(
 ) -> Run:
     """Open a file of any kind that has figures; of a history what is to be shown."""
     result = open_with_warning(file, HISTORY, *DRAWN)
-    is_chosen = times != (-math.inf, math.inf) or last is not None
+    is_chosen = times != WHOLE_TIME or last is not None
     kind = result_kind(result)
     if kind != HISTORY:
         if is_chosen or whole:

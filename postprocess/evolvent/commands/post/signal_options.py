@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
@@ -33,12 +34,34 @@ OptionSelect = Annotated[
     list[str] | None,
     option("--select DIM=NAME", "Any other dimension, such as shaft=input; may be repeated."),
 ]
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
+
+
+def seconds(text: str | float) -> float:
+    """Time as it is typed [s]: "0.025", "25 ms"; axes of short runs are in ms."""
+    match = re.fullmatch(r"\s*(\S*?[0-9.])\s*([^\W\d]*)\s*", str(text))
+    try:
+        return float(match[1]) * TIMES[match[2] or "s"] if match else float(text)
+    except (KeyError, ValueError):
+        raise typer.BadParameter(
+            f"{text} is no time, such as 0.025 or 25ms; units are {', '.join(TIMES)}"
+        ) from None
+
+
 OptionFrom = Annotated[
-    float, option("--from TIME", "First time taken [s]; else the first.", show_default=False)
-]
+    float,
+    option(
+        "--from TIME", "First time taken [s], or as 25ms; else the first.",
+        show_default=False, parser=seconds,
+    ),
+]  # fmt: skip
 OptionTo = Annotated[
-    float, option("--to TIME", "Last time taken [s]; else the last.", show_default=False)
-]
+    float,
+    option(
+        "--to TIME", "Last time taken [s], or as 25ms; else the last.",
+        show_default=False, parser=seconds,
+    ),
+]  # fmt: skip
 OptionWindow = Annotated[
     Window | None,
     option("--window", "Shape: rectangular over whole periods, else hann, if not given."),
