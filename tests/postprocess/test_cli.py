@@ -201,6 +201,12 @@ def test_report_is_named_after_the_history(post, friction_run, tmp_path):
     assert (tmp_path / "friction.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 
+@pytest.mark.parametrize("options", [("--from", "7"), ("--from", "0.3", "--to", "0.2")])
+def test_report_between_times_without_output_is_code_2(post, smooth_run, options):
+    code, _, err = post("report", smooth_run.path, *options)
+    assert (code, err) == (2, "evolvent-post: smooth.h5: has no output between --from and --to\n")
+
+
 def test_report_of_an_unfinished_run_drops_both_endings(post, partial_file):
     code, out, err = post("report", partial_file, "-o", "x.html")
     assert (code, out) == (0, "x.html\n")

@@ -8,7 +8,6 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-from pages import read_lines, script, unpacked
 from real_gears import RealPair, no_events
 
 from evolvent.errors import EvolventError
@@ -16,6 +15,7 @@ from evolvent.pages import explorer as module
 from evolvent.pages.explorer import LARGEST, explorer
 from evolvent.pages.report import report
 from evolvent.units import engineering
+from pages import read_lines, script, unpacked
 
 MB = 1_000_000
 
@@ -117,6 +117,22 @@ def test_pictures_begin_with_the_window_of_the_numbers(friction_run):
     page = report(told, friction_run.events, interactive=True)
     assert json.loads(script(page, "facts"))["window"] == [1.0, 2.0]
     assert "1 to 2 s" in page
+
+
+def test_pictures_show_the_times_that_were_asked_for_in_full(friction_run):
+    told = friction_run.history.assign(
+        normal_force_max=("mesh", [42.0]), normal_force_max_time=("mesh", [2.5])
+    )
+    page = report(told, friction_run.events, interactive=True, times=(1.0, 2.0))
+    found = read_lines(page)["normal_force"]
+    times, _ = found["lines"]["pinion-gear"]
+    part = friction_run.history.sel(time=slice(1.0, 2.0))
+    assert (times == part["time"].values).all()
+    assert found["extremes"] == []  # beyond what is shown
+    assert "All 1,001 outputs" in page
+    assert all(
+        1.0 <= t <= 2.0 for e in json.loads(script(page, "facts"))["events"] for t in e["times"]
+    )
 
 
 def test_names_of_a_case_cannot_end_the_script(friction_run):

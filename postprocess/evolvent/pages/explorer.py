@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from evolvent.errors import needing
 from evolvent.figures.style import LINES
 from evolvent.physics.extremes import told_extremes
-from evolvent.physics.numbers import steady_window
 from evolvent.physics.thinning import thinned
 from evolvent.units import engineering
 
@@ -69,12 +68,15 @@ class Explorer:
     window: str  # the time that is shown at first; "" if all
 
 
-def explorer(history: xr.Dataset, events: xr.Dataset) -> Explorer:
+def explorer(
+    history: xr.Dataset, events: xr.Dataset, window: tuple[float, float] | None = None
+) -> Explorer:
     """Collect the pictures of a history that has outputs.
 
     Parameters
     ----------
     history, events : as from `open_history` and `open_events`.
+    window : times that are shown first [s]; all if None.
 
     Raises
     ------
@@ -95,7 +97,6 @@ def explorer(history: xr.Dataset, events: xr.Dataset) -> Explorer:
         ]
         packed = _packed(history, quantities)
     facts, numbers = packed
-    window = steady_window(history)
     whole = history["time"].values[[0, -1]]
     time_factor, time_unit = engineering(whole, "s")
     facts |= {
@@ -138,12 +139,13 @@ def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
         text = str(variable.attrs.get("long_name", name)).split(";")[0]
         if text[0].isdigit():  # what its values mean
             text = f"{name.replace('_', ' ')}: {text}"
+        begin, end = history["time"].values[[0, -1]]
         marked = [
             (float(e.time[mesh]), float(e.value[mesh]), str(where))
             for e in told_extremes(history)
             if e.output == name
             for mesh, where in enumerate(history["mesh"].values)
-            if np.isfinite(float(e.value[mesh]))
+            if np.isfinite(float(e.value[mesh])) and begin <= float(e.time[mesh]) <= end
         ]
         yield Quantity(name, text, str(variable.attrs.get("units", "1")), group, lines, marked)
 
@@ -220,8 +222,12 @@ def _events(history: xr.Dataset, events: xr.Dataset, factor: float) -> list[dict
     """When the events of each kind were; of very many only some."""
     shown = []
     kinds = events["kind"].values
+    begin, end = history["time"].values[[0, -1]]
+    inside = (events["time"].values >= begin) & (events["time"].values <= end)
     for kind in dict.fromkeys(kinds):
-        times = events["time"].values[kinds == kind] * factor
+        times = events["time"].values[(kinds == kind) & inside] * factor
+        if times.size == 0:
+            continue
         step = -(-times.size // MOST_EVENTS)
         text = str(kind).replace("_", " ") + (f" (one of {step})" if step > 1 else "")
         shown.append({"label": text, "times": times[::step].tolist()})

@@ -14,6 +14,7 @@ from jinja2 import Environment, PackageLoader
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from evolvent.errors import USAGE, HistoryError
 from evolvent.figures.scheme import figure_mesh_scheme
 from evolvent.figures.style import STYLE
 from evolvent.figures.table import FIGURES, Run
@@ -48,18 +49,33 @@ class Picture:
     source: str  # data URI
 
 
-def report(history: xr.Dataset, events: xr.Dataset, interactive: bool = False) -> str:
+def report(
+    history: xr.Dataset,
+    events: xr.Dataset,
+    interactive: bool = False,
+    times: tuple[float | None, float | None] = (None, None),
+) -> str:
     """Make the page.
 
     Parameters
     ----------
     history, events : as from `open_history` and `open_events`.
     interactive : its pictures can be zoomed and hovered over, instead of figures.
+    times : first and last time that pictures show [s]; else the window of the numbers, if any.
 
     Returns
     -------
     HTML with style and figures inside; it needs no other file and no network.
+
+    Raises
+    ------
+    HistoryError
+        There is no output between the times.
     """
+    chosen = history.sel(time=slice(*times))
+    if chosen.sizes["time"] == 0 and history.sizes["time"]:
+        raise HistoryError(f"{source_name(history)}: has no output between --from and --to", USAGE)
+    window = steady_window(history) if times == (None, None) else None
     environment = Environment(
         loader=PackageLoader("evolvent.pages"),
         autoescape=True,
@@ -81,15 +97,15 @@ def report(history: xr.Dataset, events: xr.Dataset, interactive: bool = False) -
         verdict=_in_a_word(verdicts),
         applied=[v for v in verdicts if v.verdict != "not applicable"],
         not_applied=[v for v in verdicts if v.verdict == "not applicable"],
-        explorer=explorer(history, events) if interactive and history.sizes["time"] else None,
-        figures=[] if interactive else _figures(history, events),
+        explorer=explorer(chosen, events, window) if interactive and chosen.time.size else None,
+        figures=[] if interactive else _figures(chosen, events, window),
         schemes=[_scheme(history, mesh) for mesh in range(history.sizes["mesh"])],
         tables={dim: static_table(history, dim) for dim in ("wheel", "mesh")},
         meshes=mesh_summaries(history),
         extremes=extremes_table(history),
         extremes_note=_extremes_note(history, events),
         window=window_text(history),
-        shown=steady_window(history),
+        shown=window,
         numbers=[(names, rows) for names, rows in numbers_tables(history) if rows],
         events=event_counts(history, events),
         counts={
@@ -196,10 +212,11 @@ def _scheme(history: xr.Dataset, mesh: int) -> Picture:
     )
 
 
-def _figures(history: xr.Dataset, events: xr.Dataset) -> list[Picture]:
+def _figures(
+    history: xr.Dataset, events: xr.Dataset, window: tuple[float, float] | None
+) -> list[Picture]:
     if history.sizes["time"] == 0:
         return []
-    window = steady_window(history)
     part = history if window is None else history.sel(time=slice(*window))
     return [
         _picture(row.title, row.text, row(Run(part, events)))

@@ -26,6 +26,8 @@ def report(
             "MB that needs no network.",
         ),
     ] = False,
+    begin: Annotated[float | None, option("--from TIME", "First time of the pictures [s].")] = None,
+    end: Annotated[float | None, option("--to TIME", "Last time of the pictures [s].")] = None,
 ) -> None:
     """Write one self-contained HTML page about a run.
 
@@ -41,7 +43,7 @@ def report(
 
     path = output if output is not None else Path(f"{file_label(file)}.html")
     with open_with_warning(file) as history, open_events(file) as events:
-        page = make_report(history, events, interactive)
+        page = make_report(history, events, interactive, (begin, end))
     with writing(path):
         path.write_text(page, encoding="utf-8")
     typer.echo(path)
