@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from pictures import faults
 from sweeps import failed, make_design, row, write_journal
 
 from evolvent.errors import SweepError
 from evolvent.sweep.collect import collect, open_summary
 from evolvent.sweep.figures import figure_indices, figure_response, varying_parameters
+from pictures import faults
 
 LOADS = [1.0, 2.0, 3.0, 4.0]
 FRICTIONS = [0.0, 0.1, 0.3]
