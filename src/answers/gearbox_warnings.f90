@@ -9,12 +9,13 @@ module evl_gearbox_warnings
    implicit none (type, external)
    private
 
-   public :: check_contact_width, warn_of_sizes, warn_of_speeds
+   public :: check_contact_width, check_face_width, warn_of_sizes, warn_of_speeds
 
    real(wp), parameter :: narrow = 0.1_wp    !! half width of the contact strip over a radius of curvature: warn above
    real(wp), parameter :: heavy = 1.0e3_wp   !! mass of a wheel [kg]
    real(wp), parameter :: large = 1.0_wp     !! its pitch radius [m]
    real(wp), parameter :: coarse = 0.1_wp    !! its module [m]
+   real(wp), parameter :: wide = 1.0_wp      !! common face width of a mesh [m]
    real(wp), parameter :: fast = 1.0e5_wp    !! its speed [rad/s]
 
 contains
@@ -38,6 +39,17 @@ contains
                       //" curvature "//quantity(least, "m")//": the force law is stretched", subject_mesh, index)
       end associate
    end subroutine check_contact_width
+
+   !> A face width above a metre: millimetres were given as metres.
+   subroutine check_face_width(gearbox, index)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: index
+
+      associate (width => gearbox%contacts(gearbox%first(index))%width)
+         if (width > wide) call warn(gearbox%warnings, "its common face width is "//quantity(width, "m") &
+                                     //": are millimetres given as metres?", subject_mesh, index)
+      end associate
+   end subroutine check_face_width
 
    !> One warning of wheels above a tonne, above a radius of a metre, or of modules above 100 mm: millimetres were given as metres.
    pure subroutine warn_of_sizes(gearbox)

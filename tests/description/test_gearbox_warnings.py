@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from kernel.gearbox import WHEEL, Gearbox
+from kernel.gearbox import MESH, WHEEL, Gearbox
 from kernel.gearbox_description import (
     REST,
     SPEED,
@@ -24,10 +24,12 @@ from kernel.gears import gear_description
 from kernel.kernel import Kernel
 
 
-def real_pair(kernel: Kernel, module: float, *loads: Any, **fields: Any) -> Gearbox:
+def real_pair(
+    kernel: Kernel, module: float, *loads: Any, width: float = 0.02, **fields: Any
+) -> Gearbox:
+    gear = gear_description(module)
     wheels = [
-        wheel(teeth=z, width=0.02, gear=gear_description(module), mass=1.0, inertia=0.1, **fields)
-        for z in (17, 19)
+        wheel(teeth=z, width=width, gear=gear, mass=1.0, inertia=0.1, **fields) for z in (17, 19)
     ]
     description = mesh(kernel, backlash=1e-4)
     description.pop("pressure_angle")
@@ -60,6 +62,13 @@ def test_a_wheel_of_unlikely_size_is_named(
     (warned,) = Gearbox(kernel, wheels, [], [], shafts=[shaft(0, 1), shaft(1, 2)]).warnings()
     assert (warned.subject, warned.index) == (WHEEL, index)
     assert warned.message.startswith(words)
+
+
+def test_a_face_width_above_a_metre_is_unlikely(kernel: Kernel):
+    (warned,) = real_pair(kernel, 0.002, width=1.01).warnings()
+    assert (warned.subject, warned.index) == (MESH, 0)
+    assert warned.message == ("its common face width is 1.01 m: are millimetres given as metres?")
+    assert real_pair(kernel, 0.002, width=1.0).warnings() == []
 
 
 @pytest.mark.parametrize(
