@@ -18,7 +18,7 @@ module evl_gearbox_initial
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_state, only: find_steady_state
-   use evl_tooth_contact, only: contact_mode, contact_state, flanks_loaded, flanks_off, flanks_open, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, contact_state, flank_coast, flanks_loaded, flanks_off, flanks_open, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -169,7 +169,8 @@ contains
       end do
    end subroutine set_speeds
 
-   !> In a ring of wheels the last gap follows from the others: it has to be the given one. Gaps are those of perfect flanks.
+   !> A gap leaves teeth of two flanks their places. In a ring of wheels the last gap follows from the others: it has to be the
+   !> given one. Gaps are those of perfect flanks.
    subroutine check_gaps(gearbox, initial, y, status)
       type(gearbox_t), intent(in) :: gearbox
       type(initial_t), intent(in) :: initial
@@ -179,6 +180,16 @@ contains
       integer :: m
 
       if (.not. any(abs(initial%gaps) > 0)) return ! all that can touch do
+      do m = 1, size(gearbox%pairs)
+         associate (contact => gearbox%contacts(gearbox%first(m)))
+            if (initial%gaps(m) <= contact%base_pitch/2) cycle
+            if (.not. any(gearbox%contacts%mesh == contact%mesh .and. gearbox%contacts%flank == flank_coast)) cycle
+            call fail(status, code_invalid_input, "its initial gap "//quantity(initial%gaps(m), "m")//" is more than half a base" &
+                      //" pitch, "//quantity(contact%base_pitch/2, "m")//": the coast flanks would stand inside each other;" &
+                      //" give one within the backlash", subject_mesh, m, "gaps")
+            return
+         end associate
+      end do
       do m = 1, size(gearbox%pairs)
          associate (contact => gearbox%contacts(gearbox%first(m)))
             call gearbox_local(gearbox, contact, y, q)

@@ -96,6 +96,11 @@ STARTS: dict[str, tuple[str, tuple[str, ...], str]] = {
         ("simulation.initial={kind: rest, gaps: {pinion-gear: -0.3}}",),
         "meshes.pinion-gear.contact: penetration h = 0.3 m exceeds the limit",
     ),
+    "a gap past the next tooth": (
+        "spur-pair.yaml",
+        ("simulation.initial={kind: rest, gaps: {pinion-gear: 0.5}}",),
+        "simulation.initial.gaps.pinion-gear: its initial gap 0.5 m is more than half a base pitch",
+    ),
     "a gap past the involute": (
         "paper.yaml",
         (STEADY, "wheels.pinion.loads.0.value=-1e10"),
