@@ -106,5 +106,6 @@ def _draw(
         return
     axis.plot(place, np.maximum(amplitude, floor / 10), linewidth=0.8, color=style["color"])
     tops = np.flatnonzero((amplitude[1:-1] > amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]))
+    tops = tops[amplitude[1:-1][tops] > floor]  # marks of others would hang below the panel
     tops = 1 + tops[np.argsort(-amplitude[1:-1][tops], kind="stable")][:MARKED]
     axis.plot(place[tops], amplitude[tops], label=label, **dot)
