@@ -107,7 +107,12 @@ def test_no_picture_of_a_variable_of_any_kind_has_a_fault(name, over):
 def test_a_picture_of_runs_that_differ_has_no_fault():
     one, other = filled(two_stages()), filled(RealPair().history(np.linspace(0.0, 1.0, 31)))
     runs = [Run(one, events_at_the_edges(one), LONG), Run(other, events_at_the_edges(other), "b")]
-    for names in (["normal_force"], ["angular_velocity"], ["normal_force", "centre_displacement"]):
+    for names in (
+        ["normal_force"],
+        ["angular_velocity"],
+        ["normal_force", "transmission_error"],
+        ["normal_force", "centre_displacement"],
+    ):
         assert faults(draw_quantities(runs, names)) == []
 
 

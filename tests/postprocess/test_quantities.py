@@ -97,7 +97,12 @@ def test_runs_with_other_names_lie_beside_each_other(history):
     assert titles(figure) == ["a\nmesh first", "b\nmesh pinion-gear", "a\nmesh second"]
     places = [axes.get_position() for axes in figure.axes if axes.get_visible()]
     assert places[0].x0 < places[1].x0
-    assert len({axes.get_ylabel() for axes in figure.axes if axes.get_visible()}) == 1
+    labels = [axes.get_ylabel() for axes in figure.axes if axes.get_visible()]
+    assert labels == [
+        "normal force $F_n$ [kN]",
+        "normal force $F_n$ [N]",
+        "normal force $F_n$ [kN]",
+    ]
 
 
 def test_over_the_roll_angle_lines_and_events_stand_where_the_wheel_was():
@@ -116,6 +121,12 @@ def test_over_the_roll_angle_lines_and_events_stand_where_the_wheel_was():
     rolled = -history["angle"].values[:, 0]
     np.testing.assert_allclose(line.get_xdata(), np.degrees(rolled), rtol=1e-12)
     assert mark.get_xdata() == pytest.approx(np.degrees(rolled[25]))
+
+
+def test_places_whose_pairs_never_carry_load_are_left_out():
+    history = RealPair(penetration=0.0).history(2 * np.pi / 20 * np.arange(505) / 100)
+    figure = draw_quantities([Run(history)], ["pair_normal_force"])
+    assert legend(figure) == ["drive_0", "drive_1", "drive_2"]
 
 
 def test_what_holds_between_outputs_is_drawn_in_steps(history):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,6 +33,7 @@ PEAK = "extreme over the run"
 MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
 FLAT = 2e-4  # of the size of the values: an axis shows at least so much, else ticks need 6 digits
 TALL, SMALL, FEW = 2.7, 2.1, 3  # heights of panels [inch], of few and of more
+WIDEST = (27, 18)  # letters of a line of their labels
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Curve:
 class Panel:
     """One pair of axes over time."""
 
-    ylabel: str  # panels with the same have the same unit
+    ylabel: str  # panels below each other with the same have the same unit
     curves: list[Curve]
     title: str = ""  # shown if there are several panels
     events: xr.Dataset | None = None  # as from `open_events`; marked if given
@@ -108,8 +110,11 @@ def figure_over_time(
                 axis.set_visible(False)
                 continue
             x = _x_scale(panels[number % columns :: columns] if shared else [panel], over.units)
-            y = _y_scale([other for other in there if other.ylabel == panel.ylabel])
+            column = [other for other in panels[number % columns :: columns] if other is not None]
+            y = _y_scale([other for other in column if other.ylabel == panel.ylabel])
+            label = textwrap.fill(panel.ylabel, WIDEST[rows > FEW])
             _draw(axis, panel, x, y, styles)
+            axis.set_ylabel(axis_label(label, y.unit))
             if panel.events is not None:
                 marks |= _mark_events(axis, panel.events, x.factor, crowded)
             named = zip(*axis.get_legend_handles_labels(), strict=True)
@@ -175,7 +180,6 @@ def _draw(axis: Axes, panel: Panel, x: _Scale, y: _Scale, styles: dict[str, int]
         _mark_peaks(axis, places, style["color"])
         if times.size:
             begin, end = min(begin, times.min()), max(end, times.max())
-    axis.set_ylabel(axis_label(panel.ylabel, y.unit))
     if begin < end:
         axis.set_xlim(begin, end)
     axis.margins(y=0.08)

@@ -42,11 +42,18 @@ def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
 
 
 def on_their_path(history: xr.Dataset, name: str) -> xr.DataArray:
-    """Return a variable; of one of tooth pairs what belongs to pairs on the path, else NaN."""
+    """Return a variable; of tooth pairs what belongs to those on the path, else NaN.
+
+    Places whose pairs never carry load are NaN as well: mostly those of the coast flanks.
+    """
     values = require(history, name)
     if "pair" not in values.dims or "pair_on_path" not in history or name == "pair_on_path":
         return values
-    return values.where(history["pair_on_path"] > 0).assign_attrs(values.attrs)
+    shown = history["pair_on_path"] > 0
+    if "pair_normal_force" in history:
+        carries = (history["pair_normal_force"] > 0).any("time")
+        shown = shown & (carries | ~carries.any("pair"))
+    return values.where(shown).assign_attrs(values.attrs)
 
 
 def draw_pairs(

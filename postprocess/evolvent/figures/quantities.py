@@ -37,7 +37,6 @@ SAME = 2e-3  # of the height of a panel: lines that are nowhere further apart ar
 FAR = 0.2  # of the height: where all lines together move less, each has a panel of its own
 MOST_PANELS = 12
 WIDEST_TITLE = 36  # letters of the title of a panel beside others
-WIDEST = 27  # letters of the label of an axis
 
 
 class X(StrEnum):
@@ -225,7 +224,7 @@ def _panels(
             title = f"mesh {place.title}" if place.mesh is not None else place.title
             events = _events(runs[0], place.mesh, over) if len(runs) == 1 else None
             if curves:
-                yield Panel(textwrap.fill(ylabel, WIDEST), curves, title, events)
+                yield Panel(ylabel, curves, title, events)
 
 
 def _places(arrays: Sequence[Sequence[xr.DataArray]], dims: tuple[str, ...]) -> list[_Place]:
