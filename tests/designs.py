@@ -21,7 +21,7 @@ TIMINGS = ("cpu_time", "at")  # what differs between two runs of one case
 def paper_case(duration: float = 0.02, name: str = "paper-friction.yaml") -> str:
     """The paper's case, made short."""
     text = (ROOT / "examples" / name).read_text(encoding="utf-8")
-    return re.sub(r"duration: [\d.e+-]+", f"duration: {duration!r}", text)
+    return re.sub(r"duration: [\d.e+-]+( m?s\b)?", f"duration: {duration!r}", text)
 
 
 def version() -> str:
