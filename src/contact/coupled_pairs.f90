@@ -69,10 +69,30 @@ contains
       if (.not. (pushes_only .and. any(h <= 0))) then
          call push_together(n, h, length, c, e_star, answer%force, answer%factor, found)
          answer%carries(:n) = .true.
-         if (found(1) > 0) return
+         if (found(1) > 0) then
+            if (n > 1) call factor_at_forces(n, h, c, e_star, answer)
+            return
+         end if
       end if
       call search_pairs(n, h, length, c, e_star, pushes_only, answer, code)
    end subroutine solve_pairs
+
+   !> The factor of A at forces that are found: the last step of Newton's method leaves that of the forces before it. With
+   !> g_k = h_k - sum_{l /= k} C_kl N_l the slope of a pair is g_k/N_k - 1/(pi E*), which takes no logarithm.
+   pure subroutine factor_at_forces(n, h, c, e_star, answer)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h(n), c(most_pairs, *), e_star
+      type(coupled_answer), intent(inout) :: answer
+      real(wp) :: good(width)
+      integer :: k
+
+      do k = 1, n
+         answer%factor(k, :k - 1) = c(k, :k - 1)
+         answer%factor(k, k) = (h(k) - others(n, c, k, answer%force))/answer%force(k) - 1/(pi*e_star)
+      end do
+      good = 1
+      call factorise(n, answer%factor, good)
+   end subroutine factor_at_forces
 
    !> The same where pairs may begin to carry, or end.
    pure subroutine search_pairs(n, h, length, c, e_star, pushes_only, answer, code)
