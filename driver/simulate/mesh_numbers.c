@@ -65,19 +65,25 @@ static void add_torque(mesh_sums *sums, const step_nodes *nodes, const double *t
     sums->energy += energy;
 }
 
-static void add_pairs(mesh_sums *sums, const step_nodes *nodes, const double *pairs)
+static void add_pairs(mesh_sums *sums, const step_nodes *nodes, double time, const double *pairs)
 {
-    for (int k = 0; k < nodes->n; k++) {
+    bool is_one = true; /* as always, but where pairs without an event of their own lose their force */
+    for (int k = 1; k < nodes->n; k++) {
+        is_one = is_one && !(fabs(pairs[k] - pairs[0]) > 0);
+    }
+    for (int k = 0; k < (is_one ? 1 : nodes->n); k++) {
         const int touching = (int)(pairs[k] + 0.5);
-        sums->shares[touching > 3 ? 3 : touching] += nodes->weight[k];
+        sums->shares[touching > 3 ? 3 : touching] += is_one ? time : nodes->weight[k];
     }
 }
 
 static void add_coast(mesh_sums *sums, const step_nodes *nodes, const double *force)
 {
+    double time = 0;
     for (int k = 0; k < nodes->n; k++) {
-        sums->shares[NUMBER_COAST] += force[k] > 0 ? nodes->weight[k] : 0;
+        time += force[k] > 0 ? nodes->weight[k] : 0;
     }
+    sums->shares[NUMBER_COAST] += time;
 }
 
 void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places *places, const step_nodes *nodes,
@@ -99,7 +105,7 @@ void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places 
         add_torque(sums, nodes, at_nodes(places, AT_TORQUE, m, nodes), speed);
     }
     if (is_asked(places, AT_PAIRS)) {
-        add_pairs(sums, nodes, at_nodes(places, AT_PAIRS, m, nodes));
+        add_pairs(sums, nodes, time, at_nodes(places, AT_PAIRS, m, nodes));
     }
     if (is_asked(places, AT_COAST)) {
         add_coast(sums, nodes, at_nodes(places, AT_COAST, m, nodes));

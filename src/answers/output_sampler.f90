@@ -167,8 +167,13 @@ contains
       subroutine add(kind, place, what)
          integer, intent(in) :: kind, place
          real(wp), intent(in) :: what(lanes)
+         integer :: l
 
-         if (columns(kind) /= none) values(:, columns(kind) + place) = values(:, columns(kind) + place) + what
+         if (columns(kind) == none) return
+         !$omp simd
+         do l = 1, lanes
+            values(l, columns(kind) + place) = values(l, columns(kind) + place) + what(l)
+         end do
       end subroutine add
 
    end subroutine tell_contact
@@ -200,11 +205,12 @@ contains
          associate (wheel => gearbox%wheels(i))
             call turn_wheel(wheel%i_psi, y, psi, rate)
             if (columns(lane_angle) /= none) &
-               values(:, columns(lane_angle) + i) = wheel%ratio*(y(:, i_theta) + 2*pi*integers(i_turns)) + psi
-            if (columns(lane_speed) /= none) values(:, columns(lane_speed) + i) = wheel%ratio*y(:, i_omega) + rate
+               call add_turned(wheel%ratio, y(:, i_theta), 2*pi*integers(i_turns), psi, values(:, columns(lane_angle) + i))
+            if (columns(lane_speed) /= none) &
+               call add_turned(wheel%ratio, y(:, i_omega), 0.0_wp, rate, values(:, columns(lane_speed) + i))
             if (columns(lane_acceleration) /= none) then
                call turn_wheel(wheel%i_psi, f, psi, rate)
-               values(:, columns(lane_acceleration) + i) = wheel%ratio*f(:, i_omega) + rate
+               call add_turned(wheel%ratio, f(:, i_omega), 0.0_wp, rate, values(:, columns(lane_acceleration) + i))
             end if
             if (columns(lane_axle) == none .or. wheel%support%n == 0) cycle
             before = columns(lane_axle) + 2*(i - 1)
@@ -214,5 +220,17 @@ contains
          end associate
       end do
    end subroutine tell_wheels
+
+   !> What the gearbox turns at a ratio, and what a wheel turns more.
+   pure subroutine add_turned(ratio, turned, whole, more, value)
+      real(wp), intent(in) :: ratio, turned(lanes), whole, more(lanes)
+      real(wp), intent(out) :: value(lanes)
+      integer :: l
+
+      !$omp simd
+      do l = 1, lanes
+         value(l) = ratio*(turned(l) + whole) + more(l)
+      end do
+   end subroutine add_turned
 
 end module evl_output_sampler

@@ -1,9 +1,9 @@
 !> The line of action of a flank for eight states at once, and what moves it: all its tooth contacts share them.
 module evl_line_lanes
-   use evl_closed_form, only: centre_line_angle, centre_line_turn
+   use evl_closed_form, only: centre_line_angle
    use evl_contact_point, only: tracked_pair
    use evl_kinds, only: lanes, wp
-   use evl_local_variables, only: at_theta, i_omega, i_theta, unit, wheel_link
+   use evl_local_variables, only: i_omega, i_theta, wheel_link
    use evl_tangent_line, only: small_sine, tangent_angle, tangent_line_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
@@ -160,11 +160,11 @@ contains
       type(tracked_pair) :: pair
       integer :: l
 
-      pair = contact%pair
       if (contact%axles_rest) then
-         turn = centre_line_turn(pair, unit(at_theta, 0.0_wp))
+         turn = 0
          return
       end if
+      pair = contact%pair
       !$omp simd
       do l = 1, lanes
          call centre_line(pair, line%u_t(l), line%u_e(l), along(l), across(l))
