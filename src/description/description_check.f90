@@ -154,13 +154,14 @@ contains
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
       type(status_t), intent(inout) :: status
-      integer :: row, given
+      integer :: row, given, first, last
 
-      associate (rows => description%rows, block => description%rows(description%entries(place)%row)%holds)
-         do row = 1, size(rows)
-            if (rows(row)%block /= block .or. has_failed(status)) cycle
+      associate (rows => description%rows)
+         call find_rows(rows, rows(description%entries(place)%row)%holds, first, last)
+         do row = first, last
+            if (has_failed(status)) return
             given = entry_of(description, place, rows(row)%key)
-            if (.not. in_variant(description, place, rows(row))) then
+            if (.not. in_variant(description, place, rows(row), rows(first))) then
                if (given == 0) cycle
                if (description%entries(given)%row /= row) cycle
                if (rows(row)%variants(1:1) == "+") then
@@ -175,6 +176,21 @@ contains
          end do
       end associate
    end subroutine check_block
+
+   !> Where the rows of a block stand: together, in the table of a case. None: first > last.
+   pure subroutine find_rows(rows, block, first, last)
+      type(row_t), intent(in) :: rows(:)
+      character(len=*), intent(in) :: block
+      integer, intent(out) :: first, last
+
+      do first = 1, size(rows)
+         if (rows(first)%block == block) exit
+      end do
+      do last = first, size(rows) - 1
+         if (rows(last + 1)%block /= block) return
+      end do
+      last = min(last, size(rows))
+   end subroutine find_rows
 
    !> Index of the entry of a key in the block of an entry; 0 if it is not given.
    pure integer function entry_of(description, place, key) result(i)
@@ -194,11 +210,11 @@ contains
    end function entry_of
 
    !> Whether a row belongs to the variant of a block, or beside what the block has.
-   pure logical function in_variant(description, place, row)
+   pure logical function in_variant(description, place, row, selector)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
-      type(row_t), intent(in) :: row
-      integer :: selector, given
+      type(row_t), intent(in) :: row, selector !! the first row of the block selects its variant
+      integer :: given
 
       in_variant = .true.
       if (row%variants == "") return
@@ -206,14 +222,11 @@ contains
          in_variant = entry_of(description, place, trim(row%variants(2:))) > 0
          return
       end if
-      do selector = 1, size(description%rows)
-         if (description%rows(selector)%block == row%block) exit
-      end do
-      given = entry_of(description, place, trim(description%rows(selector)%key))
+      given = entry_of(description, place, selector%key)
       if (given > 0) then
          in_variant = index(" "//trim(row%variants)//" ", " "//description%entries(given)%name//" ") > 0
       else
-         in_variant = index(" "//trim(row%variants)//" ", " "//trim(description%rows(selector)%default)//" ") > 0
+         in_variant = index(" "//trim(row%variants)//" ", " "//trim(selector%default)//" ") > 0
       end if
    end function in_variant
 
