@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "model/model_kernel.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 bool model_is_of_request(const model_message *message)
@@ -64,4 +65,18 @@ bool model_static(const model *model, const static_plan *plan, double torque, do
         return false;
     }
     return true;
+}
+
+double model_static_pair_force(const model *model, int mesh, double from, double to, double torque)
+{
+    static const double farthest = 1e9; /* of positions: a whole number holds them */
+    double force;
+    if (!(fmax(fabs(from), fabs(to)) < farthest)) {
+        return NAN;
+    }
+    const int first = (int)floor(from), pitches = (int)ceil(to) - first;
+    return evl_gearbox_static_pair_force(model->gearbox, mesh, first, pitches > 0 ? pitches : 1, torque, &force,
+                                         NULL) == EVL_OK
+               ? force
+               : NAN;
 }

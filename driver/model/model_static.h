@@ -25,3 +25,6 @@ bool model_plan_static(const model *model, int mesh, int points, static_plan *pl
 void static_plan_free(static_plan *plan);
 /** All values at a torque [N m], [n_values]. @return false with the reason in `error` */
 bool model_static(const model *model, const static_plan *plan, double torque, double *values, model_message *error);
+/** The largest force of a tooth pair at rest under a torque, where the mesh goes from one position to another [pitches]. [N]
+ *  @return NAN where the analysis does not apply */
+double model_static_pair_force(const model *model, int mesh, double from, double to, double torque);

@@ -1,10 +1,8 @@
 #include "simulate/mesh_numbers.h"
 
-#include "base/memory.h"
 #include "model/model_static.h"
 
 #include <math.h>
-#include <string.h>
 
 /* ---- what is asked ---- */
 
@@ -54,6 +52,14 @@ static const double *at_nodes(const mesh_places *places, at_mesh what, int index
 
 /* ---- sums ---- */
 
+/** The mesh was between two positions. */
+static void add_range(mesh_sums *sums, double first, double last)
+{
+    const bool is_new = !(sums->time > 0);
+    sums->first = is_new ? first : fmin(sums->first, first);
+    sums->last = is_new ? last : fmax(sums->last, last);
+}
+
 static void add_torque(mesh_sums *sums, const step_nodes *nodes, const double *torque, const double *speed)
 {
     double work = 0, energy = 0;
@@ -93,12 +99,16 @@ void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places 
     const double *angle = at_nodes(places, AT_ANGLE, mesh->wheel, nodes);
     const double *speed = at_nodes(places, AT_SPEED, mesh->wheel, nodes);
     double xi[STEP_NODES_MOST], rate[STEP_NODES_MOST], time = 0, pitches = 0;
+    double first = INFINITY, last = -INFINITY;
     for (int k = 0; k < nodes->n; k++) {
         xi[k] = mesh->xi_0 + mesh->per_turn * angle[k];
         rate[k] = mesh->per_turn * speed[k];
+        first = xi[k] < first ? xi[k] : first;
+        last = xi[k] > last ? xi[k] : last;
         time += nodes->weight[k];
         pitches += nodes->weight[k] * rate[k];
     }
+    add_range(sums, first, last);
     sums->time += time;
     sums->pitches += pitches;
     if (is_asked(places, AT_TORQUE)) {
@@ -134,6 +144,7 @@ void mesh_numbers_complete(mesh_numbers *mesh)
 {
     mesh_sums *total = &mesh->total;
     const mesh_sums *period = &mesh->period;
+    add_range(total, period->first, period->last);
     total->time += period->time;
     total->pitches += period->pitches;
     total->torque += period->torque;
@@ -149,27 +160,6 @@ void mesh_numbers_complete(mesh_numbers *mesh)
 }
 
 /* ---- results ---- */
-
-/** Largest force of a tooth pair of a mesh at rest under a torque; NAN where the analysis does not apply. */
-static double static_force(const model *model, int m, double torque)
-{
-    enum { POINTS = 100 };
-    static_plan plan;
-    model_message error;
-    double largest = NAN;
-    if (model_plan_static(model, m, POINTS, &plan, &error)) {
-        OWNED double *values = xcalloc((size_t)plan.n_values, sizeof *values);
-        const bool good = model_static(model, &plan, torque, values, &error);
-        for (int i = 0; i < plan.n_outputs && good; i++) {
-            const model_output *output = &plan.outputs[i];
-            for (int j = 0; j < output->count && strcmp(output->name, "pair_normal_force") == 0; j++) {
-                largest = fmax(largest, values[output->offset + j]);
-            }
-        }
-    }
-    static_plan_free(&plan);
-    return largest;
-}
 
 static void put(const model_output *rows, double *values, number_of_contact what, int mesh, double value)
 {
@@ -192,7 +182,9 @@ void mesh_numbers_conclude(const mesh_numbers *mesh, int m, const mesh_places *p
     }
     if (takes(taken, NUMBER_PAIR_DYNAMIC, NUMBER_PAIR_DYNAMIC)) {
         const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
-        put(rows, values, NUMBER_PAIR_DYNAMIC, m, sums->pair_force / static_force(model, m, mean));
+        const double margin = 2; /* coast flanks have an own start of contact, and a loaded mesh lags */
+        const double at_rest = model_static_pair_force(model, m, sums->first - margin, sums->last + margin, mean);
+        put(rows, values, NUMBER_PAIR_DYNAMIC, m, sums->pair_force / at_rest);
     }
     put(rows, values, NUMBER_IMPACTS, m, (double)sums->impacts);
     put(rows, values, NUMBER_IMPACT_SPEED, m, sums->impact_speed);

@@ -18,6 +18,7 @@ typedef struct {
     double shares[NUMBER_COAST + 1]; /**< times [s] */
     long impacts;
     double impact_speed, pair_force;
+    double first, last; /**< positions between which the mesh was [pitches], if time is not 0 */
 } mesh_sums;
 
 typedef struct {

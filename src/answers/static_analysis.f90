@@ -23,6 +23,7 @@ module evl_static_analysis
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
    use evl_pair_place, only: by_a, by_b, edge_of
+   use evl_pressed_flank, only: find_pressed, lag_of, pressed_t
    use evl_rational, only: divisor_of
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_static_outputs, only: n_harmonics, static_sections, static_sum, tell_static_harmonic, tell_static_mesh, &
@@ -30,12 +31,12 @@ module evl_static_analysis
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
    use evl_teller, only: fill, teller_t
-   use evl_tooth_contact, only: contact_mode, flank_coast, no_mode, settle_zones, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, no_mode, settle_zones, tooth_contact_t
    use evl_touching_flanks, only: pressure_at, touching_curvature
    implicit none (type, external)
    private
 
-   public :: least_points, most_positions, plan_static, solve_static_mesh, static_plan_t
+   public :: largest_pair_force, least_points, most_positions, plan_static, solve_static_mesh, static_plan_t
 
    integer, parameter :: least_points = 2*n_harmonics + 1 !! a pitch, for the last harmonic
    integer, parameter :: most_positions = 500000
@@ -51,14 +52,6 @@ module evl_static_analysis
       real(wp) :: torque = 0.0_wp !! of the driving wheel that the loads suggest, >= 0 [N m]
    end type static_plan_t
 
-   !> The flank that a torque presses.
-   type :: pressed_t
-      integer :: contact = 0        !! one of its contacts
-      integer :: turns = 1          !! +1 drive flank; -1 coast flank, where the wheel lags the less the more it yields
-      real(wp) :: play = 0.0_wp     !! backlash to it from the drive flank [m]
-      real(wp) :: rho_a = 0.0_wp    !! of pair 0 at position 0 [m]
-   end type pressed_t
-
 contains
 
    !> What the analysis of a mesh comes to.
@@ -70,12 +63,35 @@ contains
       type(static_plan_t), intent(out) :: plan
       type(status_t), intent(inout) :: status
       type(section_t), allocatable :: sections(:)
-      integer(int64) :: n_pitches
 
+      call measure_mesh(gearbox, mesh, plan, status)
+      if (has_failed(status)) return
+      if (points < least_points) then
+         call fail(status, code_invalid_input, counted(points)//" positions a pitch are too few: "//counted(least_points) &
+                   //" or more show "//counted(n_harmonics)//" harmonics", subject_none)
+      else if (points > most_positions/plan%n_pitches) then
+         call fail(status, code_invalid_input, "teeth differ, so that "//counted(plan%n_pitches)//" pitches of " &
+                   //counted(points)//" positions have to be looked at: more than "//counted(most_positions) &
+                   //" positions", subject_none)
+      end if
+      if (has_failed(status)) return
+      plan%points = points
+      plan%n_positions = points*plan%n_pitches
+      plan%torque = mesh_load(gearbox, gearbox%contacts(gearbox%first(mesh)), gearbox_likely_speed(gearbox)) &
+                    *gearbox%pairs(mesh)%base_radius_a
+      call static_sections(plan%n_positions, plan%n_pairs, sections, plan%n_values)
+   end subroutine plan_static
+
+   !> How far pairs reach, how many are asked, and after how many pitches they come again.
+   subroutine measure_mesh(gearbox, mesh, plan, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      type(static_plan_t), intent(inout) :: plan
+      type(status_t), intent(inout) :: status
+
+      call check_mesh(gearbox, mesh, status)
+      if (has_failed(status)) return
       associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
-         call check_mesh(gearbox, mesh, status)
-         if (has_failed(status)) return
-         plan%points = points
          plan%reach = gearbox%flanks(contact%i_flank)%flank%reach*pair%base_pitch
          if (.not. plan%reach > 0 .and. pair%contact_ratio < 1 - exactly_one) then
             call fail(status, code_invalid_input, &
@@ -84,24 +100,11 @@ contains
             return
          end if
          associate (a => int(differing(contact%deviation_a), int64), b => int(differing(contact%deviation_b), int64))
-            n_pitches = a/divisor_of(a, b)*b ! the least that both divide
+            plan%n_pitches = int(min(a/divisor_of(a, b)*b, int(huge(1), int64))) ! the least that both divide
          end associate
-         if (points < least_points) then
-            call fail(status, code_invalid_input, counted(points)//" positions a pitch are too few: "//counted(least_points) &
-                      //" or more show "//counted(n_harmonics)//" harmonics", subject_none)
-         else if (points*n_pitches > most_positions) then
-            call fail(status, code_invalid_input, "teeth differ, so that "//counted(int(n_pitches))//" pitches of " &
-                      //counted(points)//" positions have to be looked at: more than "//counted(most_positions) &
-                      //" positions", subject_none)
-         end if
-         if (has_failed(status)) return
-         plan%n_pitches = int(n_pitches)
-         plan%n_positions = points*plan%n_pitches
          plan%n_pairs = floor(pair%contact_ratio + plan%reach/pair%base_pitch) + 1 - youngest
-         plan%torque = mesh_load(gearbox, contact, gearbox_likely_speed(gearbox))*pair%base_radius_a
-         call static_sections(plan%n_positions, plan%n_pairs, sections, plan%n_values)
       end associate
-   end subroutine plan_static
+   end subroutine measure_mesh
 
    !> Only real gears with Johnson's contact rest so.
    subroutine check_mesh(gearbox, mesh, status)
@@ -190,47 +193,44 @@ contains
       end do
    end subroutine solve_static_mesh
 
-   !> The flank that a torque presses, or why none is.
-   subroutine find_pressed(gearbox, mesh, torque, speed, flank, status)
+   !> The largest force of a tooth pair under a torque, in all positions of some pitches, or of all that differ if these are few.
+   !> Errors: those of `plan_static` and `solve_static_mesh`.
+   subroutine largest_pair_force(gearbox, mesh, first, pitches, torque, force, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
-      real(wp), intent(in) :: torque, speed
-      type(pressed_t), intent(out) :: flank
+      integer, intent(in) :: first, pitches   !! the first pitch, and how many
+      real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
+      real(wp), intent(out) :: force          !! [N]
       type(status_t), intent(inout) :: status
-      integer :: n
+      integer, parameter :: points = 100      ! a pitch
+      type(static_plan_t) :: plan
+      type(static_mesh_t) :: at_rest
+      type(static_state) :: state
+      type(pressed_t) :: flank
+      real(wp) :: x
+      integer :: i, k
 
-      if (.not. (abs(torque) > 0 .and. ieee_is_finite(torque))) then
-         call fail(status, code_invalid_input, "a torque of "//quantity(torque, "N m")//" of the driving wheel presses no flanks:" &
-                   //" give one above 0, in the sense of driving_rotation, or below, which presses the coast flanks", subject_none)
-         return
-      end if
-      if (.not. ieee_is_finite(speed)) then
-         call fail(status, code_invalid_input, "the speed at which flanks rub must be finite", subject_none)
-         return
-      end if
-      associate (drive => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
-         flank%contact = gearbox%first(mesh)
-         flank%rho_a = pair%rho_start_a
-         if (torque > 0) return
-         do n = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
-            if (gearbox%contacts(n)%flank == flank_coast) exit
+      force = 0
+      call measure_mesh(gearbox, mesh, plan, status)
+      if (.not. has_failed(status)) call find_pressed(gearbox, mesh, torque, 0.0_wp, flank, status)
+      if (has_failed(status)) return
+      associate (contact => gearbox%contacts(flank%contact), pair => gearbox%pairs(mesh))
+         call mesh_at_rest(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
+                           gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, 0.0_wp, at_rest)
+         do k = first, first + min(pitches, plan%n_pitches) - 1
+            do i = 0, points - 1
+               x = modulo(k, plan%n_pitches) + real(i, wp)/points
+               call solve_static(at_rest, flank%rho_a + flank%turns*(x*pair%base_pitch), abs(torque)/pair%base_radius_a, state, &
+                                 status)
+               if (has_failed(status)) then
+                  call name_place(torque, x, mesh, status)
+                  return
+               end if
+               force = max(force, maxval(state%potential%answer%force(:state%n))*at_rest%width)
+            end do
          end do
-         associate (coast => gearbox%contacts(n))
-            flank%contact = n
-            flank%turns = -1
-            flank%play = drive%pair%gap_0 + coast%pair%gap_0
-            flank%rho_a = coast%rho_entry
-         end associate
       end associate
-   end subroutine find_pressed
-
-   !> By how much the driven wheel lags where the flanks overlap by h as if perfect [m].
-   pure real(wp) function lag_of(flank, h) result(lag)
-      type(pressed_t), intent(in) :: flank
-      real(wp), intent(in) :: h
-
-      lag = flank%turns*(h + flank%play)
-   end function lag_of
+   end subroutine largest_pair_force
 
    !> What is known of a torque before any position: forces, and what one pair alone and ISO 6336-1 say.
    subroutine start_sum(gearbox, mesh, at_rest, torque, total)

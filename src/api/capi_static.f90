@@ -5,13 +5,13 @@ module evl_capi_static
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_gearbox, only: gearbox_t
-   use evl_static_analysis, only: plan_static, solve_static_mesh, static_plan_t
+   use evl_static_analysis, only: largest_pair_force, plan_static, solve_static_mesh, static_plan_t
    use evl_static_outputs, only: static_counts, youngest
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_static, evl_gearbox_static_plan, evl_gearbox_static_places
+   public :: evl_gearbox_static, evl_gearbox_static_pair_force, evl_gearbox_static_plan, evl_gearbox_static_places
 
    !> evl_static_plan
    type, bind(c) :: c_plan
@@ -60,5 +60,17 @@ contains
       if (.not. has_failed(s)) call solve_static_mesh(g, mesh + 1, p, torque, speed, values(:p%n_values), s)
       code = answer(s, status)
    end function evl_gearbox_static
+
+   integer(c_int) function evl_gearbox_static_pair_force(handle, mesh, first, pitches, torque, force, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: mesh, first, pitches
+      real(c_double), intent(in), value :: torque
+      real(c_double), intent(out) :: force
+      type(c_status), intent(inout), optional :: status
+      type(status_t) :: s
+
+      call largest_pair_force(gearbox_of(handle), mesh + 1, first, pitches, torque, force, s)
+      code = answer(s, status)
+   end function evl_gearbox_static_pair_force
 
 end module evl_capi_static

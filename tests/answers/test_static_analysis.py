@@ -20,6 +20,7 @@ from kernel.static import (
     NO_FORCE,
     ON_FLANKS,
     Curve,
+    pair_force_at_rest,
     static_curve,
     static_plan,
     table,
@@ -401,6 +402,62 @@ def test_positions_without_number_are_refused(kernel: Kernel):
     gearbox = pair(kernel, compliance={}, deviation=(PITCH, RUNOUT))
     with pytest.raises(GearboxError, match=r"646 pitches of 1000 positions .* than 500000"):
         static_plan(gearbox, points=1000)
+
+
+# The largest force of a tooth pair
+
+TALL = {"rack_addendum": 1.3, "rack_dedendum": 1.5, "rack_root_radius": 0.2}
+HIGH: dict[str, Any] = {"teeth": (38, 34), "shift": (0.0, 0.0), "gear": TALL}
+WAVY = deviations(pitch_errors=[2e-7 * ((7 * k * k + k) % 13) for k in range(38)])
+
+
+@pytest.mark.parametrize(
+    ("fields", "share"),
+    [
+        ({}, 1.0),
+        ({"compliance": ANALYTIC, "deviation": (PITCH, None)}, 1.0),
+        ({**HIGH, "compliance": ANALYTIC}, 0.57),
+        ({**HIGH, "compliance": ANALYTIC, "deviation": (WAVY, None)}, 0.68),
+    ],
+    ids=["bending", "pitch errors", "contact ratio above 2", "contact ratio above 2, errors"],
+)
+@pytest.mark.parametrize("sense", [1, -1])
+def test_largest_force_of_a_pair_is_that_of_the_curve(
+    kernel: Kernel, fields: dict[str, Any], share: float, sense: int
+):
+    """Of some pitches that of their part of it, which comes again with the teeth."""
+    gearbox = pair(kernel, **fields)
+    torque = sense * 100.0
+    curve = static_curve(gearbox, torque, points=100)
+    forces = curve.pair_normal_force.max(axis=1).reshape(-1, 100).max(axis=1)
+    assert pair_force_at_rest(gearbox, torque) == pytest.approx(forces.max(), rel=1e-9)
+    assert curve.largest_force_share == pytest.approx(share, rel=0.1)
+    n = len(forces)
+    for first, pitches in [(3, 2), (-1, 1), (5 * n + 1, 2)]:
+        some = forces[(first + np.arange(pitches)) % n].max()
+        assert pair_force_at_rest(gearbox, torque, first, pitches) == pytest.approx(some, rel=1e-9)
+
+
+def test_largest_force_is_known_however_many_pairs_meet(kernel: Kernel):
+    """Its curve would have more positions than can be looked at: 9797 pitches of 100."""
+    errors = [1e-6 * ((5 * k * k + 3 * k) % 17) for k in range(97)]
+    gearbox = pair(
+        kernel,
+        teeth=(97, 101),
+        shift=(0.0, 0.0),
+        compliance=ANALYTIC,
+        deviation=(deviations(pitch_errors=errors), RUNOUT),
+    )
+    with pytest.raises(GearboxError, match="more than 500000 positions"):
+        static_plan(gearbox, points=100)
+    some = [pair_force_at_rest(gearbox, 100.0, first, 1) for first in range(-2, 2)]
+    assert pair_force_at_rest(gearbox, 100.0, -2, 4) == max(some) > min(some)
+
+
+@pytest.mark.parametrize(("torque", "says"), [(0.0, "presses no flanks"), (np.nan, "presses no")])
+def test_torques_that_press_nothing_have_no_largest_force(spur: Gearbox, torque: float, says: str):
+    with pytest.raises(GearboxError, match=says):
+        pair_force_at_rest(spur, torque)
 
 
 # Stiffness over load, loads, refusals

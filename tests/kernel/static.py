@@ -92,3 +92,21 @@ def static_curve(
         plan.first_pair + np.arange(plan.n_pairs),
         found,
     )
+
+
+def pair_force_at_rest(
+    gearbox: Gearbox, torque: float, first: int = 0, pitches: int = 1_000_000, mesh: int = 0
+) -> float:
+    """The largest force of a tooth pair of a mesh at rest under a torque, in some pitches [N]."""
+    force, status = _double(), Status()
+    code = gearbox.library.evl_gearbox_static_pair_force(
+        gearbox.handle,
+        mesh,
+        first,
+        pitches,
+        _double(torque),
+        ctypes.byref(force),
+        ctypes.byref(status),
+    )
+    gearbox.check(code, status)
+    return force.value

@@ -382,6 +382,12 @@ EVL_API void evl_gearbox_static_places(const evl_static_plan *plan, int *offsets
  *  @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN (a tip edge on the mate's fillet, or past its reach), EVL_NO_SOLUTION */
 EVL_API int evl_gearbox_static(const evl_gearbox *gearbox, int mesh, int points, double torque, double speed,
                                double *values, evl_status *status);
+/** The largest force of a tooth pair at rest under a torque [N], without friction, over 100 positions in each of some pitches, or in
+ *  all that differ if these are fewer.
+ *  @param first  the first pitch: from its number on, counted from where tooth pair 0 is at the start of contact
+ *  @return as `evl_gearbox_static_plan` and `evl_gearbox_static` */
+EVL_API int evl_gearbox_static_pair_force(const evl_gearbox *gearbox, int mesh, int first, int pitches, double torque,
+                                          double *force, evl_status *status);
 
 /* ---- how this kernel was built --------------------------------------------------------------------------------------------- */
 

@@ -1,0 +1,65 @@
+!> The flank of a mesh that a torque of its driving wheel presses.
+module evl_pressed_flank
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_gearbox, only: gearbox_t
+   use evl_kinds, only: wp
+   use evl_status, only: code_invalid_input, fail, quantity, status_t, subject_none
+   use evl_tooth_contact, only: flank_coast
+   implicit none (type, external)
+   private
+
+   public :: find_pressed, lag_of, pressed_t
+
+   !> The flank that a torque presses.
+   type :: pressed_t
+      integer :: contact = 0        !! one of its contacts
+      integer :: turns = 1          !! +1 drive flank; -1 coast flank, where the wheel lags the less the more it yields
+      real(wp) :: play = 0.0_wp     !! backlash to it from the drive flank [m]
+      real(wp) :: rho_a = 0.0_wp    !! of pair 0 at position 0 [m]
+   end type pressed_t
+
+contains
+
+   !> The flank that a torque presses, or why none is.
+   subroutine find_pressed(gearbox, mesh, torque, speed, flank, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: torque, speed
+      type(pressed_t), intent(out) :: flank
+      type(status_t), intent(inout) :: status
+      integer :: n
+
+      if (.not. (abs(torque) > 0 .and. ieee_is_finite(torque))) then
+         call fail(status, code_invalid_input, "a torque of "//quantity(torque, "N m")//" of the driving wheel presses no flanks:" &
+                   //" give one above 0, in the sense of driving_rotation, or below, which presses the coast flanks", subject_none)
+         return
+      end if
+      if (.not. ieee_is_finite(speed)) then
+         call fail(status, code_invalid_input, "the speed at which flanks rub must be finite", subject_none)
+         return
+      end if
+      associate (drive => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         flank%contact = gearbox%first(mesh)
+         flank%rho_a = pair%rho_start_a
+         if (torque > 0) return
+         do n = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
+            if (gearbox%contacts(n)%flank == flank_coast) exit
+         end do
+         associate (coast => gearbox%contacts(n))
+            flank%contact = n
+            flank%turns = -1
+            flank%play = drive%pair%gap_0 + coast%pair%gap_0
+            flank%rho_a = coast%rho_entry
+         end associate
+      end associate
+   end subroutine find_pressed
+
+   !> By how much the driven wheel lags where the flanks overlap by h as if perfect [m].
+   pure real(wp) function lag_of(flank, h) result(lag)
+      type(pressed_t), intent(in) :: flank
+      real(wp), intent(in) :: h
+
+      lag = flank%turns*(h + flank%play)
+   end function lag_of
+
+end module evl_pressed_flank
