@@ -81,14 +81,13 @@ bool batch_axis_fits(const batch_axis *axis, const prepared_case *prepared)
            options.output_interval == axis->grid.output_interval;
 }
 
-long batch_axis_place(const batch_axis *axis, long index, double t, const double *values)
+long batch_axis_place(const batch_axis *axis, long index, double t, const output_mark *mark)
 {
     long k = index / axis->every;
     bool good = index % axis->every == 0;
     if (axis->rule.per != NULL) {
-        const double *marks = values + axis->rule.n_values_before;
-        const double line = round(marks[POSITIONS_PLACE] * axis->rule.number);
-        good = lround(marks[POSITIONS_KIND]) == OUTPUT_FORWARDS && line >= 0 && fmod(line, (double)axis->every) < 0.5 &&
+        const double line = round(mark->position * axis->rule.number);
+        good = mark->kind == OUTPUT_FORWARDS && line >= 0 && fmod(line, (double)axis->every) < 0.5 &&
                line / (double)axis->every < axis->coordinate.n;
         k = good ? lround(line) / axis->every : -1;
     } else {

@@ -20,9 +20,9 @@ void batch_axis_free(batch_axis *axis);
 /** Whether the outputs of a case have places on it. */
 bool batch_axis_fits(const batch_axis *axis, const prepared_case *prepared);
 /** Where an output goes; -1 if it has no place.
- *  @param index   of the output in its run, from 0
- *  @param values  as simulate_sink gets them */
-long batch_axis_place(const batch_axis *axis, long index, double t, const double *values);
+ *  @param index  of the output in its run, from 0
+ *  @param mark   of an output by position */
+long batch_axis_place(const batch_axis *axis, long index, double t, const output_mark *mark);
 
 /** What comes with every history along positions: the time. Its offset among the outputs is -1. */
 extern const model_output batch_axis_time;

@@ -12,9 +12,11 @@
 
 typedef struct {
     const batch_plan *plan;
+    memory_pool pool;
+    wanted_outputs wanted;
     statistics *statistics;
     float *history; /**< a row of the stack; NULL if there are no histories */
-    int *offsets;   /**< of the history's variables among the outputs */
+    int *places;    /**< of the history's variables among the outputs; -1: the time */
     long n_outputs; /**< so far */
 } batch_sink;
 
@@ -117,31 +119,32 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
 /* ---- what the simulation tells ---- */
 
 /** One output of a history that is stacked, if it has a place there; of several at one position the first. */
-static void keep_output(const batch_sink *sink, double t, const double *values)
+static void keep_output(const batch_sink *sink, const output_block *block, int time)
 {
     const batch_histories *histories = &sink->plan->histories;
-    const long k = batch_axis_place(&histories->axis, sink->n_outputs, t, values);
+    const output_mark *mark = block->marks == NULL ? NULL : &block->marks[time];
+    const long k = batch_axis_place(&histories->axis, sink->n_outputs, block->t[time], mark);
     float *to = sink->history;
     if (k < 0 || (histories->axis.rule.per != NULL && !isnan(to[k]))) {
         return;
     }
     for (int i = 0; i < histories->n_variables; i++) {
-        const int count = histories->variables[i].count;
+        const int count = histories->variables[i].count, place = sink->places[i];
         for (int j = 0; j < count; j++) {
-            to[k * count + j] = (float)(sink->offsets[i] < 0 ? t : values[sink->offsets[i] + j]);
+            to[k * count + j] = (float)(place < 0 ? block->t[time] : output_values(block, place + j)[time]);
         }
         to += (long)histories->axis.coordinate.n * count;
     }
 }
 
-static bool on_outputs(void *self, double t, const double *values)
+static bool on_outputs(void *self, const output_block *block)
 {
     batch_sink *sink = self;
-    statistics_outputs(sink->statistics, t, values);
-    if (sink->history != NULL) {
-        keep_output(sink, t, values);
+    statistics_outputs(sink->statistics, block);
+    for (int k = 0; k < block->n && sink->history != NULL; k++) {
+        keep_output(sink, block, k);
+        sink->n_outputs++;
     }
-    sink->n_outputs++;
     return true;
 }
 
@@ -152,20 +155,20 @@ static bool on_event(void *self, const event_record *record)
     return true;
 }
 
-static void start_history(batch_sink *sink, const model *model)
+static void start_history(batch_sink *sink)
 {
     const batch_histories *histories = &sink->plan->histories;
     if (histories->n_variables == 0) {
         return;
     }
     const long n = stack_row_length(&sink->plan->stack);
-    sink->history = xcalloc((size_t)n, sizeof *sink->history);
-    sink->offsets = xcalloc((size_t)histories->n_variables, sizeof *sink->offsets);
+    sink->history = pool_calloc(&sink->pool, (size_t)n, sizeof *sink->history);
+    sink->places = pool_calloc(&sink->pool, (size_t)histories->n_variables, sizeof *sink->places);
     for (long i = 0; i < n; i++) {
         sink->history[i] = NAN;
     }
     for (int i = 0; i < histories->n_variables; i++) {
-        sink->offsets[i] = model_output_offset(model, histories->variables[i].name);
+        sink->places[i] = wanted_add(&sink->wanted, histories->variables[i].name);
     }
 }
 
@@ -204,26 +207,60 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, row);
 }
 
-static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared, batch_start *start,
-                              batch_row *row, evl_error *error)
+static void sink_start(batch_sink *sink, const batch_plan *plan, const prepared_case *prepared,
+                       const number_window *window)
 {
     const double interval = case_description(prepared->file)->simulation.output_interval; /* by position 0: no slack */
-    batch_sink batch = {.plan = plan,
-                        .statistics = statistics_create(&plan->table, prepared->model, &start->window, interval)};
-    start_history(&batch, prepared->model);
-    const simulate_sink sink = {.self = &batch,
-                                .outputs = on_outputs,
-                                .event = on_event,
-                                .extremes = statistics_extremes(batch.statistics),
-                                .numbers = statistics_numbers(batch.statistics)};
+    *sink = (batch_sink){.plan = plan};
+    wanted_init(&sink->wanted, prepared->model, false, &sink->pool);
+    sink->statistics = statistics_create(&plan->table, &sink->wanted, window, interval);
+    start_history(sink);
+}
+
+static void sink_end(batch_sink *sink)
+{
+    statistics_delete(&sink->statistics);
+    pool_free(&sink->pool);
+}
+
+/** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. The
+ *  processor time is that of both. */
+static void simulate_to(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
+                        simulate_result *result)
+{
+    const dae *dae = &model_about(prepared->model)->dae;
+    double cpu_seconds = 0;
+    for (bool waits = true; waits || result->end == SIMULATE_MISSED; waits = false) {
+        POOLED memory_pool pool = {NULL};
+        dae_state state = dae_state_create(dae, &pool);
+        dae_state_copy(dae, &state, &start->state);
+        sink_start(sink, sink->plan, prepared, &start->window);
+        const simulate_sink heard = {.self = sink,
+                                     .wanted = &sink->wanted,
+                                     .waits = waits,
+                                     .outputs = on_outputs,
+                                     .event = on_event,
+                                     .extremes = statistics_extremes(sink->statistics),
+                                     .numbers = statistics_numbers(sink->statistics)};
+        simulate(prepared, &heard, &state, result);
+        cpu_seconds += result->counts.cpu_seconds;
+        if (waits && result->end == SIMULATE_MISSED) {
+            sink_end(sink);
+        }
+    }
+    result->counts.cpu_seconds = cpu_seconds;
+}
+
+static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared,
+                              const batch_start *start, batch_row *row, evl_error *error)
+{
+    batch_sink sink = {.plan = plan};
     simulate_result result;
-    simulate(prepared, &sink, &start->state, &result);
-    conclude(&batch, prepared, index, &result, row);
-    const bool good = batch.history == NULL ||
-                      stack_write(&plan->stack, (index - plan->first_case) / plan->stride, batch.history, error);
-    statistics_delete(&batch.statistics);
-    free(batch.history);
-    free(batch.offsets);
+    simulate_to(&sink, prepared, start, &result);
+    conclude(&sink, prepared, index, &result, row);
+    const bool good = sink.history == NULL ||
+                      stack_write(&plan->stack, (index - plan->first_case) / plan->stride, sink.history, error);
+    sink_end(&sink);
     return good;
 }
 

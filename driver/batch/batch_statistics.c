@@ -159,7 +159,7 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
 /* ---- one case ---- */
 
 typedef struct {
-    int offset;  /**< of the output among the values; -1 if the model has none */
+    int place;   /**< of the output among the values; -1 if the model has none */
     double sum;  /**< integral over time [unit s] */
     double last; /**< of the output before */
 } accumulator;
@@ -177,6 +177,12 @@ struct statistics {
     long *events;         /**< [kinds] */
 };
 
+/** Whether a row is a sum over the outputs: others are extremes, which are found between them too. */
+static bool sums(int row)
+{
+    return of_mesh[row].reduction != RANGE && of_mesh[row].reduction != LARGEST;
+}
+
 static const char *resolve_output(const model *model, const char *name)
 {
     const bool counts_pairs = strcmp(name, "pairs_in_contact") == 0;
@@ -184,10 +190,11 @@ static const char *resolve_output(const model *model, const char *name)
     return counts_pairs && model_output_offset(model, name) < 0 ? "in_contact" : name;
 }
 
-statistics *statistics_create(const statistics_table *table, const model *model, const number_window *window,
+statistics *statistics_create(const statistics_table *table, wanted_outputs *wanted, const number_window *window,
                               double output_interval)
 {
     static const double slack = 1e-6; /* of an output interval: times that differ by rounding are the same */
+    const model *model = wanted->model;
     statistics *statistics = xcalloc(1, sizeof *statistics);
     *statistics =
         (struct statistics){.table = table,
@@ -200,8 +207,8 @@ statistics *statistics_create(const statistics_table *table, const model *model,
                             .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
-            const int offset = model_output_offset(model, resolve_output(model, of_mesh[i].output));
-            statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.offset = offset < 0 ? -1 : offset + mesh};
+            const int place = sums(i) ? wanted_add(wanted, resolve_output(model, of_mesh[i].output)) : -1;
+            statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.place = place < 0 ? -1 : place + mesh};
         }
     }
     return statistics;
@@ -234,34 +241,47 @@ static double reduced_value(int row, double value)
 {
     switch (of_mesh[row].reduction) {
     case SHARE_OF:
-        return lround(value) == of_mesh[row].pairs ? 1.0 : 0.0;
+        return fabs(value - of_mesh[row].pairs) < 0.5 ? 1.0 : 0.0;
     case SHARE_FROM:
-        return lround(value) >= of_mesh[row].pairs ? 1.0 : 0.0;
+        return value > of_mesh[row].pairs - 0.5 ? 1.0 : 0.0;
     default:
         return value;
     }
 }
 
-static void add_to_meshes(statistics *statistics, double dt, const double *values)
+/** @param dt  [n] since the time before, 0 where that is outside the window */
+static void add_to_meshes(statistics *statistics, int first, int end, const double *dt, const output_block *block)
 {
     for (int i = 0; i < statistics->table->n_meshes * N_OF_MESH; i++) {
         accumulator *a = &statistics->of_mesh[i];
-        const double value = a->offset < 0 ? NAN : reduced_value(i % N_OF_MESH, values[a->offset]);
-        a->sum += 0.5 * dt * (a->last + value);
-        a->last = value;
+        const int row = i % N_OF_MESH;
+        const double *values = a->place < 0 ? NULL : output_values(block, a->place);
+        for (int k = first; k < end && sums(row); k++) {
+            const double value = values == NULL ? NAN : reduced_value(row, values[k]);
+            a->sum += 0.5 * dt[k] * (a->last + value);
+            a->last = value;
+        }
     }
 }
 
-void statistics_outputs(statistics *statistics, double t, const double *values)
+void statistics_outputs(statistics *statistics, const output_block *block)
 {
-    const bool is_in_window = t >= statistics->from && t <= statistics->to;
-    if (is_in_window) {
-        add_to_meshes(statistics, statistics->is_in_window ? t - statistics->t : 0.0, values);
-        statistics->t_first = statistics->is_in_window ? statistics->t_first : t;
-        statistics->t_last = t;
+    double dt[DAE_LANES];
+    int first = block->n, end = 0;
+    for (int k = 0; k < block->n; k++) {
+        const double t = block->t[k];
+        const bool is_in_window = t >= statistics->from && t <= statistics->to;
+        dt[k] = is_in_window && statistics->is_in_window ? t - statistics->t : 0.0;
+        if (is_in_window) {
+            statistics->t_first = statistics->is_in_window ? statistics->t_first : t;
+            statistics->t_last = t;
+            first = k < first ? k : first;
+            end = k + 1;
+        }
+        statistics->is_in_window = is_in_window;
+        statistics->t = t;
     }
-    statistics->is_in_window = is_in_window;
-    statistics->t = t;
+    add_to_meshes(statistics, first, end, dt, block);
 }
 
 void statistics_event(statistics *statistics, const event_record *record)

@@ -36,9 +36,9 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
 
 typedef struct statistics statistics;
 
-/** Begin a case with meshes and wheels as in the table.
+/** Begin a case with meshes and wheels as in the table; it wants what the numbers are made of.
  *  @param window  of time of all numbers of a mesh [s], both ends included */
-statistics *statistics_create(const statistics_table *table, const model *model, const number_window *window,
+statistics *statistics_create(const statistics_table *table, wanted_outputs *wanted, const number_window *window,
                               double output_interval);
 void statistics_delete(statistics **statistics);
 /** The extremes in the window, which the simulation finds between the outputs. */
@@ -46,8 +46,8 @@ extremes *statistics_extremes(const statistics *statistics);
 /** The numbers over whole periods; NULL if there are none. */
 numbers *statistics_numbers(const statistics *statistics);
 
-/** @param values  of model_outputs */
-void statistics_outputs(statistics *statistics, double t, const double *values);
+/** The blocks come in order of time. */
+void statistics_outputs(statistics *statistics, const output_block *block);
 void statistics_event(statistics *statistics, const event_record *record);
 /** The numbers of the table; NaN where there was nothing to accumulate.
  *  @param result   of the simulation; if it did not come to its end, the numbers of the meshes, whose window is not full, are NaN

@@ -29,6 +29,8 @@ typedef struct {
 typedef struct {
     prepared_case prepared;
     memory_pool pool; /**< of the outputs */
+    wanted_outputs wanted;
+    double *row; /**< values of the outputs and, behind them, of those of a grid of positions */
     history *history;
     extremes *extremes;
     numbers *numbers; /**< NULL: the case does not ask for them */
@@ -38,10 +40,22 @@ typedef struct {
 
 /* What the simulation tells. */
 
-static bool on_outputs(void *self, double t, const double *values)
+static bool on_outputs(void *self, const output_block *block)
 {
     const run *run = self;
-    return history_append(run->history, t, values, run->error);
+    const int n_values = run->wanted.n_values;
+    bool good = true;
+    for (int k = 0; k < block->n && good; k++) {
+        for (int i = 0; i < n_values; i++) {
+            run->row[i] = output_values(block, i)[k];
+        }
+        if (block->marks != NULL) {
+            run->row[n_values + POSITIONS_PLACE] = block->marks[k].position;
+            run->row[n_values + POSITIONS_KIND] = block->marks[k].kind;
+        }
+        good = history_append(run->history, block->t[k], run->row, run->error);
+    }
+    return good;
 }
 
 static bool on_event(void *self, const event_record *record)
@@ -76,7 +90,7 @@ static int list_outputs(run *run, const positions_rule *rule, const model_output
     if (rule->per == NULL) {
         return about->n_outputs;
     }
-    positions_describe(rule, &run->pool, all + about->n_outputs);
+    positions_describe(rule, run->wanted.n_values, &run->pool, all + about->n_outputs);
     return about->n_outputs + POSITIONS_OUTPUTS;
 }
 
@@ -263,6 +277,7 @@ static void simulate_case(run *run, const char *path, dae_state *state)
     run->extremes =
         extremes_create(run->prepared.model, case_description(run->prepared.file)->n_meshes, -INFINITY, INFINITY);
     const simulate_sink sink = {.self = run,
+                                .wanted = &run->wanted,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .step = on_step,
@@ -287,6 +302,8 @@ static void run_prepared(run *run, const run_options *options, const char *path)
     }
     warn_of_case(&run->prepared);
     tell_vibrations(run);
+    wanted_init(&run->wanted, run->prepared.model, true, &run->pool);
+    run->row = pool_calloc(&run->pool, (size_t)run->wanted.n_values + POSITIONS_OUTPUTS, sizeof *run->row);
     progress_start(&run->progress, !options->quiet, state.t, case_description(run->prepared.file)->simulation.duration);
     if (create_history(run, path)) {
         simulate_case(run, path, &state);

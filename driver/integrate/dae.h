@@ -128,5 +128,7 @@ typedef struct dae {
 
 /** A state of zeros, in a pool if that is not NULL. */
 dae_state dae_state_create(const dae *dae, memory_pool *pool);
+/** Make a state that of another. */
+void dae_state_copy(const dae *dae, dae_state *to, const dae_state *from);
 /** Free the arrays, and make them NULL. */
 void dae_state_free(dae_state *state);

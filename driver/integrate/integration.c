@@ -28,7 +28,7 @@ void dae_state_free(dae_state *state)
     *state = (dae_state){0};
 }
 
-static void copy_state(const dae *m, dae_state *to, const dae_state *from)
+void dae_state_copy(const dae *m, dae_state *to, const dae_state *from)
 {
     to->t = from->t;
     memcpy(to->y, from->y, (size_t)m->n * sizeof(double));
@@ -115,9 +115,9 @@ integrate_code integration_apply_event(integration *run, bool time_event)
                        most_events_at_once);
         return INTEGRATE_FAILED;
     }
-    copy_state(m, &run->old, run->state);
+    dae_state_copy(m, &run->old, run->state);
     if (m->apply_event(m->self, run->state, run->fired, time_event, run->events, &n_events, run->reason) != DAE_OK) {
-        copy_state(m, run->state, &run->old);
+        dae_state_copy(m, run->state, &run->old);
         return INTEGRATE_FAILED;
     }
     for (int i = 0; i < n_events; i++) {

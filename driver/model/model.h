@@ -88,6 +88,12 @@ void model_sampler_delete(model_sampler **sampler);
  *  @param values    one wanted output behind the other, of each value the n states side by side. @return a dae_code */
 int model_sampler_ask(const model_sampler *sampler, int n, const double *t, const double *y, const dae_state *discrete,
                       double *values, char message[DAE_MESSAGE_LENGTH]);
+/** The same at DAE_LANES states, of which the first n count; the others are any that have an answer, as the last one once more.
+ *  @param check  as of model_checked_outputs */
+int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const double *t, const double *y,
+                        const dae_state *discrete, double *values, char message[DAE_MESSAGE_LENGTH]);
+/** Whether so many states cost less than as many times one. */
+bool model_sampler_in_lanes(const model_sampler *sampler);
 
 /** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
 typedef struct {

@@ -29,6 +29,21 @@ int model_sampler_ask(const model_sampler *self, int n, const double *t, const d
                       double *values, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status;
-    const int code = evl_sampler_ask(self->sampler, n, t, y, discrete->integers, discrete->reals, values, &status);
+    const int code =
+        evl_sampler_ask(self->sampler, n, n, t, y, discrete->integers, discrete->reals, false, values, &status);
+    return model_answer(self->model, code, &status, message);
+}
+
+bool model_sampler_in_lanes(const model_sampler *self)
+{
+    return evl_sampler_in_lanes(self->sampler);
+}
+
+int model_sampler_lanes(const model_sampler *self, int n, bool check, const double *t, const double *y,
+                        const dae_state *discrete, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status;
+    const int code =
+        evl_sampler_ask(self->sampler, DAE_LANES, n, t, y, discrete->integers, discrete->reals, check, values, &status);
     return model_answer(self->model, code, &status, message);
 }

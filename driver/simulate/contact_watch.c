@@ -23,21 +23,24 @@ static int find_event(const char *name)
     return required(words_index(name, model_tables()->n_event_kinds, model_tables()->event_kinds), name);
 }
 
-void contact_watch_init(contact_watch *watch, const model *model, int n_meshes)
+void contact_watch_init(contact_watch *watch, wanted_outputs *wanted, int n_meshes)
 {
     *watch = (contact_watch){.n_meshes = n_meshes,
                              .opened = find_event("contact_opened"),
                              .closed = find_event("contact_closed"),
                              .impact = find_event("impact"),
-                             .offset = required(model_output_offset(model, "in_contact"), "in_contact"),
+                             .place = required(wanted_add(wanted, "in_contact"), "in_contact"),
                              .meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes)};
 }
 
-void contact_watch_outputs(contact_watch *watch, const double *values)
+void contact_watch_outputs(contact_watch *watch, const output_block *block)
 {
     for (int i = 0; i < watch->n_meshes; i++) {
-        watch->meshes[i].is_open = !(values[watch->offset + i] > 0.0);
-        watch->meshes[i].had_contact = watch->meshes[i].had_contact || !watch->meshes[i].is_open;
+        const double *touching = output_values(block, watch->place + i);
+        for (int k = 0; k < block->n; k++) {
+            watch->meshes[i].is_open = !(touching[k] > 0.0);
+            watch->meshes[i].had_contact = watch->meshes[i].had_contact || !watch->meshes[i].is_open;
+        }
     }
 }
 

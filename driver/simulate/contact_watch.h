@@ -3,14 +3,14 @@
 #pragma once
 
 #include "integrate/integrate_types.h"
-#include "model/model.h"
+#include "simulate/wanted.h"
 
 #include <stddef.h>
 
 typedef struct {
     int n_meshes;
     int opened, closed, impact; /**< event kinds; after an impact the flanks part again */
-    int offset;                 /**< of in_contact among the outputs */
+    int place;                  /**< of in_contact among the outputs */
     struct contact_watch_mesh {
         bool had_contact, is_open; /**< is_open: in the last outputs */
         double t_opened;           /**< of the last opening, 0 before the first [s] */
@@ -18,8 +18,9 @@ typedef struct {
     } *meshes;
 } contact_watch;
 
-void contact_watch_init(contact_watch *watch, const model *model, int n_meshes);
-void contact_watch_outputs(contact_watch *watch, const double *values);
+/** Wants what it looks at. */
+void contact_watch_init(contact_watch *watch, wanted_outputs *wanted, int n_meshes);
+void contact_watch_outputs(contact_watch *watch, const output_block *block);
 void contact_watch_event(contact_watch *watch, const event_record *record);
 /** Say of the first mesh that is apart for good at t_end how that came; mesh_names [n_meshes].
  *  @return false, with an empty text, if every mesh regained contact, never lost it or rattles */

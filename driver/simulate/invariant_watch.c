@@ -64,7 +64,7 @@ static const double mode_loaded = 1, mode_apart = 3; /**< apart: the flanks are 
 struct invariant_watch {
     int n_wheels, n_meshes;
     double tolerance;
-    int offsets[N_OUTPUTS]; /**< -1: the model has no such output */
+    int places[N_OUTPUTS]; /**< -1: the model has no such output */
     bool has_begun;
     double t, power;                    /**< of the outputs before */
     double start, stored;               /**< balance and stored energy at the start */
@@ -81,14 +81,14 @@ struct invariant_watch {
     } *meshes;
 };
 
-invariant_watch *invariant_watch_create(const model *model, int n_wheels, int n_meshes, double tolerance)
+invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, int n_meshes, double tolerance)
 {
     invariant_watch *watch = xcalloc(1, sizeof *watch);
     *watch = (invariant_watch){.n_wheels = n_wheels, .n_meshes = n_meshes, .tolerance = tolerance};
     watch->wheels = xcalloc((size_t)n_wheels, sizeof *watch->wheels);
     watch->meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes);
     for (int i = 0; i < N_OUTPUTS; i++) {
-        watch->offsets[i] = model_output_offset(model, names[i]);
+        watch->places[i] = wanted_add(wanted, names[i]);
     }
     return watch;
 }
@@ -108,75 +108,116 @@ static double larger(double largest, double value)
     return isnan(largest) || fabs(value) <= largest ? largest : fabs(value); /* what is no number stays */
 }
 
-static void look_at_energy(invariant_watch *watch, double t, const double *const of[N_OUTPUTS])
+/** The larger one, and what is a number of two: fmax is a call. */
+static double largest_of(double a, double b)
 {
-    const double stored = of[KINETIC][0] + of[POTENTIAL][0], balance = stored + of[DISSIPATED][0] - of[WORK][0];
-    double power = 0;
-    for (int i = 0; i < watch->n_wheels; i++) {
-        power += fmax(of[TORQUE][i] * of[ANGULAR_VELOCITY][i], 0.0);
+    return b > a || isnan(a) ? b : a;
+}
+
+/** Largest absolute value at all times of a block. */
+static double largest_in(const output_block *block, int place, double largest)
+{
+    const double *values = output_values(block, place);
+    for (int k = 0; k < block->n; k++) {
+        largest = largest_of(largest, fabs(values[k]));
     }
-    if (!watch->has_begun) {
-        watch->start = balance;
-        watch->stored = fabs(stored);
-    } else {
-        watch->gross += (t - watch->t) * (power + watch->power) / 2;
-    }
-    watch->drift = larger(watch->drift, balance - watch->start);
+    return largest;
+}
+
+static void look_at_energy(invariant_watch *watch, const output_block *block)
+{
+    const double *of[WORK + 1];
+    double power[DAE_LANES] = {0};
     for (int i = KINETIC; i <= WORK; i++) {
-        watch->largest = fmax(watch->largest, fabs(of[i][0]));
+        of[i] = output_values(block, watch->places[i]);
+        watch->largest = largest_in(block, watch->places[i], watch->largest);
     }
-    watch->t = t;
-    watch->power = power;
+    for (int i = 0; i < watch->n_wheels; i++) {
+        const double *torque = output_values(block, watch->places[TORQUE] + i);
+        const double *speed = output_values(block, watch->places[ANGULAR_VELOCITY] + i);
+        for (int k = 0; k < block->n; k++) {
+            power[k] += torque[k] * speed[k] > 0 ? torque[k] * speed[k] : 0;
+        }
+    }
+    for (int k = 0; k < block->n; k++) {
+        const double stored = of[KINETIC][k] + of[POTENTIAL][k], balance = stored + of[DISSIPATED][k] - of[WORK][k];
+        if (!watch->has_begun) {
+            watch->has_begun = true;
+            watch->start = balance;
+            watch->stored = fabs(stored);
+        } else {
+            watch->gross += (block->t[k] - watch->t) * (power[k] + watch->power) / 2;
+        }
+        watch->drift = larger(watch->drift, balance - watch->start);
+        watch->t = block->t[k];
+        watch->power = power[k];
+    }
 }
 
-static void look_at_wheel(struct of_wheel *wheel, int i, const double *const of[N_OUTPUTS])
+static void look_at_wheel(invariant_watch *watch, int i, const output_block *block)
 {
-    wheel->base_radius = of[BASE_RADIUS][i];
-    wheel->arc = fmax(wheel->arc, fabs(wheel->base_radius * of[ANGLE_DEVIATION][i]));
+    struct of_wheel *wheel = &watch->wheels[i];
+    const int *places = watch->places;
+    wheel->base_radius = output_values(block, places[BASE_RADIUS] + i)[0];
+    const double *deviation = output_values(block, places[ANGLE_DEVIATION] + i);
+    for (int k = 0; k < block->n; k++) {
+        wheel->arc = largest_of(wheel->arc, fabs(wheel->base_radius * deviation[k]));
+    }
     for (int axis = 0; axis < 2; axis++) {
-        wheel->moved[axis] = fmax(wheel->moved[axis], fabs(of[CENTRE_DISPLACEMENT][2 * i + axis]));
+        wheel->moved[axis] = largest_in(block, places[CENTRE_DISPLACEMENT] + 2 * i + axis, wheel->moved[axis]);
     }
 }
 
-static void look_at_mesh(invariant_watch *watch, int i, const double *const of[N_OUTPUTS])
+/** A mesh whose points are tracked, at one time. */
+static void look_at_points(invariant_watch *watch, int i, const double *const of[N_OUTPUTS], int k)
 {
     struct of_mesh *mesh = &watch->meshes[i];
-    mesh->driving = (int)of[DRIVING_WHEEL][i];
-    mesh->driven = (int)of[DRIVEN_WHEEL][i];
-    mesh->depth = fmax(mesh->depth, fmax(of[PENETRATION][i], of[REFERENCE_PENETRATION][i]));
-    mesh->was_pressed = mesh->was_pressed || of[PENETRATION][i] > 0 || of[CONTACT_MODE][i] == mode_loaded;
-    mesh->identity = larger(mesh->identity, of[LAG][i] + of[GAP][i] - of[DEVIATION][i] - of[CURVATURE][i]);
-    if (of[RIGID][i] == 1 && of[CONTACT_MODE][i] == mode_loaded) {
-        mesh->closed_gap = larger(mesh->closed_gap, of[GAP][i]);
-    }
-    if (!(of[TRACKING][i] > 0) || of[CONTACT_MODE][i] == mode_apart) {
-        return;
-    }
     const double radii = watch->wheels[mesh->driving].base_radius / watch->wheels[mesh->driven].base_radius;
-    watch->ratio = larger(watch->ratio, of[RATIO][i] * radii + 1);
-    mesh->on_flanks = larger(larger(mesh->on_flanks, of[RESIDUAL_DRIVING][i]), of[RESIDUAL_DRIVEN][i]);
-    mesh->on_line = larger(larger(mesh->on_line, of[LINE_DRIVING][i]), of[LINE_DRIVEN][i]);
+    watch->ratio = larger(watch->ratio, of[RATIO][k] * radii + 1);
+    mesh->on_flanks = larger(larger(mesh->on_flanks, of[RESIDUAL_DRIVING][k]), of[RESIDUAL_DRIVEN][k]);
+    mesh->on_line = larger(larger(mesh->on_line, of[LINE_DRIVING][k]), of[LINE_DRIVEN][k]);
 }
 
-void invariant_watch_outputs(invariant_watch *watch, double t, const double *values)
+static void look_at_mesh(invariant_watch *watch, int i, const output_block *block)
 {
+    struct of_mesh *mesh = &watch->meshes[i];
     const double *of[N_OUTPUTS];
+    for (int output = DRIVING_WHEEL; output < N_OUTPUTS; output++) {
+        of[output] = output_values(block, watch->places[output] + i);
+    }
+    mesh->driving = (int)of[DRIVING_WHEEL][0];
+    mesh->driven = (int)of[DRIVEN_WHEEL][0];
+    mesh->depth = largest_of(mesh->depth, of[REFERENCE_PENETRATION][0]);
+    for (int k = 0; k < block->n; k++) {
+        const bool is_loaded = of[CONTACT_MODE][k] == mode_loaded;
+        mesh->depth = largest_of(mesh->depth, of[PENETRATION][k]);
+        mesh->was_pressed = mesh->was_pressed || of[PENETRATION][k] > 0 || is_loaded;
+        mesh->identity = larger(mesh->identity, of[LAG][k] + of[GAP][k] - of[DEVIATION][k] - of[CURVATURE][k]);
+        if (of[RIGID][0] == 1 && is_loaded) {
+            mesh->closed_gap = larger(mesh->closed_gap, of[GAP][k]);
+        }
+        if (of[TRACKING][0] > 0 && of[CONTACT_MODE][k] != mode_apart) {
+            look_at_points(watch, i, of, k);
+        }
+    }
+    watch->unit += of[REFERENCE_FORCE][0] * of[REFERENCE_PENETRATION][0];
+}
+
+void invariant_watch_outputs(invariant_watch *watch, const output_block *block)
+{
     for (int i = 0; i < N_OUTPUTS; i++) {
-        if (watch->offsets[i] < 0) {
+        if (watch->places[i] < 0) {
             return; /* a model without gears, as tests have */
         }
-        of[i] = values + watch->offsets[i];
     }
-    look_at_energy(watch, t, of);
+    look_at_energy(watch, block);
     for (int i = 0; i < watch->n_wheels; i++) {
-        look_at_wheel(&watch->wheels[i], i, of);
+        look_at_wheel(watch, i, block);
     }
     watch->unit = 0;
     for (int i = 0; i < watch->n_meshes; i++) {
-        look_at_mesh(watch, i, of);
-        watch->unit += of[REFERENCE_FORCE][i] * of[REFERENCE_PENETRATION][i];
+        look_at_mesh(watch, i, block);
     }
-    watch->has_begun = true;
 }
 
 /** What lengths in a mesh are measured by: the penetration, but no less than what rounding leaves of the lengths around it. */

@@ -2,18 +2,18 @@
  *  bounds. */
 #pragma once
 
-#include "model/model.h"
+#include "simulate/wanted.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
 typedef struct invariant_watch invariant_watch;
 
-/** @param tolerance  of the case, to which the bounds relate */
-invariant_watch *invariant_watch_create(const model *model, int n_wheels, int n_meshes, double tolerance);
+/** Wants what it looks at. @param tolerance  of the case, to which the bounds relate */
+invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, int n_meshes, double tolerance);
 void invariant_watch_delete(invariant_watch **watch);
-/** @param values  of model_outputs, in order of time */
-void invariant_watch_outputs(invariant_watch *watch, double t, const double *values);
+/** The blocks come in order of time. */
+void invariant_watch_outputs(invariant_watch *watch, const output_block *block);
 /** Largest error of the energy balance over the energy that was put in, or that was there if that is more; NaN if there was
  *  none. */
 double invariant_watch_energy(const invariant_watch *watch);

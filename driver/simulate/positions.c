@@ -14,11 +14,11 @@ positions_rule positions_of(const prepared_case *prepared)
                             .number = by->number,
                             .what = by_mesh ? "mesh" : "wheel",
                             .of = by_mesh ? description->meshes[by->mesh] : description->wheels[by->wheel],
-                            .position_of = model_position_of(prepared->model, by->wheel, by->mesh),
-                            .n_values_before = model_about(prepared->model)->n_values};
+                            .position_of = model_position_of(prepared->model, by->wheel, by->mesh)};
 }
 
-void positions_describe(const positions_rule *rule, memory_pool *pool, model_output outputs[POSITIONS_OUTPUTS])
+void positions_describe(const positions_rule *rule, int before, memory_pool *pool,
+                        model_output outputs[POSITIONS_OUTPUTS])
 {
     const bool by_mesh = rule->what[0] == 'm';
     const char *position =
@@ -30,7 +30,7 @@ void positions_describe(const positions_rule *rule, memory_pool *pool, model_out
                                               .symbol = by_mesh ? "xi" : "phi/(2 pi)",
                                               .long_name = position,
                                               .dims = "",
-                                              .offset = rule->n_values_before + POSITIONS_PLACE,
+                                              .offset = before + POSITIONS_PLACE,
                                               .count = 1};
     outputs[POSITIONS_KIND] =
         (model_output){.name = "output_kind",
@@ -40,7 +40,7 @@ void positions_describe(const positions_rule *rule, memory_pool *pool, model_out
                                     "the grid, 2 a grid position passed turning back",
                        .dims = "",
                        .is_integer = true,
-                       .offset = rule->n_values_before + POSITIONS_KIND,
+                       .offset = before + POSITIONS_KIND,
                        .count = 1};
 }
 
@@ -57,13 +57,8 @@ bool positions_check_start(const prepared_case *prepared, const dae_state *start
     return case_refuse(prepared->file, field, message, error);
 }
 
-void positions_take(positions_watch *watch, const output_mark *mark, double *values)
+void positions_take(positions_watch *watch, const output_mark *mark)
 {
-    if (mark == NULL) {
-        return;
-    }
-    values[watch->rule.n_values_before + POSITIONS_PLACE] = mark->position;
-    values[watch->rule.n_values_before + POSITIONS_KIND] = mark->kind;
     if (!watch->has_started) {
         watch->has_started = true;
         watch->first = mark->position;

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "integrate/integrate.h"
 #include "simulate/contact_watch.h"
+#include "simulate/gather.h"
 #include "simulate/invariant_watch.h"
 #include "simulate/positions.h"
 
@@ -15,7 +16,7 @@
 static const double two_pi = 6.283185307179586;
 
 /** Why the observer ended an integration. */
-typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_SINK } stop_reason;
+typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_MISSED, STOP_SINK } stop_reason;
 
 typedef struct {
     const prepared_case *prepared;
@@ -23,40 +24,61 @@ typedef struct {
     contact_watch contact;
     invariant_watch *invariants;
     positions_watch positions;
-    double *values; /**< [model_n_values + POSITIONS_OUTPUTS] */
+    gather outputs; /**< those that are due */
+    char *reason;   /**< [DAE_MESSAGE_LENGTH] why it ends, of the result */
     double t_given; /**< model time of the last outputs that the sink got */
     stop_reason stop;
 } simulation;
 
-/** The outputs in s->values, to whoever hears them. @return whether the sink took them */
-static bool give(simulation *s, double t, const output_mark *mark)
+/** Outputs, to whoever hears them. @return whether the sink took them */
+static bool give(simulation *s, const output_block *block)
 {
-    positions_take(&s->positions, mark, s->values);
-    contact_watch_outputs(&s->contact, s->values);
-    invariant_watch_outputs(s->invariants, t, s->values);
-    const bool good = s->sink->outputs(s->sink->self, t, s->values);
+    for (int k = 0; k < block->n && block->marks != NULL; k++) {
+        positions_take(&s->positions, &block->marks[k]);
+    }
+    contact_watch_outputs(&s->contact, block);
+    invariant_watch_outputs(s->invariants, block);
+    const bool good = s->sink->outputs(s->sink->self, block);
     s->stop = good ? s->stop : STOP_SINK;
-    s->t_given = t;
+    s->t_given = block->t[block->n - 1];
     return good;
+}
+
+/** Find and give the outputs that were gathered. @return as of integrate_observer.output */
+static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
+{
+    output_block block;
+    if (s->outputs.n == 0) {
+        return 0;
+    }
+    const int code = gather_find(&s->outputs, true, &block, reason);
+    if (code == DAE_RECOVERABLE && s->outputs.capacity == 1) {
+        return INTEGRATE_ANEW;
+    }
+    if (code != DAE_OK) {
+        s->stop = code == DAE_RECOVERABLE ? STOP_MISSED : STOP_MODEL;
+        return 1;
+    }
+    return give(s, &block) ? 0 : 1;
 }
 
 static int on_output(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH])
 {
     simulation *s = self;
-    const int code = model_checked_outputs(s->prepared->model, state, s->values, reason);
-    if (code == DAE_RECOVERABLE) {
-        return INTEGRATE_ANEW;
+    int code = gather_differs(&s->outputs, state) ? give_gathered(s, reason) : 0;
+    if (code == 0) {
+        gather_put(&s->outputs, state, mark);
+        code = s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
     }
-    if (code != DAE_OK) {
-        s->stop = STOP_MODEL;
-        return 1;
-    }
-    return give(s, state->t, mark) ? 0 : 1;
+    return code;
 }
 
 static int on_event(void *self, const event_record *record)
 {
     simulation *s = self;
+    if (give_gathered(s, s->reason) != 0) {
+        return 1;
+    }
     contact_watch_event(&s->contact, record);
     if (s->sink->numbers != NULL) {
         numbers_event(s->sink->numbers, record);
@@ -94,15 +116,29 @@ static int on_step(void *self, double t)
 static void give_last(simulation *s, const integrate_options *options, const dae_state *state)
 {
     char message[DAE_MESSAGE_LENGTH];
-    if (s->stop != STOP_MODEL && s->stop != STOP_SINK && state->t > s->t_given &&
-        model_outputs(s->prepared->model, state, s->values, message) == DAE_OK) {
+    output_block block;
+    if (s->stop != STOP_MODEL && s->stop != STOP_MISSED && s->stop != STOP_SINK && state->t > s->t_given) {
         const dae *model = &model_about(s->prepared->model)->dae;
         output_mark mark = {0};
         if (options->per_unit > 0) {
             mark = output_grid_mark(model, options, state);
         }
-        (void)give(s, state->t, options->per_unit > 0 ? &mark : NULL);
+        gather_put(&s->outputs, state, options->per_unit > 0 ? &mark : NULL);
+        if (gather_find(&s->outputs, false, &block, message) == DAE_OK) {
+            (void)give(s, &block);
+        }
     }
+}
+
+/** What is left when the integration has ended. @return how that did */
+static integrate_code give_rest(simulation *s, integrate_code code, char message[DAE_MESSAGE_LENGTH])
+{
+    char reason[DAE_MESSAGE_LENGTH];
+    if (s->stop != STOP_NONE && s->stop != STOP_INTERRUPTED) {
+        return code;
+    }
+    const int answer = give_gathered(s, code == INTEGRATE_DONE ? message : reason);
+    return answer != 0 && code == INTEGRATE_DONE ? INTEGRATE_STOPPED : code;
 }
 
 /** Only a run that came to its end tells whether contact was lost for good. */
@@ -162,15 +198,24 @@ integrate_options simulate_options(const prepared_case *prepared)
                                .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
 }
 
+static simulate_end end_of(const simulation *s, integrate_code code)
+{
+    static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,
+                                        [STOP_INTERRUPTED] = SIMULATE_INTERRUPTED,
+                                        [STOP_MODEL] = SIMULATE_FAILED,
+                                        [STOP_MISSED] = SIMULATE_MISSED,
+                                        [STOP_SINK] = SIMULATE_SINK_FAILED};
+    return code == INTEGRATE_DONE ? SIMULATE_DONE : ends[s->stop];
+}
+
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
 {
     *result = (simulate_result){.end = SIMULATE_DONE};
-    OWNED double *values = xcalloc((size_t)model_about(prepared->model)->n_values + POSITIONS_OUTPUTS, sizeof *values);
     simulation s = {.prepared = prepared,
                     .sink = sink,
                     .positions = {.rule = positions_of(prepared)},
-                    .values = values,
-                    .t_given = -1.0};
+                    .t_given = -1.0,
+                    .reason = result->message};
     const integrate_options options = simulate_options(prepared);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
@@ -179,24 +224,25 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                                          .watch = sink->extremes == NULL ? NULL : on_watch,
                                          .highest = sink->extremes == NULL ? NULL : extremes_highest(sink->extremes)};
     const description *description = case_description(prepared->file);
-    contact_watch_init(&s.contact, prepared->model, description->n_meshes);
+    contact_watch_init(&s.contact, sink->wanted, description->n_meshes);
     s.invariants =
-        invariant_watch_create(prepared->model, description->n_wheels, description->n_meshes, options.tolerance);
-    const integrate_code code =
+        invariant_watch_create(sink->wanted, description->n_wheels, description->n_meshes, options.tolerance);
+    gather_init(&s.outputs, sink->wanted, sink->waits && options.by_stepper);
+    integrate_code code =
         integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
+    code = give_rest(&s, code, result->message);
+    result->end = end_of(&s, code);
     if (code == INTEGRATE_DONE) {
         remark_contact(&s, result);
         remark_growth(&result->counts.growth, result);
         remark_positions(&s.positions, result);
     } else {
         give_last(&s, &options, state);
-        result->end = s.stop == STOP_SINK          ? SIMULATE_SINK_FAILED
-                      : s.stop == STOP_INTERRUPTED ? SIMULATE_INTERRUPTED
-                                                   : SIMULATE_FAILED;
     }
     result->t = state->t;
     result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
     result->energy_residual = invariant_watch_energy(s.invariants);
     invariant_watch_delete(&s.invariants);
     contact_watch_free(&s.contact);
+    gather_free(&s.outputs);
 }

@@ -5,12 +5,14 @@
 #include "simulate/extremes.h"
 #include "simulate/numbers.h"
 #include "simulate/prepare.h"
+#include "simulate/wanted.h"
 
 /** Where the outputs of a simulation go. A procedure that returns false ends the simulation with SIMULATE_SINK_FAILED. */
 typedef struct {
     void *self;
-    /** values: [model_n_values], in order of time; behind them, of outputs by position, those of positions_describe */
-    bool (*outputs)(void *self, double t, const double *values);
+    wanted_outputs *wanted; /**< of those that are told; the simulation adds what it looks at itself */
+    bool waits;             /**< outputs may come late, and the simulation may end with SIMULATE_MISSED */
+    bool (*outputs)(void *self, const output_block *block); /**< in order of time; events come in between */
     bool (*event)(void *self, const event_record *record);
     void (*step)(void *self, double t); /**< now and then, between steps: how far it is; NULL: nobody asks */
     extremes *extremes;                 /**< to be found between the outputs; NULL: none */
@@ -21,6 +23,7 @@ typedef enum {
     SIMULATE_DONE,
     SIMULATE_FAILED,      /**< the integration or the model; the message says why */
     SIMULATE_INTERRUPTED, /**< by a signal */
+    SIMULATE_MISSED, /**< an output that came late shows that an event was missed: simulate again without waiting */
     SIMULATE_SINK_FAILED
 } simulate_end;
 

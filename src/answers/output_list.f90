@@ -9,6 +9,7 @@ module evl_output_list
    use evl_housing_outputs, only: tell_accelerometer, tell_bearing, tell_mesh_position, tell_mount, tell_pose, &
                                   tell_wheel_position
    use evl_kinds, only: wp
+   use evl_lane_columns, only: find_lanes
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_outputs, only: mesh_points, mesh_sum, tell_coast, tell_mesh
    use evl_mesh_reference, only: mesh_reference_t
@@ -95,6 +96,8 @@ contains
          gearbox%output_sections(table(i)%section) = section_t(gearbox%output_offsets(i), elements_of(gearbox, table(i)))
       end do
       gearbox%output_needs = table%needs
+      allocate (gearbox%output_lanes(size(table)))
+      call find_lanes(table, gearbox%output_lanes)
       gearbox%n_values = sum(gearbox%output_counts)
       allocate (gearbox%constants(gearbox%n_values), source=0.0_wp)
       call tell_constants(gearbox, gearbox%constants)

@@ -11,7 +11,7 @@ module evl_outputs
    use evl_mesh_outputs, only: put_mesh
    use evl_mode_check, only: check_modes
    use evl_motion_outputs, only: find_wheel_motion, tell_gearbox, tell_shaft, tell_wheel, wheel_motion
-   use evl_output, only: needs_all, needs_meshes, needs_rates, needs_reactions
+   use evl_output, only: needs_all, needs_meshes, needs_nothing, needs_rates, needs_reactions
    use evl_outside_torques, only: load_torques, shaft_torques
    use evl_shaft, only: shaft_energy, shaft_loss, shaft_twist
    use evl_status, only: has_failed, status_t
@@ -38,18 +38,20 @@ contains
 
    !> The values of some outputs at states that share their discrete state, as in a step; the other values stay as they are. What
    !> only other outputs need is not found.
-   subroutine wanted_outputs(gearbox, t, y, integers, reals, wanted, values, status)
+   subroutine wanted_outputs(gearbox, t, y, integers, reals, wanted, check, values, status)
       type(gearbox_t), intent(in), target :: gearbox
       real(wp), intent(in) :: t(:), y(:, :), reals(size(gearbox%contacts)) !! y: (n_states, states)
       integer, intent(in) :: integers(gearbox%n_integers)
       integer, intent(in) :: wanted(:)                !! their places in the table
+      logical, intent(in) :: check                    !! as of `gearbox_outputs`
       real(wp), intent(inout) :: values(:, :)         !! (n_values, states)
       type(status_t), intent(inout) :: status
       real(wp), target :: told(gearbox%n_values)
-      integer :: i, s
+      integer :: i, needed, s
 
+      needed = ior(iany(gearbox%output_needs(wanted)), merge(needs_meshes, needs_nothing, check))
       do s = 1, size(t)
-         call tell_state(gearbox, t(s), y(:, s), integers, reals, iany(gearbox%output_needs(wanted)), .false., told, status)
+         call tell_state(gearbox, t(s), y(:, s), integers, reals, needed, check, told, status)
          if (has_failed(status)) return
          do i = 1, size(wanted)
             associate (first => gearbox%output_offsets(wanted(i)) + 1, &

@@ -3,7 +3,7 @@
 !> The header's section "outputs" documents each procedure; here is only the passage from C to Fortran. A handle is the address of a
 !> sampler with its gearbox.
 module evl_capi_sampler
-   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_gearbox, only: gearbox_t
    use evl_output_sampler, only: output_sampler, sample_outputs, sampler_create
@@ -11,7 +11,7 @@ module evl_capi_sampler
    implicit none (type, external)
    private
 
-   public :: evl_sampler_ask, evl_sampler_create, evl_sampler_delete
+   public :: evl_sampler_ask, evl_sampler_create, evl_sampler_delete, evl_sampler_in_lanes
 
    !> evl_sampler
    type :: sampler_t
@@ -33,6 +33,14 @@ contains
       handle = c_loc(self)
    end function evl_sampler_create
 
+   logical(c_bool) function evl_sampler_in_lanes(handle) result(in_lanes) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(sampler_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      in_lanes = logical(self%outputs%in_lanes, c_bool)
+   end function evl_sampler_in_lanes
+
    subroutine evl_sampler_delete(handle) bind(c)
       type(c_ptr), intent(inout) :: handle
       type(sampler_t), pointer :: self
@@ -42,9 +50,10 @@ contains
       handle = c_null_ptr
    end subroutine evl_sampler_delete
 
-   integer(c_int) function evl_sampler_ask(handle, n, t, y, integers, reals, values, status) result(code) bind(c)
+   integer(c_int) function evl_sampler_ask(handle, n, n_meant, t, y, integers, reals, check, values, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in), value :: n, n_meant
+      logical(c_bool), intent(in), value :: check
       real(c_double), intent(in) :: t(n), reals(*)
       real(c_double), intent(in), target :: y(*)
       integer(c_int), intent(in) :: integers(*)
@@ -58,7 +67,8 @@ contains
       associate (g => self%gearbox, n_values => self%outputs%before(size(self%outputs%before)))
          rows(1:n, 1:n_values) => values(:n*n_values)
          states(1:n, 1:g%n_states) => y(:g%n_states*n)
-         call sample_outputs(self%outputs, g, t, states, integers(:g%n_integers), reals(:size(g%contacts)), rows, s)
+         call sample_outputs(self%outputs, g, n_meant, t, states, integers(:g%n_integers), reals(:size(g%contacts)), &
+                             logical(check), rows, s)
       end associate
       code = answer(s, status)
    end function evl_sampler_ask

@@ -20,7 +20,7 @@ module evl_contact_lanes
    implicit none (type, external)
    private
 
-   public :: lane_contact, contact_in_lanes
+   public :: lane_contact, contact_in_lanes, gap_in_lanes
 
    !> A tooth contact in eight states; the components mean what those of `contact_point` mean, and those that laws may know stand in
    !> the parent.
@@ -75,6 +75,33 @@ contains
       end if
       at%overlap = at%h
    end subroutine contact_in_lanes
+
+   !> The gap of perfect flanks along their line of action [m].
+   pure subroutine gap_in_lanes(contact, line, gap)
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_line), intent(in) :: line
+      real(wp), intent(out) :: gap(lanes)
+      type(tracked_pair) :: pair
+      integer :: l
+
+      pair = contact%pair
+      !$omp simd
+      do l = 1, lanes
+         call gap_lane(pair, line, l, gap(l))
+      end do
+   end subroutine gap_in_lanes
+
+   !> One lane of it.
+   pure subroutine gap_lane(pair, line, l, gap)
+      type(tracked_pair), intent(in) :: pair
+      type(lane_line), intent(in) :: line
+      integer, intent(in) :: l
+      real(wp), intent(out) :: gap
+      real(wp) :: q(n_local)
+
+      call lane_local(line, l, q)
+      gap = gap_along(pair, q, tangent_line_t(.true., line%d_rho(l), line%rho(l), line%angle(l), line%s(l), line%c(l)))
+   end subroutine gap_lane
 
    !> One lane of a contact along its line of action.
    pure subroutine place_lane(pair, line, l, at)

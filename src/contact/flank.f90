@@ -45,6 +45,7 @@ module evl_flank
       procedure :: pair_alone
       procedure :: pair_under
       procedure :: add_energy
+      procedure :: add_energy_in_lanes
       procedure :: force_changes
       procedure :: loss_change
       procedure :: add_yielding
@@ -220,6 +221,23 @@ contains
          energy = energy + contacts(k)%elastic%potential(context_of(contacts(k), at(k)), at(k)%elastic%force)
       end do
    end subroutine add_energy
+
+   !> Add it in eight states.
+   subroutine add_energy_in_lanes(self, contacts, first, last, slots, energy)
+      class(flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(lane_slot), intent(in) :: slots(*) !! those that touch with their forces
+      real(wp), intent(inout) :: energy(lanes)
+      real(wp) :: mine(lanes)
+      integer :: k
+
+      do k = first, last
+         if (.not. slots(k)%touches) cycle
+         call contacts(k)%elastic%potential_lanes(slots(k)%at%lane_context, slots(k)%force%elastic, mine)
+         energy = energy + mine
+      end do
+   end subroutine add_energy_in_lanes
 
    !> How the elastic and the viscous force of a contact change with the local variables.
    pure subroutine force_changes(self, contacts, at, d, k, elastic, viscous)

@@ -41,6 +41,7 @@ module evl_yielding_flank
       procedure :: pair_alone
       procedure :: pair_under
       procedure :: add_energy
+      procedure :: add_energy_in_lanes
       procedure :: force_changes
       procedure :: loss_change
       procedure :: slope_changes
@@ -197,6 +198,23 @@ contains
          end associate
       end do
    end subroutine add_energy
+
+   !> Add it in eight states.
+   subroutine add_energy_in_lanes(self, contacts, first, last, slots, energy)
+      class(yielding_flank_t), intent(in) :: self
+      type(tooth_contact_t), intent(in) :: contacts(*)
+      integer, intent(in) :: first, last
+      type(lane_slot), intent(in) :: slots(*)
+      real(wp), intent(inout) :: energy(lanes)
+      integer :: k
+
+      do k = first, last
+         if (.not. slots(k)%touches) cycle
+         associate (b => contacts(k)%width)
+            energy = energy + b*compliant_energy(slots(k)%at%h, slots(k)%force%elastic/b, contacts(k)%e_star)
+         end associate
+      end do
+   end subroutine add_energy_in_lanes
 
    !> Nothing is gained without work.
    pure function loss_change(self, point, elastic, d) result(change)

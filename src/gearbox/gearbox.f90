@@ -95,6 +95,7 @@ module evl_gearbox
       integer, allocatable :: output_offsets(:), output_counts(:) !! indices of what it tells among the values, offsets from 0
       type(section_t), allocatable :: output_sections(:) !! of their table
       integer, allocatable :: output_needs(:)     !! what has to be found for each output
+      integer, allocatable :: output_lanes(:)     !! which of its columns each is in evl_lane_columns
       real(wp), allocatable :: constants(:)       !! [n_values] the values that never change; 0 where others come
       integer :: n_pair_places = 0, n_drive_places = 0 !! for tooth pairs of a mesh in the outputs; of the drive flank
       type(status_t), allocatable :: warnings(:) !! of the creation

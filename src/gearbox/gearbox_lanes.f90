@@ -19,7 +19,7 @@ module evl_gearbox_lanes
    implicit none (type, external)
    private
 
-   public :: lanes_serve, rates_in_lanes
+   public :: lanes_serve, loads_in_lanes, rates_in_lanes
 
 contains
 
@@ -183,8 +183,22 @@ contains
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
+      real(wp) :: omega(lanes), torque(lanes)
+
+      call loads_in_lanes(gearbox, index, t, y, integers, omega, torque)
+      call add(torque, f(:, gearbox%wheels(index)%i_speed))
+      call add(torque*omega, f(:, gearbox%i_work))
+   end subroutine load_wheel
+
+   !> Torque that the loads of a wheel know, as `known_torques` has it in one state, and the speed of the wheel.
+   subroutine loads_in_lanes(gearbox, index, t, y, integers, omega, torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(out) :: omega(lanes)  !! [rad/s]
+      real(wp), intent(out) :: torque(lanes) !! [N m]
       type(lane_points) :: at
-      real(wp) :: torque(lanes)
       integer :: j
 
       associate (wheel => gearbox%wheels(index))
@@ -200,10 +214,9 @@ contains
                call load%add_in_lanes(at, torque)
             end associate
          end do
-         call add(torque, f(:, wheel%i_speed))
-         call add(torque*at%omega, f(:, gearbox%i_work))
       end associate
-   end subroutine load_wheel
+      omega = at%omega
+   end subroutine loads_in_lanes
 
    !> Acceleration of a support from the forces on it, and what its dampers take.
    pure subroutine accelerate_support(gearbox, support, y, f)

@@ -25,7 +25,7 @@ module evl_gearbox_ode
    private
 
    public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set
-   public :: settle_slots
+   public :: settle_aside, settle_slots
 
    !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
    !> more than what moves at that frequency.
@@ -129,17 +129,11 @@ contains
       type(gearbox_ode), intent(inout) :: self
       integer, intent(in) :: integers(*) !! [n_integers]
       real(wp), intent(in) :: reals(*)   !! [one a tooth contact]
-      integer :: i
 
       self%integers = integers(:size(self%integers))
       self%reals = reals(:size(self%reals))
       call settle_slots(self%gearbox, self%integers, self%reals, self%slots)
-      do i = 1, size(self%slots)
-         self%aside(i)%mode = self%slots(i)%mode
-         self%aside(i)%touches = self%slots(i)%touches
-         self%aside(i)%directions = self%slots(i)%directions
-         self%aside(i)%rho_start = self%slots(i)%rho_start
-      end do
+      call settle_aside(self%slots, self%aside)
    end subroutine gearbox_ode_set
 
    !> f(t, y)
@@ -292,6 +286,20 @@ contains
          slots(i)%rho_start = nominal_start(gearbox%contacts(i), integers(i_turns), slots(i)%mode%tooth_pair)
       end do
    end subroutine settle_slots
+
+   !> Slots beside others, for what is not found there.
+   pure subroutine settle_aside(slots, aside)
+      type(lane_slot), intent(in) :: slots(:) !! settled
+      type(lane_slot), intent(inout) :: aside(:)
+      integer :: i
+
+      do i = 1, size(slots)
+         aside(i)%mode = slots(i)%mode
+         aside(i)%touches = slots(i)%touches
+         aside(i)%directions = slots(i)%directions
+         aside(i)%rho_start = slots(i)%rho_start
+      end do
+   end subroutine settle_aside
 
    !> Put down the contacts of one state, where the states were evaluated one by one.
    pure subroutine put_down(contacts, lane, slots)

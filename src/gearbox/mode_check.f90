@@ -5,21 +5,24 @@
 !> state in that step then shows it.
 module evl_mode_check
    use evl_contact_roots, only: contact_root_direction, contact_roots
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
-   use evl_kinds, only: wp
+   use evl_kinds, only: lanes, wp
    use evl_root_kinds, only: measures_force, measures_penetration, measures_rate, measures_sliding, n_root_kinds, root_rows
    use evl_status, only: code_out_of_domain, fail, has_failed, message_length, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_state, tooth_contact_t, unclipped
    implicit none (type, external)
    private
 
-   public :: check_modes
+   public :: check_modes, modes_agree
 
    !> How far past its zero a root function may be, in its own units: forces over the reference force, penetrations over the
    !> reference penetration, sliding over the knee of friction, places in pitches. It is far above how exactly events are located.
    real(wp), parameter :: slack = 1.0e-6_wp
 
 contains
+
+   include "numerics/all_positive.inc"
 
    !> Refuse a state that contradicts its modes, where the contacts are known.
    subroutine check_modes(gearbox, contacts, status)
@@ -37,6 +40,23 @@ contains
          if (has_failed(status)) return
       end do
    end subroutine check_modes
+
+   !> Whether eight states agree with their modes, by the root functions that the lanes found.
+   pure logical function modes_agree(gearbox, slots, roots)
+      type(gearbox_t), intent(in) :: gearbox
+      type(lane_slot), intent(in) :: slots(*) !! [tooth contacts] settled
+      real(wp), intent(in) :: roots(lanes, gearbox%n_roots)
+      integer :: c, i
+
+      modes_agree = .true.
+      do c = 1, size(gearbox%contacts)
+         do i = 1, gearbox%contacts(c)%n_roots
+            associate (direction => slots(c)%directions(i), at => roots(:, gearbox%contacts(c)%i_root + i))
+               if (direction /= 0) modes_agree = modes_agree .and. all_positive(slack - direction*at)
+            end associate
+         end do
+      end do
+   end function modes_agree
 
    !> Refuse root functions past the zeros that would have ended the modes.
    subroutine judge(contact, at, directions, roots, status)

@@ -28,6 +28,7 @@ module evl_elastic_law
       procedure(penetration), deferred :: penetration
       procedure :: limit_message
       procedure :: force_lanes => lane_by_lane
+      procedure :: potential_lanes => potential_by_lane
       procedure, nopass :: is_rigid => no
       procedure :: restitution => nothing
       procedure :: rest_velocity => nothing
@@ -89,6 +90,19 @@ contains
          answered = answered .and. code == code_ok
       end do
    end subroutine lane_by_lane
+
+   !> The energy in eight states, asked one by one.
+   pure subroutine potential_by_lane(self, at, force, energy)
+      class(elastic_law_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), intent(in) :: force(lanes)   !! elastic force there [N]
+      real(wp), intent(out) :: energy(lanes) !! [J]
+      integer :: l
+
+      do l = 1, lanes
+         energy(l) = self%potential(context_of_lane(at, l), force(l))
+      end do
+   end subroutine potential_by_lane
 
    !> Why `force` answers code_out_of_domain, as one sentence; "" where it answers. A law that knows its limit says more.
    pure subroutine limit_message(self, ctx, message)

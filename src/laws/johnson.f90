@@ -37,6 +37,7 @@ module evl_johnson
       procedure :: force
       procedure :: force_lanes
       procedure :: potential
+      procedure :: potential_lanes
       procedure :: penetration
       procedure :: limit_message
    end type johnson_t
@@ -111,6 +112,23 @@ contains
 
       energy = ctx%width*johnson_energy(ctx%h, abs(force)/ctx%width, ctx%rho_a + ctx%rho_b, ctx%e_star)
    end function potential
+
+   !> The same in eight states.
+   pure subroutine potential_lanes(self, at, force, energy)
+      class(johnson_t), intent(in) :: self
+      type(lane_context), intent(in) :: at
+      real(wp), intent(in) :: force(lanes)
+      real(wp), intent(out) :: energy(lanes)
+      real(wp) :: e_star, width
+      integer :: l
+
+      e_star = at%e_star
+      width = at%width
+      !$omp simd
+      do l = 1, lanes
+         energy(l) = width*johnson_energy(at%h(l), abs(force(l))/width, at%rho_a(l) + at%rho_b(l), e_star)
+      end do
+   end subroutine potential_lanes
 
    !> Penetration under a force.
    pure subroutine penetration(self, ctx, force, h, code)

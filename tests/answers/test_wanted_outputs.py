@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 
 import numpy as np
@@ -127,6 +128,23 @@ def test_eight_states_at_once_tell_what_one_tells_to_rounding(kernel, make):
             atol=1e-8 * scale,
             err_msg=name,
         )
+
+
+def test_the_lanes_find_all_of_their_outputs_in_the_table(kernel):
+    n, n_found = ctypes.c_int(), ctypes.c_int()
+    kernel.library.test_lane_outputs(ctypes.byref(n), ctypes.byref(n_found))
+    assert n_found.value == n.value > 50
+
+
+@EVERY_CASE
+def test_of_eight_states_those_that_fill_the_room_change_nothing(kernel, make):
+    """The first three are told as with others behind them."""
+    gearbox, state = make(kernel)
+    states = near(gearbox, state, 8)
+    filled = [*states[:3], *[states[2]] * 5]
+    for name in ("potential_energy", "gap", "pair_friction_force", "teeth", "contact_point_driven"):
+        mine = gearbox.sampled(filled, name, n=3)[:3]
+        np.testing.assert_array_equal(mine, gearbox.sampled(states, name)[:3], err_msg=name)
 
 
 def test_the_cases_tell_every_output_of_the_table(kernel):

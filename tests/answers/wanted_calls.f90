@@ -30,7 +30,7 @@ contains
       rows(1:g%n_values, 1:n) => values(:g%n_values*n)
       call wanted_outputs(g, t(:n), reshape(y(:g%n_states*n), [g%n_states, n]), integers(:g%n_integers), &
                           reals(:size(g%contacts)), pack([(i, i=1, size(g%output_counts))], wanted(:size(g%output_counts))), &
-                          rows, s)
+                          .false., rows, s)
       call status_to_c(s, status)
       code = s%code
    end function test_wanted_outputs

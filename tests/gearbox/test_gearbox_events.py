@@ -501,13 +501,20 @@ def test_a_mode_that_contradicts_the_state_is_refused(
     kernel: Kernel, tracking: str, belongs: Belonging, wrong: Mode
 ):
     gearbox, state = belonging(kernel, tracking, belongs, wrong)
-    if wrong == belongs.mode:
-        gearbox.check_modes(state)
-    else:
+    checks = (
+        lambda: gearbox.check_modes(state),
+        lambda: gearbox.sampled([state], "load_work", check=True),
+        lambda: gearbox.sampled([state] * 8, "load_work", check=True),  # at once, in closed form
+    )
+    for check in checks:
+        if wrong == belongs.mode:
+            check()
+            continue
         with pytest.raises(GearboxError, match=r"tooth pair 0 .*an event was missed") as refused:
-            gearbox.check_modes(state)
+            check()
         assert (refused.value.code, refused.value.index) == (OUT_OF_DOMAIN, 0)
         gearbox.values(state)
+        gearbox.sampled([state] * 8, "load_work")
 
 
 CAN_JUMP = ("contact", "force", "friction_high", "friction_low")

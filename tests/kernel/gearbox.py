@@ -506,10 +506,13 @@ class Gearbox:
         self._call("test_wanted_outputs", len(states), *map(_at, arrays))
         return result
 
-    def sampled(self, states: Sequence[State], name: str) -> Floats:
+    def sampled(
+        self, states: Sequence[State], name: str, *, n: int | None = None, check: bool = False
+    ) -> Floats:
         """Values of one output at states that share the first one's discrete state, by a sampler.
 
-        A row each state.
+        A row each state, of which the first n count; whether the states agree with that discrete
+        state is checked if asked for.
         """
         place = next(i for i, entry in enumerate(self.table) if entry.name.decode() == name)
         self.library.evl_sampler_create.restype = ctypes.c_void_p
@@ -519,10 +522,17 @@ class Gearbox:
         result = np.full((self.table[place].count, len(states)), np.nan)
         times = np.array([state.t for state in states])
         y = np.array([state.y for state in states]).T.copy()
-        arrays = (times, y, states[0].integers, states[0].reals, result)
+        arrays = (times, y, states[0].integers, states[0].reals)
         status = Status()
+        meant, checks = len(states) if n is None else n, ctypes.c_bool(check)
         code = self.library.evl_sampler_ask(
-            sampler, len(states), *map(_at, arrays), ctypes.byref(status)
+            sampler,
+            len(states),
+            meant,
+            *map(_at, arrays),
+            checks,
+            _at(result),
+            ctypes.byref(status),
         )
         self.library.evl_sampler_delete(ctypes.byref(sampler))
         if code != OK:

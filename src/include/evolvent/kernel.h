@@ -283,15 +283,19 @@ typedef struct evl_sampler evl_sampler;
 
 /** @param wanted  [n] places in the table, from 0. The gearbox has to outlive it */
 EVL_API evl_sampler *evl_sampler_create(const evl_gearbox *gearbox, int n, const int *wanted);
+/** Whether eight states are told at once: else they are asked one by one. */
+EVL_API bool evl_sampler_in_lanes(const evl_sampler *sampler);
 EVL_API void evl_sampler_delete(evl_sampler **sampler);
 /** At n states of one discrete state, as in a step; eight at once are quickest, and there values may differ from those of one by
  *  rounding. Nothing is found that only other outputs need.
+ *  @param n_meant the first of them count; the others are any states that have an answer, as the last one once more
+ *  @param check   as of evl_gearbox_outputs
  *  @param t       [n]
  *  @param y       [n_states * n] of each state the n values side by side
  *  @param values  one wanted output behind the other, as many values each as evl_gearbox_output_places counts; of each the n states side
- *                 by side. @return as evl_gearbox_outputs without check */
-EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, const double *t, const double *y, const int *integers,
-                            const double *reals, double *values, evl_status *status);
+ *                 by side. @return as evl_gearbox_outputs */
+EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, int n_meant, const double *t, const double *y,
+                            const int *integers, const double *reals, bool check, double *values, evl_status *status);
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 

@@ -1,0 +1,85 @@
+#include "simulate/gather.h"
+
+#include <string.h>
+
+void gather_init(gather *gather, const wanted_outputs *wanted, bool waits)
+{
+    const dae *dae = &model_about(wanted->model)->dae;
+    *gather = (struct gather){.wanted = wanted, .capacity = 1};
+    memory_pool *pool = &gather->pool;
+    gather->last = dae_state_create(dae, pool);
+    const size_t lanes = wanted->all ? 1 : DAE_LANES;
+    gather->values = pool_calloc(pool, (size_t)wanted->n_values * lanes, sizeof *gather->values);
+    gather->y = pool_calloc(pool, (size_t)dae->n * lanes, sizeof *gather->y);
+    if (!wanted->all) {
+        gather->sampler = model_sampler_create(wanted->model, wanted->n, wanted->outputs);
+        gather->capacity = waits && model_sampler_in_lanes(gather->sampler) ? DAE_LANES : 1;
+    }
+}
+
+void gather_free(gather *gather)
+{
+    model_sampler_delete(&gather->sampler);
+    pool_free(&gather->pool);
+}
+
+bool gather_differs(const gather *gather, const dae_state *state)
+{
+    const dae *dae = &model_about(gather->wanted->model)->dae;
+    return gather->n > 0 &&
+           (memcmp(gather->last.integers, state->integers, (size_t)dae->n_integers * sizeof(int)) != 0 ||
+            memcmp(gather->last.reals, state->reals, (size_t)dae->n_reals * sizeof(double)) != 0);
+}
+
+void gather_put(gather *gather, const dae_state *state, const output_mark *mark)
+{
+    const dae *dae = &model_about(gather->wanted->model)->dae;
+    const size_t n = (size_t)dae->n, lanes = gather->sampler == NULL ? 1 : DAE_LANES;
+    double *y = gather->y + gather->n;
+    for (size_t i = 0; i < n; i++) {
+        y[i * lanes] = state->y[i];
+    }
+    if (gather->n == 0) {
+        memcpy(gather->last.integers, state->integers, (size_t)dae->n_integers * sizeof(int));
+        memcpy(gather->last.reals, state->reals, (size_t)dae->n_reals * sizeof(double));
+    }
+    gather->has_marks = mark != NULL;
+    if (mark != NULL) {
+        gather->marks[gather->n] = *mark;
+    }
+    gather->t[gather->n++] = state->t;
+}
+
+/** Of a few states the last one once more, in the room for others. */
+static void fill_up(gather *gather)
+{
+    const int last = gather->n - 1, n = model_about(gather->wanted->model)->dae.n;
+    for (int k = gather->n; k < DAE_LANES; k++) {
+        gather->t[k] = gather->t[last];
+        for (int i = 0; i < n; i++) {
+            gather->y[i * DAE_LANES + k] = gather->y[i * DAE_LANES + last];
+        }
+    }
+}
+
+int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = gather->wanted->model;
+    *block = (output_block){.n = gather->n,
+                            .stride = gather->sampler == NULL ? 1 : DAE_LANES,
+                            .t = gather->t,
+                            .values = gather->values,
+                            .marks = gather->has_marks ? gather->marks : NULL};
+    if (gather->sampler != NULL) {
+        fill_up(gather);
+        gather->n = 0;
+        return model_sampler_lanes(gather->sampler, block->n, check, gather->t, gather->y, &gather->last,
+                                   gather->values, message);
+    }
+    gather->n = 0;
+    dae_state state = gather->last;
+    state.t = gather->t[0];
+    state.y = gather->y;
+    return check ? model_checked_outputs(model, &state, gather->values, message)
+                 : model_outputs(model, &state, gather->values, message);
+}

@@ -1,0 +1,29 @@
+/** States at which outputs are due, gathered until the kernel takes them at once. */
+#pragma once
+
+#include "simulate/wanted.h"
+
+typedef struct gather {
+    memory_pool pool;
+    const wanted_outputs *wanted;
+    model_sampler *sampler; /**< NULL: all outputs, one state after the other */
+    int capacity;           /**< states that it waits for */
+    int n;                  /**< that it has */
+    double t[DAE_LANES];
+    output_mark marks[DAE_LANES];
+    bool has_marks;
+    double *y;      /**< [states * DAE_LANES] each state at all times side by side */
+    dae_state last; /**< a copy, with the discrete state that all have */
+    double *values;
+} gather;
+
+/** @param waits  whether it may wait for more states than one, which the kernel has to take at once */
+void gather_init(gather *gather, const wanted_outputs *wanted, bool waits);
+void gather_free(gather *gather);
+
+/** Whether a state has another discrete state than those that it has. */
+bool gather_differs(const gather *gather, const dae_state *state);
+void gather_put(gather *gather, const dae_state *state, const output_mark *mark);
+/** Find what is wanted at the states that it has, and take leave of these.
+ *  @param check  as of model_checked_outputs. @return a dae_code; the block is valid until the next state comes */
+int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH]);

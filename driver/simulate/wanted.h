@@ -1,0 +1,36 @@
+/** The outputs that a simulation finds: those that somebody wants, or all. */
+#pragma once
+
+#include "base/memory.h"
+#include "integrate/integrate_types.h"
+#include "model/model.h"
+
+#include <stddef.h>
+
+typedef struct {
+    const model *model;
+    bool all;     /**< whatever is wanted: they stand as the model has them */
+    int n;        /**< else: how many */
+    int *outputs; /**< [n] their indices */
+    int *places;  /**< [n_outputs] before the values of each output, -1 where nobody wants it */
+    int n_values; /**< of all that are found */
+} wanted_outputs;
+
+/** Nobody wants anything yet, or all is found. @param pool  in which the arrays last */
+void wanted_init(wanted_outputs *wanted, const model *model, bool all, memory_pool *pool);
+/** Want an output. @return the place of its first value; -1 if the model does not have it */
+int wanted_add(wanted_outputs *wanted, const char *name);
+
+/** Values at some times of one discrete state. */
+typedef struct {
+    int n;                    /**< times */
+    int stride;               /**< value `place` at time k is values[place * stride + k] */
+    const double *t, *values; /**< t: [n] */
+    const output_mark *marks; /**< [n] of outputs by position; NULL by time */
+} output_block;
+
+/** A value at all times of a block. */
+static inline const double *output_values(const output_block *block, int place)
+{
+    return block->values + (size_t)place * (size_t)block->stride;
+}
