@@ -237,29 +237,43 @@ numbers *statistics_numbers(const statistics *statistics)
     return statistics->numbers;
 }
 
-static double reduced_value(int row, double value)
+/** What becomes of an output in a row, at some times. */
+static void reduce_values(int row, int n, const double *values, double *reduced)
 {
+    const double pairs = of_mesh[row].pairs;
     switch (of_mesh[row].reduction) {
     case SHARE_OF:
-        return fabs(value - of_mesh[row].pairs) < 0.5 ? 1.0 : 0.0;
+        for (int k = 0; k < n; k++) {
+            reduced[k] = fabs(values[k] - pairs) < 0.5 ? 1.0 : 0.0;
+        }
+        return;
     case SHARE_FROM:
-        return value > of_mesh[row].pairs - 0.5 ? 1.0 : 0.0;
+        for (int k = 0; k < n; k++) {
+            reduced[k] = values[k] > pairs - 0.5 ? 1.0 : 0.0;
+        }
+        return;
     default:
-        return value;
+        memcpy(reduced, values, (size_t)n * sizeof *values);
     }
 }
 
 /** @param dt  [n] since the time before, 0 where that is outside the window */
-static void add_to_meshes(statistics *statistics, int first, int end, const double *dt, const output_block *block)
+static void add_to_meshes(statistics *statistics, int first, int n, const double *dt, const output_block *block)
 {
+    double values[DAE_LANES];
     for (int i = 0; i < statistics->table->n_meshes * N_OF_MESH; i++) {
         accumulator *a = &statistics->of_mesh[i];
-        const int row = i % N_OF_MESH;
-        const double *values = a->place < 0 ? NULL : output_values(block, a->place);
-        for (int k = first; k < end && sums(row); k++) {
-            const double value = values == NULL ? NAN : reduced_value(row, values[k]);
-            a->sum += 0.5 * dt[k] * (a->last + value);
-            a->last = value;
+        if (!sums(i % N_OF_MESH)) {
+            continue;
+        }
+        if (a->place < 0) {
+            a->sum = a->last = NAN;
+            continue;
+        }
+        reduce_values(i % N_OF_MESH, n, output_values(block, a->place) + first, values);
+        for (int k = 0; k < n; k++) {
+            a->sum += 0.5 * dt[k] * (a->last + values[k]);
+            a->last = values[k];
         }
     }
 }
@@ -281,7 +295,9 @@ void statistics_outputs(statistics *statistics, const output_block *block)
         statistics->is_in_window = is_in_window;
         statistics->t = t;
     }
-    add_to_meshes(statistics, first, end, dt, block);
+    if (first < end) {
+        add_to_meshes(statistics, first, end - first, dt + first, block);
+    }
 }
 
 void statistics_event(statistics *statistics, const event_record *record)

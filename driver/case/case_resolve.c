@@ -329,6 +329,7 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
     simulation->tolerance = node_get_number(block, "tolerance");
     simulation->integrator = integrator_of(block);
     simulation->max_step = node_get_number(block, "max_step");
+    simulation->outputs = node_get_text(block, "outputs");
     if (!take_output(checker, block, description)) {
         return false;
     }

@@ -29,6 +29,7 @@ typedef struct {
     double duration, tolerance;
     double output_interval; /**< [s]; 0 where outputs go by position */
     position_description output_by;
+    const char *outputs;         /**< names of variables and groups that a history has; NULL: all */
     double max_step;             /**< [s] */
     evl_initial initial;         /**< its arrays belong to it */
     numbers_description numbers; /**< where it is not given, what it would be if it said nothing */

@@ -1,6 +1,8 @@
 /** Scripts by which shells complete the words of the command line, made from the table of commands. */
 #pragma once
 
+#include "model/output_groups.h"
+
 #include <stdio.h>
 
 /** What a word is, by what the table calls it: an option's `argument` or a command's `file`. */
@@ -12,6 +14,7 @@ typedef enum {
     WORD_FOLDER,
     WORD_SETTING, /**< a path of a number of the case, and = behind it */
     WORD_MESH,    /**< a mesh of the case */
+    WORD_OUTPUTS, /**< a group of outputs */
     WORD_SHELL
 } word_kind;
 

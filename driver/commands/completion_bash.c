@@ -24,6 +24,7 @@ static const char script[] =
     "    setting) compgen -W \"$(_evolvent_parameters | sed 's/ = .*/=/')\" -- \"$word\" ;;\n"
     "    mesh) compgen -W \"$(_evolvent_parameters | sed -n 's/^meshes\\.\\([^.]*\\)\\..*/\\1/p')\" -- \"$word\" | "
     "sort -u ;;\n"
+    "    outputs) compgen -W '" OUTPUT_GROUPS "' -- \"$word\" ;;\n"
     "    shell) compgen -W '" COMPLETION_SHELLS "' -- \"$word\" ;;\n"
     "    words) compgen -W \"$3\" -- \"$word\" ;;\n"
     "    esac\n"
@@ -48,8 +49,9 @@ static const char end[] = "    [[ $kind == file || $kind == case || $kind == des
 static const char *name_of(word_kind kind)
 {
     static const char *const names[] = {
-        [WORD_ANY] = "any",       [WORD_FILE] = "file",       [WORD_CASE] = "case", [WORD_DESIGN] = "design",
-        [WORD_FOLDER] = "folder", [WORD_SETTING] = "setting", [WORD_MESH] = "mesh", [WORD_SHELL] = "shell",
+        [WORD_ANY] = "any",       [WORD_FILE] = "file",     [WORD_CASE] = "case",
+        [WORD_DESIGN] = "design", [WORD_FOLDER] = "folder", [WORD_SETTING] = "setting",
+        [WORD_MESH] = "mesh",     [WORD_SHELL] = "shell",   [WORD_OUTPUTS] = "outputs",
     };
     return names[kind];
 }

@@ -24,7 +24,7 @@ static const char script[] = "# the word of the line that names the case: its nu
 
 static const char *source_of(word_kind kind)
 {
-    static const char shells[] = "-x -a '" COMPLETION_SHELLS "'";
+    static const char shells[] = "-x -a '" COMPLETION_SHELLS "'", outputs[] = "-x -a '" OUTPUT_GROUPS "'";
     static const char *const sources[] = {
         [WORD_ANY] = "-x",
         [WORD_FILE] = "-rF",
@@ -33,6 +33,7 @@ static const char *source_of(word_kind kind)
         [WORD_FOLDER] = "-x -a '(__fish_complete_directories)'",
         [WORD_SETTING] = "-x -a '(__evolvent_settings)'",
         [WORD_MESH] = "-x -a '(__evolvent_meshes)'",
+        [WORD_OUTPUTS] = outputs,
         [WORD_SHELL] = shells,
     };
     return sources[kind];

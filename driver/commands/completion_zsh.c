@@ -44,7 +44,7 @@ static const char end[] =
 
 static const char *action_of(word_kind kind)
 {
-    static const char shells[] = "(" COMPLETION_SHELLS ")";
+    static const char shells[] = "(" COMPLETION_SHELLS ")", outputs[] = "(" OUTPUT_GROUPS ")";
     static const char *const actions[] = {
         [WORD_ANY] = " ",
         [WORD_FILE] = "_files",
@@ -53,6 +53,7 @@ static const char *action_of(word_kind kind)
         [WORD_FOLDER] = "_files -/",
         [WORD_SETTING] = "_evolvent_settings",
         [WORD_MESH] = "_evolvent_meshes",
+        [WORD_OUTPUTS] = outputs,
         [WORD_SHELL] = shells,
     };
     return actions[kind];

@@ -10,6 +10,7 @@
 #include "files/history.h"
 #include "integrate/integrate.h"
 #include "integrate/integrate_types.h"
+#include "model/output_groups.h"
 #include "simulate/extremes.h"
 #include "simulate/positions.h"
 #include "simulate/simulate.h"
@@ -21,7 +22,8 @@
 #include <time.h>
 
 typedef struct {
-    const char *output; /**< NULL: the case's name with .h5 in the current folder */
+    const char *output;  /**< NULL: the case's name with .h5 in the current folder */
+    const char *outputs; /**< names of variables and groups; NULL: as the case says */
     option_values set;
     bool quiet;
 } run_options;
@@ -30,7 +32,8 @@ typedef struct {
     prepared_case prepared;
     memory_pool pool; /**< of the outputs */
     wanted_outputs wanted;
-    double *row; /**< values of the outputs and, behind them, of those of a grid of positions */
+    int n_told;  /**< values of the outputs */
+    double *row; /**< values of the outputs; behind them of those of a grid of positions; the model's constants */
     history *history;
     extremes *extremes;
     numbers *numbers; /**< NULL: the case does not ask for them */
@@ -43,7 +46,7 @@ typedef struct {
 static bool on_outputs(void *self, const output_block *block)
 {
     const run *run = self;
-    const int n_values = run->wanted.n_values;
+    const int n_values = run->n_told;
     bool good = true;
     for (int k = 0; k < block->n && good; k++) {
         for (int i = 0; i < n_values; i++) {
@@ -80,18 +83,52 @@ static void on_step(void *self, double t)
 
 /* The history's head and end. */
 
-/** The outputs of the model and, behind them, those of a grid of positions. */
+/** What the case asks for: all, or some of them, and the constants. */
+static void want_outputs(run *run)
+{
+    const model *model = run->prepared.model;
+    const model_facts *about = model_about(model);
+    const char *words = case_description(run->prepared.file)->simulation.outputs;
+    OWNED bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
+    bool all = true;
+    if (words != NULL) {
+        free(output_groups_choose(words, about->n_outputs, about->outputs, chosen)); /* the case was checked */
+    }
+    for (int i = 0; i < about->n_outputs && words != NULL; i++) {
+        all = all && (chosen[i] || about->outputs[i].is_static);
+    }
+    wanted_init(&run->wanted, model, all, &run->pool);
+    for (int i = 0; i < about->n_outputs && !all; i++) {
+        if (chosen[i]) {
+            (void)wanted_add(&run->wanted, about->outputs[i].name);
+        }
+    }
+    run->n_told = run->wanted.n_values;
+    run->row =
+        pool_calloc(&run->pool, (size_t)run->n_told + POSITIONS_OUTPUTS + (size_t)about->n_values, sizeof *run->row);
+    model_constants(model, run->row + run->n_told + POSITIONS_OUTPUTS);
+}
+
+/** The outputs that are told, those of a grid of positions, and the constants, with their places in a row. */
 static int list_outputs(run *run, const positions_rule *rule, const model_output **outputs)
 {
     const model_facts *about = model_about(run->prepared.model);
     model_output *all = pool_calloc(&run->pool, (size_t)about->n_outputs + POSITIONS_OUTPUTS, sizeof *all);
-    *outputs = all;
-    memcpy(all, about->outputs, (size_t)about->n_outputs * sizeof *all);
-    if (rule->per == NULL) {
-        return about->n_outputs;
+    int n = 0;
+    for (int i = 0; i < about->n_outputs; i++) {
+        const bool is_static = about->outputs[i].is_static;
+        if (is_static || wanted_has(&run->wanted, i)) {
+            all[n] = about->outputs[i];
+            all[n++].offset =
+                is_static ? run->n_told + POSITIONS_OUTPUTS + about->outputs[i].offset : run->wanted.places[i];
+        }
     }
-    positions_describe(rule, run->wanted.n_values, &run->pool, all + about->n_outputs);
-    return about->n_outputs + POSITIONS_OUTPUTS;
+    if (rule->per != NULL) {
+        positions_describe(rule, run->n_told, &run->pool, all + n);
+        n += POSITIONS_OUTPUTS;
+    }
+    *outputs = all;
+    return n;
 }
 
 static bool create_history(run *run, const char *path)
@@ -302,8 +339,7 @@ static void run_prepared(run *run, const run_options *options, const char *path)
     }
     warn_of_case(&run->prepared);
     tell_vibrations(run);
-    wanted_init(&run->wanted, run->prepared.model, true, &run->pool);
-    run->row = pool_calloc(&run->pool, (size_t)run->wanted.n_values + POSITIONS_OUTPUTS, sizeof *run->row);
+    want_outputs(run);
     progress_start(&run->progress, !options->quiet, state.t, case_description(run->prepared.file)->simulation.duration);
     if (create_history(run, path)) {
         simulate_case(run, path, &state);
@@ -319,7 +355,13 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     log_set_quiet(options->quiet);
     interrupt_install();
     OWNED char *path = result_path("history", options->output, file, "", error);
-    if (path != NULL && prepare_case(&run.prepared, file, options->set.n, options->set.values, error)) {
+    OWNED const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
+    OWNED char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
+    const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
+    for (int i = 0; i < n_set; i++) {
+        set[i] = i < options->set.n ? options->set.values[i] : outputs;
+    }
+    if (path != NULL && prepare_case(&run.prepared, file, n_set, set, error)) {
         run_prepared(&run, options, path);
     }
     prepared_case_free(&run.prepared);
@@ -330,6 +372,8 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
 static const option_row rows[] = {
     {OPTION_TEXT, 'o', "--output", "HISTORY.h5", offsetof(run_options, output),
      "file to write; the case's name with .h5 in the current folder if not given"},
+    {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(run_options, outputs),
+     "variables over time and groups of them, with commas, that the history has, as of simulation.outputs"},
     OPTION_ROW_SET(run_options),
     OPTION_ROW_QUIET(run_options),
     OPTION_ROW_HELP,
@@ -337,7 +381,7 @@ static const option_row rows[] = {
 
 const command run_command = {
     .name = "run",
-    .synopsis = "CASE.yaml [-o HISTORY.h5] [--set PATH=VALUE]... [-q]",
+    .synopsis = "CASE.yaml [-o HISTORY.h5] [--outputs NAMES] [--set PATH=VALUE]... [-q]",
     .summary = "integrate a case, write its history",
     .text =
         "Integrates the case and writes its time history, an HDF5 file that netCDF-4 readers open. It grows as\n"
@@ -348,7 +392,8 @@ const command run_command = {
         "\n"
         "Examples:\n"
         "  evolvent run examples/paper.yaml\n"
-        "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n",
+        "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n"
+        "  evolvent run examples/paper.yaml --outputs energies,transmission_error\n",
     .file = "case file",
     .size = sizeof(run_options),
     OPTION_ROWS(rows),

@@ -26,6 +26,33 @@ static integrate_step last_step(const integration *run)
                             .candidate = run->model->stepper->candidate};
 }
 
+/* The state at an output. Where some are due in a step they are found at once. */
+static void find_state(integration *run, const integrate_step *step, dae_state *state)
+{
+    enum { FEW = 2 }; /* one by one they cost less */
+    const double t_to = run->state->t;
+    if (run->ahead.next == run->ahead.n) {
+        run->ahead.next = 0;
+        run->ahead.n = output_grid_ahead(&run->grid, step, run->ahead.t);
+        if (run->ahead.n > FEW) {
+            for (int k = 0; k < DAE_LANES; k++) {
+                run->ahead.t[k] = fmin(run->ahead.t[k], t_to);
+            }
+            step->interpolate_lanes(step->with, run->ahead.t, run->ahead.y);
+        } else {
+            run->ahead.n = 0;
+        }
+    }
+    if (run->ahead.n == 0) {
+        (void)step->interpolate(step->with, fmin(state->t, t_to), state->y);
+        return;
+    }
+    const double *y = run->ahead.y + run->ahead.next++;
+    for (int i = 0; i < run->model->n; i++) {
+        state->y[i] = y[i * DAE_LANES];
+    }
+}
+
 /* The grid points that the last step passed; the end itself is handed over at the end. An event that an output shows to have been
  * missed is looked for again in smaller steps. */
 static integrate_code give_outputs(integration *run, bool *missed)
@@ -34,9 +61,10 @@ static integrate_code give_outputs(integration *run, bool *missed)
     const integrate_step step = last_step(run);
     dae_state state = integration_borrowed(run);
     output_due due;
+    run->ahead.n = run->ahead.next = 0;
     while (output_grid_due(&run->grid, &step, &state, &due)) {
         state.t = due.t;
-        (void)step.interpolate(step.with, fmin(due.t, run->state->t), state.y);
+        find_state(run, &step, &state);
         const integrate_code code = integration_give_output(run, &state, &due, missed);
         if (code == INTEGRATE_STOPPED) {
             run->state->t = due.t;

@@ -41,6 +41,7 @@ void integration_begin(integration *run)
 {
     run->fired = pool_calloc(&run->pool, (size_t)run->model->n_roots, sizeof *run->fired);
     run->events = pool_calloc(&run->pool, (size_t)run->model->n_events, sizeof *run->events);
+    run->ahead.y = pool_calloc(&run->pool, (size_t)run->model->n * DAE_LANES, sizeof(double));
     run->trial = dae_state_create(run->model, &run->pool);
     run->old = dae_state_create(run->model, &run->pool);
     output_grid_begin(&run->grid, run->model, run->options, run->state);

@@ -43,6 +43,18 @@ bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *r
     return !integration_is_later(due->t, step->t_to) && due->t < grid->options->t_end;
 }
 
+int output_grid_ahead(const output_grid *grid, const integrate_step *step, double t[DAE_LANES])
+{
+    int n = 0;
+    for (int k = 0; k < DAE_LANES && !output_grid_goes_by_position(grid); k++) {
+        const double due = output_grid_time(grid->options, grid->t_start, grid->next + k);
+        const bool is_due = n == k && !integration_is_later(due, step->t_to) && due < grid->options->t_end;
+        n += is_due;
+        t[k] = is_due || n == 0 ? due : t[n - 1];
+    }
+    return n;
+}
+
 void output_grid_given(output_grid *grid, const output_due *due)
 {
     if (due->has_mark) {

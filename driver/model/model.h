@@ -72,6 +72,8 @@ void model_warning(const model *model, int index, model_message *warning);
 const model_output *model_output_named(const model *model, const char *name);
 /** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
 int model_output_offset(const model *model, const char *name);
+/** The static outputs, where they stand among all [n_values]. */
+void model_constants(const model *model, double *values);
 /** All outputs at a state [n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
 /** The same, but DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed. */

@@ -186,6 +186,11 @@ int model_output_offset(const model *model, const char *name)
     return found == NULL ? -1 : found->offset;
 }
 
+void model_constants(const model *model, double *values)
+{
+    evl_gearbox_constants(model->gearbox, values);
+}
+
 model_state *model_states(const model *model)
 {
     model_state *states = xcalloc((size_t)model->sizes.n_states, sizeof *states);

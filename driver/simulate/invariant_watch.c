@@ -64,7 +64,8 @@ static const double mode_loaded = 1, mode_apart = 3; /**< apart: the flanks are 
 struct invariant_watch {
     int n_wheels, n_meshes;
     double tolerance;
-    int places[N_OUTPUTS]; /**< -1: the model has no such output */
+    int places[N_OUTPUTS]; /**< of static ones among the constants; -1: the model has no such output */
+    double *constants;     /**< [n_values] of the model */
     bool has_begun;
     double t, power;                    /**< of the outputs before */
     double start, stored;               /**< balance and stored energy at the start */
@@ -87,8 +88,12 @@ invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, in
     *watch = (invariant_watch){.n_wheels = n_wheels, .n_meshes = n_meshes, .tolerance = tolerance};
     watch->wheels = xcalloc((size_t)n_wheels, sizeof *watch->wheels);
     watch->meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes);
+    watch->constants = xcalloc((size_t)model_about(wanted->model)->n_values, sizeof *watch->constants);
+    model_constants(wanted->model, watch->constants);
     for (int i = 0; i < N_OUTPUTS; i++) {
-        watch->places[i] = wanted_add(wanted, names[i]);
+        const model_output *output = model_output_named(wanted->model, names[i]);
+        const bool is_static = output != NULL && output->is_static;
+        watch->places[i] = is_static ? output->offset : wanted_add(wanted, names[i]);
     }
     return watch;
 }
@@ -96,6 +101,7 @@ invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, in
 void invariant_watch_delete(invariant_watch **watch)
 {
     if (*watch != NULL) {
+        free((*watch)->constants);
         free((*watch)->wheels);
         free((*watch)->meshes);
         free(*watch);
@@ -108,10 +114,10 @@ static double larger(double largest, double value)
     return isnan(largest) || fabs(value) <= largest ? largest : fabs(value); /* what is no number stays */
 }
 
-/** The larger one, and what is a number of two: fmax is a call. */
-static double largest_of(double a, double b)
+/** The larger one of two, of which the first is a number: fmax is a call. */
+static double largest_of(double largest, double value)
 {
-    return b > a || isnan(a) ? b : a;
+    return value > largest ? value : largest;
 }
 
 /** Largest absolute value at all times of a block. */
@@ -122,6 +128,12 @@ static double largest_in(const output_block *block, int place, double largest)
         largest = largest_of(largest, fabs(values[k]));
     }
     return largest;
+}
+
+/** A static output. */
+static double constant(const invariant_watch *watch, int output, int element)
+{
+    return watch->constants[watch->places[output] + element];
 }
 
 static void look_at_energy(invariant_watch *watch, const output_block *block)
@@ -158,7 +170,7 @@ static void look_at_wheel(invariant_watch *watch, int i, const output_block *blo
 {
     struct of_wheel *wheel = &watch->wheels[i];
     const int *places = watch->places;
-    wheel->base_radius = output_values(block, places[BASE_RADIUS] + i)[0];
+    wheel->base_radius = constant(watch, BASE_RADIUS, i);
     const double *deviation = output_values(block, places[ANGLE_DEVIATION] + i);
     for (int k = 0; k < block->n; k++) {
         wheel->arc = largest_of(wheel->arc, fabs(wheel->base_radius * deviation[k]));
@@ -178,29 +190,35 @@ static void look_at_points(invariant_watch *watch, int i, const double *const of
     mesh->on_line = larger(larger(mesh->on_line, of[LINE_DRIVING][k]), of[LINE_DRIVEN][k]);
 }
 
+static bool is_constant(int output)
+{
+    return output == RIGID || output == REFERENCE_PENETRATION || output == REFERENCE_FORCE;
+}
+
 static void look_at_mesh(invariant_watch *watch, int i, const output_block *block)
 {
     struct of_mesh *mesh = &watch->meshes[i];
     const double *of[N_OUTPUTS];
-    for (int output = DRIVING_WHEEL; output < N_OUTPUTS; output++) {
-        of[output] = output_values(block, watch->places[output] + i);
+    for (int output = CONTACT_MODE; output < N_OUTPUTS; output++) {
+        of[output] = is_constant(output) ? NULL : output_values(block, watch->places[output] + i);
     }
-    mesh->driving = (int)of[DRIVING_WHEEL][0];
-    mesh->driven = (int)of[DRIVEN_WHEEL][0];
-    mesh->depth = largest_of(mesh->depth, of[REFERENCE_PENETRATION][0]);
+    const bool is_rigid = constant(watch, RIGID, i) == 1, is_tracked = constant(watch, TRACKING, i) > 0;
+    mesh->driving = (int)constant(watch, DRIVING_WHEEL, i);
+    mesh->driven = (int)constant(watch, DRIVEN_WHEEL, i);
+    mesh->depth = largest_of(mesh->depth, constant(watch, REFERENCE_PENETRATION, i));
     for (int k = 0; k < block->n; k++) {
         const bool is_loaded = of[CONTACT_MODE][k] == mode_loaded;
         mesh->depth = largest_of(mesh->depth, of[PENETRATION][k]);
         mesh->was_pressed = mesh->was_pressed || of[PENETRATION][k] > 0 || is_loaded;
         mesh->identity = larger(mesh->identity, of[LAG][k] + of[GAP][k] - of[DEVIATION][k] - of[CURVATURE][k]);
-        if (of[RIGID][0] == 1 && is_loaded) {
+        if (is_rigid && is_loaded) {
             mesh->closed_gap = larger(mesh->closed_gap, of[GAP][k]);
         }
-        if (of[TRACKING][0] > 0 && of[CONTACT_MODE][k] != mode_apart) {
+        if (is_tracked && of[CONTACT_MODE][k] != mode_apart) {
             look_at_points(watch, i, of, k);
         }
     }
-    watch->unit += of[REFERENCE_FORCE][0] * of[REFERENCE_PENETRATION][0];
+    watch->unit += constant(watch, REFERENCE_FORCE, i) * constant(watch, REFERENCE_PENETRATION, i);
 }
 
 void invariant_watch_outputs(invariant_watch *watch, const output_block *block)

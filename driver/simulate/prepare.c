@@ -2,8 +2,10 @@
 
 #include "base/memory.h"
 #include "base/words.h"
+#include "model/output_groups.h"
 #include "simulate/positions.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 bool prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error)
@@ -55,12 +57,26 @@ static void settle_damping(const prepared_case *prepared)
     }
 }
 
+/** Whether the outputs that the case names are there. */
+static bool check_outputs(const prepared_case *prepared, model_message *refusal)
+{
+    const char *words = case_description(prepared->file)->simulation.outputs;
+    const model_facts *about = model_about(prepared->model);
+    OWNED bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
+    OWNED char *why = words == NULL ? NULL : output_groups_choose(words, about->n_outputs, about->outputs, chosen);
+    if (why != NULL) {
+        *refusal = (model_message){.field = "simulation.outputs"};
+        (void)snprintf(refusal->message, sizeof refusal->message, "%s", why);
+    }
+    return why == NULL;
+}
+
 /** The model of a case that was read. */
 static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, evl_error *error)
 {
     model_message refusal;
     prepared->model = model_create(case_description(prepared->file), wheels, &refusal);
-    if (prepared->model == NULL || !settle_integrator(prepared, &refusal)) {
+    if (prepared->model == NULL || !settle_integrator(prepared, &refusal) || !check_outputs(prepared, &refusal)) {
         return prepare_refuse(prepared, &refusal, error);
     }
     settle_damping(prepared);

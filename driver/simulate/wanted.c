@@ -11,6 +11,11 @@ void wanted_init(wanted_outputs *wanted, const model *model, bool all, memory_po
     }
 }
 
+bool wanted_has(const wanted_outputs *wanted, int index)
+{
+    return wanted->places[index] >= 0 && model_about(wanted->model)->outputs[index].count > 0;
+}
+
 int wanted_add(wanted_outputs *wanted, const char *name)
 {
     const model_output *found = model_output_named(wanted->model, name);

@@ -21,6 +21,9 @@ void wanted_init(wanted_outputs *wanted, const model *model, bool all, memory_po
 /** Want an output. @return the place of its first value; -1 if the model does not have it */
 int wanted_add(wanted_outputs *wanted, const char *name);
 
+/** Whether somebody wants an output. @param index  of the model's */
+bool wanted_has(const wanted_outputs *wanted, int index);
+
 /** Values at some times of one discrete state. */
 typedef struct {
     int n;                    /**< times */

@@ -1,82 +1,98 @@
 !> Outputs of a gearbox in eight states at once. Each that evl_lane_columns lists has a line in one of the procedures here; a test
 !> compares all of them with what the rows of the table tell in one state.
 module evl_lane_outputs
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: lane_contact
    use evl_force_lanes, only: lane_slot
-   use evl_gearbox, only: gearbox_t, i_turns, wheel_t
+   use evl_gearbox, only: gearbox_t, i_turns
    use evl_gearbox_lanes, only: loads_in_lanes
    use evl_kinds, only: lanes, pi, wp
-   use evl_lane_columns, only: n_lane_outputs, none, of_acceleration, &
-                               of_angle, of_angle_deviation, of_arm_a, of_arm_b, of_axle_acceleration, of_coast_force, &
-                               of_coast_gap, of_curvature, of_curvature_loss, of_damping_loss, of_deviation, of_displacement, &
-                               of_dissipated, of_efficiency, of_friction, of_friction_loss, of_gap, of_gap_rate, of_kinetic, &
-                               of_lag, of_line_a, of_line_b, of_load_torque, of_loaded, of_mode, of_normal, of_pair_friction, &
-                               of_pair_kind, of_pair_mode, of_pair_normal, of_pair_number, of_pair_on_path, &
-                               of_pair_penetration, of_pair_position, of_pair_sliding, of_pair_tooth_a, of_pair_tooth_b, &
-                               of_penetration, of_potential, of_ratio, of_residual_a, of_residual_b, of_sliding, of_speed, &
-                               of_support_loss, of_theta, of_tooth_pair, of_torque_a, of_torque_b, of_touching, of_tracked, &
-                               of_turns, of_velocity, of_work, put, put_same, put_whole
+   use evl_lane_columns, only: n_lane_outputs, needs_no_places, none, of_acceleration, of_angle, of_angle_deviation, of_arm_a, &
+                               of_arm_b, of_axle_acceleration, of_coast_force, of_coast_gap, of_curvature, of_curvature_loss, &
+                               of_damping_loss, of_deviation, of_displacement, of_dissipated, of_efficiency, of_friction, &
+                               of_friction_loss, of_gap, of_gap_rate, of_kinetic, of_lag, of_load_torque, of_loaded, of_mode, &
+                               of_normal, of_pair_friction, of_pair_kind, of_pair_mode, of_pair_normal, of_pair_number, &
+                               of_pair_on_path, of_pair_penetration, of_pair_position, of_pair_sliding, of_pair_tooth_a, &
+                               of_pair_tooth_b, of_penetration, of_potential, of_sliding, of_speed, of_support_loss, of_theta, &
+                               of_tooth_pair, of_torque_a, of_torque_b, of_touching, of_tracked, of_turns, of_velocity, of_work, &
+                               put, put_same, put_whole
    use evl_line_lanes, only: turn_wheel
    use evl_local_variables, only: i_omega, i_theta
    use evl_mesh_lanes, only: add_mesh, lane_mesh
    use evl_shaft, only: shaft_t
-   use evl_support, only: axle_deviation, support_t
-   use evl_tooth_contact, only: contact_mode, edge_wheel, flank_coast, flanks_loaded, flanks_off, no_mode, tooth_contact_t, &
-                                tooth_of_a, tooth_of_b
+   use evl_support, only: support_t
+   use evl_tooth_contact, only: contact_mode, edge_wheel, flank_coast, flanks_loaded, flanks_off, no_mode, tooth_of_a, tooth_of_b
    implicit none (type, external)
    private
 
-   public :: tell_in_lanes
+   public :: columns_create, lane_columns, tell_in_lanes
+
+   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
+
+   !> What is asked for, and where its values go.
+   type :: lane_columns
+      integer :: of(n_lane_outputs) = none !! values before those of each output
+      logical :: has_meshes = .false., has_pairs = .false. !! outputs of these are asked for
+      logical :: has_prescribed = .false.  !! so is the torque of a load that prescribes a speed
+      logical :: has_places = .false.      !! and something that needs the places of tooth pairs that do not touch
+      real(wp), allocatable, private :: torque(:, :) !! (lanes, wheels) of the meshes [N m]
+      real(wp), allocatable, private :: known(:, :)  !! the same of loads
+   end type lane_columns
 
 contains
 
    include "parts/springs_and_dampers.inc"
 
-   !> All that is asked for.
-   subroutine tell_in_lanes(gearbox, columns, has_places, t, y, integers, slots, aside, f, values)
+   !> What is asked for.
+   subroutine columns_create(self, gearbox)
+      type(lane_columns), intent(inout) :: self !! with its columns
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: columns(n_lane_outputs)         !! values before those of each output, or none
-      logical, intent(in) :: has_places                      !! as of `add_mesh`
+      integer :: kind
+
+      do kind = 1, n_lane_outputs
+         if (self%of(kind) == none) cycle
+         self%has_places = self%has_places .or. .not. any(needs_no_places == kind)
+         self%has_pairs = self%has_pairs .or. (kind >= of_pair_normal .and. kind <= of_pair_sliding)
+         self%has_meshes = self%has_meshes .or. (kind >= of_lag .and. kind <= of_efficiency) .or. kind >= of_coast_gap
+         self%has_prescribed = self%has_prescribed .or. (kind == of_load_torque .and. any(gearbox%wheels%prescribed > 0))
+      end do
+      self%has_meshes = self%has_meshes .or. self%has_prescribed
+      allocate (self%torque(lanes, size(gearbox%wheels)), self%known(lanes, size(gearbox%wheels)))
+   end subroutine columns_create
+
+   !> All that is asked for.
+   subroutine tell_in_lanes(gearbox, self, t, y, integers, slots, aside, f, values)
+      type(gearbox_t), intent(in) :: gearbox
+      type(lane_columns), intent(inout) :: self              !! scratch of it changes
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
-      type(lane_slot), intent(in) :: slots(*), aside(*)      !! the same
+      type(lane_slot), intent(in) :: slots(*), aside(*)      !! as of `add_mesh`
       real(wp), intent(in) :: f(lanes, gearbox%n_states)     !! rates
       real(wp), intent(inout) :: values(lanes, *)
-      real(wp) :: torque(lanes, size(gearbox%wheels)) !! of the meshes on the wheels [N m]
       type(lane_mesh) :: mesh
       integer :: m
 
-      if (any(columns([(m, m=of_lag, of_efficiency), of_coast_gap, of_coast_force]) /= none) .or. prescribes(gearbox, columns)) then
-         torque = 0
-         do m = 1, size(gearbox%pairs)
-            call add_mesh(gearbox, m, y, integers, slots, aside, has_places, mesh)
-            call tell_mesh(columns, m, mesh, values)
-            associate (contact => gearbox%contacts(gearbox%first(m)))
-               torque(:, contact%wheel_a) = torque(:, contact%wheel_a) + mesh%torque_a
-               torque(:, contact%wheel_b) = torque(:, contact%wheel_b) + mesh%torque_b
-            end associate
-         end do
-      end if
-      if (any(columns(of_pair_normal:of_pair_sliding) /= none)) then
-         do m = 1, size(gearbox%pairs)
-            call tell_pairs(gearbox, m, columns, slots, aside, values)
-         end do
-      end if
-      call tell_energies(gearbox, columns, y, integers, slots, values)
-      call tell_wheels(gearbox, columns, y, f, integers, values)
-      if (columns(of_load_torque) /= none) &
-         call tell_loads(gearbox, t, y, f, integers, torque, values(:, columns(of_load_torque) + 1))
+      self%torque = 0
+      do m = 1, merge(size(gearbox%pairs), 0, self%has_meshes)
+         call add_mesh(gearbox, m, y, integers, slots, aside, self%has_places, mesh)
+         call tell_mesh(self%of, m, mesh, values)
+         if (.not. self%has_prescribed) cycle
+         associate (contact => gearbox%contacts(gearbox%first(m)))
+            self%torque(:, contact%wheel_a) = self%torque(:, contact%wheel_a) + mesh%torque_a
+            self%torque(:, contact%wheel_b) = self%torque(:, contact%wheel_b) + mesh%torque_b
+         end associate
+      end do
+      do m = 1, merge(size(gearbox%pairs), 0, self%has_pairs)
+         call tell_pairs(gearbox, m, self%of, slots, aside, values)
+      end do
+      call tell_energies(gearbox, self%of, y, integers, slots, values)
+      call tell_wheels(gearbox, self%of, y, f, integers, values)
+      if (self%of(of_load_torque) == none) return
+      associate (before => self%of(of_load_torque))
+         call tell_loads(gearbox, t, y, integers, values(1, before + 1))
+         if (self%has_prescribed) call tell_prescribed(gearbox, y, f, self%torque, self%known, values(1, before + 1))
+      end associate
    end subroutine tell_in_lanes
-
-   !> Whether the torque of a load that prescribes a speed is asked for.
-   pure logical function prescribes(gearbox, columns)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: columns(:)
-
-      prescribes = columns(of_load_torque) /= none
-      if (prescribes) prescribes = any(gearbox%wheels%prescribed > 0)
-   end function prescribes
 
    !> A mesh.
    pure subroutine tell_mesh(columns, m, mesh, values)
@@ -96,7 +112,7 @@ contains
       call put(columns(of_arm_a), m, mesh%l_a, values)
       call put(columns(of_arm_b), m, mesh%l_b, values)
       do i = 1, size(of_tracked)
-         if (columns(of_tracked(i)) /= none) values(:, columns(of_tracked(i)) + m) = ieee_value(1.0_wp, ieee_quiet_nan)
+         call put_same(columns(of_tracked(i)), m, nan, values)
       end do
       call put_whole(columns(of_tooth_pair), m, mesh%mode%tooth_pair, values)
       call put(columns(of_touching), m, mesh%touching, values)
@@ -114,7 +130,7 @@ contains
       if (columns(of_efficiency) == none) return
       do l = 1, lanes
          input = abs(mesh%torque_a(l)*mesh%omega_a(l))
-         values(l, columns(of_efficiency) + m) = ieee_value(input, ieee_quiet_nan)
+         values(l, columns(of_efficiency) + m) = nan
          if (input > 0) values(l, columns(of_efficiency) + m) = 1 - mesh%loss(l)/input
       end do
    end subroutine tell_mesh
@@ -177,9 +193,7 @@ contains
    pure subroutine tell_no_point(columns, place, values)
       integer, intent(in) :: columns(:), place
       real(wp), intent(inout) :: values(lanes, *)
-      real(wp) :: nan
 
-      nan = ieee_value(nan, ieee_quiet_nan)
       call put_same(columns(of_pair_normal), place, 0.0_wp, values)
       call put_same(columns(of_pair_friction), place, 0.0_wp, values)
       call put_same(columns(of_pair_position), place, nan, values)
@@ -342,20 +356,29 @@ contains
    end subroutine put_axle
 
    !> Torque of the loads of every wheel, as `load_torques` in one state.
-   subroutine tell_loads(gearbox, t, y, f, integers, mesh_torque, load_torque)
+   subroutine tell_loads(gearbox, t, y, integers, load_torque)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states), f(lanes, gearbox%n_states)
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
-      real(wp), intent(in) :: mesh_torque(lanes, size(gearbox%wheels))
-      real(wp), intent(inout) :: load_torque(lanes, size(gearbox%wheels))
-      real(wp) :: known(lanes, size(gearbox%wheels)), omega(lanes)
+      real(wp), intent(out) :: load_torque(lanes, size(gearbox%wheels))
+      real(wp) :: omega(lanes)
       integer :: i
 
       do i = 1, size(gearbox%wheels)
          load_torque(:, i) = 0
          if (gearbox%wheels(i)%is_loaded) call loads_in_lanes(gearbox, i, t, y, integers, omega, load_torque(:, i))
       end do
-      if (.not. any(gearbox%wheels%prescribed > 0)) return
+   end subroutine tell_loads
+
+   !> Add the torque of loads that prescribe a speed: what the rotor needs.
+   subroutine tell_prescribed(gearbox, y, f, mesh_torque, known, load_torque)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(lanes, gearbox%n_states), f(lanes, gearbox%n_states)
+      real(wp), intent(in) :: mesh_torque(lanes, size(gearbox%wheels))
+      real(wp), intent(out) :: known(lanes, size(gearbox%wheels)) !! scratch
+      real(wp), intent(inout) :: load_torque(lanes, size(gearbox%wheels))
+      integer :: i
+
       known = load_torque
       do i = 1, size(gearbox%wheels)
          associate (leader => gearbox%wheels(gearbox%wheels(i)%leader))
@@ -365,7 +388,7 @@ contains
             end associate
          end associate
       end do
-   end subroutine tell_loads
+   end subroutine tell_prescribed
 
    !> Torque that a wheel needs for its motion beside that of its meshes, loads and elastic shafts.
    pure subroutine add_needed(gearbox, index, y, f, torque, needed)

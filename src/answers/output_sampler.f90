@@ -7,8 +7,8 @@ module evl_output_sampler
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_ode, only: settle_aside, settle_slots
    use evl_kinds, only: lanes, wp
-   use evl_lane_columns, only: n_lane_outputs, needs_no_places, never_changes, none, not_in_lanes
-   use evl_lane_outputs, only: tell_in_lanes
+   use evl_lane_columns, only: never_changes, none, not_in_lanes
+   use evl_lane_outputs, only: columns_create, lane_columns, tell_in_lanes
    use evl_mode_check, only: modes_agree
    use evl_outputs, only: wanted_outputs
    use evl_roots_lanes, only: roots_in_lanes
@@ -23,10 +23,9 @@ module evl_output_sampler
       integer, allocatable :: wanted(:)  !! places in the table
       integer, allocatable :: before(:)  !! values before those of each; behind the last, all
       logical :: in_lanes = .false.      !! the gearbox is served there, and some of them are told there
-      logical, private :: has_places = .false. !! they need the places of tooth pairs that do not touch
       integer, allocatable, private :: others(:) !! of them those that are not told in lanes
       integer, allocatable, private :: constant(:) !! and those that never change
-      integer, private :: columns(n_lane_outputs) = none !! values before those of each output in lanes
+      type(lane_columns), private :: columns
       integer, allocatable, private :: integers(:) !! discrete state that the slots are settled for
       real(wp), allocatable, private :: reals(:)
       type(lane_slot), allocatable, private :: slots(:), aside(:)
@@ -58,14 +57,14 @@ contains
                n = n + 1
                self%others(n) = i
             else if (gearbox%output_counts(wanted(i)) > 0) then ! of coast forces there are none where no mesh has coast flanks
-               self%columns(kind) = self%before(i)
-               self%has_places = self%has_places .or. .not. any(needs_no_places == kind)
+               self%columns%of(kind) = self%before(i)
             end if
          end associate
       end do
       self%others = self%others(:n)
       self%constant = self%constant(:n_constant)
-      self%in_lanes = lanes_serve(gearbox) .and. any(self%columns /= none)
+      self%in_lanes = lanes_serve(gearbox) .and. any(self%columns%of /= none)
+      call columns_create(self%columns, gearbox)
       n = merge(size(gearbox%contacts), 0, self%in_lanes)
       allocate (self%slots(n), self%aside(n), self%all(gearbox%n_values, 1))
       allocate (self%f(lanes, gearbox%n_states), self%roots(lanes, gearbox%n_roots))
@@ -92,12 +91,12 @@ contains
       end if
       call settle(self, gearbox, integers, reals)
       call rates_in_lanes(gearbox, t, y, integers, reals, self%slots, self%f, status)
-      if (.not. has_failed(status) .and. (check .or. self%has_places)) &
+      if (.not. has_failed(status) .and. (check .or. self%columns%has_places)) &
          call roots_in_lanes(gearbox, y, integers, reals, self%slots, self%aside, .true., self%roots, status)
       if (has_failed(status)) return
       agrees = .true.
       if (check) agrees = modes_agree(gearbox, self%slots, self%roots)
-      call tell_in_lanes(gearbox, self%columns, self%has_places, t, y, integers, self%slots, self%aside, self%f, values)
+      call tell_in_lanes(gearbox, self%columns, t, y, integers, self%slots, self%aside, self%f, values)
       call tell_constants(self, gearbox, values)
       if (size(self%others) > 0 .or. .not. agrees) &
          call tell_one_by_one(self, gearbox, self%others, n, t, y, integers, reals,.not. agrees, values, status)

@@ -13,7 +13,7 @@ module evl_capi_outputs
    implicit none (type, external)
    private
 
-   public :: c_output, evl_gearbox_output_places, evl_gearbox_outputs, evl_table, output_to_c
+   public :: c_output, evl_gearbox_constants, evl_gearbox_output_places, evl_gearbox_outputs, evl_table, output_to_c
 
    !> evl_output
    type, bind(c) :: c_output
@@ -54,6 +54,15 @@ contains
       offsets(:size(g%output_offsets)) = g%output_offsets
       counts(:size(g%output_counts)) = g%output_counts
    end subroutine evl_gearbox_output_places
+
+   subroutine evl_gearbox_constants(handle, values) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(out) :: values(*)
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      values(:g%n_values) = g%constants
+   end subroutine evl_gearbox_constants
 
    integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, check, values, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

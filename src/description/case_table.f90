@@ -49,6 +49,8 @@ module evl_case_table
              row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration; or else `output`", &
                                    range=positive), &
                   row_t("output", type_block, "", "where outputs stand: one of interval, per_pitch and per_turn", holds="output"), &
+                             row_t("outputs", type_text, "", "which variables over time a history has: names of variables and of" &
+                                   //" groups, with commas between them; all if not given"), &
                              row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
                                    range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
                             row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &

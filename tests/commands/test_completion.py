@@ -21,6 +21,10 @@ OFFERED = {
     **{"CASE.yaml": CASES, "DESIGN.h5": ["design.h5", "folder"], "DIR": ["folder"]},
     **{value: [] for value in ("TIME", "X", "FROM:TO:STEPS", "SPEED", "N", "I/N", "J")},
     **{"NAME": ["pinion-gear"], "bash": list(SHELLS)},
+    "NAMES": [
+        *("all", "gearbox", "wheels", "meshes", "pairs", "shafts", "bearings", "housing"),
+        *("accelerometers", "energies", "losses", "forces", "tracking"),
+    ],
 }
 
 

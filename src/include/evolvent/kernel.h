@@ -269,6 +269,8 @@ EVL_API int evl_table(int of, int most, evl_output *outputs);
 /** Where the outputs of a gearbox stand in the array that evl_gearbox_outputs fills, in C order; [n_outputs] each. A count of 0:
  *  it is not there, as the pose of a fixed housing. */
 EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
+/** The outputs that never change, where they stand among all [n_values]; 0 where others stand. */
+EVL_API void evl_gearbox_constants(const evl_gearbox *gearbox, double *values);
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity has no meaning. With `check` the discrete
  *  state has to agree with y: every tooth pair pushes, overlaps or is apart as its modes say, to 1e-6 of the reference force and
  *  penetration. @return EVL_OK; EVL_OUT_OF_DOMAIN also if it does not: an event was missed, which smaller steps may find */
