@@ -26,31 +26,41 @@ static integrate_step last_step(const integration *run)
                             .candidate = run->model->stepper->candidate};
 }
 
-/* The state at an output. Where some are due in a step they are found at once. */
-static void find_state(integration *run, const integrate_step *step, dae_state *state)
+/* States of the last step at some times, of each state the times side by side. */
+static void find_states(integration *run, const integrate_step *step, int n, double t[DAE_LANES])
 {
-    enum { FEW = 2 }; /* one by one they cost less */
-    const double t_to = run->state->t;
-    if (run->ahead.next == run->ahead.n) {
-        run->ahead.next = 0;
-        run->ahead.n = output_grid_ahead(&run->grid, step, run->ahead.t);
-        if (run->ahead.n > FEW) {
-            for (int k = 0; k < DAE_LANES; k++) {
-                run->ahead.t[k] = fmin(run->ahead.t[k], t_to);
-            }
-            step->interpolate_lanes(step->with, run->ahead.t, run->ahead.y);
-        } else {
-            run->ahead.n = 0;
-        }
+    enum { FEW = 4 }; /* one by one they cost less */
+    const int n_states = run->model->n;
+    for (int k = 0; k < DAE_LANES; k++) {
+        t[k] = t[k] < run->state->t ? t[k] : run->state->t;
     }
-    if (run->ahead.n == 0) {
-        (void)step->interpolate(step->with, fmin(state->t, t_to), state->y);
+    if (n > FEW) {
+        step->interpolate_lanes(step->with, t, run->lanes);
         return;
     }
-    const double *y = run->ahead.y + run->ahead.next++;
-    for (int i = 0; i < run->model->n; i++) {
-        state->y[i] = y[i * DAE_LANES];
+    for (int k = 0; k < n; k++) {
+        (void)step->interpolate(step->with, t[k], run->trial.y);
+        for (int i = 0; i < n_states; i++) {
+            run->lanes[i * DAE_LANES + k] = run->trial.y[i];
+        }
     }
+}
+
+/* The grid points of the last step to an observer that takes several. */
+static integrate_code give_several(integration *run)
+{
+    const integrate_step step = last_step(run);
+    double due[DAE_LANES], t[DAE_LANES];
+    int n = 0;
+    while ((n = output_grid_ahead(&run->grid, &step, due)) > 0) {
+        memcpy(t, due, sizeof t);
+        find_states(run, &step, n, t);
+        if (run->observer->several(run->observer->self, n, due, run->lanes, run->state, run->reason) != 0) {
+            return INTEGRATE_STOPPED;
+        }
+        run->grid.next += n;
+    }
+    return INTEGRATE_DONE;
 }
 
 /* The grid points that the last step passed; the end itself is handed over at the end. An event that an output shows to have been
@@ -58,13 +68,15 @@ static void find_state(integration *run, const integrate_step *step, dae_state *
 static integrate_code give_outputs(integration *run, bool *missed)
 {
     *missed = false;
+    if (run->observer->several != NULL && !output_grid_goes_by_position(&run->grid)) {
+        return give_several(run);
+    }
     const integrate_step step = last_step(run);
     dae_state state = integration_borrowed(run);
     output_due due;
-    run->ahead.n = run->ahead.next = 0;
     while (output_grid_due(&run->grid, &step, &state, &due)) {
         state.t = due.t;
-        find_state(run, &step, &state);
+        (void)step.interpolate(step.with, fmin(due.t, run->state->t), state.y);
         const integrate_code code = integration_give_output(run, &state, &due, missed);
         if (code == INTEGRATE_STOPPED) {
             run->state->t = due.t;

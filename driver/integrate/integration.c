@@ -41,7 +41,7 @@ void integration_begin(integration *run)
 {
     run->fired = pool_calloc(&run->pool, (size_t)run->model->n_roots, sizeof *run->fired);
     run->events = pool_calloc(&run->pool, (size_t)run->model->n_events, sizeof *run->events);
-    run->ahead.y = pool_calloc(&run->pool, (size_t)run->model->n * DAE_LANES, sizeof(double));
+    run->lanes = pool_calloc(&run->pool, (size_t)run->model->n * DAE_LANES, sizeof *run->lanes);
     run->trial = dae_state_create(run->model, &run->pool);
     run->old = dae_state_create(run->model, &run->pool);
     output_grid_begin(&run->grid, run->model, run->options, run->state);
@@ -115,6 +115,9 @@ integrate_code integration_apply_event(integration *run, bool time_event)
         (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "%d events at one time: the model chatters",
                        most_events_at_once);
         return INTEGRATE_FAILED;
+    }
+    if (run->observer->change != NULL && run->observer->change(run->observer->self) != 0) {
+        return INTEGRATE_STOPPED;
     }
     dae_state_copy(m, &run->old, run->state);
     if (m->apply_event(m->self, run->state, run->fired, time_event, run->events, &n_events, run->reason) != DAE_OK) {

@@ -22,11 +22,7 @@ typedef struct {
     double t_event; /**< of the last event */
     double
         t_unwatched; /**< where the step began that the observer has not watched yet; the present time if there is none */
-    struct {
-        int n, next; /**< of the outputs in the present step */
-        double t[DAE_LANES];
-        double *y;      /**< [n * DAE_LANES] as of dae_stepper.interpolate_lanes */
-    } ahead;            /**< states that were found at once */
+    double *lanes;   /**< [n * DAE_LANES] as of dae_stepper.interpolate_lanes */
     int events_at_once; /**< there */
     double
         t_missed; /**< of the output at which an event was found to be missed; the steps are made anew until past it */

@@ -46,11 +46,14 @@ bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *r
 int output_grid_ahead(const output_grid *grid, const integrate_step *step, double t[DAE_LANES])
 {
     int n = 0;
-    for (int k = 0; k < DAE_LANES && !output_grid_goes_by_position(grid); k++) {
-        const double due = output_grid_time(grid->options, grid->t_start, grid->next + k);
-        const bool is_due = n == k && !integration_is_later(due, step->t_to) && due < grid->options->t_end;
-        n += is_due;
-        t[k] = is_due || n == 0 ? due : t[n - 1];
+    for (; n < DAE_LANES; n++) {
+        t[n] = output_grid_time(grid->options, grid->t_start, grid->next + n);
+        if (integration_is_later(t[n], step->t_to) || !(t[n] < grid->options->t_end)) {
+            break;
+        }
+    }
+    for (int k = n; k < DAE_LANES && n > 0; k++) {
+        t[k] = t[n - 1];
     }
     return n;
 }

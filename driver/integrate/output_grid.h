@@ -26,8 +26,7 @@ double output_grid_next(const output_grid *grid);
  *  @param room  a state with the integers of the step, and room for its y
  *  @return false if there is none */
 bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *room, output_due *due);
-/** How many outputs are due in a step from the next one on, DAE_LANES at most, and when; those behind the last of these have its
- *  time. 0 where that is not known ahead: outputs by position. */
+/** How many outputs by time are due in a step, DAE_LANES at most, and when; what is left of t has the last of these times. */
 int output_grid_ahead(const output_grid *grid, const integrate_step *step, double t[DAE_LANES]);
 /** That output was given: go on behind it. */
 void output_grid_given(output_grid *grid, const output_due *due);

@@ -23,26 +23,43 @@ void gather_free(gather *gather)
     pool_free(&gather->pool);
 }
 
-bool gather_differs(const gather *gather, const dae_state *state)
+/** The discrete state of all. */
+static void take_discrete(gather *gather, const dae_state *discrete)
 {
     const dae *dae = &model_about(gather->wanted->model)->dae;
-    return gather->n > 0 &&
-           (memcmp(gather->last.integers, state->integers, (size_t)dae->n_integers * sizeof(int)) != 0 ||
-            memcmp(gather->last.reals, state->reals, (size_t)dae->n_reals * sizeof(double)) != 0);
+    if (gather->n == 0) {
+        memcpy(gather->last.integers, discrete->integers, (size_t)dae->n_integers * sizeof(int));
+        memcpy(gather->last.reals, discrete->reals, (size_t)dae->n_reals * sizeof(double));
+    }
+}
+
+int gather_put_several(gather *gather, int first, int n, const double *t, const double *y, const dae_state *discrete)
+{
+    const int room = gather->capacity - gather->n, taken = n - first < room ? n - first : room;
+    const int n_states = model_about(gather->wanted->model)->dae.n;
+    take_discrete(gather, discrete);
+    for (int i = 0; i < n_states; i++) {
+        double *to = gather->y + i * DAE_LANES + gather->n;
+        const double *from = y + i * DAE_LANES + first;
+        for (int k = 0; k < taken; k++) {
+            to[k] = from[k];
+        }
+    }
+    for (int k = 0; k < taken; k++) {
+        gather->t[gather->n + k] = t[first + k];
+    }
+    gather->n += taken;
+    return first + taken;
 }
 
 void gather_put(gather *gather, const dae_state *state, const output_mark *mark)
 {
-    const dae *dae = &model_about(gather->wanted->model)->dae;
-    const size_t n = (size_t)dae->n, lanes = gather->sampler == NULL ? 1 : DAE_LANES;
+    const size_t n = (size_t)model_about(gather->wanted->model)->dae.n, lanes = gather->sampler == NULL ? 1 : DAE_LANES;
     double *y = gather->y + gather->n;
     for (size_t i = 0; i < n; i++) {
         y[i * lanes] = state->y[i];
     }
-    if (gather->n == 0) {
-        memcpy(gather->last.integers, state->integers, (size_t)dae->n_integers * sizeof(int));
-        memcpy(gather->last.reals, state->reals, (size_t)dae->n_reals * sizeof(double));
-    }
+    take_discrete(gather, state);
     gather->has_marks = mark != NULL;
     if (mark != NULL) {
         gather->marks[gather->n] = *mark;

@@ -21,9 +21,10 @@ typedef struct gather {
 void gather_init(gather *gather, const wanted_outputs *wanted, bool waits);
 void gather_free(gather *gather);
 
-/** Whether a state has another discrete state than those that it has. */
-bool gather_differs(const gather *gather, const dae_state *state);
+/** Put a state to those that it has, which have its discrete state. */
 void gather_put(gather *gather, const dae_state *state, const output_mark *mark);
+/** Put as many as it has room for. @param first  of the n states. @return the first that it does not have */
+int gather_put_several(gather *gather, int first, int n, const double *t, const double *y, const dae_state *discrete);
 /** Find what is wanted at the states that it has, and take leave of these.
  *  @param check  as of model_checked_outputs. @return a dae_code; the block is valid until the next state comes */
 int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH]);

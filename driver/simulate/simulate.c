@@ -65,20 +65,31 @@ static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
 static int on_output(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH])
 {
     simulation *s = self;
-    int code = gather_differs(&s->outputs, state) ? give_gathered(s, reason) : 0;
-    if (code == 0) {
-        gather_put(&s->outputs, state, mark);
+    gather_put(&s->outputs, state, mark);
+    return s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
+}
+
+static int on_several(void *self, int n, const double *t, const double *y, const dae_state *discrete,
+                      char reason[DAE_MESSAGE_LENGTH])
+{
+    simulation *s = self;
+    int code = 0;
+    for (int first = 0; first < n && code == 0;) {
+        first = gather_put_several(&s->outputs, first, n, t, y, discrete);
         code = s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
     }
     return code;
 }
 
+static int on_change(void *self)
+{
+    simulation *s = self;
+    return give_gathered(s, s->reason);
+}
+
 static int on_event(void *self, const event_record *record)
 {
     simulation *s = self;
-    if (give_gathered(s, s->reason) != 0) {
-        return 1;
-    }
     contact_watch_event(&s->contact, record);
     if (s->sink->numbers != NULL) {
         numbers_event(s->sink->numbers, record);
@@ -217,17 +228,19 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                     .t_given = -1.0,
                     .reason = result->message};
     const integrate_options options = simulate_options(prepared);
-    const integrate_observer observer = {.self = &s,
-                                         .output = on_output,
-                                         .event = on_event,
-                                         .step = on_step,
-                                         .watch = sink->extremes == NULL ? NULL : on_watch,
-                                         .highest = sink->extremes == NULL ? NULL : extremes_highest(sink->extremes)};
     const description *description = case_description(prepared->file);
     contact_watch_init(&s.contact, sink->wanted, description->n_meshes);
     s.invariants =
         invariant_watch_create(sink->wanted, description->n_wheels, description->n_meshes, options.tolerance);
     gather_init(&s.outputs, sink->wanted, sink->waits && options.by_stepper);
+    const integrate_observer observer = {.self = &s,
+                                         .output = on_output,
+                                         .several = s.outputs.capacity > 1 ? on_several : NULL,
+                                         .change = on_change,
+                                         .event = on_event,
+                                         .step = on_step,
+                                         .watch = sink->extremes == NULL ? NULL : on_watch,
+                                         .highest = sink->extremes == NULL ? NULL : extremes_highest(sink->extremes)};
     integrate_code code =
         integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
     code = give_rest(&s, code, result->message);
