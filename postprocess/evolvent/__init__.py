@@ -1,10 +1,16 @@
 """Read, check, draw and compare the histories that evolvent writes."""
 
-from evolvent.errors import HistoryError
-from evolvent.history import open_events, open_history, run_warning
-from evolvent.physics.compare import compare_histories
-from evolvent.physics.invariants import check_history
-from evolvent.version import __version__
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from evolvent.errors import HistoryError
+    from evolvent.history import open_events, open_history, run_warning
+    from evolvent.physics.compare import compare_histories
+    from evolvent.physics.invariants import check_history
+    from evolvent.version import __version__
 
 __all__ = [
     "HistoryError",
@@ -15,3 +21,19 @@ __all__ = [
     "open_history",
     "run_warning",
 ]
+# Where the names are. They are imported when they are first used: a command needs few of them.
+_HOMES = {
+    "HistoryError": "errors",
+    "__version__": "version",
+    "check_history": "physics.invariants",
+    "compare_histories": "physics.compare",
+    "open_events": "history",
+    "open_history": "history",
+    "run_warning": "history",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

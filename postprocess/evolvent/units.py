@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-from numpy.typing import ArrayLike
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 SUPERSCRIPTS = {2: "²", 3: "³", 4: "⁴"}
 PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
@@ -69,6 +69,8 @@ def engineering(values: ArrayLike, units: str) -> tuple[float, str]:
     are 0, or no finite numbers, the SI unit if it is among those of the table, else the largest.
     Units that the table does not have are left as they are.
     """
+    import numpy as np
+
     sizes = np.abs(np.asarray(values, dtype=float))
     largest = float(sizes[np.isfinite(sizes)].max(initial=0.0))
     known = UNITS.get(units)

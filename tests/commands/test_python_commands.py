@@ -59,7 +59,7 @@ def in_bash(tmp_path: Path) -> Callable[[str, str], str]:
 def test_what_show_completion_prints_completes_commands_in_bash(
     in_bash: Callable[[str, str], str], program: str
 ) -> None:
-    commands = PROGRAMS[program][1]
+    commands = list(PROGRAMS[program][1])
     lines = f"""
         {program} --show-completion >completion || exit 1
         . ./completion

@@ -9,7 +9,8 @@ import pytest
 from signal_results import campbell_of_two_modes, map_of_run_up, spectrum_of_orders
 
 from evolvent.signals.resampling import loss
-from evolvent.signals.windows import WINDOWS, measures
+from evolvent.signals.window_names import WINDOWS
+from evolvent.signals.windows import measures
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 SIGNALS = (DOCS / "signals.md").read_text(encoding="utf-8")

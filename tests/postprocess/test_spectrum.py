@@ -12,7 +12,8 @@ from evolvent.signals.resampling import REACH, loss, resample
 from evolvent.signals.sampling import counted_over, read_record
 from evolvent.signals.selection import select
 from evolvent.signals.spectrum import line_at, line_spectrum, peaks
-from evolvent.signals.windows import WINDOWS, measures, noise_bandwidth, window
+from evolvent.signals.window_names import WINDOWS
+from evolvent.signals.windows import measures, noise_bandwidth, window
 
 ORDERS = {1: (5e-7, 0.3), 2: (2e-7, -2.9), 5: (3e-8, 1.7)}  # amplitude [m], phase [rad]
 MEAN = 1e-5

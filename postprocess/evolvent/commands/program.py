@@ -1,82 +1,192 @@
-"""What evolvent-post and evolvent-sweep share: how they start, end, complain and print."""
+"""What evolvent-post and evolvent-sweep share: how they start, end, complain and print.
+
+Starting is most of what a short command costs. So a program imports the command that is asked for
+and no other, its own help comes without any, and commands import what they work with where they
+use it; tests/commands/test_python_start.py tells what each may import.
+"""
 
 from __future__ import annotations
 
-import math
+import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from importlib import import_module
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-from rich.console import Console
-from rich.table import Column
+from evolvent.commands.command_line import UnclearError, WrongUsageError, for_typer, option, read
+from evolvent.errors import USAGE, EvolventError
 
-from evolvent.errors import EvolventError
-from evolvent.version import __version__
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Column
+
+HELP = ("-h", "--help")
+OPTIONS = {
+    "--version": "Show the version.",
+    "--install-completion": "Install completion for the current shell.",
+    "--show-completion": "Show completion for the current shell, to copy it or customize the "
+    "installation.",
+    ", ".join(HELP): "Show this message and exit.",
+}
+WIDTHS = (50, 78)  # of help, however wide the terminal is
 
 
-def make_program(name: str, package: str, commands: Sequence[str], text: str) -> Callable[[], None]:
+def make_program(
+    name: str, package: str, commands: Mapping[str, str], text: str
+) -> Callable[[], None]:
     """Make a program of its commands: each is the function of its name, in the file of its name.
 
     Parameters
     ----------
+    commands : what each does, in a sentence: the first of its help.
     text : help, with the exit codes. An `EvolventError` is one line on stderr and an exit code.
     """
-    app = typer.Typer(
-        no_args_is_help=True,
-        rich_markup_mode=None,
-        pretty_exceptions_enable=False,
-        context_settings={"help_option_names": ["-h", "--help"]},  # of its commands, too
-        help=text,
-    )
-    for command in commands:
-        app.command()(getattr(import_module(f"{package}.{command}"), command))
-
-    @app.callback(invoke_without_command=True)
-    def _options(
-        version: Annotated[bool, option("--version", "Show the version.")] = False,
-    ) -> None:
-        if version:
-            typer.echo(f"{name} {__version__}")
-            raise typer.Exit
 
     def main() -> None:
         """Run the command line."""
+        words = sys.argv[1:]
+        completes = f"_{name.replace('-', '_')}_COMPLETE".upper() in os.environ
+        if completes:
+            words = []
+        elif not words or words[0] in HELP:
+            say(_help(name, text, commands))
+            sys.exit(0 if words else USAGE)
+        elif words == ["--version"]:
+            say(_version(name))
+            sys.exit()
+        # Where none is named, all are needed: for completion, and to say which are near.
+        named = words[:1] if words and words[0] in commands else list(commands)
+        functions = [getattr(import_module(f"{package}.{one}"), one) for one in named]
         try:
-            app(prog_name=name)
+            if len(functions) == 1:
+                with suppress(UnclearError):
+                    sys.exit(_run(functions[0], read(functions[0], words[1:])))
+            _with_typer(name, functions, text)
+        except WrongUsageError as error:
+            _with_typer(name, functions, text, error)
         except EvolventError as error:
-            typer.echo(f"{name}: {error}", err=True)
+            complain(name, str(error))
             sys.exit(error.code)
 
     return main
 
 
-def option(shown: str, text: str, **more: Any) -> Any:
-    """Describe an option as its help shows it: option("-o --output DIR", "Folder of the results.").
+def _run(function: Callable[..., None], values: Mapping[str, Any]) -> int:
+    """Run a command; return the exit code."""
+    try:
+        function(**values)
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:  # who read it wants no more
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return 0
+
+
+def _with_typer(
+    name: str,
+    functions: Sequence[Callable[..., None]],
+    text: str,
+    error: WrongUsageError | None = None,
+) -> None:
+    """Do with typer what it knows: help, completion, complaints.
 
     Parameters
     ----------
-    more : what else `typer.Option` takes.
+    error : a command line that is right by itself led to it.
     """
-    *names, last = shown.split()
-    if last.startswith("-"):
-        return typer.Option(*names, last, help=text, **more)
-    return typer.Option(*names, metavar=last, help=text, **more)
+    import typer
+
+    app = typer.Typer(
+        no_args_is_help=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": list(HELP)},  # of its commands, too
+        help=text,
+    )
+    for function in functions:
+        app.command()(for_typer(function, error))
+
+    def options(
+        version: Annotated[bool, option("--version", OPTIONS["--version"])] = False,
+    ) -> None:
+        if version:
+            say(_version(name))
+            raise typer.Exit
+
+    app.callback(invoke_without_command=True)(for_typer(options))
+    app(prog_name=name)
+
+
+def _version(name: str) -> str:
+    from evolvent.version import __version__
+
+    return f"{name} {__version__}"
+
+
+def _help(name: str, text: str, commands: Mapping[str, str]) -> str:
+    """Write the help of a program."""
+    from textwrap import dedent, fill
+
+    try:
+        columns = int(os.environ.get("COLUMNS", 0)) or os.get_terminal_size().columns
+    except (OSError, ValueError):  # no terminal
+        columns = WIDTHS[1] + 2
+    width = min(max(columns - 2, WIDTHS[0]), WIDTHS[1])
+    first, _, rest = text.partition("\n\n")
+    as_it_is = dedent(rest).replace("\b\n", "").rstrip()
+
+    def listed(rows: Mapping[str, str]) -> str:
+        column = 4 + max(map(len, rows))
+        return "\n".join(
+            fill(
+                row, width,
+                initial_indent=f"  {label}".ljust(column), subsequent_indent=" " * column,
+                break_on_hyphens=False,
+            )
+            for label, row in rows.items()
+        )  # fmt: skip
+
+    return "\n\n".join(
+        (
+            f"Usage: {name} [OPTIONS] COMMAND [ARGS]...",
+            fill(first, width, initial_indent="  ", subsequent_indent="  "),
+            "\n".join(f"  {line}".rstrip() for line in as_it_is.splitlines()),
+            f"Options:\n{listed(OPTIONS)}",
+            f"Commands:\n{listed(commands)}",
+        )
+    )
+
+
+def complain(name: str, message: str) -> None:
+    """Write a message of a program to stderr."""
+    say(f"{name}: {message}", err=True)
+
+
+def say(text: object, err: bool = False) -> None:
+    """Print a line at once, for whoever reads along."""
+    print(text, file=sys.stderr if err else sys.stdout, flush=True)
 
 
 def new_console() -> Console:
     """Console for tables; into a file or pipe lines are not broken: scripts read them."""
+    from rich.console import Console
+
     return Console() if sys.stdout.isatty() else Console(width=160)
 
 
 def right(header: str) -> Column:
     """Column of a table whose texts stand at the right, as numbers do."""
+    from rich.table import Column
+
     return Column(header, justify="right")
 
 
 def json_number(value: float | None) -> float | str | None:
     """JSON has no infinity and no NaN: they become text."""
+    from math import isfinite
+
     if value is None:
         return None
-    return float(value) if math.isfinite(value) else str(float(value))
+    return float(value) if isfinite(value) else str(float(value))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Mapping
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -50,14 +49,6 @@ WIDEST = 60  # letters of a line of a legend; longer ones go on below
 FEW_DECADES = 1.7  # of a logarithmic axis: 2 and 5 have ticks as well
 PART_OF_DECADE = 0.7  # of one that has even ticks
 PLAIN = (1e-4, 1e5)  # numbers at ticks that are written without a power of ten
-
-
-class Format(StrEnum):
-    """Formats of a figure."""
-
-    PNG = "png"
-    SVG = "svg"
-    PDF = "pdf"
 
 
 def line_style(number: int) -> dict[str, Any]:

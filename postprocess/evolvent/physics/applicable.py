@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 
-from evolvent.history import require
+from evolvent.history.recording import Part, Recording, Values, ever, largest
 
 CLOSED_FORM = 0  # value of `tracking`
 LOADED = 1  # value of `contact_mode`: the flanks press on each other
@@ -18,77 +17,83 @@ class NotApplicableError(Exception):
     """An invariant says nothing about this history; the message is the reason."""
 
 
-def is_tracked(history: xr.Dataset) -> xr.DataArray:
+def is_tracked(part: Part) -> Values:
     """Tell when contact points are tracked, dims (time, mesh)."""
-    apart = require(history, "contact_mode") == APART
-    return (~apart & (require(history, "tracking") != CLOSED_FORM)).transpose("time", "mesh")
+    return np.asarray((part["contact_mode"] != APART) & (part["tracking"] != CLOSED_FORM))
 
 
-def tracked_meshes(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
-    """Keep the meshes whose contact points are tracked, and tell when, dims (time, mesh)."""
-    if not (require(history, "tracking") != CLOSED_FORM).any():
+def tracked_meshes(run: Recording) -> Values:
+    """Tell whose contact points are ever tracked, dim (mesh)."""
+    if not (run["tracking"] != CLOSED_FORM).any():
         raise NotApplicableError("closed form: no contact points are tracked")
-    when = is_tracked(history)
-    ever = when.any("time").values
-    if not ever.any():
+    found = ever(run, is_tracked)
+    if not found.any():
         raise NotApplicableError("the flanks are too far apart to track points on them")
-    return history.isel(mesh=ever), when.isel(mesh=ever)
+    return found
 
 
-def pressed_meshes(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
-    """Keep the meshes that ever touch, and give the depth that measures them [m], dim (mesh)."""
-    pressed = require(history, "penetration") > 0.0
-    loaded = require(history, "contact_mode") == LOADED
-    touched = (pressed | (loaded & is_rigid(history))).any("time").values
+def pressed_meshes(run: Recording, among: Values | None = None) -> Values:
+    """Tell which meshes ever touch, dim (mesh).
+
+    Parameters
+    ----------
+    among : which of the meshes are asked about; all if None.
+    """
+    touched = run.once(_touched)
+    touched = touched if among is None else touched & among
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
-    kept = history.isel(mesh=touched)
-    return kept, depth_scale(kept)
+    return np.asarray(touched)
 
 
-def depth_scale(history: xr.Dataset) -> xr.DataArray:
+def _touched(run: Recording) -> Values:
+    rigid = is_rigid(run)
+    return ever(
+        run,
+        lambda part: (part["penetration"] > 0.0) | ((part["contact_mode"] == LOADED) & rigid),
+    )
+
+
+def depth_scale(run: Recording) -> Values:
     """Depth by which lengths in a mesh are measured [m], dim (mesh).
 
     The largest penetration, or the reference one where the teeth hardly touch or are rigid: the
     unit of the integrator's errors. It is at least so large that the rounding of the lengths of
     which a gap is the sum stays within the bound.
     """
-    depth = require(history, "penetration").max("time")
-    reference = require(history, "reference_penetration")
-    arcs = require(history, "base_radius") * abs(require(history, "angle_deviation")).max("time")
-    moved = abs(require(history, "centre_displacement")).max("time").sum("axis")
-    driving, driven = of_meshes(history, (arcs + moved).transpose("wheel"))
-    least = ROUNDING * (driving + driven).values / DEPTH_BOUND
-    return depth.copy(data=np.max([depth.values, reference.values, least], axis=0))
+    return np.asarray(run.once(_depth_scale))
 
 
-def is_rigid(history: xr.Dataset) -> xr.DataArray:
+def _depth_scale(run: Recording) -> Values:
+    depth = largest(run, lambda part: part["penetration"])
+    arcs = run["base_radius"] * largest(run, lambda part: abs(part["angle_deviation"]))
+    moved = np.nansum(largest(run, lambda part: abs(part["centre_displacement"])), axis=1)
+    driving, driven = of_meshes(run, arcs + moved)
+    least = ROUNDING * (driving + driven) / DEPTH_BOUND
+    return np.asarray(np.max([depth, run["reference_penetration"], least], axis=0))
+
+
+def is_rigid(run: Recording) -> Values:
     """Tell which meshes have rigid contact, dim (mesh)."""
-    return require(history, "rigid_contact") == 1
+    return np.asarray(run["rigid_contact"] == 1)
 
 
-def rigid_meshes(history: xr.Dataset) -> tuple[xr.Dataset, xr.DataArray]:
-    """Keep the meshes with rigid contact, and tell when they are closed, dims (time, mesh)."""
-    which = is_rigid(history).values
-    if not which.any():
+def rigid_meshes(run: Recording) -> Values:
+    """Tell which meshes have rigid contact, one of which is ever closed, dim (mesh)."""
+    rigid = is_rigid(run)
+    if not rigid.any():
         raise NotApplicableError("no contact is rigid")
-    rigid = history.isel(mesh=which)
-    closed = require(rigid, "contact_mode") == LOADED
-    if not closed.any():
+    if not (ever(run, lambda part: part["contact_mode"] == LOADED) & rigid).any():
         raise NotApplicableError("no rigid contact is ever closed")
-    return rigid, closed
+    return rigid
 
 
-def base_radii(history: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+def base_radii(run: Recording) -> tuple[Values, Values]:
     """Base radii of the driving and the driven wheel of each mesh [m], dims (mesh)."""
-    return of_meshes(history, require(history, "base_radius"))
+    return of_meshes(run, run["base_radius"])
 
 
-def of_meshes(history: xr.Dataset, constant: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
+def of_meshes(run: Recording, constant: Values) -> tuple[Values, Values]:
     """Values (wheel) of the driving and of the driven wheel of each mesh, dims (mesh)."""
-    values = constant.values
-    driving, driven = (
-        xr.DataArray(values[require(history, f"{side}_wheel").values.astype(int)], dims="mesh")
-        for side in ("driving", "driven")
-    )
+    driving, driven = (constant[run[f"{side}_wheel"].astype(int)] for side in ("driving", "driven"))
     return driving, driven

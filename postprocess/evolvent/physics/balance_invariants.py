@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import xarray as xr
+import numpy as np
 
-from evolvent.history import require
+from evolvent.history.recording import Part, Recording, Values, integral, largest, largest_size
 from evolvent.physics.applicable import NotApplicableError
-from evolvent.physics.invariant import invariant
+from evolvent.physics.invariant import Deviation, invariant, of_some
 from evolvent.physics.wheel_torques import contact_torque, largest_shaft_torque, shaft_torque
 
 ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_work")
@@ -15,7 +15,7 @@ ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_wor
 @invariant(
     "energy balance", "T + V + dissipated - work of loads = constant", "energy put in", 1e-10, 10.0
 )
-def energy_balance(history: xr.Dataset) -> xr.DataArray:
+def energy_balance(run: Recording) -> Deviation:
     """Energy that appeared or got lost since the start over the energy put in, dim (time).
 
     T + V + dissipated - work of the loads is constant. What was put in is the gross work of the
@@ -23,14 +23,24 @@ def energy_balance(history: xr.Dataset) -> xr.DataArray:
     start; or, where outputs are few or gravity or a moving housing puts in more, the largest of
     these energies; and at least F_0 h_0, the work of the reference forces.
     """
-    stored = require(history, "kinetic_energy") + require(history, "potential_energy")
-    balance = stored + require(history, "dissipated_energy") - require(history, "load_work")
-    power = require(history, "load_torque") * require(history, "angular_velocity")
-    gross = float(power.clip(min=0.0).sum("wheel").integrate("time"))
-    largest = [float(abs(history[name]).max()) for name in ENERGIES]
-    least = float((require(history, "reference_force") * history["reference_penetration"]).sum())
-    scale = max(gross + abs(float(stored[0])), *largest, least)
-    return (balance - balance[0]) / scale
+
+    def stored(part: Part) -> Values:
+        return np.asarray(part["kinetic_energy"] + part["potential_energy"])
+
+    def balance(part: Part) -> Values:
+        return np.asarray(stored(part) + part["dissipated_energy"] - part["load_work"])
+
+    def power(part: Part) -> Values:
+        gained = np.clip(part["load_torque"] * part["angular_velocity"], 0.0, None)
+        return np.asarray(np.nansum(gained, axis=1))
+
+    start = Part(run, 0, 1)
+    gross = float(integral(run, power))
+    tops = [float(largest_size(run, name)) for name in ENERGIES]
+    least = float(np.nansum(run["reference_force"] * run["reference_penetration"]))
+    scale = max(gross + abs(float(stored(start)[0])), *tops, least)
+    first = float(balance(start)[0])
+    return Deviation(("time",), lambda part: (balance(part) - first) / scale)
 
 
 @invariant(
@@ -39,23 +49,26 @@ def energy_balance(history: xr.Dataset) -> xr.DataArray:
     "largest contact or shaft torque",
     1e-6,
 )
-def torque_balance(history: xr.Dataset) -> xr.DataArray:
+def torque_balance(run: Recording) -> Deviation:
     """J omega' - load - contact - shaft torques over the wheel's largest contact or shaft torque.
 
     Dims (time, wheel). With friction, on approach and recess alike; a wheel that nothing turns but
     its loads is left out. A housing that turns adds its acceleration about the axles.
     """
-    contact, shaft = contact_torque(history), shaft_torque(history)
-    acceleration = require(history, "angular_acceleration")
-    if "housing_angular_acceleration" in history:
-        of_housing = history["housing_angular_acceleration"].sel(space="z", drop=True)
-        acceleration = acceleration + of_housing
-    inertia_torque = require(history, "inertia") * acceleration
-    of_contacts = abs(contact).max("time")
-    of_shafts = largest_shaft_torque(history)
-    largest = of_contacts.where(of_contacts > of_shafts, of_shafts)
-    touched = largest.values > 0.0
+    of_contacts = largest(run, lambda part: abs(contact_torque(part)))
+    of_shafts = largest_shaft_torque(run)
+    scale = np.where(of_contacts > of_shafts, of_contacts, of_shafts)
+    touched = scale > 0.0
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
-    deviation = inertia_torque - require(history, "load_torque") - contact - shaft
-    return (deviation / largest).isel(wheel=touched).transpose("time", "wheel")
+
+    def deviation(part: Part) -> Values:
+        acceleration = part["angular_acceleration"]
+        if "housing_angular_acceleration" in part:
+            along = run.labels("space").index("z")
+            acceleration = acceleration + part["housing_angular_acceleration"][:, [along]]
+        missing = run["inertia"] * acceleration - part["load_torque"]
+        missing = missing - contact_torque(part) - shaft_torque(part)
+        return np.asarray(missing[:, touched] / scale[touched])
+
+    return Deviation(("time", "wheel"), deviation, of_some(run, "wheel", touched))

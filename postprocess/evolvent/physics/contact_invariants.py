@@ -6,24 +6,26 @@ again in what was written.
 
 from __future__ import annotations
 
-import xarray as xr
+import numpy as np
 
-from evolvent.history import require
+from evolvent.history.recording import Part, Recording, Values
 from evolvent.physics.applicable import NotApplicableError
-from evolvent.physics.invariant import invariant
+from evolvent.physics.invariant import Deviation, invariant
 
 OPEN, LOADED, UNLOADED = 0, 1, 2  # values of `pair_contact_mode`
 
 
 @invariant("pushing", "F_n >= 0", "reference force", 1e-6)
-def pull(history: xr.Dataset) -> xr.DataArray:
+def pull(run: Recording) -> Deviation:
     """Force with which flanks pull at each other over the reference force.
 
     Dims (time, mesh), or (time, mesh, pair) where the history has tooth pairs.
     """
-    pairs = "pair_normal_force" in history
-    force = require(history, "pair_normal_force" if pairs else "normal_force")
-    return (-force).clip(min=0.0) / require(history, "reference_force")
+    name, reference = "normal_force", run["reference_force"]
+    dims: tuple[str, ...] = ("time", "mesh")
+    if "pair_normal_force" in run:
+        name, dims, reference = "pair_normal_force", (*dims, "pair"), reference[:, np.newaxis]
+    return Deviation(dims, lambda part: np.clip(-part[name], 0.0, None) / reference)
 
 
 @invariant(
@@ -32,7 +34,7 @@ def pull(history: xr.Dataset) -> xr.DataArray:
     "reference penetration or force",
     1e-6,
 )
-def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
+def agreement_of_modes(run: Recording) -> Deviation:
     """How far gaps and forces of tooth pairs contradict their modes, dims (time, mesh, pair).
 
     The largest of: penetration of open pairs and gap of pairs in contact, over the reference
@@ -40,14 +42,24 @@ def agreement_of_modes(history: xr.Dataset) -> xr.DataArray:
     contact keeps its gap by another invariant. Of teeth that are coupled a pair may overlap and be
     open: its neighbours' loads part its flanks.
     """
-    if "pair_contact_mode" not in history:  # earlier versions
+    if "pair_contact_mode" not in run:  # earlier versions
         raise NotApplicableError("the history does not tell the modes of its tooth pairs")
-    mode, depth = require(history, "pair_contact_mode"), require(history, "pair_penetration")
-    elastic = require(history, "rigid_contact") != 1
-    touching = (mode == LOADED) | (mode == UNLOADED)
-    alone = history["tooth_coupling"] != 1 if "tooth_coupling" in history else True
-    wrong = (-depth).where(touching & elastic, 0.0) + depth.where((mode == OPEN) & alone, 0.0)
-    length = wrong.clip(min=0.0) / require(history, "reference_penetration")
-    force = abs(require(history, "pair_normal_force")).where(mode != LOADED, 0.0)
-    force = force / require(history, "reference_force")
-    return length.where(length > force, force).transpose("time", "mesh", "pair")
+
+    def of_mesh(values: Values) -> Values:
+        return np.asarray(values)[:, np.newaxis]
+
+    elastic = of_mesh(run["rigid_contact"] != 1)
+    coupled = run["tooth_coupling"] == 1 if "tooth_coupling" in run else elastic[:, 0] & False
+    alone = of_mesh(~coupled)
+    depth_of, force_of = of_mesh(run["reference_penetration"]), of_mesh(run["reference_force"])
+
+    def deviation(part: Part) -> Values:
+        mode, depth = part["pair_contact_mode"], part["pair_penetration"]
+        touching = (mode == LOADED) | (mode == UNLOADED)
+        wrong = np.where(touching & elastic, -depth, 0.0)
+        wrong = wrong + np.where((mode == OPEN) & alone, depth, 0.0)
+        length = np.clip(wrong, 0.0, None) / depth_of
+        force = np.where(mode != LOADED, abs(part["pair_normal_force"]), 0.0) / force_of
+        return np.asarray(np.where(length > force, length, force))
+
+    return Deviation(("time", "mesh", "pair"), deviation)

@@ -5,12 +5,17 @@ What it tells was found between the outputs while it ran.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
+from evolvent.history.recording import Recording, Values, recording_of
 from evolvent.units import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # Found in the outputs where a history does not tell them.
 OF_OUTPUTS = (
@@ -37,16 +42,22 @@ class Extreme:
     time: xr.DataArray  # when it was first reached [s], dim (mesh)
 
 
-def told_extremes(history: xr.Dataset) -> list[Extreme]:
-    """List the extremes that a history tells; none if it is of an older evolvent, or was killed."""
-    found = []
-    for name in map(str, history.data_vars):
+def told_names(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
+    """Name each extreme among the variables of a history, its output, and if it is the largest."""
+    there = list(names)
+    for name in there:
         for ending, is_largest in ENDINGS.items():
             output = name.removesuffix(ending)
-            if name.endswith(ending) and output in history and f"{name}_time" in history:
-                value, time = history[name], history[f"{name}_time"]
-                found.append(Extreme(output, is_largest, True, value, time))
-    return found
+            if name.endswith(ending) and output in there and f"{name}_time" in there:
+                yield name, output, is_largest
+
+
+def told_extremes(history: xr.Dataset) -> list[Extreme]:
+    """List the extremes that a history tells; none if it is of an older evolvent, or was killed."""
+    return [
+        Extreme(output, is_largest, True, history[name], history[f"{name}_time"])
+        for name, output, is_largest in told_names(map(str, history.data_vars))
+    ]
 
 
 def is_extreme(name: str) -> bool:
@@ -65,20 +76,38 @@ def peaks(history: xr.Dataset, output: str, mesh: int) -> list[tuple[float, floa
 
 def extremes(history: xr.Dataset) -> list[Extreme]:
     """List the extremes of a history: those that it tells, else those of its outputs."""
+    import xarray as xr
+
     told = told_extremes(history)
     if told or history.sizes["time"] == 0:
         return told
+    run = recording_of(history)
     found = []
     for name in (n for n in OF_OUTPUTS if n in history):
-        values = history[name]
         for is_largest in (True, False) if name in SIGNED else (True,):
-            if "pair" in values.dims:
-                values = values.max("pair")
-            filled = values.fillna(-np.inf if is_largest else np.inf)
-            place = filled.argmax("time") if is_largest else filled.argmin("time")
-            value = values.isel(time=place).drop_vars("time")
-            found.append(Extreme(name, is_largest, False, value, history["time"][place]))
+            value, time = (
+                xr.DataArray(one, dims="mesh", name=name)
+                for one in _of_outputs(run, name, is_largest)
+            )
+            found.append(Extreme(name, is_largest, False, value, time))
     return found
+
+
+def _of_outputs(run: Recording, name: str, is_largest: bool) -> tuple[Values, Values]:
+    """Extreme of the outputs of each mesh, and when it was first reached; NaN if there is none."""
+    sense = 1.0 if is_largest else -1.0
+    shape = run.variables[name].shape[:1]
+    best, when = np.full(shape, -np.inf), np.full(shape, float(run["time"][0]))
+    for part in run.parts():
+        values = sense * part[name]
+        if values.ndim > 2:  # of tooth pairs
+            values = np.fmax.reduce(values, axis=2)
+        filled = np.where(np.isnan(values), -np.inf, values)
+        rows = filled.argmax(axis=0)
+        tops = np.take_along_axis(filled, rows[np.newaxis], axis=0)[0]
+        is_new = tops > best
+        best, when = np.where(is_new, tops, best), np.where(is_new, part["time"][rows], when)
+    return sense * np.where(np.isneginf(best), np.nan, best), when
 
 
 def extremes_table(history: xr.Dataset) -> list[tuple[str, list[str]]]:

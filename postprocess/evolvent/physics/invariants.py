@@ -3,6 +3,7 @@
 Each invariant is a function of the history, whose decorator is its row (`invariant`). It gives the
 deviation from what should be, divided by its natural scale, so that one number bounds it: a fixed
 one, or a multiple of the tolerance of the case where that is larger. docs/theory.md explains them.
+The history is read in parts, twice: for the scales, then for the deviations.
 `evolvent run` holds its own run to some of them, with the same bounds, and writes the outcome down
 (`invariants`).
 """
@@ -11,13 +12,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
-import yaml
 
+from evolvent.history.recording import Recording, Values, recording_of
 from evolvent.physics.applicable import NotApplicableError
-from evolvent.physics.invariant import INVARIANTS, Invariant
+from evolvent.physics.invariant import INVARIANTS, Deviation, Invariant
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # In the order of the table.
 for _of in ("tracking", "rigid", "balance", "contact", "record"):
@@ -43,12 +47,12 @@ class Verdict:
         return self.verdict == "fail"
 
 
-def check_history(history: xr.Dataset) -> list[Verdict]:
+def check_history(history: xr.Dataset | Recording) -> list[Verdict]:
     """Check every invariant.
 
     Parameters
     ----------
-    history : as from `open_history`.
+    history : as from `open_history` or `open_recording`.
 
     Returns
     -------
@@ -59,41 +63,82 @@ def check_history(history: xr.Dataset) -> list[Verdict]:
     HistoryError
         A variable that an invariant needs is not in the file.
     """
-    return [check_invariant(history, invariant) for invariant in INVARIANTS]
+    run = recording_of(history)
+    return [check_invariant(run, invariant) for invariant in INVARIANTS]
 
 
-def check_invariant(history: xr.Dataset, invariant: Invariant) -> Verdict:
+def check_invariant(history: xr.Dataset | Recording, invariant: Invariant) -> Verdict:
     """Check one invariant; a value that is no number breaks it."""
-    bound = invariant.bound(tolerance_of(history))
+    run = recording_of(history)
+    bound = invariant.bound(run.once(tolerance_of))
     try:
-        if history.sizes["time"] == 0:
+        if run.n == 0:
             raise NotApplicableError("the history has no output")
-        deviation = abs(invariant.deviation(history))
+        with np.errstate(all="ignore"):
+            deviation = invariant.deviation(run)
+            worst = _worst(run, deviation)
     except NotApplicableError as error:
         return Verdict(invariant, bound, "not applicable", None, {}, str(error))
-    values = deviation.values
-    broken = ~np.isfinite(values)
-    position = np.unravel_index(
-        int(np.argmax(broken)) if broken.any() else int(np.argmax(values)), values.shape
-    )
-    worst = float(values[position])
     where = {
-        str(dim): _place(deviation, str(dim), int(index))
-        for dim, index in zip(deviation.dims, position, strict=True)
+        dim: _place(run, deviation, dim, index)
+        for dim, index in zip(deviation.dims, worst.position, strict=True)
     }
-    passed = not broken.any() and worst <= bound
-    return Verdict(invariant, bound, "pass" if passed else "fail", worst, where, "")
+    passed = not worst.is_broken and worst.value <= bound
+    return Verdict(invariant, bound, "pass" if passed else "fail", worst.value, where, "")
 
 
-def tolerance_of(history: xr.Dataset) -> float:
+@dataclass(frozen=True)
+class _Worst:
+    """The value that is farthest from 0, or the first that is no number."""
+
+    is_broken: bool
+    value: float
+    position: tuple[int, ...]
+
+    def beats(self, other: _Worst) -> bool:
+        """Whether it counts, and not the other; of two that are alike the first one does."""
+        if self.is_broken or other.is_broken:
+            return self.is_broken and (not other.is_broken or self.position < other.position)
+        if self.value == other.value:
+            return self.position < other.position
+        return self.value > other.value
+
+
+def _worst(run: Recording, deviation: Deviation) -> _Worst:
+    if not callable(deviation.values):
+        return _worst_of(deviation.values)
+    time = deviation.dims.index("time")
+    worst: _Worst | None = None
+    for part in run.parts():
+        found = _worst_of(deviation.values(part), (time, part.begin))
+        worst = found if worst is None or found.beats(worst) else worst
+    assert worst is not None
+    return worst
+
+
+def _worst_of(deviation: Values, shift: tuple[int, int] = (0, 0)) -> _Worst:
+    values = abs(deviation)
+    broken = ~np.isfinite(values)
+    is_broken = bool(broken.any())
+    position = list(np.unravel_index(int(np.argmax(broken if is_broken else values)), values.shape))
+    value = float(values[tuple(position)])
+    position[shift[0]] += shift[1]
+    return _Worst(is_broken, value, tuple(int(index) for index in position))
+
+
+def tolerance_of(history: xr.Dataset | Recording) -> float:
     """Tolerance of the case, from the resolved case in the history."""
-    case = yaml.safe_load(history.attrs.get("case", ""))
+    import yaml
+
+    # The quick one of libyaml, where PyYAML has it.
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    case = yaml.load(history.attrs.get("case", ""), loader)
     simulation = case.get("simulation") if isinstance(case, dict) else None
     return float(simulation["tolerance"]) if simulation else DEFAULT_TOLERANCE
 
 
-def _place(deviation: xr.DataArray, dim: str, index: int) -> str:
-    if dim not in deviation.coords:
-        return str(index)
-    value = deviation[dim].values[index]
-    return f"{value:.6g} s" if dim == "time" else str(value)
+def _place(run: Recording, deviation: Deviation, dim: str, index: int) -> str:
+    if dim == "time":
+        return f"{float(run.read('time', index, index + 1)[0]):.6g} s"
+    names = deviation.names.get(dim)
+    return str(names[index] if names is not None else run.labels(dim)[index])

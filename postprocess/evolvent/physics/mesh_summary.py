@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
-from evolvent.history import require
+from evolvent.history.recording import Part, Recording, Values, integral, recording_of
 from evolvent.units import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,7 @@ class MeshSummary:
         ]
 
 
-def mesh_summaries(history: xr.Dataset) -> list[MeshSummary]:
+def mesh_summaries(history: xr.Dataset | Recording) -> list[MeshSummary]:
     """Sum up every mesh; empty for a history without tooth pairs or with less than two outputs.
 
     Means over time and energies are by the trapezoidal rule over the recorded outputs, so what
@@ -51,31 +54,46 @@ def mesh_summaries(history: xr.Dataset) -> list[MeshSummary]:
     history : with pair_normal_force, pair_number (time, mesh, pair), pairs_in_contact,
         friction_loss [W] and mesh_torque_driving [N m] (time, mesh).
     """
-    if "pair_normal_force" not in history or history.sizes["time"] < 2:
+    run = recording_of(history)
+    if "pair_normal_force" not in run or run.n < 2:
         return []
-    span = float(history["time"][-1] - history["time"][0])
-    speed = require(history, "angular_velocity")
-    coast = np.array(["coast" in str(pair) for pair in history["pair"].values])
-    found = []
-    for mesh, name in enumerate(history["mesh"].values):
-        one = history.isel(mesh=mesh)
-        loaded = require(one, "pair_normal_force").values > 0
-        # Number and flank of each pair that carried load.
-        flanks = np.broadcast_to(coast, loaded.shape)
-        seen = np.stack([require(one, "pair_number").values[loaded], flanks[loaded]])
-        count = require(one, "pairs_in_contact").astype(float)
-        loss = float(require(one, "friction_loss").integrate("time"))
-        driving = speed.isel(wheel=int(require(one, "driving_wheel")))
-        handed = abs(float((require(one, "mesh_torque_driving") * driving).integrate("time")))
-        found.append(
-            MeshSummary(
-                name=str(name),
-                pairs=np.unique(seen, axis=1).shape[1],
-                contact_ratio=float(one["contact_ratio"]) if "contact_ratio" in one else None,
-                mean_pairs=float(count.integrate("time")) / span,
-                apart=float((count == 0).astype(float).integrate("time")) / span,
-                friction_loss=loss,
-                efficiency=1 - loss / handed if handed > abs(loss) else None,
-            )
+    span = float(run["time"][-1] - run["time"][0])
+    driving = run["driving_wheel"].astype(int)
+
+    def power(part: Part) -> Values:
+        return np.asarray(part["mesh_torque_driving"] * part["angular_velocity"][:, driving])
+
+    losses = integral(run, lambda part: part["friction_loss"])
+    handed = abs(integral(run, power))
+    counts = integral(run, lambda part: part["pairs_in_contact"])
+    apart = integral(run, lambda part: part["pairs_in_contact"] == 0)
+    pairs = _loaded_pairs(run)
+    return [
+        MeshSummary(
+            name=name,
+            pairs=len(pairs[mesh]),
+            contact_ratio=float(run["contact_ratio"][mesh]) if "contact_ratio" in run else None,
+            mean_pairs=float(counts[mesh]) / span,
+            apart=float(apart[mesh]) / span,
+            friction_loss=float(losses[mesh]),
+            efficiency=_efficiency(float(losses[mesh]), float(handed[mesh])),
         )
+        for mesh, name in enumerate(run.labels("mesh"))
+    ]
+
+
+def _efficiency(loss: float, handed: float) -> float | None:
+    return 1 - loss / handed if handed > abs(loss) else None
+
+
+def _loaded_pairs(run: Recording) -> list[set[tuple[int, bool]]]:
+    """Numbers of the pairs of each mesh that carried load, and if they are of the coast flanks."""
+    coast = np.array(["coast" in pair for pair in run.labels("pair")])
+    found: list[set[tuple[int, bool]]] = [set() for _ in run.labels("mesh")]
+    for part in run.parts():
+        loaded, numbers = part["pair_normal_force"] > 0, part["pair_number"]
+        for mesh, seen in enumerate(found):
+            for flank in (False, True):
+                which = loaded[:, mesh] & (coast == flank)
+                seen |= {(int(n), flank) for n in np.unique(numbers[:, mesh][which])}
     return found

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 
 from evolvent.units import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from evolvent.history.recording import Recording
 
 PREFIX = "window_"
 MOST_HARMONICS = 5  # that are shown
@@ -16,7 +22,7 @@ def is_number(name: str) -> bool:
     return name.startswith(PREFIX)
 
 
-def window_text(history: xr.Dataset) -> str:
+def window_text(history: xr.Dataset | Recording) -> str:
     """Say which window the numbers are of; "" if the history has none."""
     if f"{PREFIX}periods" not in history:
         return ""
@@ -28,12 +34,12 @@ def window_text(history: xr.Dataset) -> str:
     return f"{periods:.0f} whole periods, from {begin:.6g} to {end:.6g} s."
 
 
-def steady_window(history: xr.Dataset) -> tuple[float, float] | None:
+def steady_window(history: xr.Dataset | Recording) -> tuple[float, float] | None:
     """Times of the window of a run's numbers [s]; None without, or without two outputs in it."""
     if f"{PREFIX}begin" not in history or f"{PREFIX}end" not in history:
         return None
     begin, end = float(history[f"{PREFIX}begin"]), float(history[f"{PREFIX}end"])
-    time = history["time"].values
+    time = np.asarray(history["time"])
     return (begin, end) if np.count_nonzero((time >= begin) & (time <= end)) > 1 else None
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-import xarray as xr
+from collections.abc import Callable
 
-from evolvent.history import require
+import numpy as np
+
+from evolvent.history.recording import Part, Recording, Values, ever, joined, largest
 from evolvent.physics.applicable import NotApplicableError, depth_scale, is_tracked
-from evolvent.physics.extremes import told_extremes
-from evolvent.physics.invariant import invariant
+from evolvent.physics.extremes import told_names
+from evolvent.physics.invariant import Deviation, invariant
 from evolvent.physics.numbers import is_number
 
 OF_REAL_GEARS = {  # constants of wheels and meshes that other pairs do not have
@@ -24,6 +25,7 @@ OF_VIBRATING_MESHES = frozenset(
         "damping_ratio",
     }
 )
+OF_PATH = ("pair_position", "pair_penetration", "pair_sliding_velocity")
 TRACKED_ONLY = frozenset(
     {
         "gradient_ratio",
@@ -36,42 +38,50 @@ TRACKED_ONLY = frozenset(
 
 
 @invariant("extremes", "no output beyond its extreme over the run", "largest value", 1e-9)
-def beyond_extremes(history: xr.Dataset) -> xr.DataArray:
+def beyond_extremes(run: Recording) -> Deviation:
     """How far an output lies beyond its extreme over the run, over its largest value.
 
     Dims (extreme, mesh): found between the outputs, an extreme is none if an output exceeds it. The
     penetration of rigid contacts is rounding: it is measured by the reference penetration; and a
     friction force that is rounding, by the normal force.
     """
-    told = told_extremes(history)
+    told = list(told_names(run.variables))
     if not told:
         raise NotApplicableError("the history tells no extremes between its outputs")
     beyond = []
-    for extreme in told:
-        sense = 1.0 if extreme.is_largest else -1.0
-        values = history[extreme.output]
-        reached = (sense * values).max([dim for dim in values.dims if dim != "mesh"])
-        measure = history["normal_force"] if extreme.output == "friction_force" else values
-        scale = abs(measure).max([dim for dim in values.dims if dim != "mesh"])
-        if extreme.output == "penetration":
-            scale = depth_scale(history)
-        excess = (reached - sense * extreme.value).where(scale > 0.0, 0.0)
-        beyond.append((excess / scale.where(scale > 0.0, 1.0)).clip(min=0.0))
-    names = [str(extreme.value.name) for extreme in told]
-    return xr.concat(beyond, dim=xr.DataArray(names, dims="extreme", name="extreme"))
+    for name, output, is_largest in told:
+        sense = 1.0 if is_largest else -1.0
+        reached = _largest_of_meshes(run, output, sense)
+        measure = "normal_force" if output == "friction_force" else output
+        scale = _largest_of_meshes(run, measure)
+        if output == "penetration":
+            scale = depth_scale(run)
+        excess = np.where(scale > 0.0, reached - sense * run[name], 0.0)
+        beyond.append(np.clip(excess / np.where(scale > 0.0, scale, 1.0), 0.0, None))
+    return Deviation(("extreme", "mesh"), np.stack(beyond), {"extreme": [row[0] for row in told]})
+
+
+def _largest_of_meshes(run: Recording, name: str, sense: float | None = None) -> Values:
+    """Largest value of each mesh, or of its negatives, or, without a sense, of its sizes."""
+    found = largest(run, lambda part: abs(part[name]) if sense is None else sense * part[name])
+    return np.asarray(np.fmax.reduce(found.reshape(found.shape[0], -1), axis=1))
 
 
 @invariant("order of times", "t_i < t_(i+1)", "1", 0.0)
-def order_of_times(history: xr.Dataset) -> xr.DataArray:
+def order_of_times(run: Recording) -> Deviation:
     """1 where the time is not later than that of the row before, else 0, dim (time)."""
-    time = require(history, "time")
-    late = np.ones(time.size, dtype=bool)
-    late[1:] = np.diff(time.values) > 0.0
-    return xr.DataArray((~late).astype(float), dims="time", coords={"time": time})
+
+    def late(part: Part) -> Values:
+        time = run.read("time", max(part.begin - 1, 0), part.end)
+        is_late = np.ones(time.size, dtype=bool)
+        is_late[1:] = np.diff(time) > 0.0
+        return (~is_late[-part.n :]).astype(float)
+
+    return Deviation(("time",), late)
 
 
 @invariant("finite values", "every value is a number", "number of values", 0.0)
-def finiteness(history: xr.Dataset) -> xr.DataArray:
+def finiteness(run: Recording) -> Deviation:
     """Share of the values that are no finite numbers, dim (variable).
 
     What only tracked points have is missing on purpose where none are tracked, position,
@@ -82,23 +92,50 @@ def finiteness(history: xr.Dataset) -> xr.DataArray:
     apply, as the crest factor of an axle that rests.
     """
     shares: dict[str, float] = {}
-    for name, variable in history.variables.items():
+    for name, variable in run.variables.items():
         if variable.dtype.kind != "f":
             continue
-        values = history[name]
-        if name in TRACKED_ONLY:
-            values = values.where(is_tracked(history), 0.0)
-        if name in ("pair_position", "pair_penetration", "pair_sliding_velocity"):
-            values = values.where(require(history, "pair_on_path") == 1, 0.0)
-        if name == "efficiency":
-            driving = require(history, "driving_wheel").values.astype(int)
-            speed = require(history, "angular_velocity").values[:, driving]
-            values = values.where(require(history, "mesh_torque_driving") * speed != 0.0, 0.0)
-        if name == "pair_contact_pressure":  # none where a hollow flank touches
-            values = values.fillna(0.0)
-        if name == "coast_gap":
-            values = values.where(values.notnull().any("time"), 0.0)
-        if name in OF_REAL_GEARS | OF_VIBRATING_MESHES or is_number(str(name)):
-            values = values.fillna(0.0)
-        shares[str(name)] = float(np.mean(~np.isfinite(values.values))) if values.size else 0.0
-    return xr.DataArray(list(shares.values()), dims="variable", coords={"variable": list(shares)})
+        size = int(np.prod(variable.shape)) * (run.n if variable.is_over_time else 1)
+        if not size:
+            shares[name] = 0.0
+        elif variable.is_over_time:
+            shares[name] = float(_missing_over_time(run, name)) / size
+        else:
+            has_excuse = name in OF_REAL_GEARS | OF_VIBRATING_MESHES or is_number(name)
+            values = run[name]
+            shares[name] = float(_missing(values, has_excuse & np.isnan(values))) / size
+    return Deviation(("variable",), np.array(list(shares.values())), {"variable": list(shares)})
+
+
+def _missing_over_time(run: Recording, name: str) -> Values:
+    excused = _excuse(run, name)
+    return joined(run, lambda part: _missing(part[name], excused(part)), np.add)
+
+
+def _missing(values: Values, excused: Values) -> Values:
+    """How many values are no numbers, and have no excuse."""
+    return np.asarray(np.count_nonzero(~np.isfinite(values) & ~excused))
+
+
+def _excuse(run: Recording, name: str) -> Callable[[Part], Values]:
+    """Tell which values of a variable over time may be missing."""
+
+    def pair_pressure(part: Part) -> Values:  # none where a hollow flank touches
+        return np.asarray(np.isnan(part[name]))
+
+    def efficiency(part: Part) -> Values:
+        speed = part["angular_velocity"][:, run["driving_wheel"].astype(int)]
+        return np.asarray(part["mesh_torque_driving"] * speed == 0.0)
+
+    if name in TRACKED_ONLY:
+        return lambda part: ~is_tracked(part)
+    if name in OF_PATH:
+        return lambda part: np.asarray(part["pair_on_path"] != 1)
+    if name == "efficiency":
+        return efficiency
+    if name == "pair_contact_pressure":
+        return pair_pressure
+    if name == "coast_gap":
+        has_coast = ever(run, lambda part: ~np.isnan(part[name]))
+        return lambda part: np.broadcast_to(~has_coast, part[name].shape)
+    return lambda _: np.zeros((), dtype=bool)

@@ -6,18 +6,29 @@ and otherwise over its outputs: in the same window, or in the whole run if there
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
+from evolvent.history.recording import (
+    Part,
+    Recording,
+    Values,
+    integral,
+    largest,
+    recording_of,
+)
 from evolvent.physics.extremes import SIGNED, Extreme, extremes
 from evolvent.physics.mesh_summary import mesh_summaries
 from evolvent.physics.numbers import PREFIX, steady_window, window_text
 from evolvent.physics.pair_places import place_of_pair
 from evolvent.physics.wheel_torques import contact_torque, shaft_torque
 from evolvent.units import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 DIGITS = 4
 # Outputs whose largest values are told, and what they are called there.
@@ -95,35 +106,38 @@ def results(history: xr.Dataset) -> Results | None:
     """Sum up a run; None without two outputs."""
     if history.sizes["time"] < 2:
         return None
-    shown, scope, is_window = _window(history)
-    lost = shown["dissipated_energy"][-1] - shown["dissipated_energy"][0]
+    run = recording_of(history)
+    shown, scope, is_window = _window(run)
+    first, last = (shown.read("dissipated_energy", row, row + 1)[0] for row in (0, shown.n - 1))
+    lost = last - first
+    found = extremes(history)
     return Results(
-        largest=_told(_largest(history)),
+        largest=_told(_largest(history, found)),
         scope=scope,
-        means=_told(_means(history, shown, is_window)),
+        means=_told(_means(run, shown, [] if is_window else found, is_window)),
         wheels=_told(_wheels(shown)),
         lost=quantity(float(lost) / _span(shown), "W", DIGITS),
     )
 
 
-def _window(history: xr.Dataset) -> tuple[xr.Dataset, str, bool]:
+def _window(run: Recording) -> tuple[Recording, str, bool]:
     """Give the part of a history that means are of, what is said of it, if it has numbers."""
-    window = steady_window(history)
+    window = steady_window(run)
     if window is not None:
-        scope = f"{window_text(history)} Losses, torques and speeds are means of its outputs."
-        return history.sel(time=slice(*window)), scope, True
-    first, last = (quantity(float(history["time"][row]), "s", 5) for row in (0, -1))
+        scope = f"{window_text(run)} Losses, torques and speeds are means of its outputs."
+        return run.between(*window), scope, True
+    first, last = (quantity(float(run["time"][row]), "s", 5) for row in (0, -1))
     scope = (
         f"The whole run, from {first} to {last}, with its start; means are of its outputs. With "
         "simulation.numbers in the case they are of whole periods behind the start."
     )
-    return history, scope, False
+    return run, scope, False
 
 
-def _largest(history: xr.Dataset) -> Iterable[Answer]:
+def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
     """Of each quantity the value that lies farthest from 0."""
     found: dict[str, list[Extreme]] = {}
-    for extreme in extremes(history):
+    for extreme in told:
         found.setdefault(extreme.output, []).append(extreme)
     for output, label in LARGEST.items():
         if output not in found or (output == SHARED and history.sizes["pair"] == 1):
@@ -152,23 +166,28 @@ def _extreme_cell(
     return _cell(value, units, f"{when}, {place.text()}" if place is not None else when)
 
 
-def _means(history: xr.Dataset, shown: xr.Dataset, is_window: bool) -> Iterable[Answer]:
-    """What each mesh does on average, how much it varies, and what it loses."""
+def _means(
+    run: Recording, shown: Recording, found: list[Extreme], is_window: bool
+) -> Iterable[Answer]:
+    """What each mesh does on average, how much it varies, and what it loses.
+
+    Parameters
+    ----------
+    found : extremes between the outputs, if they are to be taken.
+    """
+    n_meshes = run.sizes["mesh"]
     told = {
-        name.removeprefix(PREFIX): history[name]
-        for name in map(str, history.data_vars)
-        if is_window and name.startswith(PREFIX) and history[name].dims[:1] == ("mesh",)
+        name.removeprefix(PREFIX): run[name]
+        for name, variable in run.variables.items()
+        if is_window and name.startswith(PREFIX) and variable.dims()[:1] == ("mesh",)
     }
-    found = {
-        (e.output, e.is_largest): e.value for e in (() if is_window else extremes(history))
-    }  # between the outputs, if they are told
-    computed: dict[str, xr.DataArray] = {}
+    between = {(e.output, e.is_largest): np.asarray(e.value) for e in found}
+    computed: dict[str, Values] = {}
     for output in ("transmission_error", "normal_force"):
-        computed[f"{output}_mean"] = _mean(shown[output])
-        computed[f"{output}_max"] = found.get((output, True), shown[output].max("time"))
-    least = found.get(("transmission_error", False), shown["transmission_error"].min("time"))
-    spread = computed["transmission_error_max"] - least
-    computed["transmission_error_peak_to_peak"] = spread
+        computed[f"{output}_mean"] = _mean(shown, output)
+        computed[f"{output}_max"] = between.get((output, True), _top(shown, output))
+    least = between.get(("transmission_error", False), -_top(shown, "transmission_error", -1.0))
+    computed["transmission_error_peak_to_peak"] = computed["transmission_error_max"] - least
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = computed["normal_force_max"] / computed["normal_force_mean"]
     computed["dynamic_factor"] = factor
@@ -178,52 +197,58 @@ def _means(history: xr.Dataset, shown: xr.Dataset, is_window: bool) -> Iterable[
     for row in MESH_ROWS:
         values = told.get(row.name, computed.get(row.name))
         if values is not None:
-            first = values.values.reshape(values.sizes["mesh"], -1)[:, 0]
+            first = values.reshape(n_meshes, -1)[:, 0]
             if row.name not in ONLY_IF_ANY or first.any():
                 yield _answer(row, first)
     yield from _losses(shown, [s.efficiency for s in summaries])
 
 
-def _losses(shown: xr.Dataset, efficiencies: list[float | None]) -> Iterable[Answer]:
+def _losses(shown: Recording, efficiencies: list[float | None]) -> Iterable[Answer]:
     for name, label in (("friction_loss", "friction"), ("contact_damping_loss", "damping")):
         if name in shown:
-            row = Row(name, f"power lost to {label}", str(shown[name].attrs.get("symbol", "")), "W")
-            yield _answer(row, _mean(shown[name]).values)
+            symbol = str(shown.variables[name].attrs.get("symbol", ""))
+            yield _answer(Row(name, f"power lost to {label}", symbol, "W"), _mean(shown, name))
     if efficiencies:
-        yield _answer(Row("efficiency", "efficiency", "eta", "%"), _of_meshes(efficiencies).values)
+        yield _answer(Row("efficiency", "efficiency", "eta", "%"), _of_meshes(efficiencies))
 
 
-def _wheels(shown: xr.Dataset) -> Iterable[Answer]:
+def _wheels(shown: Recording) -> Iterable[Answer]:
     """Speed, what turns each wheel, and what its bearing takes."""
-    speed = shown["angular_velocity"]
+    ends = [sense * _top(shown, "angular_velocity", sense) for sense in (-1.0, 1.0)]
     cells = []
-    for wheel in range(shown.sizes["wheel"]):
-        one = speed.isel(wheel=wheel)
-        ends = [quantity(float(v), "rad s-1", DIGITS) for v in (one.min(), one.max())]
-        mean = float(_mean(one))
-        cells.append(_cell(mean, "rad s-1", "" if ends[0] == ends[1] else " to ".join(ends)))
+    for mean, *both in zip(_mean(shown, "angular_velocity"), *ends, strict=True):
+        low, high = (quantity(float(v), "rad s-1", DIGITS) for v in both)
+        cells.append(_cell(float(mean), "rad s-1", "" if low == high else f"{low} to {high}"))
     yield Answer("speed", "omega", tuple(cells))
-    torques = {
-        "torque of the loads": ("M", shown["load_torque"]),
-        "torque of its meshes": ("", contact_torque(shown)),
-        "torque of its shafts": ("", shaft_torque(shown)),
-        "power of the loads": ("M omega", shown["load_torque"] * speed),
+    torques: dict[str, tuple[str, str | Callable[[Part], Values]]] = {
+        "torque of the loads": ("M", "load_torque"),
+        "torque of its meshes": ("", contact_torque),
+        "torque of its shafts": ("", shaft_torque),
+        "power of the loads": ("M omega", _power),
     }
     for label, (letter, values) in torques.items():
         units = "W" if label.startswith("power") else "N m"
-        means = _mean(values.transpose("time", "wheel")).values
+        means = _mean(shown, values)
         yield Answer(label, letter, tuple(_cell(float(v), units) if v else None for v in means))
     if "bearing_force" in shown:
-        size = np.linalg.norm(shown["bearing_force"].values, axis=2)
-        largest, times = size.max(axis=0), shown["time"].values[size.argmax(axis=0)]
-        yield Answer(
-            "largest bearing force",
-            "",
-            tuple(
-                _cell(float(v), "N", f"at {quantity(float(t), 's', 5)}") if v else None
-                for v, t in zip(largest, times, strict=True)
-            ),
-        )
+        yield Answer("largest bearing force", "", tuple(_bearings(shown)))
+
+
+def _power(part: Part) -> Values:
+    return np.asarray(part["load_torque"] * part["angular_velocity"])
+
+
+def _bearings(shown: Recording) -> Iterable[Cell | None]:
+    """Largest bearing force of each wheel, and when it was."""
+    top, when = np.full((2, shown.sizes["wheel"]), -np.inf)
+    for part in shown.parts():
+        size = np.linalg.norm(part["bearing_force"], axis=2)
+        rows = size.argmax(axis=0)
+        found = size[rows, np.arange(top.size)]
+        is_new = ~(found <= top)
+        top, when = np.where(is_new, found, top), np.where(is_new, part["time"][rows], when)
+    for force, time in zip(top, when, strict=True):
+        yield _cell(float(force), "N", f"at {quantity(float(time), 's', 5)}") if force else None
 
 
 def _answer(row: Row, values: Iterable[float]) -> Answer:
@@ -243,14 +268,20 @@ def _told(answers: Iterable[Answer]) -> list[Answer]:
     return [answer for answer in answers if any(cell is not None for cell in answer.cells)]
 
 
-def _of_meshes(values: Sequence[float | None]) -> xr.DataArray:
-    return xr.DataArray([np.nan if v is None else v for v in values], dims="mesh")
+def _of_meshes(values: Sequence[float | None]) -> Values:
+    return np.array([np.nan if v is None else v for v in values])
 
 
-def _mean(values: xr.DataArray) -> xr.DataArray:
-    """Mean over time by the trapezoidal rule."""
-    return values.integrate("time") / _span(values)
+def _mean(shown: Recording, values: str | Callable[[Part], Values]) -> Values:
+    """Mean over time by the trapezoidal rule, of a variable or what is made of some."""
+    of = values if callable(values) else lambda part: part[values]
+    return np.asarray(integral(shown, of) / _span(shown))
 
 
-def _span(shown: xr.Dataset | xr.DataArray) -> float:
+def _top(shown: Recording, name: str, sense: float = 1.0) -> Values:
+    """Largest value of the outputs, or of their negatives."""
+    return largest(shown, lambda part: sense * part[name])
+
+
+def _span(shown: Recording) -> float:
     return float(shown["time"][-1] - shown["time"][0])

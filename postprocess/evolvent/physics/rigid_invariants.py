@@ -3,43 +3,47 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 
-from evolvent.history import require
+from evolvent.history.recording import Part, Recording, Values
 from evolvent.physics.applicable import (
     DEPTH_BOUND,
+    LOADED,
     base_radii,
     depth_scale,
     of_meshes,
     rigid_meshes,
 )
-from evolvent.physics.invariant import DEPTH, invariant
+from evolvent.physics.invariant import DEPTH, Deviation, invariant, of_some
 from evolvent.physics.wheel_torques import rotor_inertia
 
 
 @invariant("rigid gap", "kappa = 0", DEPTH, 2 * DEPTH_BOUND, 1.0)
-def rigid_gap(history: xr.Dataset) -> xr.DataArray:
+def rigid_gap(run: Recording) -> Deviation:
     """Gap of closed rigid contacts over the depth, dims (time, mesh).
 
     Source: Kosenko & Gusev 2011, section 7.3.
     """
-    rigid, closed = rigid_meshes(history)
-    gap = require(rigid, "gap") / depth_scale(rigid)
-    return gap.where(closed, 0.0).transpose("time", "mesh")
+    return _while_closed(run, "gap", rigid_meshes(run), depth_scale(run))
 
 
 @invariant("rigid gap rate", "kappa' = 0", "vibration of that depth", 1e-10, 1.0)
-def rigid_gap_rate(history: xr.Dataset) -> xr.DataArray:
+def rigid_gap_rate(run: Recording) -> Deviation:
     """Rate of the gap of closed rigid contacts over that of a vibration, dims (time, mesh).
 
     The scale is the depth times the natural frequency of a contact of stiffness F_0/h_0 between the
     two wheels.
     """
-    rigid, closed = rigid_meshes(history)
-    radii = base_radii(rigid)
-    inertias = of_meshes(rigid, rotor_inertia(rigid))
-    mobility = sum(r**2 / inertia for r, inertia in zip(radii, inertias, strict=True))
-    force, depth = require(rigid, "reference_force"), require(rigid, "reference_penetration")
-    frequency = np.sqrt(force / depth * mobility)
-    rate = require(rigid, "gap_rate") / (depth_scale(rigid) * frequency)
-    return rate.where(closed, 0.0).transpose("time", "mesh")
+    rigid = rigid_meshes(run)
+    inertias = of_meshes(run, rotor_inertia(run))
+    with np.errstate(invalid="ignore", divide="ignore"):  # of the others
+        mobility = sum(r**2 / j for r, j in zip(base_radii(run), inertias, strict=True))
+        frequency = np.sqrt(run["reference_force"] / run["reference_penetration"] * mobility)
+    return _while_closed(run, "gap_rate", rigid, depth_scale(run) * frequency)
+
+
+def _while_closed(run: Recording, name: str, rigid: Values, scale: Values) -> Deviation:
+    def deviation(part: Part) -> Values:
+        closed = part["contact_mode"][:, rigid] == LOADED
+        return np.where(closed, part[name][:, rigid] / scale[rigid], 0.0)
+
+    return Deviation(("time", "mesh"), deviation, of_some(run, "mesh", rigid))

@@ -2,61 +2,80 @@
 
 from __future__ import annotations
 
-import xarray as xr
+import numpy as np
 
-from evolvent.history import require
-from evolvent.physics.applicable import DEPTH_BOUND, base_radii, pressed_meshes, tracked_meshes
-from evolvent.physics.invariant import DEPTH, invariant
+from evolvent.history.recording import Part, Recording, Values
+from evolvent.physics.applicable import (
+    DEPTH_BOUND,
+    base_radii,
+    depth_scale,
+    is_tracked,
+    pressed_meshes,
+    tracked_meshes,
+)
+from evolvent.physics.invariant import DEPTH, Deviation, invariant, of_some
 
 
 @invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, 1e-3)
-def gradient_ratio(history: xr.Dataset) -> xr.DataArray:
+def gradient_ratio(run: Recording) -> Deviation:
     """lambda over its constant value -r_bB/r_bA, minus 1, dims (time, mesh).
 
     Source: Kosenko & Gusev 2011, Assertion 2.
     """
-    tracked, when = tracked_meshes(history)
-    driving, driven = base_radii(tracked)
-    return (require(tracked, "gradient_ratio") * driving / driven + 1.0).where(when, 0.0)
+    tracked = tracked_meshes(run)
+    driving, driven = base_radii(run)
+
+    def deviation(part: Part) -> Values:
+        ratio = part["gradient_ratio"] * driving / driven + 1.0
+        return np.where(is_tracked(part), ratio, 0.0)[:, tracked]
+
+    return Deviation(("time", "mesh"), deviation, of_some(run, "mesh", tracked))
 
 
 @invariant(
     "transmission error", "Delta = h + e + R (inv alpha - inv alpha_0)", DEPTH, DEPTH_BOUND, 1.0
 )
-def transmission_error_identity(history: xr.Dataset) -> xr.DataArray:
+def transmission_error_identity(run: Recording) -> Deviation:
     """Delta - h - e - R (inv alpha - inv alpha_0) over the depth, dims (time, mesh).
 
     Source: Kosenko & Gusev 2011, (19), generalised to axles that move.
     """
-    pressed, depth = pressed_meshes(history)
-    lag = require(pressed, "transmission_error") + require(pressed, "gap")
-    lag = lag - require(pressed, "flank_deviation")
-    return (lag - require(pressed, "separation_curvature")) / depth
+    pressed = pressed_meshes(run)
+    depth = depth_scale(run)
+
+    def deviation(part: Part) -> Values:
+        lag = part["transmission_error"] + part["gap"] - part["flank_deviation"]
+        return np.asarray((lag - part["separation_curvature"])[:, pressed] / depth[pressed])
+
+    return Deviation(("time", "mesh"), deviation, of_some(run, "mesh", pressed))
 
 
 @invariant("points on flanks", "r_b g(r_P) = 0", DEPTH, DEPTH_BOUND, 1.0)
-def distance_from_flanks(history: xr.Dataset) -> xr.DataArray:
+def distance_from_flanks(run: Recording) -> Deviation:
     """Distance of the tracked points from their flanks, r_b g, over the depth.
 
     Dims (wheel_of_mesh, time, mesh).   Source: Kosenko & Gusev 2011, (1).
     """
-    return _of_both_wheels(history, "tracking_residual")
+    return _of_both_wheels(run, "tracking_residual")
 
 
 @invariant("points on line of action", "(r_P - K_A).t = 0", DEPTH, DEPTH_BOUND, 1.0)
-def distance_from_line_of_action(history: xr.Dataset) -> xr.DataArray:
+def distance_from_line_of_action(run: Recording) -> Deviation:
     """Distance of the tracked points from the line of action, (r_P - K_A).t, over the depth.
 
     Dims (wheel_of_mesh, time, mesh).   Source: Kosenko & Gusev 2011, Assertion 1.
     """
-    return _of_both_wheels(history, "line_distance")
+    return _of_both_wheels(run, "line_distance")
 
 
-def _of_both_wheels(history: xr.Dataset, name: str) -> xr.DataArray:
-    tracked, when = tracked_meshes(history)
-    pressed, depth = pressed_meshes(tracked)
+def _of_both_wheels(run: Recording, name: str) -> Deviation:
+    pressed = pressed_meshes(run, tracked_meshes(run))
+    depth = depth_scale(run)
     sides = ["driving", "driven"]
-    distances = [require(pressed, f"{name}_{side}") for side in sides]
-    both = xr.concat(distances, dim=xr.DataArray(sides, dims="wheel_of_mesh", name="wheel_of_mesh"))
-    relative = (both / depth).where(when.sel(mesh=depth["mesh"]), 0.0)
-    return relative.transpose("wheel_of_mesh", "time", "mesh")
+
+    def deviation(part: Part) -> Values:
+        both = np.stack([part[f"{name}_{side}"] for side in sides])
+        return np.where(is_tracked(part), both / depth, 0.0)[:, :, pressed]
+
+    names = {"wheel_of_mesh": sides, **of_some(run, "mesh", pressed)}
+    return Deviation(("wheel_of_mesh", "time", "mesh"), deviation, names)

@@ -22,7 +22,8 @@ from evolvent.signals.resampling import DEGREE
 from evolvent.signals.sampling import Record
 from evolvent.signals.spectrum import Lines
 from evolvent.signals.turning import TURN, Turning
-from evolvent.signals.windows import RECTANGULAR, noise_bandwidth, window
+from evolvent.signals.window_names import RECTANGULAR
+from evolvent.signals.windows import noise_bandwidth, window
 from evolvent.version import __version__
 
 SCALING = (

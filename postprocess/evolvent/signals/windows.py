@@ -11,18 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from evolvent.signals.window_names import WINDOWS
+
 Numbers = NDArray[np.float64]
 
-RECTANGULAR, HANN = "rectangular", "hann"
-# By the names of scipy.signal.
-WINDOWS = {
-    RECTANGULAR: "boxcar",
-    HANN: "hann",
-    "hamming": "hamming",
-    "blackman": "blackman",
-    "blackmanharris": "blackmanharris",
-    "flattop": "flattop",
-}
 MEASURED = 512  # samples of a window that is measured
 FINE = 64  # places between two lines where its transform is taken
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from evolvent.commands.command_line import WrongUsageError, argument, option
 from evolvent.commands.post.common import complain, open_with_warning
-from evolvent.commands.program import option
+from evolvent.commands.program import say
 from evolvent.errors import USAGE, HistoryError, writing
 from evolvent.history import file_label
-from evolvent.pages import animation
 
 
 def animate(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")],
+    file: Annotated[Path, argument("FILE", "History (.h5).")],
     output: Annotated[
         Path | None,
         option(
@@ -66,9 +64,11 @@ def animate(
       evolvent-post animate rattle.h5 -o rattle.mp4 --mesh pinion-gear --from 0.1 --to 0.11
       evolvent-post animate tip-relief.h5 -o relief.gif --mesh pinion-gear --exaggerate 50
     """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.pages import animation
+
     path = output if output is not None else Path(f"{file_label(file)}.gif")
     if speed is not None and not 0.0 < speed < float("inf"):
-        raise typer.BadParameter(f"{speed} is not greater than 0", param_hint="--speed")
+        raise WrongUsageError(f"{speed} is not greater than 0", "--speed")
     animation.check_format(path)
     with writing(path), open_with_warning(file) as history:
         names = [str(name) for name in history["mesh"].values]
@@ -82,4 +82,4 @@ def animate(
             )
         number = None if mesh is None else names.index(mesh)
         animation.animate(history, path, clip, number, dpi, exaggerate)
-    typer.echo(path)
+    say(path)

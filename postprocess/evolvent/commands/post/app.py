@@ -2,17 +2,20 @@
 
 from evolvent.commands.program import make_program
 
-COMMANDS = (
-    "animate",
-    "check",
-    "plot",
-    "report",
-    "compare",
-    "spectrum",
-    "waterfall",
-    "sidebands",
-    "campbell",
-)
+COMMANDS = {
+    "animate": "Write a moving picture: the turning wheels and the forces on their teeth.",
+    "check": "Check the invariants of runs: what must hold whatever the case.",
+    "plot": "Draw quantities over time, the roll angle or the path of contact; several histories "
+    "in one.",
+    "report": "Write one self-contained HTML page about a run.",
+    "compare": "Show the largest difference of every variable of two runs.",
+    "spectrum": "Show the lines of a signal: amplitudes and phases over frequency or order.",
+    "waterfall": "Show how the lines of a signal change with the speed: an order map.",
+    "sidebands": "Show the lines beside the orders of a mesh, wheel by wheel, and how much they "
+    "modulate it.",
+    "campbell": "Show at which speeds the orders of meshes and wheels meet the natural "
+    "frequencies.",
+}
 TEXT = """Check, draw and compare the histories that `evolvent run` writes.
 
     \b

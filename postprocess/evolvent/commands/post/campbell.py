@@ -5,22 +5,20 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
-import typer
-import xarray as xr
-from rich.markup import escape
-from rich.table import Table
-
+from evolvent.commands.command_line import WrongUsageError, argument, option
 from evolvent.commands.post.gearbox import Gearbox
 from evolvent.commands.post.signal_options import RPM, check_outputs, write_outputs
-from evolvent.commands.program import new_console, option, right
+from evolvent.commands.program import new_console, right, say
 from evolvent.errors import writing
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def campbell(
-    case: Annotated[Path, typer.Argument(metavar="CASE.yaml", help="Case.")],
+    case: Annotated[Path, argument("CASE.yaml", "Case.")],
     speeds: Annotated[str, option("--speeds FROM:TO", "Range of speeds [rpm], such as 500:12000.")],
     output: Annotated[
         list[Path] | None,
@@ -57,6 +55,8 @@ def campbell(
     Example:
       evolvent-post campbell examples/compliant-pair.yaml --speeds 500:12000 -o c.png -o c.h5
     """  # noqa: D301 - \b keeps click from filling the lines
+    import numpy as np
+
     from evolvent.signals.campbell import crossings
     from evolvent.signals.results import campbell_result
 
@@ -81,11 +81,11 @@ def campbell(
         [p for p in output or () if p.suffix.lower() != ".csv"], [("", result)], "campbell"
     )
     if as_json:
-        typer.echo(json.dumps(_rows(result), indent=2))
+        say(json.dumps(_rows(result), indent=2))
         return
     _print(result, case, modes.remark)
     for path in output or ():
-        typer.echo(path)
+        say(path)
 
 
 def _range(text: str) -> tuple[float, float]:
@@ -96,9 +96,7 @@ def _range(text: str) -> tuple[float, float]:
     except ValueError:
         found = math.nan, math.nan
     if not 0 <= found[0] < found[1] < math.inf:
-        raise typer.BadParameter(
-            f"{text} is no range of speeds in rpm, such as 500:12000", param_hint="--speeds"
-        )
+        raise WrongUsageError(f"{text} is no range of speeds in rpm, such as 500:12000", "--speeds")
     return found
 
 
@@ -125,6 +123,9 @@ def _csv(result: xr.Dataset) -> str:
 
 
 def _print(result: xr.Dataset, case: Path, remark: str) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
     console = new_console()
     console.print(f"{case}: {remark}", highlight=False, markup=False)
     natural = Table(*map(right, ("mode", "natural frequency", "damping ratio")), box=None)

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
-
-import typer
-from rich.markup import escape
-from rich.table import Table
+from typing import TYPE_CHECKING, Any
 
 from evolvent.commands.post.common import BROKEN, AsJson, Files, complain
-from evolvent.commands.program import json_number, new_console, right
+from evolvent.commands.program import json_number, new_console, right, say
 from evolvent.errors import BAD_INPUT, HistoryError
-from evolvent.history import open_history, run_warning
-from evolvent.physics.invariants import Verdict, check_history
+from evolvent.history import open_recording, run_warning
+
+if TYPE_CHECKING:
+    from evolvent.physics.invariants import Verdict
 
 
 def check(files: Files, as_json: AsJson = False) -> None:
@@ -25,29 +23,34 @@ def check(files: Files, as_json: AsJson = False) -> None:
     Example:
       evolvent-post check paper.h5 paper-friction.h5
     """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.physics.invariants import check_history
+
     checked: list[tuple[Path, str | None, list[Verdict]]] = []
     unreadable = False
     for path in files:
         try:
-            with open_history(path) as history:
+            with open_recording(path) as history:
                 checked.append((path, run_warning(history), check_history(history)))
         except HistoryError as error:
             complain(str(error))
             unreadable = True
     if as_json:
-        typer.echo(json.dumps([_verdicts_as_json(*one) for one in checked], indent=2))
+        say(json.dumps([_verdicts_as_json(*one) for one in checked], indent=2))
     else:
         for path, warning, verdicts in checked:
             if warning:
                 complain(f"{path}: {warning}")
             _print_verdicts(path, verdicts)
     if unreadable:
-        raise typer.Exit(BAD_INPUT)
+        raise SystemExit(BAD_INPUT)
     if any(verdict.failed for _, _, verdicts in checked for verdict in verdicts):
-        raise typer.Exit(BROKEN)
+        raise SystemExit(BROKEN)
 
 
 def _print_verdicts(path: Path, verdicts: list[Verdict]) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
     table = Table(
         "invariant", right("worst"), right("bound"), "relative to", "where", "verdict",
         title=escape(str(path)), title_justify="left", title_style="bold", box=None,

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import typer
-import xarray as xr
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import WrongUsageError, argument, option
+from evolvent.commands.program import say
 from evolvent.history import HISTORY, file_label, open_result, run_warning
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 BROKEN = 1
 
-Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Histories (.h5).")]
-File = Annotated[Path, typer.Argument(metavar="FILE", help="History (.h5).")]
+Files = Annotated[list[Path], argument("FILE", "Histories (.h5).")]
+File = Annotated[Path, argument("FILE", "History (.h5).")]
 AsJson = Annotated[bool, option("--json", "Write JSON, for scripts.")]
 
 
 def complain(message: str) -> None:
     """Write a message to stderr."""
-    typer.echo(f"evolvent-post: {message}", err=True)
+    say(f"evolvent-post: {message}", err=True)
 
 
 def open_with_warning(path: Path, *kinds: str) -> xr.Dataset:
@@ -38,4 +39,4 @@ def labels(files: list[Path]) -> list[str]:
         names = ["/".join([*p.parts[-parts:-1], file_label(p)]).lstrip("/") for p in files]
         if len(set(names)) == len(names):
             return names
-    raise typer.BadParameter("the same file is given twice", param_hint="FILE")
+    raise WrongUsageError("the same file is given twice", "FILE")

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-import xarray as xr
-from rich.markup import escape
-from rich.table import Table
-
+from evolvent.commands.command_line import argument, option
 from evolvent.commands.post.common import BROKEN, AsJson, complain, open_with_warning
-from evolvent.commands.program import json_number, new_console, option, right
-from evolvent.physics.compare import compare_histories
+from evolvent.commands.program import json_number, new_console, right, say
 from evolvent.units import displayed
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def compare(
-    first: Annotated[Path, typer.Argument(metavar="A", help="History (.h5).")],
-    second: Annotated[Path, typer.Argument(metavar="B", help="History (.h5) of a like run.")],
+    first: Annotated[Path, argument("A", "History (.h5).")],
+    second: Annotated[Path, argument("B", "History (.h5) of a like run.")],
     tolerance: Annotated[
         float | None, option("--tolerance X", "Largest relative difference accepted.", min=0.0)
     ] = None,
@@ -33,12 +31,14 @@ def compare(
     Example:
       evolvent-post compare closed_form.h5 differential.h5 --tolerance 1e-6
     """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.physics.compare import compare_histories
+
     with open_with_warning(first) as one, open_with_warning(second) as two:
         result = compare_histories(one, two)
     relative = result["relative"].values
     beyond = relative > tolerance if tolerance is not None else relative < 0.0
     if as_json:
-        typer.echo(json.dumps(_differences_as_json(result), indent=2))
+        say(json.dumps(_differences_as_json(result), indent=2))
     else:
         _print_differences(result, beyond.tolist())
     if beyond.any():
@@ -47,10 +47,13 @@ def compare(
             f"{int(beyond.sum())} variables differ by more than {tolerance:g}, most of all "
             f"{worst['variable'].item()} by {worst['relative'].item():.3g} of its largest value"
         )
-        raise typer.Exit(BROKEN)
+        raise SystemExit(BROKEN)
 
 
 def _print_differences(result: xr.Dataset, beyond: list[bool]) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
     table = Table("variable", right("largest difference"), right("relative"), "where", box=None)
     rows = result.to_dataframe().assign(beyond=beyond)
     differing = rows[rows["absolute"] != 0.0]

@@ -7,13 +7,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from evolvent.errors import BAD_INPUT, USAGE, EvolventError
-from evolvent.signals.campbell import Excitation
-from evolvent.sweep.program import call, find_program, last_message
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from evolvent.signals.campbell import Excitation
 
 KEYS = ("natural_frequency", "damping_ratio")
 
@@ -87,6 +88,8 @@ class Gearbox:
 
     def excitations(self, axis: str, mesh_orders: int, wheel_orders: int) -> list[Excitation]:
         """Orders of all meshes and wheels, by turns of the wheel `axis`; equal ones once."""
+        from evolvent.signals.campbell import Excitation
+
         teeth = {wheel["name"]: wheel.get("teeth", 0) for wheel in self.told["case"]["wheels"]}
         rates = [
             ("mesh", mesh["name"], self._ratio(mesh["driving"], axis) * teeth[mesh["driving"]])
@@ -117,6 +120,8 @@ class Gearbox:
         EvolventError
             There is no steady state at any speed, or nothing rings.
         """
+        import numpy as np
+
         setting = self._speed_setting(axis)
         if setting is None:
             rows: list[Row] = [self._modes_with()] * speed.size
@@ -189,6 +194,8 @@ class Gearbox:
 
 def _run(command: str, path: Path, settings: Sequence[str], *options: str) -> str:
     """Answer of the program in JSON."""
+    from evolvent.sweep.program import call, find_program, last_message
+
     words = [word for setting in settings for word in ("--set", setting)]
     done = call(find_program(), command, path, *options, *words, "--json")
     if done.returncode != 0:

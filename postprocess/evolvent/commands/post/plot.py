@@ -6,27 +6,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-import xarray as xr
-from matplotlib.figure import Figure
-from rich.markup import escape
-from rich.table import Table
-
+from evolvent.commands.command_line import WrongUsageError, argument, option
 from evolvent.commands.post.common import complain, labels, open_with_warning
 from evolvent.commands.post.signal_options import WHOLE_TIME, OptionFrom, OptionTo
-from evolvent.commands.program import new_console, option
+from evolvent.commands.program import new_console, say
 from evolvent.errors import USAGE, HistoryError, writing
-from evolvent.figures.pairs import last_pitches
-from evolvent.figures.quantities import X, draw_quantities
-from evolvent.figures.style import Format, save
-from evolvent.figures.table import FIGURES, Drawing, Run, along_path, pairs, path
+from evolvent.figures.formats import Format
 from evolvent.history import DRAWN, HISTORY, WHAT, open_events, result_kind
-from evolvent.physics.numbers import steady_window
-from evolvent.signals.selection import over_time as variables_over_time
-from evolvent.signals.selection import unknown
 from evolvent.units import displayed
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from evolvent.figures.table import Drawing, Run
 
 Names = list[str] | None
 WIDE = 240  # letters of a line of a list that a script reads
@@ -57,9 +52,7 @@ class Choice:
 
 
 def plot(
-    files: Annotated[
-        list[Path] | None, typer.Argument(metavar="FILE", help="Histories (.h5).")
-    ] = None,
+    files: Annotated[list[Path] | None, argument("FILE", "Histories (.h5).")] = None,
     output: Annotated[Path, option("-o --output DIR", "Folder for the figures.")] = Path(),
     file_format: Annotated[Format, option("--format", "File format.")] = Format.PNG,
     quantities: Annotated[
@@ -126,25 +119,26 @@ def plot(
       evolvent-post plot spur-pair.h5 --quantity pair_sliding_velocity --over path
       evolvent-post plot spur-pair-static.h5
     """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.figures.style import save
+    from evolvent.figures.table import FIGURES, pairs
+
     if only_list:
         _list(files or [])
         return
     if not files:
-        raise typer.BadParameter("missing", param_hint="FILE")
+        raise WrongUsageError("missing", "FILE")
     if whole and (begin, end, last) != (*WHOLE_TIME, None):
-        raise typer.BadParameter(
-            "shows all: leave out --from, --to and --last-pitches", param_hint="--whole"
-        )
+        raise WrongUsageError("shows all: leave out --from, --to and --last-pitches", "--whole")
     requests = [[name.strip() for name in text.split(",")] for text in quantities or ()]
     requests += [[pairs.name]] if with_pairs and [pairs.name] not in requests else []
     if over_time and [pairs.name] not in requests:
-        raise typer.BadParameter("is for --pairs", param_hint="--over-time")
+        raise WrongUsageError("is for --pairs", "--over-time")
     choice = Choice(
         _chosen({"mesh": mesh, "wheel": wheel, "pair": pair, "axis": axis}, others),
         Over.TIME if over_time else over,
     )
     if choice and not requests:
-        raise typer.BadParameter(f"is needed by {choice.options()}", param_hint="--quantity")
+        raise WrongUsageError(f"is needed by {choice.options()}", "--quantity")
     runs = [
         _open(file, label, (begin, end), last, whole)
         for file, label in zip(files, labels(files), strict=True)
@@ -160,11 +154,13 @@ def plot(
         with writing(target):
             output.mkdir(parents=True, exist_ok=True)
             save(figure, target)
-        typer.echo(target)
+        say(target)
 
 
 def _draw(names: list[str], runs: list[Run], choice: Choice) -> dict[str, Figure]:
     """Draw one picture, or one of each run, by the names of their files."""
+    from evolvent.figures.table import FIGURES
+
     row = FIGURES.get(names[0]) if len(names) == 1 else None
     name = "-".join(names)
     if row is None:
@@ -179,6 +175,9 @@ def _draw(names: list[str], runs: list[Run], choice: Choice) -> dict[str, Figure
 
 def _draw_row(row: Drawing, runs: list[Run], choice: Choice) -> Figure:
     """Draw a picture of the table, with what it can choose."""
+    from evolvent.figures.quantities import X
+    from evolvent.figures.table import pairs, path
+
     if not choice:
         return row(*runs)
     if row is pairs and not choice.names and choice.over is not Over.PATH:
@@ -198,6 +197,11 @@ def _draw_row(row: Drawing, runs: list[Run], choice: Choice) -> Figure:
 
 def _draw_variables(names: Sequence[str], runs: list[Run], choice: Choice) -> Figure:
     """Draw any variables of histories."""
+    from evolvent.figures.quantities import X, draw_quantities
+    from evolvent.figures.table import FIGURES, along_path
+    from evolvent.signals.selection import over_time as variables_over_time
+    from evolvent.signals.selection import unknown
+
     for run in runs:
         for name in names:
             if result_kind(run.history) != HISTORY:
@@ -223,6 +227,8 @@ def _draw_variables(names: Sequence[str], runs: list[Run], choice: Choice) -> Fi
 
 def _expanded(names: Sequence[str]) -> list[str]:
     """Variables of pictures among variables, such as angular_velocity for speeds."""
+    from evolvent.figures.table import FIGURES
+
     found: list[str] = []
     for name in names:
         row = FIGURES.get(name)
@@ -236,7 +242,7 @@ def _chosen(given: dict[str, Names], others: Names) -> dict[str, list[str]]:
     for text in others or ():
         dim, equals, name = text.partition("=")
         if not (dim and equals and name):
-            raise typer.BadParameter(f"{text} is no DIM=NAME", param_hint="--select")
+            raise WrongUsageError(f"{text} is no DIM=NAME", "--select")
         chosen.setdefault(dim, []).append(name)
     return chosen
 
@@ -245,6 +251,10 @@ def _open(
     file: Path, label: str, times: tuple[float, float], last: float | None, whole: bool
 ) -> Run:
     """Open a file of any kind that has figures; of a history what is to be shown."""
+    from evolvent.figures.pairs import last_pitches
+    from evolvent.figures.table import Run
+    from evolvent.physics.numbers import steady_window
+
     result = open_with_warning(file, HISTORY, *DRAWN)
     is_chosen = times != WHOLE_TIME or last is not None
     kind = result_kind(result)
@@ -275,6 +285,12 @@ def _between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
 
 def _list(files: Sequence[Path]) -> None:
     """Print the table of the pictures, and of all variables of files."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    from evolvent.figures.table import FIGURES, Run
+    from evolvent.signals.selection import over_time as variables_over_time
+
     console = new_console()
     if not console.is_terminal:
         console.width = WIDE

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from evolvent.commands.command_line import option
 from evolvent.commands.post.common import File, open_with_warning
-from evolvent.commands.program import option
+from evolvent.commands.program import say
 from evolvent.errors import writing
 from evolvent.history import file_label, open_events
 
@@ -46,4 +45,4 @@ def report(
         page = make_report(history, events, interactive, (begin, end))
     with writing(path):
         path.write_text(page, encoding="utf-8")
-    typer.echo(path)
+    say(path)

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-import xarray as xr
-from rich.markup import escape
-from rich.table import Table
-
+from evolvent.commands.command_line import option
 from evolvent.commands.post.common import AsJson, File, open_with_warning
 from evolvent.commands.post.signal_options import (
     WHOLE_TIME,
@@ -23,16 +19,16 @@ from evolvent.commands.post.signal_options import (
     OptionWheel,
     choice,
 )
-from evolvent.commands.program import json_number, new_console, option, right
+from evolvent.commands.program import json_number, new_console, right, say
 from evolvent.errors import HistoryError
 from evolvent.history import source_name
-from evolvent.signals.results import told_sampling
-from evolvent.signals.sampling import EVEN, between, check_reach, last_periods, read_record
-from evolvent.signals.selection import select
-from evolvent.signals.sidebands import Sideband, phase
-from evolvent.signals.sidebands import sidebands as find_sidebands
-from evolvent.signals.turning import find_mesh, ratio, wheels_of
 from evolvent.units import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from rich.table import Table
+
+    from evolvent.signals.sidebands import Sideband
 
 
 def sidebands(
@@ -59,6 +55,9 @@ def sidebands(
     Example:
       evolvent-post sidebands compliant-pair.h5 --carriers 1
     """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.signals.sampling import between
+    from evolvent.signals.selection import select
+
     chosen = choice(None, wheel, pair, axis, others)
     history = open_with_warning(file)
     with history:
@@ -71,7 +70,7 @@ def sidebands(
     units = str(signal.attrs["units"])
     what = f"{file}: {name}" + (f" of {signal.attrs['place']}" if signal.attrs["place"] else "")
     if as_json:
-        typer.echo(json.dumps([_as_json(band) for band in found], indent=2))
+        say(json.dumps([_as_json(band) for band in found], indent=2))
         return
     console = new_console()
     for line in [what, *remarks]:
@@ -83,6 +82,11 @@ def _find(
     history: xr.Dataset, signal: xr.DataArray, mesh: str, carriers: int, sides: int
 ) -> tuple[list[Sideband], list[str]]:
     """Sidebands of both wheels of a mesh, and over which part of the record."""
+    from evolvent.signals.results import told_sampling
+    from evolvent.signals.sampling import EVEN, check_reach, last_periods, read_record
+    from evolvent.signals.sidebands import sidebands as find_sidebands
+    from evolvent.signals.turning import find_mesh, ratio, wheels_of
+
     label = source_name(history)
     of = find_mesh(history, mesh)
     record = read_record(history, signal, of)
@@ -107,6 +111,11 @@ def _find(
 
 
 def _table(found: list[Sideband], units: str) -> Table:
+    from rich.markup import escape
+    from rich.table import Table
+
+    from evolvent.signals.sidebands import phase
+
     table = Table(
         "line", *map(right, ("order", "amplitude", "phase", "amplitude modulation")),
         right("phase modulation"), box=None,
@@ -132,6 +141,8 @@ def _table(found: list[Sideband], units: str) -> Table:
 
 
 def _as_json(band: Sideband) -> dict[str, Any]:
+    from evolvent.signals.sidebands import phase
+
     lines = {"carrier": band.carrier, "lower": band.lower, "upper": band.upper}
     return {
         "mesh_order": band.mesh_order,

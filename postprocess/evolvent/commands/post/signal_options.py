@@ -7,19 +7,17 @@ import re
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-import xarray as xr
-
+from evolvent.commands.command_line import WrongUsageError, option
 from evolvent.commands.post.common import open_with_warning
-from evolvent.commands.program import option
 from evolvent.errors import USAGE, EvolventError, replacing, writing
-from evolvent.figures.style import Format, save
+from evolvent.figures.formats import Format
 from evolvent.history import HISTORY
-from evolvent.signals.sampling import between
-from evolvent.signals.selection import select
-from evolvent.signals.windows import WINDOWS
+from evolvent.signals.window_names import WINDOWS
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Window = StrEnum("Window", list(WINDOWS))  # type: ignore[misc]  # its members are a table
 DATA = "h5"
@@ -43,7 +41,7 @@ def seconds(text: str | float) -> float:
     try:
         return float(match[1]) * TIMES[match[2] or "s"] if match else float(text)
     except (KeyError, ValueError):
-        raise typer.BadParameter(
+        raise WrongUsageError(
             f"{text} is no time, such as 0.025 or 25ms; units are {', '.join(TIMES)}"
         ) from None
 
@@ -85,7 +83,7 @@ def choice(
     for text in others or ():
         dim, equals, name = text.partition("=")
         if not (dim and equals and name):
-            raise typer.BadParameter(f"{text} is no DIM=NAME", param_hint="--select")
+            raise WrongUsageError(f"{text} is no DIM=NAME", "--select")
         chosen[dim] = name
     return {dim: name for dim, name in chosen.items() if name is not None}
 
@@ -94,6 +92,9 @@ def open_signal(
     path: Path, quantity: str, chosen: dict[str, str], begin: float, end: float
 ) -> tuple[xr.Dataset, xr.DataArray]:
     """Part of a history between two times, and one variable of it."""
+    from evolvent.signals.sampling import between
+    from evolvent.signals.selection import select
+
     history = open_with_warning(path, HISTORY)
     part = between(history, begin, end)
     return part, select(part, quantity, chosen)
@@ -111,9 +112,7 @@ def check_outputs(outputs: Sequence[Path] | None, results: int, *more: str) -> N
         ending = path.suffix.lstrip(".").lower()
         if ending not in endings:
             known = ", ".join(f".{known}" for known in endings[:-1])
-            raise typer.BadParameter(
-                f"{path} must end in {known} or .{endings[-1]}", param_hint="--output"
-            )
+            raise WrongUsageError(f"{path} must end in {known} or .{endings[-1]}", "--output")
         if ending == DATA and results > 1:
             raise EvolventError(
                 f"{path}: holds one result, and there are {results} histories; write the numbers "
@@ -138,13 +137,14 @@ def write_outputs(
     -------
     What was written.
     """
-    from evolvent.figures.table import FIGURES, Run
-
     for path in outputs or ():
         if path.suffix.lower() == f".{DATA}":
             with replacing(path) as temporary:
                 results[0][1].to_netcdf(temporary, engine="h5netcdf")
             continue
+        from evolvent.figures.style import save
+        from evolvent.figures.table import FIGURES, Run
+
         figure = FIGURES[row](*(Run(result, label=label) for label, result in results), **options)
         with writing(path):
             save(figure, path)

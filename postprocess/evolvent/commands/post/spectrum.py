@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-import xarray as xr
-from rich.table import Table
-
+from evolvent.commands.command_line import WrongUsageError, option
 from evolvent.commands.post.common import AsJson, Files, complain, labels
 from evolvent.commands.post.signal_options import (
     RPM,
@@ -29,8 +26,11 @@ from evolvent.commands.post.signal_options import (
     open_signal,
     write_outputs,
 )
-from evolvent.commands.program import json_number, new_console, option, right
+from evolvent.commands.program import json_number, new_console, right, say
 from evolvent.units import displayed, quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def spectrum(
@@ -84,12 +84,12 @@ def spectrum(
         results.append((label, result))
     written = write_outputs(output, results, "spectrum")
     if as_json:
-        typer.echo(json.dumps([_as_json(result, count) for _, result in results], indent=2))
+        say(json.dumps([_as_json(result, count) for _, result in results], indent=2))
         return
     for _, result in results:
         _print(result, count)
     for path in written:
-        typer.echo(path)
+        say(path)
 
 
 def make_spectrum(
@@ -104,7 +104,7 @@ def make_spectrum(
     from evolvent.history import source_name
     from evolvent.signals import results, sampling
     from evolvent.signals.spectrum import line_spectrum
-    from evolvent.signals.windows import HANN, RECTANGULAR
+    from evolvent.signals.window_names import HANN, RECTANGULAR
     from evolvent.signals.windows import window as window_of
 
     label = source_name(history)
@@ -113,7 +113,7 @@ def make_spectrum(
     if of is not None:
         record = sampling.last_periods(record, label, periods)
     elif periods is not None:
-        raise typer.BadParameter("is for --order-of", param_hint="--periods")
+        raise WrongUsageError("is for --order-of", "--periods")
     elif (change := sampling.speed_change(history)) > sampling.STEADY:
         complain(
             f"{label}: the speed changes by {100 * change:.2g} %, which smears lines over "
@@ -128,6 +128,8 @@ def make_spectrum(
 
 def _print(result: xr.Dataset, count: int) -> None:
     """Say what was done, and show the largest lines."""
+    from rich.table import Table
+
     console = new_console()
     for line in told(result):
         console.print(line, highlight=False, markup=False)

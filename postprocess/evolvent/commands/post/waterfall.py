@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import typer
-import xarray as xr
-from rich.table import Table
-
+from evolvent.commands.command_line import option
 from evolvent.commands.post.common import Files, labels
 from evolvent.commands.post.signal_options import (
     RPM,
@@ -27,9 +24,11 @@ from evolvent.commands.post.signal_options import (
     open_signal,
     write_outputs,
 )
-from evolvent.commands.program import new_console, option, right
-from evolvent.signals.spectrum import ROUNDING
+from evolvent.commands.program import new_console, right, say
 from evolvent.units import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def waterfall(
@@ -83,7 +82,7 @@ def waterfall(
     for _, result in results:
         _print(result)
     for path in written:
-        typer.echo(path)
+        say(path)
 
 
 def make_map(
@@ -99,7 +98,7 @@ def make_map(
     from evolvent.history import source_name
     from evolvent.signals import results, sampling
     from evolvent.signals.order_map import order_map
-    from evolvent.signals.windows import RECTANGULAR
+    from evolvent.signals.window_names import RECTANGULAR
 
     label = source_name(history)
     of = sampling.counted_over(history, order_of) or sampling.counted_over(
@@ -114,6 +113,10 @@ def make_map(
 
 def _print(result: xr.Dataset) -> None:
     """Say what was done, and where each of the largest whole orders is largest."""
+    from rich.table import Table
+
+    from evolvent.signals.spectrum import ROUNDING
+
     a = result.attrs
     console = new_console()
     periods = str(result["window_length"].attrs["long_name"]).split()[0]

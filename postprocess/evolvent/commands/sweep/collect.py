@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from evolvent.commands.program import option
+from evolvent.commands.command_line import option
 from evolvent.commands.sweep import console
 from evolvent.commands.sweep.common import Folder, OtherDesign
-from evolvent.sweep import folder
-from evolvent.sweep.collect import collect as make_summary
 
 
 def collect(
@@ -29,6 +27,9 @@ def collect(
     Example:
       evolvent-sweep collect torque -o torque-summary.h5 --parquet torque.parquet
     """  # noqa: D301
+    from evolvent.sweep import folder
+    from evolvent.sweep.collect import collect as make_summary
+
     design = folder.design_of(directory, other_design)
     collected = make_summary(
         directory, design, output, copy_histories=copy_histories, parquet=parquet

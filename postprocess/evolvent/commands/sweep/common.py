@@ -5,15 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import argument, option
 from evolvent.commands.sweep import console
 from evolvent.errors import FAILED_CASES
-from evolvent.sweep import folder
 
-DesignFile = Annotated[Path, typer.Argument(metavar="DESIGN", help="Design (.h5), from `plan`.")]
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the results.")]
+DesignFile = Annotated[Path, argument("DESIGN", "Design (.h5), from `plan`.")]
+Folder = Annotated[Path, argument("DIR", "Folder of the results.")]
 Into = Annotated[Path, option("-o --output DIR", "Folder for the results.")]
 OtherDesign = Annotated[Path | None, option("--design DESIGN", "Design, if DIR has no design.h5.")]
 Jobs = Annotated[int | None, option("--jobs J", "Worker processes; all cores if not given.", min=1)]
@@ -21,6 +18,7 @@ Jobs = Annotated[int | None, option("--jobs J", "Worker processes; all cores if 
 
 def told(directory: Path, code: int) -> int:
     """Say how a run ended; return its exit code."""
+    from evolvent.sweep import folder
     from evolvent.sweep.status import read_status
 
     found = read_status(directory, folder.design_of(directory))

@@ -6,19 +6,17 @@ import math
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-import xarray as xr
-from rich.markup import escape
-from rich.table import Table
+from evolvent.commands.program import new_console, right, say
 
-from evolvent.commands.program import new_console, right
-from evolvent.sweep.check import Checked
-from evolvent.sweep.design import Design
-from evolvent.sweep.estimate import span
-from evolvent.sweep.journal import Records
-from evolvent.sweep.status import Reason, Status, listed
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from evolvent.sweep.check import Checked
+    from evolvent.sweep.design import Design
+    from evolvent.sweep.journal import Records
+    from evolvent.sweep.status import Reason, Status
 
 FIRST_ROWS = 8
 MOST_REASONS = 8
@@ -27,11 +25,14 @@ MOST_VALUES = 8  # of the row of a case
 
 def complain(message: str) -> None:
     """Print an error or a warning."""
-    typer.echo(f"evolvent-sweep: {message}", err=True)
+    say(f"evolvent-sweep: {message}", err=True)
 
 
 def show_design(design: Design) -> None:
     """Print the number of cases and the first of them."""
+    from rich.markup import escape
+    from rich.table import Table
+
     new_console().print(
         f"{design.n_cases} cases by {design.method}, seed {design.seed}", highlight=False
     )
@@ -47,8 +48,10 @@ def show_design(design: Design) -> None:
 
 def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) -> None:
     """Print how long a design will take."""
+    from evolvent.sweep.estimate import span
+
     least = "at least " if is_bound else "about "
-    typer.echo(
+    say(
         f"{least}{_duration(seconds)} a case: {least}{span(n_cases * seconds / n_cores)} on "
         f"{n_cores} cores here"
     )
@@ -63,7 +66,7 @@ def show_refusals(sweep: Path, design: Design, checked: Checked) -> None:
         )
         more = ", ..." if len(design.parameters) > MOST_VALUES else ""
         first = "first " if reason.count > 1 else ""
-        typer.echo(
+        say(
             f"  {reason.count} x {reason.example} ({first}case {reason.case}: {row}{more})",
             err=True,
         )
@@ -72,13 +75,15 @@ def show_refusals(sweep: Path, design: Design, checked: Checked) -> None:
 
 def show_counts(directory: Path, found: Status) -> None:
     """Print what became of the cases, in one line."""
-    typer.echo(f"{directory}: {found.counts}")
+    say(f"{directory}: {found.counts}")
     if found.counts.unfinished:
-        typer.echo(f"why they did not finish: evolvent-sweep status {directory}")
+        say(f"why they did not finish: evolvent-sweep status {directory}")
 
 
 def show_status(directory: Path, found: Status) -> None:
     """Print how far a sweep has come."""
+    from rich.table import Table
+
     table = Table(right(""), "", box=None, show_header=False)
     counts = found.counts
     number, _, words = counts.unfinished_text.partition(" ")
@@ -88,28 +93,32 @@ def show_status(directory: Path, found: Status) -> None:
     table.add_row(str(counts.n_cases), "cases")
     new_console().print(table)
     for reason in found.reasons[:MOST_REASONS]:
-        typer.echo(f"{reason.count} x {reason.example} (case {reason.case})")
+        say(f"{reason.count} x {reason.example} (case {reason.case})")
     _show_rest(found.reasons)
-    typer.echo(_pace(found))
+    say(_pace(found))
     if found.torn:
-        typer.echo(f"{found.torn} lines of the journals were cut off; they do not count")
+        say(f"{found.torn} lines of the journals were cut off; they do not count")
 
 
 def show_collected(output: Path, collected: Records) -> None:
     """Print what a summary holds, and what it lacks."""
-    typer.echo(f"{output}: {collected.counts}")
+    from evolvent.sweep.status import listed
+
+    say(f"{output}: {collected.counts}")
     if collected.holes.size:
-        typer.echo(f"missing: {listed(collected.holes)}")
+        say(f"missing: {listed(collected.holes)}")
     if collected.repeated.size:
-        typer.echo(f"recorded more than once, the latest counts: {listed(collected.repeated)}")
+        say(f"recorded more than once, the latest counts: {listed(collected.repeated)}")
     if collected.torn:
-        typer.echo(f"{collected.torn} lines of the journals were cut off; they do not count")
+        say(f"{collected.torn} lines of the journals were cut off; they do not count")
     if len(collected.versions) > 1:
         complain(f"the cases are of several versions of evolvent: {', '.join(collected.versions)}")
 
 
 def show_indices(indices: xr.Dataset) -> None:
     """Print sensitivity indices."""
+    from rich.table import Table
+
     kinds = [kind for kind in ("first_order", "total") if kind in indices]
     table = Table("parameter", *[right(kind.replace("_", " ")) for kind in kinds], box=None)
     for number, name in enumerate(indices["parameter"].values):
@@ -121,7 +130,7 @@ def show_indices(indices: xr.Dataset) -> None:
     new_console().print(table)
     if indices.attrs["left_out"]:
         left_out = indices.attrs["left_out"]
-        typer.echo(f"{left_out} cases are left out: they, or others of their group, have no result")
+        say(f"{left_out} cases are left out: they, or others of their group, have no result")
 
 
 def status_as_json(found: Status) -> dict[str, Any]:
@@ -140,6 +149,8 @@ def status_as_json(found: Status) -> dict[str, Any]:
 
 
 def _pace(found: Status) -> str:
+    from evolvent.sweep.estimate import span
+
     rate = f"{found.rate:.3g} cases a second" if math.isfinite(found.rate) else "no rate yet"
     if found.is_complete:
         return f"finished, {rate}" if math.isfinite(found.rate) else "finished"
@@ -155,7 +166,7 @@ def _pace(found: Status) -> str:
 def _show_rest(reasons: list[Reason], err: bool = False) -> None:
     if len(reasons) > MOST_REASONS:
         rest = sum(reason.count for reason in reasons[MOST_REASONS:])
-        typer.echo(f"{rest} for {len(reasons) - MOST_REASONS} other reasons", err=err)
+        say(f"{rest} for {len(reasons) - MOST_REASONS} other reasons", err=err)
 
 
 def _value(value: Any) -> str:
@@ -163,4 +174,6 @@ def _value(value: Any) -> str:
 
 
 def _duration(seconds: float) -> str:
+    from evolvent.sweep.estimate import span
+
     return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else span(seconds)

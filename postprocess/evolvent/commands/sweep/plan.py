@@ -5,18 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import argument, option
+from evolvent.commands.program import say
 from evolvent.commands.sweep import console
 from evolvent.errors import FAILED_CASES
-from evolvent.sweep.design import write_design
-from evolvent.sweep.estimate import seconds_per_case
-from evolvent.sweep.program import cores, find_program
 
 
 def plan(
-    sweep: Annotated[Path, typer.Argument(metavar="SWEEP", help="Plan (.yaml).")],
+    sweep: Annotated[Path, argument("SWEEP", "Plan (.yaml).")],
     output: Annotated[
         Path | None, option("-o --output DESIGN", "Design; SWEEP.h5 if not given.")
     ] = None,
@@ -36,7 +32,10 @@ def plan(
       evolvent-sweep plan examples/sweep-torque.yaml --dry-run
       evolvent-sweep plan examples/sweep-torque.yaml -o torque.h5
     """  # noqa: D301 - \b keeps click from filling the lines
+    from evolvent.sweep.design import write_design
+    from evolvent.sweep.estimate import seconds_per_case
     from evolvent.sweep.plan import make_plan
+    from evolvent.sweep.program import cores, find_program
 
     program = find_program()
     design, checked = make_plan(sweep, program)
@@ -47,7 +46,7 @@ def plan(
         console.show_estimate(design.n_cases, seconds, is_bound, cores())
     else:
         write_design(design, path)
-        typer.echo(f"{path}: {design.n_cases} cases")
+        say(f"{path}: {design.n_cases} cases")
     if checked.refused:
         console.show_refusals(sweep, design, checked)
-        raise typer.Exit(0 if keep_refused else FAILED_CASES)
+        raise SystemExit(0 if keep_refused else FAILED_CASES)

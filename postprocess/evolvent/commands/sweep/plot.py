@@ -5,15 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import WrongUsageError, argument, option
+from evolvent.commands.program import say
 from evolvent.commands.sweep import console
 from evolvent.errors import SweepError, writing
 
 
 def plot(
-    file: Annotated[Path, typer.Argument(metavar="SUMMARY", help="Summary (.h5).")],
+    file: Annotated[Path, argument("SUMMARY", "Summary (.h5).")],
     response: Annotated[
         str | None, option("-r --response NAME", "Result to draw; the first one.")
     ] = None,
@@ -31,13 +30,14 @@ def plot(
       evolvent-sweep plot torque-summary.h5 --response penetration_max --against torque
       evolvent-sweep plot torque-summary.h5 -a torque -a friction -o map.png
     """  # noqa: D301
-    from evolvent.figures.style import Format, save
+    from evolvent.figures.formats import Format
+    from evolvent.figures.style import save
     from evolvent.sweep import figures
     from evolvent.sweep.collect import open_summary
     from evolvent.sweep.sensitivity import sobol_indices
 
     if indices and against:
-        raise typer.BadParameter("has no meaning with --indices", param_hint="--against")
+        raise WrongUsageError("has no meaning with --indices", "--against")
     with open_summary(file) as summary:
         known = figures.with_role(summary, "result")
         if not known:
@@ -51,7 +51,7 @@ def plot(
             figure = figures.figure_response(summary, name, against or ())
     path = output or Path(f"{file.stem}-{name}{'-indices' if indices else ''}.png")
     if path.suffix.lstrip(".").lower() not in list(Format):
-        raise typer.BadParameter(f"{path} must end in .png, .svg or .pdf", param_hint="--output")
+        raise WrongUsageError(f"{path} must end in .png, .svg or .pdf", "--output")
     with writing(path):
         save(figure, path)
-    typer.echo(path)
+    say(path)

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
-import typer
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import WrongUsageError, option
+from evolvent.commands.program import say
 from evolvent.commands.sweep.common import Folder, Jobs, told
 from evolvent.commands.sweep.slurm_jobs import to_slurm
 from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
 from evolvent.errors import SweepError
-from evolvent.sweep import folder
-from evolvent.sweep.journal import read_records
-from evolvent.sweep.program import cores, find_program, program_version
-from evolvent.sweep.retry import folder_of_lists, retry_cases, write_lists
 
 
 @with_options_of_slurm
@@ -41,12 +35,19 @@ def retry(
       evolvent-sweep retry torque --failed
       evolvent-sweep retry torque --case 17 --slurm --time 00:30:00
     """  # noqa: D301
+    import numpy as np
+
+    from evolvent.sweep import folder
+    from evolvent.sweep.journal import read_records
+    from evolvent.sweep.program import cores, find_program, program_version
+    from evolvent.sweep.retry import folder_of_lists, retry_cases, write_lists
+
     if not failed and not case:
-        raise typer.BadParameter("say what to run again: --failed, or --case NUMBER")
+        raise WrongUsageError("say what to run again: --failed, or --case NUMBER")
     if not on_slurm and order != Order():
-        raise typer.BadParameter("options of Slurm go with --slurm only", param_hint="--slurm")
+        raise WrongUsageError("options of Slurm go with --slurm only", "--slurm")
     if on_slurm and jobs is not None:
-        raise typer.BadParameter("has no meaning with --slurm; take --cores", param_hint="--jobs")
+        raise WrongUsageError("has no meaning with --slurm; take --cores", "--jobs")
     program = find_program()
     if not (directory / folder.COPY).exists():
         what = f"has no {folder.COPY}" if directory.is_dir() else "no such folder"
@@ -56,11 +57,9 @@ def retry(
     wanted = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])
     outside = [number for number in wanted if not 0 <= number < design.n_cases]
     if outside:
-        raise typer.BadParameter(
-            f"{outside[0]}: the cases are 0 to {design.n_cases - 1}", param_hint="--case"
-        )
+        raise WrongUsageError(f"{outside[0]}: the cases are 0 to {design.n_cases - 1}", "--case")
     if not wanted:
-        typer.echo(f"{directory}: no case failed or was refused")
+        say(f"{directory}: no case failed or was refused")
         return
     if on_slurm:
         lists = folder_of_lists(directory)
@@ -68,4 +67,4 @@ def retry(
         to_slurm(program, directory, shards, order, lists)
         return
     code = retry_cases(program, directory, records, sorted(wanted), jobs or cores())
-    raise typer.Exit(told(directory, code))
+    raise SystemExit(told(directory, code))

@@ -5,14 +5,8 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated
 
-import typer
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import WrongUsageError, option
 from evolvent.commands.sweep.common import DesignFile, Into, Jobs, told
-from evolvent.sweep import dask, folder
-from evolvent.sweep.journal import read_records
-from evolvent.sweep.program import cores, find_program, program_version
-from evolvent.sweep.run import Tally, Work, run_shards
 
 
 class ExecutorName(StrEnum):
@@ -46,8 +40,13 @@ def run(
     Example:
       evolvent-sweep run torque.h5 -o torque
     """  # noqa: D301
+    from evolvent.sweep import dask, folder
+    from evolvent.sweep.journal import read_records
+    from evolvent.sweep.program import cores, find_program, program_version
+    from evolvent.sweep.run import Tally, Work, run_shards
+
     if scheduler is not None and executor is not ExecutorName.DASK:
-        raise typer.BadParameter("only with --executor dask", param_hint="--scheduler")
+        raise WrongUsageError("only with --executor dask", "--scheduler")
     program = find_program()
     design = folder.open_for_run(design_file, output, program_version(program))
     workers = jobs or cores()
@@ -61,4 +60,4 @@ def run(
         code = dask.run(work, todo, workers, scheduler, tally)
     else:
         code = run_shards(work, todo, workers, tally)
-    raise typer.Exit(told(output, code))
+    raise SystemExit(told(output, code))

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import option
+from evolvent.commands.program import say
 from evolvent.commands.sweep.common import DesignFile, Into
 from evolvent.commands.sweep.slurm_jobs import to_slurm
 from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
 from evolvent.errors import USAGE, SweepError
-from evolvent.sweep import folder
-from evolvent.sweep import slurm as scripts
-from evolvent.sweep.estimate import seconds_per_case
-from evolvent.sweep.journal import read_records
-from evolvent.sweep.program import find_program, program_version
 
 
 @with_options_of_slurm
@@ -37,6 +31,12 @@ def slurm(
     Example:
       evolvent-sweep slurm torque.h5 -o torque --shards 4 --time 00:30:00 --account gears
     """  # noqa: D301
+    from evolvent.sweep import folder
+    from evolvent.sweep import slurm as scripts
+    from evolvent.sweep.estimate import seconds_per_case
+    from evolvent.sweep.journal import read_records
+    from evolvent.sweep.program import find_program, program_version
+
     program = find_program()
     design = folder.open_for_run(design_file, output, program_version(program))
     records = read_records(output, design, scalars=False)
@@ -48,6 +48,6 @@ def slurm(
         raise SweepError(f"--shards {split}: the design has only {design.n_cases} cases", USAGE)
     todo = folder.remaining_shards(records.recorded, split)
     if not todo:
-        typer.echo(f"{output}: all {design.n_cases} cases are recorded; there is nothing to run")
+        say(f"{output}: all {design.n_cases} cases are recorded; there is nothing to run")
         return
     to_slurm(program, output, todo, order)

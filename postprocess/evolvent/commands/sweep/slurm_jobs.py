@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import typer
-
+from evolvent.commands.program import say
 from evolvent.commands.sweep.slurm_options import Order
-from evolvent.sweep import folder
-from evolvent.sweep import slurm as scripts
+
+if TYPE_CHECKING:
+    from evolvent.sweep import folder
 
 
 def to_slurm(
@@ -19,15 +20,18 @@ def to_slurm(
     lists: Path | None = None,
 ) -> None:
     """Write the scripts for these shards, and submit them if asked."""
+    from evolvent.sweep import folder
+    from evolvent.sweep import slurm as scripts
+
     arrays = scripts.split_arrays(shards, scripts.tasks_of_an_array())
     kept = directory / folder.COPY  # the copy stays as it is while the jobs wait
     files, collector = scripts.write_scripts(
         program, kept, directory, arrays, order.cpus, order.site, lists
     )
     for file in (*files, collector):
-        typer.echo(file)
+        say(file)
     if order.submit:
         jobs, last = scripts.submit(files, collector)
         kind = "job" if len(jobs) == 1 else f"{len(jobs)} arrays,"
         number = f"{len(shards)} shard{'s' if len(shards) > 1 else ''}"
-        typer.echo(f"submitted: {number} as {kind} {', '.join(jobs)}, the collector as {last}")
+        say(f"submitted: {number} as {kind} {', '.join(jobs)}, the collector as {last}")

@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
-from typing import Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
-from evolvent.commands.program import option
-from evolvent.sweep.slurm import Site
+from evolvent.commands.command_line import option
+
+if TYPE_CHECKING:
+    from evolvent.sweep.slurm import Site
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Order:
     @property
     def site(self) -> Site:
         """What stands in the head of the scripts."""
+        from evolvent.sweep.slurm import Site
+
         options, lines = tuple(self.options or ()), tuple(self.lines or ())
         return Site(self.account, self.partition, self.time, options, lines)
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 import json
 from typing import Annotated
 
-import typer
-
-from evolvent.commands.program import option
+from evolvent.commands.command_line import option
+from evolvent.commands.program import say
 from evolvent.commands.sweep import console
 from evolvent.commands.sweep.common import Folder, OtherDesign
-from evolvent.sweep import folder
-from evolvent.sweep.status import read_status
 
 
 def status(
@@ -25,8 +22,11 @@ def status(
     Example:
       evolvent-sweep status torque
     """  # noqa: D301
+    from evolvent.sweep import folder
+    from evolvent.sweep.status import read_status
+
     found = read_status(directory, folder.design_of(directory, other_design))
     if as_json:
-        typer.echo(json.dumps(console.status_as_json(found), indent=2))
+        say(json.dumps(console.status_as_json(found), indent=2))
     else:
         console.show_status(directory, found)

@@ -1,17 +1,22 @@
-"""Open a history file, or that of another analysis, as xarray datasets.
+"""Open a history file, or that of another analysis.
 
-The only module that knows how they lie on file; docs/result_format.md describes it.
+As datasets of xarray, or as a recording, which is read in pieces and needs no xarray. The only
+module that knows how they lie on file; docs/result_format.md describes it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from evolvent.errors import HistoryError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from evolvent.history.recording import Recording
 
 NEWEST_FORMAT = 1
 # values of the attribute `evolvent_kind`
@@ -73,17 +78,46 @@ def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
     path = Path(path)
     result = _open(path, None)
     try:
-        _check_format(path, result)
-        _check_kind(path, result, kinds)
+        _check_format(path, result.attrs)
+        _check_kind(path, result.attrs, result.sizes, kinds)
     except HistoryError:
         result.close()
         raise
     return result
 
 
+@contextmanager
+def open_recording(path: str | Path) -> Iterator[Recording]:
+    """Open a history to be read in pieces, with h5py alone.
+
+    Raises
+    ------
+    HistoryError
+        As for `open_history`.
+    """
+    from evolvent.history.recording import of_file
+
+    path = Path(path)
+    _check_file(path)
+    with _readable(path):
+        import h5py
+
+        file = h5py.File(path, "r")
+    with file:
+        with _readable(path):
+            recording = of_file(file, path.name)
+        _check_format(path, recording.attrs)
+        _check_kind(path, recording.attrs, recording.sizes, (HISTORY,))
+        yield recording
+
+
 def result_kind(result: xr.Dataset) -> str:
     """Which analysis a file is of; files of the first version do not say and are histories."""
-    return str(result.attrs.get("evolvent_kind", HISTORY))
+    return _kind(result.attrs)
+
+
+def _kind(attrs: Mapping[Any, Any]) -> str:
+    return str(attrs.get("evolvent_kind", HISTORY))
 
 
 def open_events(path: str | Path) -> xr.Dataset:
@@ -113,7 +147,7 @@ def open_events(path: str | Path) -> xr.Dataset:
     return events.assign(kind=_decode_flags(events["kind"]))
 
 
-def run_warning(history: xr.Dataset) -> str | None:
+def run_warning(history: xr.Dataset | Recording) -> str | None:
     """Say what has to be known of the end of a run: why it stopped, or that contact was lost.
 
     None if the run reached its end and there is nothing to say.
@@ -126,7 +160,7 @@ def run_warning(history: xr.Dataset) -> str | None:
         text = "the run goes on or was killed: its file was not closed"
     else:
         text = f"the run did not finish: {message or status}"
-    axis, symbol, unit = ("time", "t", "s") if "time" in history.dims else ("torque", "T", "N m")
+    axis, symbol, unit = ("time", "t", "s") if "time" in history.sizes else ("torque", "T", "N m")
     if history.sizes[axis] == 0:
         return f"{text} (there is no output)"
     return f"{text} (last output at {symbol} = {float(history[axis][-1]):.6g} {unit})"
@@ -145,22 +179,42 @@ def file_label(path: str | Path) -> str:
 def require(history: xr.Dataset, name: str) -> xr.DataArray:
     """Return a variable of a history, or say which file lacks it."""
     if name not in history:
-        raise HistoryError(f"{source_name(history)}: has no variable `{name}`")
+        raise lacking(source_name(history), name)
     return history[name]
 
 
+def lacking(source: str, name: str) -> HistoryError:
+    """Say that a history has not a variable that is needed."""
+    return HistoryError(
+        f"{source}: has no variable `{name}`; run the case again with it among its outputs"
+    )
+
+
 def _open(path: Path, group: str | None) -> xr.Dataset:
+    import xarray as xr
+
+    _check_file(path)
+    with _readable(path, group):
+        # Times stay seconds since the start of the run; xarray would make dates of some units.
+        return xr.open_dataset(
+            path, engine="h5netcdf", group=group, decode_times=False, phony_dims="access"
+        )
+
+
+def _check_file(path: Path) -> None:
     if not path.exists():
         partial = path.with_name(path.name + ".partial")
         hint = f"; its run did not finish, but there is {partial.name}" if partial.exists() else ""
         raise HistoryError(f"{path}: no such file{hint}")
     if path.is_dir():
         raise HistoryError(f"{path}: is a folder, not a history")
+
+
+@contextmanager
+def _readable(path: Path, group: str | None = None) -> Iterator[None]:
+    """Say why a file cannot be opened."""
     try:
-        # Times stay seconds since the start of the run; xarray would make dates of some units.
-        return xr.open_dataset(
-            path, engine="h5netcdf", group=group, decode_times=False, phony_dims="access"
-        )
+        yield
     except PermissionError as error:
         raise HistoryError(f"{path}: may not be read") from error
     except BlockingIOError as error:
@@ -172,8 +226,10 @@ def _open(path: Path, group: str | None) -> xr.Dataset:
         raise HistoryError(f"{path}: is not a readable HDF5 file ({reason})") from error
 
 
-def _check_format(path: Path, history: xr.Dataset) -> None:
-    number = history.attrs.get("evolvent_format")
+def _check_format(path: Path, attrs: Mapping[Any, Any]) -> None:
+    import numpy as np
+
+    number = attrs.get("evolvent_format")
     if number is None:
         raise HistoryError(f"{path}: is no evolvent history (no attribute `evolvent_format`)")
     if not isinstance(number, int | np.integer) or number < 1:
@@ -185,13 +241,15 @@ def _check_format(path: Path, history: xr.Dataset) -> None:
         )
 
 
-def _check_kind(path: Path, result: xr.Dataset, kinds: tuple[str, ...]) -> None:
-    kind = result_kind(result)
+def _check_kind(
+    path: Path, attrs: Mapping[Any, Any], sizes: Mapping[Any, int], kinds: tuple[str, ...]
+) -> None:
+    kind = _kind(attrs)
     if kind not in kinds:
         wanted = " or ".join(WHAT[name] for name in kinds)
         hint = "; evolvent-post plot draws it" if kind in DRAWN else ""
         raise HistoryError(f"{path}: is {WHAT.get(kind, f'a result {kind!r}')}, not {wanted}{hint}")
-    missing = [name for name in DIMENSIONS[kind] if name not in result.dims]
+    missing = [name for name in DIMENSIONS[kind] if name not in sizes]
     if missing:
         what = WHAT[kind].split(" ", 1)[1]
         raise HistoryError(f"{path}: is no complete {what} (no dimension {', '.join(missing)})")
@@ -200,6 +258,9 @@ def _check_kind(path: Path, result: xr.Dataset, kinds: tuple[str, ...]) -> None:
 def _decode_flags(flags: xr.DataArray) -> xr.DataArray:
     """Replace the numbers of a CF flag variable by their meanings."""
     meanings = str(flags.attrs.get("flag_meanings", "")).split()
+    import numpy as np
+    import xarray as xr
+
     values: list[Any] = np.atleast_1d(flags.attrs.get("flag_values", [])).tolist()
     names = dict(zip(values, meanings, strict=False))
     decoded = np.array([names.get(int(k), f"kind_{int(k)}") for k in flags.values], dtype=object)

@@ -1,0 +1,229 @@
+"""What a command takes, told once, and how its words are read.
+
+A command's parameters are annotated with what `option` and `argument` make. Command lines that are
+right are read here, by the types of the parameters: typer, which knows help, completion and how to
+complain, takes as long to import as all that a short command does. It has every other line.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+WHOLE = re.compile(r"[-+]?[0-9]+", re.ASCII)
+REAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?", re.ASCII)
+
+
+class WrongUsageError(Exception):
+    """A value that an option or argument cannot have; it ends as typer's complaints do.
+
+    Parameters
+    ----------
+    option : which of them.
+    """
+
+    def __init__(self, message: str, option: str | None = None) -> None:
+        super().__init__(message)
+        self.option = option
+
+
+class UnclearError(Exception):
+    """Words that are not read here."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is told of an option, or of an argument, which has no names."""
+
+    names: tuple[str, ...]
+    metavar: str | None
+    text: str
+    more: Mapping[str, Any] = field(default_factory=dict)
+
+    def for_typer(self) -> Any:
+        """The same as typer has it."""
+        import typer
+
+        if not self.names:
+            return typer.Argument(metavar=self.metavar, help=self.text)
+        more = dict(self.more)
+        if "parser" in more:
+            more["parser"] = _complaining(more["parser"])
+        if self.metavar is not None:
+            more["metavar"] = self.metavar
+        return typer.Option(*self.names, help=self.text, **more)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a command."""
+
+    name: str
+    told: Told
+    kind: Any  # of one value
+    is_list: bool
+    default: Any
+    is_required: bool
+
+    def value(self, text: str) -> Any:
+        """Read one word."""
+        value = self._value(text)
+        least, most = self.told.more.get("min"), self.told.more.get("max")
+        if (least is not None and value < least) or (most is not None and value > most):
+            raise UnclearError
+        return value
+
+    def _value(self, text: str) -> Any:
+        if "parser" in self.told.more:
+            try:
+                return self.told.more["parser"](text)
+            except WrongUsageError:
+                raise UnclearError from None
+        if self.kind is Path and text:
+            return Path(text)
+        if self.kind is str:
+            return text
+        if self.kind is int and WHOLE.fullmatch(text):
+            return int(text)
+        if self.kind is float and REAL.fullmatch(text):
+            return float(text)
+        if issubclass(self.kind, Enum) and text in [member.value for member in self.kind]:
+            return self.kind(text)
+        raise UnclearError
+
+
+def option(shown: str, text: str, **more: Any) -> Told:
+    """Describe an option as its help shows it: option("-o --output DIR", "Folder of the results.").
+
+    Parameters
+    ----------
+    more : `min`, `max`, `parser`, and what else `typer.Option` takes.
+    """
+    *names, last = shown.split()
+    if last.startswith("-"):
+        return Told((*names, last), None, text, more)
+    return Told(tuple(names), last, text, more)
+
+
+def argument(shown: str, text: str) -> Told:
+    """Describe an argument as its help shows it: argument("FILE", "History (.h5).")."""
+    return Told((), shown, text)
+
+
+def parameters(command: Callable[..., Any]) -> list[Parameter]:
+    """List the parameters of a command."""
+    from inspect import Parameter as Given
+    from inspect import signature
+
+    hints = get_type_hints(command, include_extras=True)
+    found = []
+    for name, one in signature(command).parameters.items():
+        hint = one.annotation if get_origin(one.annotation) is Annotated else hints[name]
+        kind, told = get_args(hint)
+        if get_origin(kind) is UnionType:
+            kind = next(each for each in get_args(kind) if each is not type(None))
+        is_list = get_origin(kind) is list
+        is_required = one.default is Given.empty
+        default = None if is_required else one.default
+        kind = get_args(kind)[0] if is_list else kind
+        found.append(Parameter(name, told, kind, is_list, default, is_required))
+    return found
+
+
+def read(command: Callable[..., Any], words: Sequence[str]) -> dict[str, Any]:
+    """Read the words of a command line.
+
+    Returns
+    -------
+    Values by the names of the parameters.
+
+    Raises
+    ------
+    UnclearError
+        They are wrong, ask for help, or are written in a way that only typer knows.
+    """
+    known = parameters(command)
+    by_option = {name: one for one in known for name in one.told.names}
+    given: dict[str, list[Any]] = {one.name: [] for one in known}
+    places: list[str] = []
+    rest = iter(words)
+    for word in rest:
+        name, equals, text = word.partition("=")
+        if not word.startswith("-") or word == "-":
+            places.append(word)
+        elif name not in by_option or (equals and not name.startswith("--")):
+            raise UnclearError
+        elif by_option[name].kind is bool:
+            if equals:
+                raise UnclearError
+            given[by_option[name].name] = [True]
+        else:
+            value = text if equals else next(rest, "-")
+            if value.startswith("-") and not equals:
+                raise UnclearError
+            given[by_option[name].name].append(by_option[name].value(value))
+    for one in (one for one in known if not one.told.names):
+        taken = places if one.is_list else places[:1]
+        given[one.name] = [one.value(place) for place in taken]
+        places = places[len(taken) :]
+    if places or any(one.is_required and not given[one.name] for one in known):
+        raise UnclearError
+    return {one.name: _final(one, given[one.name]) for one in known}
+
+
+def _final(one: Parameter, values: list[Any]) -> Any:
+    if not values:
+        return one.default
+    return values if one.is_list else values[-1]
+
+
+def for_typer(
+    command: Callable[..., Any], error: WrongUsageError | None = None
+) -> Callable[..., Any]:
+    """The same command as typer has it.
+
+    Parameters
+    ----------
+    error : is complained of instead of running it.
+    """
+    from functools import wraps
+    from inspect import signature
+
+    import typer
+
+    @wraps(command)
+    def called(**values: Any) -> Any:
+        if error is not None:
+            raise typer.BadParameter(str(error), param_hint=error.option)
+        return _complaining(command)(**values)
+
+    shown = signature(command)
+    hints = get_type_hints(command, include_extras=True)
+    given = []
+    for name, one in shown.parameters.items():
+        hint = one.annotation if get_origin(one.annotation) is Annotated else hints[name]
+        kind, told = get_args(hint)
+        given.append(one.replace(annotation=Annotated[kind, told.for_typer()]))
+    called.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
+    called.__annotations__ = {one.name: one.annotation for one in given}
+    return called
+
+
+def _complaining(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make typer say what is wrong."""
+
+    def called(*values: Any, **named: Any) -> Any:
+        import typer
+
+        try:
+            return function(*values, **named)
+        except WrongUsageError as error:
+            raise typer.BadParameter(str(error), param_hint=error.option) from error
+
+    called.__name__ = function.__name__
+    return called

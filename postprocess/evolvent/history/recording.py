@@ -1,0 +1,303 @@
+"""A history that is read in pieces: what is constant at once, what is over time by rows.
+
+A history of a million outputs may be larger than memory. Who goes through it takes its parts one
+after the other and keeps what is asked for, not the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from evolvent.history.files import lacking, source_name
+
+if TYPE_CHECKING:
+    import h5py
+    import xarray as xr
+
+Values = np.ndarray
+AT_ONCE = 8 * 2**20  # bytes of all variables in one part
+LINES = 2**20  # values of lines that are in memory at once
+NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable on file or in memory."""
+
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]  # of one row, if it is over time
+    is_over_time: bool
+    read: Callable[[int, int], Values]  # rows from, to; all that there is if it is constant
+    attrs: Mapping[str, Any]
+    dims: Callable[[], tuple[str, ...]]
+
+
+class Recording:
+    """A history, or some rows of it.
+
+    Parameters
+    ----------
+    source : name for messages.
+    labels : of the dimensions that have names.
+    rows : first row, and that after the last.
+    block : rows of a part.
+    """
+
+    def __init__(
+        self,
+        source: str,
+        attrs: Mapping[str, Any],
+        sizes: Mapping[str, int],
+        variables: Mapping[str, Variable],
+        labels: Mapping[str, Callable[[], list[str]]],
+        rows: tuple[int, int] | None = None,
+        block: int | None = None,
+    ) -> None:
+        self.source, self.attrs, self.variables, self._labels = source, attrs, variables, labels
+        self._rows = rows or (0, sizes.get("time", 0))
+        self.n = self._rows[1] - self._rows[0]
+        self.sizes = {**sizes, "time": self.n} if "time" in sizes else dict(sizes)
+        self.block = block or max(AT_ONCE // max(self._row_bytes(), 1), 1)
+        self._kept: dict[Any, Any] = {}
+
+    def _row_bytes(self) -> int:
+        return sum(
+            v.dtype.itemsize * int(np.prod(v.shape))
+            for v in self.variables.values()
+            if v.is_over_time
+        )
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.variables
+
+    def __getitem__(self, name: str) -> Values:
+        """All of a variable."""
+        return self.read(name, 0, self.n)
+
+    def labels(self, dim: str) -> list[str]:
+        """Names along a dimension; numbers if it has none."""
+        if dim in self._labels:
+            return self._labels[dim]()
+        return [str(i) for i in range(self.sizes[dim])]
+
+    def read(self, name: str, begin: int, end: int) -> Values:
+        """Rows of a variable; all of one that is constant.
+
+        Raises
+        ------
+        HistoryError
+            There is no such variable.
+        """
+        if name not in self.variables:
+            raise lacking(self.source, name)
+        variable = self.variables[name]
+        # What is read again and again, and is no larger than a part.
+        key = name if not variable.is_over_time or self.n <= self.block else None
+        if key is None:
+            return variable.read(self._rows[0] + begin, self._rows[0] + end)
+        if key not in self._kept:
+            self._kept[key] = variable.read(*self._rows)
+        values: Values = self._kept[key]
+        return values[begin:end] if variable.is_over_time else values
+
+    def parts(self) -> Iterator[Part]:
+        """All rows, block by block."""
+        for begin in range(0, self.n, self.block):
+            yield Part(self, begin, min(begin + self.block, self.n))
+
+    def between(self, begin: float, end: float) -> Recording:
+        """Rows of times from `begin` to `end`, both included."""
+        time = self["time"]
+        first = int(np.searchsorted(time, begin, "left"))
+        last = max(int(np.searchsorted(time, end, "right")), first)
+        rows = (self._rows[0] + first, self._rows[0] + last)
+        return Recording(
+            self.source, self.attrs, self.sizes, self.variables, self._labels, rows, self.block
+        )
+
+    def once(self, function: Callable[[Recording], Any]) -> Any:
+        """What a function makes of this recording, found once."""
+        if function not in self._kept:
+            self._kept[function] = function(self)
+        return self._kept[function]
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some rows of a recording."""
+
+    recording: Recording
+    begin: int
+    end: int
+
+    @property
+    def n(self) -> int:
+        """Number of rows."""
+        return self.end - self.begin
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.recording
+
+    def __getitem__(self, name: str) -> Values:
+        """Rows of a variable; all of one that is constant."""
+        return self.recording.read(name, self.begin, self.end)
+
+
+def joined(
+    recording: Recording, values: Callable[[Part], Values], join: Callable[[Values, Values], Values]
+) -> Values:
+    """Join what is found in each part, such as largest values by np.fmax."""
+    found: Values | None = None
+    for part in recording.parts():
+        found = values(part) if found is None else join(found, values(part))
+    assert found is not None
+    return found
+
+
+def largest(recording: Recording, values: Callable[[Part], Values]) -> Values:
+    """Largest of the rows, first axis; what is no number does not count."""
+    return joined(recording, lambda part: np.fmax.reduce(values(part), axis=0), np.fmax)
+
+
+def largest_size(recording: Recording, name: str) -> Values:
+    """Largest absolute value of a variable in the rows."""
+    return largest(recording, lambda part: abs(part[name]))
+
+
+def ever(recording: Recording, values: Callable[[Part], Values]) -> Values:
+    """Whether something is so in any row, first axis."""
+    return joined(recording, lambda part: np.any(values(part), axis=0), np.logical_or)
+
+
+def integral(recording: Recording, values: Callable[[Part], Values]) -> Values:
+    """Integral over time by the trapezoidal rule.
+
+    Summed row by row: the same bits whatever the length of a part.
+    """
+    total: Values | None = None
+    before: tuple[Values, Values] | None = None
+    for part in recording.parts():
+        time, height = part["time"], np.asarray(values(part), dtype=float)
+        if before is not None:
+            time = np.concatenate([before[0], time])
+            height = np.concatenate([before[1], height])
+        before = time[-1:].copy(), height[-1:].copy()
+        step = np.diff(time).reshape(-1, *[1] * (height.ndim - 1))
+        areas = step * 0.5 * (height[1:] + height[:-1])
+        start = np.zeros(height.shape[1:]) if total is None else total
+        total = np.cumsum(np.concatenate([start[np.newaxis], areas]), axis=0)[-1]
+    return np.zeros(()) if total is None else total
+
+
+def lines(recording: Recording, name: str) -> Iterator[tuple[tuple[int, ...], Values]]:
+    """Each line of a variable over time, by its indices: few at a time are in memory."""
+    shape = recording.variables[name].shape if name in recording else ()
+    indices = list(np.ndindex(shape))
+    at_once = max(LINES // max(recording.n, 1), 1)
+    for first in range(0, len(indices), at_once):
+        some = indices[first : first + at_once]
+        kept = [np.empty(recording.n, _dtype(recording, name)) for _ in some]
+        for part in recording.parts():
+            rows = part[name].reshape(part.n, -1)
+            for column, line in enumerate(kept):
+                line[part.begin : part.end] = rows[:, first + column]
+        yield from zip(some, kept, strict=True)
+
+
+def _dtype(recording: Recording, name: str) -> np.dtype[Any]:
+    if name not in recording:
+        raise lacking(recording.source, name)
+    return recording.variables[name].dtype
+
+
+def recording_of(history: xr.Dataset | Recording) -> Recording:
+    """Read a dataset of xarray, as from `open_history`, in pieces."""
+    if isinstance(history, Recording):
+        return history
+    variables = {}
+    for name, given in history.variables.items():
+        over_time = "time" in given.dims
+        one = given.transpose("time", ...) if over_time else given
+
+        variables[str(name)] = _of_array(one, over_time)
+
+    def named(dim: str) -> Callable[[], list[str]]:
+        return lambda: [str(value) for value in history[dim].values]
+
+    sizes = {str(dim): size for dim, size in history.sizes.items()}
+    labels = {dim: named(dim) for dim in sizes if dim in history.coords and dim != "time"}
+    return Recording(source_name(history), history.attrs, sizes, variables, labels)
+
+
+def _of_array(one: xr.Variable, over_time: bool) -> Variable:
+    def read(begin: int, end: int) -> Values:
+        return np.asarray((one[begin:end] if over_time else one).values)
+
+    def dims() -> tuple[str, ...]:
+        return tuple(map(str, one.dims))
+
+    shape = one.shape[1:] if over_time else one.shape
+    return Variable(one.dtype, shape, over_time, read, one.attrs, dims)
+
+
+def of_file(file: h5py.File, source: str) -> Recording:
+    """Read the root group of an open file in pieces."""
+    import h5py
+
+    datasets = {name: one for name, one in file.items() if isinstance(one, h5py.Dataset)}
+    sizes = {
+        name: one.shape[0]
+        for name, one in datasets.items()
+        if one.shape and h5py.h5ds.is_scale(one.id)
+    }
+    n = sizes.get("time", -1)
+    # Only where another dimension is as long, the dimensions themselves have to be looked at.
+    is_clear = list(sizes.values()).count(n) <= 1
+
+    def over_time(one: h5py.Dataset) -> bool:
+        if not one.shape or one.shape[0] != n:
+            return False
+        if is_clear or one.name == "/time":
+            return True
+        return bool(len(one.dims[0])) and one.dims[0][0].name == "/time"
+
+    def variable(one: h5py.Dataset) -> Variable:
+        def dims() -> tuple[str, ...]:
+            return tuple(dim[0].name.lstrip("/") if len(dim) else "" for dim in one.dims)
+
+        def rows(begin: int, end: int) -> Values:
+            return np.asarray(one[begin:end])
+
+        def whole(*_: int) -> Values:
+            return np.asarray(one[()])
+
+        if over_time(one):
+            return Variable(one.dtype, one.shape[1:], True, rows, one.attrs, dims)
+        return Variable(one.dtype, one.shape, False, whole, one.attrs, dims)
+
+    def named(one: h5py.Dataset) -> Callable[[], list[str]]:
+        return lambda: [str(name) for name in one.asstr()[()]]
+
+    labels = {
+        name: named(datasets[name])
+        for name in sizes
+        if h5py.check_string_dtype(datasets[name].dtype)
+    }
+    attrs = {name: _plain(value) for name, value in file.attrs.items()}
+    variables = {
+        name: variable(one)
+        for name, one in datasets.items()
+        if name not in sizes or not one.attrs.get("NAME", b"").startswith(NO_VARIABLE)
+    }
+    return Recording(source, attrs, sizes, variables, labels)
+
+
+def _plain(value: Any) -> Any:
+    """An attribute as a text or a number, as xarray has it."""
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.reshape(())[()]
+    return value.decode() if isinstance(value, bytes) else value
