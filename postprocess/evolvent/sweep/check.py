@@ -12,9 +12,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-import pandas as pd
-from rich.console import Console
-
 from evolvent.errors import FAILED_CASES, SweepError
 from evolvent.sweep.design import Design, write_design
 from evolvent.sweep.program import call, cores, last_message
@@ -66,7 +63,7 @@ def check_design(design: Design, program: Path, case_name: str, name: str) -> Ch
     durations = [float(row["shortest"]) for row in rows if row.get("shortest") is not None]
     return Checked(
         refused=len(refused),
-        reasons=reasons(pd.Series(refused, dtype=object).sort_index()),
+        reasons=reasons(sorted(refused.items())),
         shortest=min(durations, default=math.nan),
     )
 
@@ -75,4 +72,6 @@ def _waiting(n_cases: int) -> contextlib.AbstractContextManager[object]:
     """Say on a terminal what takes more than a moment."""
     if n_cases < MANY or not sys.stderr.isatty():
         return contextlib.nullcontext()
+    from rich.console import Console
+
     return Console(stderr=True).status(f"asking the program about {n_cases} cases")

@@ -102,8 +102,11 @@ def _summary(design: Design, records: Records) -> xr.Dataset:
         attributes: dict[str, Any] = {"units": p.units} if p.units else {}
         attributes |= {"role": "parameter", "path": p.path, "derived": np.int8(p.derived)}
         variables[name] = ("case", p.values, attributes)
+    for name, column in records.cases.items():
+        if name != "shard":
+            variables[name] = ("case", column.values, column.attributes)
     return xr.Dataset(
-        {**variables, **records.cases.drop_vars("shard")},
+        variables,
         coords={"case": ("case", np.arange(design.n_cases), number)},
         attrs={
             "Conventions": "CF-1.11",

@@ -6,16 +6,14 @@ tells the latest of several records of a case.
 
 from __future__ import annotations
 
-import io
 import json
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
 from evolvent.errors import SweepError
 from evolvent.sweep.design import Design
@@ -25,7 +23,7 @@ from evolvent.sweep.program import call, find_program, last_message, started
 # Values of the variable `status` and their meanings; 0 is a case that no journal has.
 STATUSES = ("missing", "done", "failed", "refused")
 MISSING, DONE, FAILED, REFUSED = range(4)
-BLOCK = 4096  # records that are turned into numbers at a time
+BLOCK = 2**21  # bytes of records that are turned into numbers at a time
 # Variables of the records by the keys of their lines: value of a missing case, and attributes.
 FIELDS: dict[str, tuple[str, Any, dict[str, Any]]] = {
     "status": (
@@ -87,10 +85,19 @@ def did_not_finish(status: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
+class Column:
+    """One variable of all cases."""
+
+    values: np.ndarray  # (case)
+    attributes: dict[str, Any]
+    key: str  # of the lines
+
+
+@dataclass(frozen=True)
 class Records:
     """What is known of each case of a design."""
 
-    cases: xr.Dataset  # (case): the variables of `FIELDS`, and the results if they were asked for
+    cases: dict[str, Column]  # the variables of `FIELDS`, and the results if they were asked for
     counts: Counts
     shards: list[Shard]  # those that have a journal
     rows: dict[Shard, int]  # lines of the journals
@@ -132,16 +139,9 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
         head = process.stdout.readline()
         if head:
             records = _empty(folder, design, json.loads(head), scalars)
-            # Doubles as they were written: the quick way of pandas rounds.
-            blocks = pd.read_json(
-                io.TextIOWrapper(process.stdout, "utf-8"),
-                lines=True,
-                chunksize=BLOCK,
-                dtype=False,
-                precise_float=True,
-            )
-            for block in blocks:
-                _take(records.cases, block)
+            while lines := process.stdout.readlines(BLOCK):
+                # One list of many lines is understood sooner than each line by itself.
+                _take(records.cases, json.loads(b"[" + b",".join(lines) + b"]"))
         if process.wait() != 0:
             raise SweepError(said(), process.returncode)
     return records
@@ -173,16 +173,16 @@ def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) ->
                 f"{one['design'][:12]}, not {design.hash[:12]})"
             )
     told = {s["name"]: s for one in heads if one and scalars for s in one["scalars"]}
-    variables: dict[str, Any] = {}
+    cases: dict[str, Column] = {}
     for name, scalar in told.items():
         attributes = {key: scalar[key] for key in ("units", "long_name") if scalar[key]}
-        variables[name] = ("case", np.full(n, np.nan), {"role": "result", **attributes})
-    for name, nothing, attributes in FIELDS.values():
+        cases[name] = Column(np.full(n, np.nan), {"role": "result", **attributes}, name)
+    for key, (name, nothing, attributes) in FIELDS.items():
         kind = object if isinstance(nothing, str) else None
-        variables[name] = ("case", np.full(n, nothing, dtype=kind), attributes)
+        cases[name] = Column(np.full(n, nothing, dtype=kind), attributes, key)
     counts = {status: head[status] for status in STATUSES[DONE:]}
     return Records(
-        cases=xr.Dataset(variables),
+        cases=cases,
         counts=Counts(**counts, missing=n - sum(counts.values())),
         shards=list(rows),
         rows=rows,
@@ -192,11 +192,12 @@ def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) ->
     )
 
 
-def _take(cases: xr.Dataset, block: pd.DataFrame) -> None:
+def _take(cases: dict[str, Column], rows: Sequence[dict[str, Any]]) -> None:
     """Put records where their cases are."""
-    block["status"] = block["status"].map(STATUSES.index)
-    for key in block.columns.drop("case"):
-        name = FIELDS[key][0] if key in FIELDS else key
-        if name in cases:
-            values = cases[name].values
-            values[block["case"].to_numpy()] = block[key].to_numpy(dtype=values.dtype)
+    places = np.array([row["case"] for row in rows], dtype=np.int64)
+    for name, column in cases.items():
+        if name == "status":
+            found: list[Any] = [STATUSES.index(row["status"]) for row in rows]
+        else:
+            found = [row.get(column.key) for row in rows]  # None is no number
+        column.values[places] = np.array(found, dtype=column.values.dtype)

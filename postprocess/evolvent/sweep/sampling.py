@@ -6,11 +6,9 @@ import inspect
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
-from scipy.stats import qmc
 
 from evolvent.errors import SweepError, needing, reason_of
 from evolvent.sweep.design import Parameter, identifier
@@ -18,6 +16,9 @@ from evolvent.sweep.expression import evaluate
 from evolvent.sweep.quantities import Asked, key_unit, may_have_unit, read_quantities
 from evolvent.sweep.spec import SAMPLED, Entry, Spec, check_unique
 from evolvent.sweep.yaml_text import yaml_text
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MOST_CASES = 50_000_000  # more is a slip of the pen: a table of gigabytes
 LARGEST_WHOLE = 2**53  # doubles beyond are not all whole numbers
@@ -154,6 +155,8 @@ def _unit_cube(spec: Spec, sampling: dict[str, Any]) -> np.ndarray:
         order = spec.second_order
         cube = sobol.sample(problem, spec.samples, calc_second_order=order, seed=spec.seed)
         return np.asarray(cube)
+    from scipy.stats import qmc
+
     engine = qmc.Sobol if spec.method == "sobol" else qmc.LatinHypercube
     # SciPy renamed the argument.
     keyword = "rng" if "rng" in inspect.signature(engine).parameters else "seed"
@@ -183,6 +186,8 @@ def _typed(values: list[Any]) -> np.ndarray:
 
 
 def _read_table(spec: Spec) -> pd.DataFrame:
+    import pandas as pd
+
     path = spec.file
     assert path is not None
     try:
@@ -215,6 +220,8 @@ def _with_units_read(
     table: pd.DataFrame, entries: tuple[Entry, ...], spec: Spec, program: Path | None
 ) -> tuple[pd.DataFrame, tuple[Entry, ...]]:
     """Read columns of numbers with units; one that has other texts too stays as it is."""
+    import pandas as pd
+
     asked: dict[str, list[Asked]] = {}
     for entry in entries:
         is_there = entry.column in table.columns
@@ -238,6 +245,8 @@ def _with_units_read(
 
 
 def _of_table(table: pd.DataFrame, entry: Entry, path: Path | None) -> np.ndarray:
+    import pandas as pd
+
     if entry.column not in table.columns:
         known = ", ".join(map(str, table.columns))
         raise SweepError(f"{entry.place}: {path} has no column '{entry.column}'; it has {known}")

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from evolvent.sweep.design import Design
 from evolvent.sweep.folder import Shard, is_locked
 from evolvent.sweep.journal import Counts, read_records
 
 RECENT = 600.0  # the rate is that of the last so many seconds
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 MOST_LISTED = 20  # case numbers in a message
 
 
@@ -54,6 +54,8 @@ def read_status(folder: Path, design: Design, now: float | None = None) -> Statu
     now : Unix time [s]; that of the clock unless given.
     """
     records = read_records(folder, design, scalars=False)
+    unfinished = np.flatnonzero(records.unfinished)
+    messages = records.cases["message"].values[unfinished]
     now = time.time() if now is None else now
     running = [shard for shard in records.shards if is_locked(folder, shard)]
     missing = records.counts.missing
@@ -63,7 +65,7 @@ def read_status(folder: Path, design: Design, now: float | None = None) -> Statu
         counts=records.counts,
         repeated=records.repeated.size,
         torn=records.torn,
-        reasons=reasons(records.cases["message"].to_series()[records.unfinished]),
+        reasons=reasons(zip(unfinished.tolist(), messages, strict=True)),
         running=running,
         rate=rate,
         finished_at=finished,
@@ -89,17 +91,22 @@ def recent_rate(recorded_at: np.ndarray, now: float | None) -> float:
     return float((recent.size - 1) / (end - recent[0]))
 
 
-def reasons(messages: pd.Series) -> list[Reason]:
+def reasons(messages: Iterable[tuple[int, str]]) -> list[Reason]:
     """Why cases failed or were refused, most frequent first; numbers in messages do not matter.
 
     Parameters
     ----------
-    messages : with the numbers of the cases, which rise, as index.
+    messages : numbers of the cases, which rise, and what each says.
     """
-    kinds = messages.astype(str).str.replace(NUMBER, "#", regex=True)
-    groups = (group for _, group in messages.groupby(kinds))
-    found = [Reason(group.size, str(group.iloc[0]), int(group.index[0])) for group in groups]
-    return sorted(found, key=lambda reason: (-reason.count, reason.case))
+    found: dict[str, Reason] = {}
+    kinds: dict[str, str] = {}  # of messages that were met
+    for case, message in messages:
+        kind = kinds.get(message)
+        if kind is None:
+            kind = kinds.setdefault(message, NUMBER.sub("#", message))
+        first = found.get(kind, Reason(0, message, case))
+        found[kind] = Reason(first.count + 1, first.example, first.case)
+    return sorted(found.values(), key=lambda reason: (-reason.count, reason.case))
 
 
 def runs(numbers: np.ndarray | Sequence[int]) -> list[tuple[int, int]]:
