@@ -29,7 +29,7 @@ static integrate_step last_step(const integration *run)
 /* States of the last step at some times, of each state the times side by side. */
 static void find_states(integration *run, const integrate_step *step, int n, double t[DAE_LANES])
 {
-    enum { FEW = 4 }; /* one by one they cost less */
+    enum { FEW = 1 }; /* one by one they cost less */
     const int n_states = run->model->n;
     for (int k = 0; k < DAE_LANES; k++) {
         t[k] = t[k] < run->state->t ? t[k] : run->state->t;

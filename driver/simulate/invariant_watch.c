@@ -64,6 +64,7 @@ static const double mode_loaded = 1, mode_apart = 3; /**< apart: the flanks are 
 struct invariant_watch {
     int n_wheels, n_meshes;
     double tolerance;
+    bool is_tracked;       /**< points are, in any mesh */
     int places[N_OUTPUTS]; /**< of static ones among the constants; -1: the model has no such output */
     double *constants;     /**< [n_values] of the model */
     bool has_begun;
@@ -82,6 +83,12 @@ struct invariant_watch {
     } *meshes;
 };
 
+/** A static output. */
+static double constant(const invariant_watch *watch, int output, int element)
+{
+    return watch->constants[watch->places[output] + element];
+}
+
 invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, int n_meshes, double tolerance)
 {
     invariant_watch *watch = xcalloc(1, sizeof *watch);
@@ -92,8 +99,14 @@ invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, in
     model_constants(wanted->model, watch->constants);
     for (int i = 0; i < N_OUTPUTS; i++) {
         const model_output *output = model_output_named(wanted->model, names[i]);
-        const bool is_static = output != NULL && output->is_static;
-        watch->places[i] = is_static ? output->offset : wanted_add(wanted, names[i]);
+        if (output != NULL && output->is_static) {
+            watch->places[i] = output->offset;
+        } else if (i < RATIO || watch->is_tracked) {
+            watch->places[i] = wanted_add(wanted, names[i]);
+        }
+        for (int mesh = 0; i == TRACKING && mesh < n_meshes && watch->places[i] >= 0; mesh++) {
+            watch->is_tracked = watch->is_tracked || constant(watch, TRACKING, mesh) > 0;
+        }
     }
     return watch;
 }
@@ -120,20 +133,29 @@ static double largest_of(double largest, double value)
     return value > largest ? value : largest;
 }
 
-/** Largest absolute value at all times of a block. */
-static double largest_in(const output_block *block, int place, double largest)
+/** Largest of DAE_LANES numbers and what was largest before. */
+static double largest_of_lanes(double largest, const double values[DAE_LANES])
 {
-    const double *values = output_values(block, place);
-    for (int k = 0; k < block->n; k++) {
-        largest = largest_of(largest, fabs(values[k]));
+    double two[2] = {largest, largest}; /* which processors compare at once */
+    for (int k = 0; k < DAE_LANES; k += 2) {
+        two[0] = values[k] > two[0] ? values[k] : two[0];
+        two[1] = values[k + 1] > two[1] ? values[k + 1] : two[1];
     }
-    return largest;
+    return largest_of(two[0], two[1]);
 }
 
-/** A static output. */
-static double constant(const invariant_watch *watch, int output, int element)
+/** Largest factor*value, whatever its sign, at all times of a block: times that do not count are others once more. */
+static double largest_in(const output_block *block, int place, double factor, double largest)
 {
-    return watch->constants[watch->places[output] + element];
+    const double *values = output_values(block, place);
+    if (block->stride < DAE_LANES) {
+        return largest_of(largest, fabs(factor * values[0]));
+    }
+    double sizes[DAE_LANES];
+    for (int k = 0; k < DAE_LANES; k++) {
+        sizes[k] = fabs(factor * values[k]);
+    }
+    return largest_of_lanes(largest, sizes);
 }
 
 static void look_at_energy(invariant_watch *watch, const output_block *block)
@@ -142,7 +164,7 @@ static void look_at_energy(invariant_watch *watch, const output_block *block)
     double power[DAE_LANES] = {0};
     for (int i = KINETIC; i <= WORK; i++) {
         of[i] = output_values(block, watch->places[i]);
-        watch->largest = largest_in(block, watch->places[i], watch->largest);
+        watch->largest = largest_in(block, watch->places[i], 1, watch->largest);
     }
     for (int i = 0; i < watch->n_wheels; i++) {
         const double *torque = output_values(block, watch->places[TORQUE] + i);
@@ -171,12 +193,9 @@ static void look_at_wheel(invariant_watch *watch, int i, const output_block *blo
     struct of_wheel *wheel = &watch->wheels[i];
     const int *places = watch->places;
     wheel->base_radius = constant(watch, BASE_RADIUS, i);
-    const double *deviation = output_values(block, places[ANGLE_DEVIATION] + i);
-    for (int k = 0; k < block->n; k++) {
-        wheel->arc = largest_of(wheel->arc, fabs(wheel->base_radius * deviation[k]));
-    }
+    wheel->arc = largest_in(block, places[ANGLE_DEVIATION] + i, wheel->base_radius, wheel->arc);
     for (int axis = 0; axis < 2; axis++) {
-        wheel->moved[axis] = largest_in(block, places[CENTRE_DISPLACEMENT] + 2 * i + axis, wheel->moved[axis]);
+        wheel->moved[axis] = largest_in(block, places[CENTRE_DISPLACEMENT] + 2 * i + axis, 1, wheel->moved[axis]);
     }
 }
 
@@ -200,7 +219,9 @@ static void look_at_mesh(invariant_watch *watch, int i, const output_block *bloc
     struct of_mesh *mesh = &watch->meshes[i];
     const double *of[N_OUTPUTS];
     for (int output = CONTACT_MODE; output < N_OUTPUTS; output++) {
-        of[output] = is_constant(output) ? NULL : output_values(block, watch->places[output] + i);
+        of[output] = is_constant(output) || (output >= RATIO && !watch->is_tracked)
+                         ? NULL
+                         : output_values(block, watch->places[output] + i);
     }
     const bool is_rigid = constant(watch, RIGID, i) == 1, is_tracked = constant(watch, TRACKING, i) > 0;
     mesh->driving = (int)constant(watch, DRIVING_WHEEL, i);

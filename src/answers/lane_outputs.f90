@@ -20,6 +20,7 @@ module evl_lane_outputs
    use evl_local_variables, only: i_omega, i_theta
    use evl_mesh_lanes, only: add_mesh, lane_mesh
    use evl_shaft, only: shaft_t
+   use evl_springs_and_dampers, only: damper_power, spring_damper
    use evl_support, only: support_t
    use evl_tooth_contact, only: contact_mode, edge_wheel, flank_coast, flanks_loaded, flanks_off, no_mode, tooth_of_a, tooth_of_b
    implicit none (type, external)
@@ -40,8 +41,6 @@ module evl_lane_outputs
    end type lane_columns
 
 contains
-
-   include "parts/springs_and_dampers.inc"
 
    !> What is asked for.
    subroutine columns_create(self, gearbox)
