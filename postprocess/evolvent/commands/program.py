@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,7 +33,7 @@ WIDTHS = (50, 78)  # of help, however wide the terminal is
 
 
 def make_program(
-    name: str, package: str, commands: Mapping[str, str], text: str
+    name: str, package: str, commands: Mapping[str, str], text: str, unused: Sequence[str] = ()
 ) -> Callable[[], None]:
     """Make a program of its commands: each is the function of its name, in the file of its name.
 
@@ -41,6 +41,7 @@ def make_program(
     ----------
     commands : what each does, in a sentence: the first of its help.
     text : help, with the exit codes. An `EvolventError` is one line on stderr and an exit code.
+    unused : modules that no command uses.
     """
 
     def main() -> None:
@@ -60,7 +61,7 @@ def make_program(
         functions = [getattr(import_module(f"{package}.{one}"), one) for one in named]
         try:
             if len(functions) == 1:
-                with suppress(UnclearError):
+                with suppress(UnclearError), _without(unused):
                     sys.exit(_run(functions[0], read(functions[0], words[1:])))
             _with_typer(name, functions, text)
         except WrongUsageError as error:
@@ -70,6 +71,22 @@ def make_program(
             sys.exit(error.code)
 
     return main
+
+
+@contextmanager
+def _without(unused: Sequence[str]) -> Iterator[None]:
+    """Keep others from importing modules only to find out that nobody uses them.
+
+    To ask whether an array is one of dask, xarray imports dask; pandas takes pyarrow where it is:
+    together 50 MB and a third of a second.
+    """
+    absent: dict[str, Any] = {name: None for name in unused if name not in sys.modules}
+    sys.modules.update(absent)
+    try:
+        yield
+    finally:
+        for name in absent:
+            sys.modules.pop(name, None)
 
 
 def _run(function: Callable[..., None], values: Mapping[str, Any]) -> int:

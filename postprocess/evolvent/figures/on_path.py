@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evolvent.errors import USAGE, HistoryError
+from evolvent.figures.long_histories import drawable
 from evolvent.figures.style import ABOVE, STYLE, legend, line_style
 from evolvent.history import require, source_name
 from evolvent.signals.selection import over_time, unknown
@@ -104,6 +105,7 @@ def draw_on_path(
         )
     for _, history in runs:
         _check(history, names, shown)
+    runs = [(label, drawable(history, [*names, "pair_number"])) for label, history in runs]
     with rc_context(STYLE):
         wide = max(7.5, 5.0 * len(names))
         figure = Figure(figsize=(wide, 1.4 + 3.2 * len(shown)), layout="constrained")

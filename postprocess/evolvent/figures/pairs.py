@@ -10,11 +10,13 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from evolvent.figures.long_histories import drawable
 from evolvent.figures.style import BELOW, MAX_MARKS, STYLE, legend, line_style
 from evolvent.history import require
 from evolvent.physics.teeth import pitches_passed
 from evolvent.units import axis_label, engineering
 
+NEEDS = ("normal_force", "pair_normal_force", "pair_contact_pressure", "pair_number")
 SHOWN_PITCHES = 6.0  # as many as can be told apart if no window is given
 SUM: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 4.0, "zorder": 1.5}
 ENTRY, EXIT = ("a pair enters the path", "^"), ("a pair leaves it", "v")
@@ -68,6 +70,7 @@ def draw_pairs(
     events : as from `open_events`; where pairs enter and leave is marked if given.
     over_time : draw over time, not over the roll angle of the driving wheel.
     """
+    history = drawable(history, NEEDS)
     n = history.sizes["mesh"]
     with rc_context(STYLE):
         figure = Figure(figsize=(7.5, 1.5 + 4.1 * n), layout="constrained")

@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from evolvent.errors import USAGE, HistoryError
+from evolvent.figures.long_histories import drawable
 from evolvent.figures.over_time import TIME, Curve, Over, Panel, figure_over_time, of_mesh
 from evolvent.figures.pairs import on_their_path, roll_angle
 from evolvent.figures.style import MOST_STYLES
@@ -62,6 +63,14 @@ class Shown(Protocol):
         """In a legend with others."""
 
 
+class _Drawn(NamedTuple):
+    """What is drawn of a run, if need be of fewer outputs."""
+
+    history: xr.Dataset
+    events: xr.Dataset | None
+    label: str
+
+
 class _Place(NamedTuple):
     """A panel: its title, its mesh, and the names and indices of its lines."""
 
@@ -94,6 +103,7 @@ def draw_quantities(
     HistoryError
         A variable or a name that is not there, a choice that fits none, too much for one picture.
     """
+    runs = [_Drawn(drawable(r.history, names), r.events, r.label) for r in runs]
     picked = [[_picked(run, name, chosen or {}) for name in names] for run in runs]
     _check_choice(runs[0], picked[0], chosen or {})
     if len({_all_names(values) for values in picked}) == 1:

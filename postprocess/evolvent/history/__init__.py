@@ -19,6 +19,7 @@ from evolvent.history.files import (
     open_result,
     require,
     result_kind,
+    rows_between,
     run_warning,
     source_name,
 )
@@ -42,6 +43,7 @@ __all__ = [
     "open_result",
     "require",
     "result_kind",
+    "rows_between",
     "run_warning",
     "source_name",
 ]

@@ -102,7 +102,8 @@ def open_recording(path: str | Path) -> Iterator[Recording]:
     with _readable(path):
         import h5py
 
-        file = h5py.File(path, "r")
+        # A cache of chunks would be a megabyte for each variable; rows are read once, in order.
+        file = h5py.File(path, "r", rdcc_nbytes=0)
     with file:
         with _readable(path):
             recording = of_file(file, path.name)
@@ -139,7 +140,7 @@ def open_events(path: str | Path) -> xr.Dataset:
         As for `open_history`, or without a group of events.
     """
     path = Path(path)
-    with open_history(path):  # refuses what is no history
+    with open_recording(path):  # refuses what is no history
         events = _open(path, "events")
     if "kind" not in events:
         events.close()
@@ -181,6 +182,13 @@ def require(history: xr.Dataset, name: str) -> xr.DataArray:
     if name not in history:
         raise lacking(source_name(history), name)
     return history[name]
+
+
+def rows_between(history: xr.Dataset, begin: float, end: float) -> slice:
+    """Rows of times from `begin` to `end`, both included: a slice, which copies nothing."""
+    time = history["time"].values
+    first = int(time.searchsorted(begin, "left"))
+    return slice(first, max(int(time.searchsorted(end, "right")), first))
 
 
 def lacking(source: str, name: str) -> HistoryError:

@@ -6,7 +6,7 @@ after the other and keeps what is asked for, not the rows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Values = np.ndarray
-AT_ONCE = 8 * 2**20  # bytes of all variables in one part
-LINES = 2**20  # values of lines that are in memory at once
+AT_ONCE = 32 * 2**20  # bytes of all variables in one part, of which few are read together
 NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 
 
@@ -193,25 +192,21 @@ def integral(recording: Recording, values: Callable[[Part], Values]) -> Values:
     return np.zeros(()) if total is None else total
 
 
-def lines(recording: Recording, name: str) -> Iterator[tuple[tuple[int, ...], Values]]:
-    """Each line of a variable over time, by its indices: few at a time are in memory."""
-    shape = recording.variables[name].shape if name in recording else ()
-    indices = list(np.ndindex(shape))
-    at_once = max(LINES // max(recording.n, 1), 1)
-    for first in range(0, len(indices), at_once):
-        some = indices[first : first + at_once]
-        kept = [np.empty(recording.n, _dtype(recording, name)) for _ in some]
-        for part in recording.parts():
-            rows = part[name].reshape(part.n, -1)
-            for column, line in enumerate(kept):
-                line[part.begin : part.end] = rows[:, first + column]
-        yield from zip(some, kept, strict=True)
+def at_rows(recording: Recording, name: str, rows: Sequence[Values]) -> list[Values]:
+    """Values of each line of a variable over time at rows of its own, which rise.
 
-
-def _dtype(recording: Recording, name: str) -> np.dtype[Any]:
-    if name not in recording:
-        raise lacking(recording.source, name)
-    return recording.variables[name].dtype
+    Parameters
+    ----------
+    rows : of each line, in the order of the indices along the other dimensions.
+    """
+    kind = recording.variables[name].dtype
+    found = [np.empty(each.size, kind) for each in rows]
+    for part in recording.parts():
+        values = part[name].reshape(part.n, -1)
+        for column, (each, line) in enumerate(zip(rows, found, strict=True)):
+            first, last = np.searchsorted(each, (part.begin, part.end))
+            line[first:last] = values[each[first:last] - part.begin, column]
+    return found
 
 
 def recording_of(history: xr.Dataset | Recording) -> Recording:

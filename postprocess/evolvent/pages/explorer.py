@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from evolvent.errors import needing
 from evolvent.figures.style import LINES
+from evolvent.history.recording import at_rows, ever, recording_of
 from evolvent.physics.extremes import told_extremes
-from evolvent.physics.thinning import thinned
+from evolvent.physics.thinning import thinned, thinned_lines
 from evolvent.units import engineering
 
 MOST_ROWS = 12_000  # of a line: a wide screen has 4000 pixels, and pictures are zoomed
@@ -126,12 +127,11 @@ def explorer(
 def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
     """Each variable over time that is not 0 throughout."""
     for name in map(str, history.data_vars):
-        # A copy that shares nothing is let go of; histories of millions of outputs are large.
-        variable = history[name].copy(deep=False)
+        variable = history[name]
         if variable.dims[:1] != ("time",) or variable.dtype.kind not in "iuf":
             continue
-        lines = list(_lines(history, variable))
-        if not any(np.nan_to_num(line.values).any() for line in lines):
+        found = list(_lines(history, variable))
+        if not any(np.nan_to_num(line.values).any() for line in found):
             continue
         dims = variable.dims[1:]
         other = str(dims[0]).capitalize() + "s" if dims else "Gearbox"
@@ -147,28 +147,32 @@ def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
             for mesh, where in enumerate(history["mesh"].values)
             if np.isfinite(float(e.value[mesh])) and begin <= float(e.time[mesh]) <= end
         ]
-        yield Quantity(name, text, str(variable.attrs.get("units", "1")), group, lines, marked)
+        yield Quantity(name, text, str(variable.attrs.get("units", "1")), group, found, marked)
 
 
 def _lines(history: xr.Dataset, variable: xr.DataArray) -> Iterator[Line]:
     """Each line of a variable; those of tooth pairs that never have a value are left out."""
-    values = variable.values
+    run, name = recording_of(history), str(variable.name)
     dims = [str(dim) for dim in variable.dims[1:]]
-    of_pairs = "pair" in dims
-    for number, index in enumerate(np.ndindex(values.shape[1:])):
-        one = values.reshape(values.shape[0], -1)[:, number].astype(float)
-        if not np.isfinite(one).any() or (of_pairs and not np.nan_to_num(one).any()):
+    has_value = ever(run, lambda part: np.isfinite(part[name])).ravel()
+    if "pair" in dims:
+        has_value &= ever(run, lambda part: (part[name] != 0) & ~np.isnan(part[name])).ravel()
+    is_level = ~ever(run, lambda part: ~(part[name] == run.read(name, 0, 1))).ravel()
+    rows = thinned_lines(run, name, MOST_ROWS)
+    rows = [_ends(run.n) if level else each for each, level in zip(rows, is_level, strict=True)]
+    indices = np.ndindex(variable.shape[1:])
+    for number, (index, values) in enumerate(zip(indices, at_rows(run, name, rows), strict=True)):
+        if not has_value[number]:
             continue
-        rows = _ends(one) if one.min() == one.max() else thinned(one, MOST_ROWS)
         places = list(zip(dims, index, strict=True))
         # What there is one of needs no name, if something else has one.
         named = [(d, i) for d, i in places if history.sizes[d] > 1] or places
         names = [str(history[d].values[i]).replace("_", " ") for d, i in named]
-        yield Line(" ".join(names) or "value", rows, one[rows])
+        yield Line(" ".join(names) or "value", rows[number], values.astype(float))
 
 
-def _ends(values: NDArray[np.float64]) -> NDArray[np.int64]:
-    return np.unique([0, values.size - 1])
+def _ends(n: int) -> NDArray[np.int64]:
+    return np.unique([0, n - 1])
 
 
 def _thinner(quantity: Quantity, most: int) -> Quantity:

@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from evolvent.history import require
+from evolvent.history.recording import recording_of
 
 Points = NDArray[np.complex128]
 Numbers = NDArray[np.float64]
@@ -324,10 +325,14 @@ def drawn_wheels(history: xr.Dataset) -> list[DrawnWheel]:
 
 def pitches_passed(history: xr.Dataset) -> Numbers:
     """Pitches that the fastest teeth have passed since the first output, whatever their sense."""
-    teeth = require(history, "teeth").values
-    turned = np.abs(np.diff(require(history, "angle").values, axis=0))
-    passed = np.cumsum((turned * teeth / (2 * np.pi)).max(axis=1))
-    return np.concatenate([[0.0], passed])[: history.sizes["time"]]
+    run = recording_of(history)
+    passed = np.zeros(run.n)
+    for part in run.parts():
+        first = max(part.begin - 1, 0)
+        turned = np.abs(np.diff(run.read("angle", first, part.end), axis=0))
+        pitches = (turned * run["teeth"] / (2 * np.pi)).max(axis=1)
+        passed[first + 1 : part.end] = passed[first] + np.cumsum(pitches)
+    return passed
 
 
 def _profile(

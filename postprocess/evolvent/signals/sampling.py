@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from evolvent.errors import BAD_INPUT, USAGE, HistoryError
-from evolvent.history import require, source_name
+from evolvent.history import require, rows_between, source_name
 from evolvent.signals.resampling import REACH, ROWS_NEEDED, resample
 from evolvent.signals.turning import Turning, find_turning, ratio
 
@@ -88,7 +88,7 @@ def between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
         There are fewer than two.
     """
     time = history["time"]
-    part = history.isel(time=np.flatnonzero((time >= begin) & (time <= end)))
+    part = history.isel(time=rows_between(history, begin, end))
     if part.sizes["time"] < 2:
         raise HistoryError(
             f"{source_name(history)}: has {part.sizes['time']} outputs between --from and --to; "

@@ -102,12 +102,12 @@ def _summary(design: Design, records: Records) -> xr.Dataset:
         attributes: dict[str, Any] = {"units": p.units} if p.units else {}
         attributes |= {"role": "parameter", "path": p.path, "derived": np.int8(p.derived)}
         variables[name] = ("case", p.values, attributes)
+    variables["case"] = ("case", np.arange(design.n_cases), number)
     for name, column in records.cases.items():
         if name != "shard":
             variables[name] = ("case", column.values, column.attributes)
     return xr.Dataset(
         variables,
-        coords={"case": ("case", np.arange(design.n_cases), number)},
         attrs={
             "Conventions": "CF-1.11",
             "title": design.title,

@@ -27,4 +27,4 @@ TEXT = """Check, draw and compare the histories that `evolvent run` writes.
       74  output could not be written
     """
 
-main = make_program("evolvent-post", __package__, COMMANDS, TEXT)
+main = make_program("evolvent-post", __package__, COMMANDS, TEXT, unused=("dask", "pyarrow"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,7 +15,7 @@ from evolvent.commands.post.signal_options import WHOLE_TIME, OptionFrom, Option
 from evolvent.commands.program import new_console, say
 from evolvent.errors import USAGE, HistoryError, writing
 from evolvent.figures.formats import Format
-from evolvent.history import DRAWN, HISTORY, WHAT, open_events, result_kind
+from evolvent.history import DRAWN, HISTORY, WHAT, open_events, result_kind, rows_between
 from evolvent.units import displayed
 
 if TYPE_CHECKING:
@@ -149,12 +150,16 @@ def plot(
         shown = runs if requests else [run for run in runs if FIGURES[names[0]].fits(run)]
         if shown:
             drawn |= _draw(names, shown, choice)
-    for name, figure in drawn.items():
+    while drawn:
+        name = next(iter(drawn))
+        figure = drawn.pop(name)
         target = output / f"{name.replace('/', '-')}.{file_format}"
         with writing(target):
             output.mkdir(parents=True, exist_ok=True)
             save(figure, target)
         say(target)
+        del figure  # it is large, and refers to itself
+        gc.collect()
 
 
 def _draw(names: list[str], runs: list[Run], choice: Choice) -> dict[str, Figure]:
@@ -280,7 +285,7 @@ def _open(
 
 
 def _between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
-    return history.sel(time=(history["time"] >= begin) & (history["time"] <= end))
+    return history.isel(time=rows_between(history, begin, end))
 
 
 def _list(files: Sequence[Path]) -> None:

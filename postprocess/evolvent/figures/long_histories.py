@@ -1,0 +1,70 @@
+"""Fewer outputs of a history that is too long to be drawn, without losing what its lines reach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from evolvent.history.recording import Recording, recording_of
+from evolvent.physics.thinning import thinned_lines
+
+LONG = 50_000  # outputs; fewer are all taken
+MOST, FEWEST, MOST_OF_ALL = 6000, 1000, 200_000  # outputs that a line keeps, and all lines together
+# What pictures look up beside the variables that they show.
+BESIDE = ("angle", "pair_on_path", "pair_normal_force", "pair_number", "pair_position")
+
+
+def drawable(history: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """Take the outputs of a long history that pictures of some variables need.
+
+    Of each line the smallest and the largest value of each of many equal stretches stay, at the
+    times at which they were. The history is read in parts: what is kept is small.
+
+    Parameters
+    ----------
+    names : variables over time.
+
+    Returns
+    -------
+    The history itself if it is short or lacks one of them; else one in memory with these variables,
+    what pictures look up beside them, and all that is constant.
+    """
+    if history.sizes["time"] <= LONG or not set(names) <= set(history.data_vars):
+        return history
+    run = recording_of(history)
+    kept = _rows(run, [name for name in dict.fromkeys(names) if run.variables[name].is_over_time])
+    wanted = [name for name in dict.fromkeys(("time", *names, *BESIDE)) if name in run]
+    gathered = {name: _gathered(run, name, kept) for name in wanted}
+    found = history.drop_dims("time").assign(
+        {
+            name: (history[name].transpose("time", ...).dims, values, history[name].attrs)
+            for name, values in gathered.items()
+            if run.variables[name].is_over_time
+        }
+    )
+    found.encoding = history.encoding
+    return found
+
+
+def _rows(run: Recording, names: Sequence[str]) -> np.ndarray:
+    """Rows that any of the lines keeps."""
+    count = sum(int(np.prod(run.variables[name].shape)) for name in names)
+    most = int(np.clip(MOST_OF_ALL // max(count, 1), FEWEST, MOST))
+    is_kept = np.zeros(run.n, dtype=bool)
+    is_kept[[0, -1]] = True
+    for name in names:
+        for rows in thinned_lines(run, name, most):
+            is_kept[rows] = True
+    return np.flatnonzero(is_kept)
+
+
+def _gathered(run: Recording, name: str, rows: np.ndarray) -> np.ndarray:
+    if not run.variables[name].is_over_time:
+        return run[name]
+    pieces = []
+    for part in run.parts():
+        first, last = np.searchsorted(rows, (part.begin, part.end))
+        pieces.append(part[name][rows[first:last] - part.begin])
+    return np.concatenate(pieces)
