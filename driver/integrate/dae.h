@@ -75,7 +75,9 @@ typedef struct {
                    char message[DAE_MESSAGE_LENGTH]);
     /** y at t within the last step. @return true: it is known */
     bool (*interpolate)(const void *stepper, double t, double *y);
-    /** The same at DAE_LANES times, which is cheaper: y [states * DAE_LANES] of each state the times side by side. */
+    /** The same of n states alone: the others in y stay as they are. */
+    void (*interpolate_some)(const void *stepper, double t, int n, const int *states, double *y);
+    /** The state at DAE_LANES times, which is cheaper: y [states * DAE_LANES] of each state the times side by side. */
     void (*interpolate_lanes)(const void *stepper, const double *t, double *y);
     /** How many candidates for new extremes the last step has, before a restart.
      *  @param high, low  [n_watched] of each channel so far; infinite where nobody asks */
@@ -118,6 +120,13 @@ typedef struct dae {
     int (*roots_and_watched)(const void *self, const dae_state *state, const double *highest, double *kept,
                              double *roots, double *values, char message[DAE_MESSAGE_LENGTH]);
     int n_watched, n_kept;
+    /** The channels come in groups of one length, each of which depends on few states. This finds those of one group, the other
+     *  values stay. */
+    int n_groups;
+    int (*watched_of_group)(const void *self, int group, const dae_state *state, double *values,
+                            char message[DAE_MESSAGE_LENGTH]);
+    /** states: [n] the states that it needs, in their order. @return how many */
+    int (*states_of_group)(const void *self, int group, int *states);
 
     /** Position `which` at a state, by which outputs may go: linear in y while the integers stay, and without a jump where they
      *  change */

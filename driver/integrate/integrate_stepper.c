@@ -21,6 +21,7 @@ static integrate_step last_step(const integration *run)
                             .state = run->state,
                             .with = run->stepper,
                             .interpolate = run->model->stepper->interpolate,
+                            .interpolate_some = run->model->stepper->interpolate_some,
                             .interpolate_lanes = run->model->stepper->interpolate_lanes,
                             .look = run->model->stepper->look,
                             .candidate = run->model->stepper->candidate};

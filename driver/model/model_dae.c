@@ -52,6 +52,22 @@ static int watched(const void *self, const dae_state *state, double *values, cha
     return model_answer(model, code, &status, message);
 }
 
+static int watched_of_group(const void *self, int group, const dae_state *state, double *values,
+                            char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    evl_status status;
+    const int code =
+        evl_gearbox_watched_mesh(model->gearbox, group, state->y, state->integers, state->reals, values, &status);
+    return model_answer(model, code, &status, message);
+}
+
+static int states_of_group(const void *self, int group, int *states)
+{
+    const model *model = self;
+    return evl_gearbox_mesh_states(model->gearbox, group, states);
+}
+
 static int roots_and_watched(const void *self, const dae_state *state, const double *highest, double *kept,
                              double *roots, double *values, char message[DAE_MESSAGE_LENGTH])
 {
@@ -137,6 +153,9 @@ void model_describe_dae(model *model)
         .position = position,
         .n_watched = model_tables()->n_watched * sizes->n_meshes,
         .n_kept = sizes->n_kept,
+        .n_groups = sizes->n_meshes,
+        .watched_of_group = watched_of_group,
+        .states_of_group = states_of_group,
         .stepper = model_radau(model),
     };
 }

@@ -64,6 +64,12 @@ static bool interpolate(const void *stepper, double t, double *y)
     return true;
 }
 
+static void interpolate_some(const void *stepper, double t, int n, const int *states, double *y)
+{
+    const radau_stepper *s = stepper;
+    evl_radau_interpolate_some(s->radau, t, n, states, y);
+}
+
 static void interpolate_lanes(const void *stepper, const double *t, double *y)
 {
     _Static_assert(DAE_LANES - EVL_LANES == 0, "as many as the kernel's");
@@ -119,6 +125,7 @@ const dae_stepper *model_radau(const model *model)
                                       .start = start,
                                       .advance = advance,
                                       .interpolate = interpolate,
+                                      .interpolate_some = interpolate_some,
                                       .interpolate_lanes = interpolate_lanes,
                                       .look = look,
                                       .candidate = candidate,

@@ -17,6 +17,29 @@ double *extreme_channels_array(const extreme_channels *channels)
     return pool_calloc(channels->pool, (size_t)channels->n_padded, sizeof(double));
 }
 
+/** Of few groups all are asked for at once: one place is often the extreme of several. */
+enum { FEW_GROUPS = 8 };
+
+static void init_groups(extreme_channels *channels)
+{
+    const dae *dae = channels->dae;
+    channels->group = -1;
+    if (dae->n_groups <= FEW_GROUPS) {
+        return;
+    }
+    channels->n_in_group = dae->n_watched / dae->n_groups;
+    channels->first_state = pool_calloc(channels->pool, (size_t)dae->n_groups + 1, sizeof(int));
+    OWNED int *states = xcalloc((size_t)dae->n, sizeof(int));
+    for (int group = 0; group < dae->n_groups; group++) {
+        channels->first_state[group + 1] =
+            channels->first_state[group] + dae->states_of_group(dae->self, group, states);
+    }
+    channels->states = pool_calloc(channels->pool, (size_t)channels->first_state[dae->n_groups], sizeof(int));
+    for (int group = 0; group < dae->n_groups; group++) {
+        (void)dae->states_of_group(dae->self, group, channels->states + channels->first_state[group]);
+    }
+}
+
 void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_pool *pool)
 {
     *channels = (extreme_channels){.dae = dae, .pool = pool, .n = dae->n_watched, .n_padded = padded(dae->n_watched)};
@@ -30,6 +53,7 @@ void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_po
         channels->high[i] = INFINITY;
         channels->low[i] = -INFINITY;
     }
+    init_groups(channels);
 }
 
 void extreme_channels_take(extreme_channels *channels, int channel, double value, double t)
@@ -66,13 +90,19 @@ static bool ask(extreme_channels *channels, const dae_state *state, const double
     return dae->watched(dae->self, state, channels->values, message) == DAE_OK;
 }
 
+static bool is_known(const extreme_channels *channels, double t, int group)
+{
+    return channels->t_values >= t && channels->t_values <= t && (channels->group < 0 || channels->group == group);
+}
+
 bool extreme_channels_know(extreme_channels *channels, const integrate_step *step, double t)
 {
-    const double place = t < step->t_to ? t : step->t_to;             /* fmin is a call */
-    if (channels->t_values >= place && channels->t_values <= place) { /* as where several channels rise */
+    const double place = t < step->t_to ? t : step->t_to; /* fmin is a call */
+    if (is_known(channels, place, -1)) {                  /* as where several channels rise */
         return true;
     }
     channels->t_values = NAN;
+    channels->group = -1;
     bool good;
     if (place < step->t_to) {
         dae_state state = *step->state;
@@ -102,6 +132,53 @@ bool extreme_channels_see(extreme_channels *channels, const integrate_step *step
     return true;
 }
 
+/** The channels of a group at a place in a step. @return false if they are not known there */
+static bool know_group(extreme_channels *channels, const integrate_step *step, double place, int group)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    const dae *dae = channels->dae;
+    if (is_known(channels, place, group)) {
+        return true;
+    }
+    channels->t_values = NAN;
+    channels->group = group;
+    dae_state state = *step->state;
+    if (place < step->t_to) {
+        const int first = channels->first_state[group];
+        state.t = place;
+        state.y = channels->y;
+        if (step->interpolate_some != NULL) {
+            step->interpolate_some(step->with, place, channels->first_state[group + 1] - first,
+                                   channels->states + first, channels->y);
+        } else if (!step->interpolate(step->with, place, channels->y)) {
+            return false;
+        }
+    }
+    if (dae->watched_of_group(dae->self, group, &state, channels->values, message) != DAE_OK) {
+        return false;
+    }
+    channels->t_values = place;
+    return true;
+}
+
+/** As extreme_channels_see, of a channel and those that belong together with it. */
+static bool see_group_of(extreme_channels *channels, const integrate_step *step, double t, int channel)
+{
+    const double place = t < step->t_to ? t : step->t_to;
+    if (channels->n_in_group == 0 || (step->watched != NULL && place >= step->t_to)) {
+        return extreme_channels_see(channels, step, t);
+    }
+    const int group = channel / channels->n_in_group;
+    if (!know_group(channels, step, place, group)) {
+        return false;
+    }
+    channels->has_begun = true;
+    for (int i = group * channels->n_in_group; i < (group + 1) * channels->n_in_group; i++) {
+        extreme_channels_take(channels, i, channels->values[i], place);
+    }
+    return true;
+}
+
 double extreme_channels_limit(const extreme_channels *channels, int channel, int sense)
 {
     return sense > 0 ? channels->high[channel] : -channels->low[channel];
@@ -118,8 +195,8 @@ typedef struct {
 static double height(void *with, double t)
 {
     const view *view = with;
-    return extreme_channels_see(view->channels, view->step, t) ? view->sense * view->channels->values[view->channel]
-                                                               : NAN;
+    const bool is_seen = see_group_of(view->channels, view->step, t, view->channel);
+    return is_seen ? view->sense * view->channels->values[view->channel] : NAN;
 }
 
 void extreme_channels_climb(extreme_channels *channels, const integrate_step *step, const extreme_place *place)

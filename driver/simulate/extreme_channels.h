@@ -15,6 +15,9 @@ typedef struct {
     double *values;               /**< [n] at the state last asked */
     double t_values;              /**< its time, if it is in the present step; else NAN */
     double *y;                    /**< [states] */
+    int n_in_group;               /**< channels of a group; 0: all channels are asked for at once */
+    int *states, *first_state;    /**< [n_groups + 1] of each group the states that it needs begin at first_state */
+    int group;                    /**< that `values` were last found of; -1: of all */
 } extreme_channels;
 
 /** Nobody asks for anything yet. @param pool  in which the channels last */

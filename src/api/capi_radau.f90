@@ -10,16 +10,16 @@ module evl_capi_radau
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_serves, gearbox_ode_set
    use evl_kinds, only: lanes, wp
    use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
-                        radau_interpolate, radau_interpolate_lanes, radau_look, radau_options, radau_redo, radau_restart, &
-                        radau_start, radau_step, radau_t
+                        radau_interpolate, radau_interpolate_lanes, radau_interpolate_some, radau_look, radau_options, &
+                        radau_redo, radau_restart, radau_start, radau_step, radau_t
    use evl_radau_coefficients, only: n_stages
    use evl_status, only: clear, code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
-             evl_radau_candidate, evl_radau_interpolate_lanes, evl_radau_look, evl_radau_restart, evl_radau_redo, &
-             evl_radau_get_counts
+             evl_radau_candidate, evl_radau_interpolate_lanes, evl_radau_interpolate_some, evl_radau_look, evl_radau_restart, &
+             evl_radau_redo, evl_radau_get_counts
 
    !> evl_radau
    type :: integration_t
@@ -137,6 +137,18 @@ contains
       call c_f_pointer(handle, self)
       call radau_interpolate(self%solver, t, y(:self%model%n))
    end subroutine evl_radau_interpolate
+
+   subroutine evl_radau_interpolate_some(handle, t, n, states, y) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: t
+      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in) :: states(n)
+      real(c_double), intent(inout) :: y(*)
+      type(integration_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      call radau_interpolate_some(self%solver, t, n, states, y)
+   end subroutine evl_radau_interpolate_some
 
    subroutine evl_radau_interpolate_lanes(handle, t, y) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -4,26 +4,27 @@ module evl_dae_jacobian
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
    use evl_contacts_at_state, only: find_tracked
    use evl_discrete_state, only: is_closed
-   use evl_force_jacobian, only: add_constants, add_forces, couple_reference, scatter
+   use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern, scatter
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_rates, only: gearbox_rates
    use evl_housing, only: frame_t, housing_frame
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, mounted_gradient
-   use evl_jacobian_entries, only: full_matrix, jacobian_entries
+   use evl_jacobian_entries, only: add_entry, add_row, clear_row, full_matrix, jacobian_entries, listed_entries, n_noted, &
+                                   note_entries, sort_places, take_noted
    use evl_kinds, only: wp
-   use evl_local_variables, only: at_psi_dot_a, at_v_b, n_local, n_track
+   use evl_local_variables, only: at_psi_dot_a, at_v_b, local_link, n_local, n_track
    use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: tooth_contact_t, tracking_algebraic
    implicit none (type, external)
    private
 
-   public :: gearbox_jacobian
+   public :: find_dae_pattern, gearbox_jacobian, gearbox_jacobian_entries
 
 contains
 
-   !> dF/dy + cj dF/dy'.
+   !> dF/dy + cj dF/dy', all of it.
    subroutine gearbox_jacobian(gearbox, t, cj, y, yp, integers, reals, jacobian, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, cj
@@ -32,12 +33,27 @@ contains
       real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(status_t), intent(inout) :: status
-      type(frame_t) :: frame
       type(jacobian_entries) :: entries
+
+      call full_matrix(gearbox%n_states, entries)
+      call gearbox_jacobian_entries(gearbox, t, cj, y, yp, integers, reals, entries, jacobian, status)
+   end subroutine gearbox_jacobian
+
+   !> The same, kept as `entries` says: with a mounted housing in a full matrix, else also in the list of `find_dae_pattern`.
+   subroutine gearbox_jacobian_entries(gearbox, t, cj, y, yp, integers, reals, entries, jacobian, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, cj
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(out) :: jacobian(entries%n_entries)
+      type(status_t), intent(inout) :: status
+      real(wp) :: f(gearbox%n_states)
+      type(frame_t) :: frame
       integer :: i
 
       if (gearbox%housing%acts) call housing_frame(gearbox%housing, t, y, frame, yp)
-      call full_matrix(gearbox%n_states, entries)
       jacobian = 0
       call add_constants(gearbox, entries, jacobian)
       call add_forces(gearbox, t, y, integers, reals, frame, entries, jacobian, status)
@@ -49,12 +65,13 @@ contains
       end if
       call couple_reference(gearbox, entries, jacobian)
       if (gearbox%housing%is_mounted) call add_housing(gearbox, cj, y, yp, frame, jacobian)
+      if (gearbox%n_multipliers > 0) call gearbox_rates(gearbox, t, y, integers, reals, f, status, yp)
       do i = 1, size(gearbox%contacts)
-         if (gearbox%contacts(i)%leads) call add_multiplier(gearbox, i, t, y, yp, integers, reals, entries, jacobian, status)
+         if (gearbox%contacts(i)%leads) call add_multiplier(gearbox, i, y, f, integers, entries, jacobian)
       end do
       associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
          do i = 1, gearbox%n_states
-            if (i <= before .or. i >= behind) jacobian(i, i) = jacobian(i, i) + cj
+            if (i <= before .or. i >= behind) call add_entry(entries, i, i, cj, jacobian)
          end do
       end associate
       do i = 1, size(gearbox%contacts)
@@ -63,14 +80,78 @@ contains
       do i = 1, size(gearbox%contacts)
          call add_tracking(gearbox, i, cj, y, yp, integers, entries, jacobian)
       end do
-   end subroutine gearbox_jacobian
+   end subroutine gearbox_jacobian_entries
+
+   !> Entries that may differ from zero in any discrete state, column after column; the housing is not mounted.
+   subroutine find_dae_pattern(gearbox, rows, columns)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, allocatable, intent(out) :: rows(:), columns(:)
+      integer, allocatable :: more_rows(:), more_columns(:)
+      real(wp), allocatable :: notes(:)
+      type(jacobian_entries) :: forces, entries
+      integer :: room, i, turn
+
+      call find_pattern(gearbox, rows, columns)
+      call listed_entries(gearbox%n_states, rows, columns, forces)
+      room = 0
+      do turn = 1, 2
+         call note_entries(gearbox%n_states, room, entries)
+         notes = [(0.0_wp, i=0, room)]
+         do i = 1, gearbox%n_states
+            call add_entry(entries, i, i, 0.0_wp, notes)
+         end do
+         do i = 1, size(gearbox%contacts)
+            call note_contact(gearbox%contacts(i), forces, entries, notes)
+         end do
+         room = n_noted(notes)
+      end do
+      call take_noted(gearbox%n_states, notes, more_rows, more_columns)
+      rows = [rows, more_rows]
+      columns = [columns, more_columns]
+      call sort_places(gearbox%n_states, rows, columns)
+   end subroutine find_dae_pattern
+
+   !> Note the rows of a tooth contact's multiplier, its constraint and its tracked variables.
+   pure subroutine note_contact(contact, forces, entries, notes)
+      type(tooth_contact_t), intent(in) :: contact
+      type(jacobian_entries), intent(in) :: forces  !! of the rows of the speeds
+      type(jacobian_entries), intent(in) :: entries !! that notes
+      real(wp), intent(inout) :: notes(entries%n_entries)
+      real(wp), parameter :: some(n_local) = 0.0_wp
+      integer :: i, p, row
+
+      if (contact%leads) then
+         do i = 1, size(contact%links)
+            associate (link => contact%links(i))
+               if (.not. has_rate(link)) cycle
+               do p = forces%start(link%state), forces%start(link%state + 1) - 1
+                  call add_entry(entries, contact%i_normal, forces%columns(p), 0.0_wp, notes)
+               end do
+            end associate
+         end do
+         call scatter(contact%links, contact%i_normal, 0.0_wp, some, entries, notes)
+         call scatter(contact%links, contact%i_dependent, 0.0_wp, some, entries, notes)
+         call scatter(contact%links, contact%i_dependent + 1, 0.0_wp, some, entries, notes)
+      end if
+      if (contact%i_track == 0) return
+      do row = contact%i_track, contact%i_track + n_track - 1
+         call scatter(contact%links, row, 0.0_wp, some, entries, notes)
+      end do
+   end subroutine note_contact
+
+   !> Whether a local variable's rate is an acceleration that changes kappa''.
+   elemental logical function has_rate(link)
+      type(local_link), intent(in) :: link
+
+      has_rate = link%local >= at_psi_dot_a .and. link%local <= at_v_b + 1
+   end function has_rate
 
    !> The rows of a mounted housing, and what its accelerations are for the others.
    subroutine add_housing(gearbox, cj, y, yp, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: cj, y(gearbox%n_states), yp(gearbox%n_states)
       type(frame_t), intent(in) :: frame
-      real(wp), intent(inout) :: jacobian(:, :)
+      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: coupling(gearbox%n_states, gearbox%n_states)
 
       call housing_gradient(gearbox, y, yp, frame, jacobian)
@@ -79,32 +160,30 @@ contains
    end subroutine add_housing
 
    !> The row of a multiplier: kappa'' in terms of the rows of the velocities, which hold minus their derivatives.
-   subroutine add_multiplier(gearbox, index, t, y, yp, integers, reals, entries, jacobian, status)
+   pure subroutine add_multiplier(gearbox, index, y, f, integers, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(gearbox%n_integers)
-      real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states), reals(size(gearbox%contacts))
+      real(wp), intent(in) :: y(gearbox%n_states), f(gearbox%n_states) !! f: rates there
       type(jacobian_entries), intent(in) :: entries
-      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
-      type(status_t), intent(inout) :: status
-      real(wp) :: f(gearbox%n_states), q(n_local), rates(n_local), direct(n_local)
+      real(wp), intent(inout) :: jacobian(entries%n_entries)
+      real(wp) :: q(n_local), rates(n_local), direct(n_local)
       type(contact_point) :: point
       type(contact_gradient) :: gradient
       integer :: i
 
       associate (contact => gearbox%contacts(index), row => gearbox%contacts(index)%i_normal)
-         jacobian(row, :) = 0
+         call clear_row(entries, row, jacobian)
          if (.not. is_closed(gearbox, index, integers)) then
-            jacobian(row, row) = 1
+            call add_entry(entries, row, row, 1.0_wp, jacobian)
             return
          end if
-         call gearbox_rates(gearbox, t, y, integers, reals, f, status, yp)
          call gearbox_local(gearbox, contact, y, q)
          call gearbox_local(gearbox, contact, f, rates)
          call rigid_gradient(contact%pair, q, point, gradient)
          do i = 1, size(contact%links)
             associate (link => contact%links(i))
-               if (link%local < at_psi_dot_a .or. link%local > at_v_b + 1) cycle
-               jacobian(row, :) = jacobian(row, :) + gradient%h_dot(link%local)*link%weight/contact%mobility*jacobian(link%state, :)
+               if (has_rate(link)) &
+                  call add_row(entries, link%state, row, gradient%h_dot(link%local)*link%weight/contact%mobility, jacobian)
             end associate
          end do
          call rigid_acceleration_gradient(contact%pair, q, rates, direct)
@@ -118,7 +197,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(gearbox%n_states)
       type(jacobian_entries), intent(in) :: entries
-      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
+      real(wp), intent(inout) :: jacobian(entries%n_entries)
       real(wp) :: q(n_local)
       type(contact_point) :: point
       type(contact_gradient) :: gradient
@@ -126,7 +205,8 @@ contains
       call gearbox_local(gearbox, contact, y, q)
       call rigid_gradient(contact%pair, q, point, gradient)
       associate (row => contact%i_dependent)
-         jacobian(row:row + 1, :) = 0
+         call clear_row(entries, row, jacobian)
+         call clear_row(entries, row + 1, jacobian)
          call scatter(contact%links, row, -1.0_wp, gradient%h, entries, jacobian)
          call scatter(contact%links, row + 1, -1.0_wp, gradient%h_dot, entries, jacobian)
       end associate
@@ -139,7 +219,7 @@ contains
       real(wp), intent(in) :: cj, y(gearbox%n_states), yp(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       type(jacobian_entries), intent(in) :: entries
-      real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
+      real(wp), intent(inout) :: jacobian(entries%n_entries)
       real(wp) :: q(n_local), rho_a0, local(n_track, n_local)
       logical :: tracks
       integer :: row
@@ -153,7 +233,7 @@ contains
             call differential_jacobian(contact%pair, rho_a0, q, yp(contact%i_track:contact%i_track + n_track - 1), cj, local)
          end if
          do row = 1, n_track
-            jacobian(contact%i_track + row - 1, :) = 0
+            call clear_row(entries, contact%i_track + row - 1, jacobian)
             call scatter(contact%links, contact%i_track + row - 1, 1.0_wp, local(row, :), entries, jacobian)
          end do
       end associate

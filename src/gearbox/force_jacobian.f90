@@ -10,7 +10,8 @@ module evl_force_jacobian
    use evl_gearbox, only: add_turn, gearbox_t, of_angle, of_speed, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_jacobian, only: ride_gradient
-   use evl_jacobian_entries, only: add_entry, entry_index, full_matrix, jacobian_entries
+   use evl_jacobian_entries, only: add_entry, add_row, jacobian_entries, listed_entries, n_noted, note_entries, sort_places, &
+                                   take_noted
    use evl_kinds, only: wp
    use evl_load, only: load_t
    use evl_local_variables, only: i_omega, i_theta, local_link, n_local, wheel_link
@@ -29,25 +30,46 @@ contains
    subroutine find_pattern(gearbox, rows, columns)
       type(gearbox_t), intent(in) :: gearbox
       integer, allocatable, intent(out) :: rows(:), columns(:)
-      real(wp) :: marks(gearbox%n_states, gearbox%n_states), y(gearbox%n_states), reals(size(gearbox%contacts))
-      integer :: integers(gearbox%n_integers), i, j
+      real(wp), allocatable :: notes(:)
       type(jacobian_entries) :: entries
+      integer, allocatable :: speeds(:) ! rows of the rotors' speeds
+      integer :: room, i, turn
+
+      room = 0
+      do turn = 1, 2
+         call note_entries(gearbox%n_states, room, entries)
+         notes = [(0.0_wp, i=0, room)]
+         call note_forces(gearbox, entries, notes)
+         room = n_noted(notes)
+      end do
+      call take_noted(gearbox%n_states, notes, rows, columns)
+      call listed_entries(gearbox%n_states, rows, columns, entries)
+      speeds = pack(gearbox%wheels%i_speed, gearbox%wheels%leader == [(i, i=1, size(gearbox%wheels))] &
+                    .and. gearbox%wheels%i_psi > 0)
+      associate (of_reference => entries%columns(entries%start(i_omega):entries%start(i_omega + 1) - 1))
+         rows = [rows, reshape(spread(speeds, 1, size(of_reference)), [size(speeds)*size(of_reference)])]
+         columns = [columns, reshape(spread(of_reference, 2, size(speeds)), [size(speeds)*size(of_reference)])]
+      end associate
+      call sort_places(gearbox%n_states, rows, columns)
+   end subroutine find_pattern
+
+   !> Note what will be added to, but for what `couple_reference` brings.
+   subroutine note_forces(gearbox, entries, notes)
+      type(gearbox_t), intent(in) :: gearbox
+      type(jacobian_entries), intent(in) :: entries !! that notes
+      real(wp), intent(inout) :: notes(entries%n_entries)
+      real(wp) :: y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer :: integers(gearbox%n_integers)
       type(frame_t) :: frame
       type(status_t) :: status
 
       y = 0
       integers = 0
       reals = 0
-      marks = 0
-      call full_matrix(gearbox%n_states, entries)
-      entries%marks = .true.
       call housing_frame(gearbox%housing, 0.0_wp, y, frame)
-      call add_constants(gearbox, entries, marks)
-      call add_forces(gearbox, 0.0_wp, y, integers, reals, frame, entries, marks, status)
-      call couple_reference(gearbox, entries, marks)
-      rows = pack(spread([(i, i=1, gearbox%n_states)], 2, gearbox%n_states), marks > 0)
-      columns = pack(spread([(j, j=1, gearbox%n_states)], 1, gearbox%n_states), marks > 0)
-   end subroutine find_pattern
+      call add_constants(gearbox, entries, notes)
+      call add_forces(gearbox, 0.0_wp, y, integers, reals, frame, entries, notes, status)
+   end subroutine note_forces
 
    !> Add what neither time nor the state changes: rates that are states themselves, supports and elastic shafts.
    pure subroutine add_constants(gearbox, entries, values)
@@ -180,14 +202,14 @@ contains
       type(flank_place) :: place
       integer :: m
 
-      if (.not. entries%marks) call look_at_forces(gearbox, flank%first, flank%last, y, integers, reals, place, at, status)
+      if (.not. entries%notes) call look_at_forces(gearbox, flank%first, flank%last, y, integers, reals, place, at, status)
       if (has_failed(status)) return
       do m = flank%first, flank%last
-         if (entries%marks) cycle
+         if (entries%notes) cycle
          if (touches(at(m)%mode)) call point_gradient(gearbox%contacts(m), place%line, at(m), d(m))
       end do
       do m = flank%first, flank%last
-         if (entries%marks) then ! it may touch
+         if (entries%notes) then ! it may touch
             at(m)%force = no_force
             gradient = mesh_force_gradient(torque_a=0.0_wp, torque_b=0.0_wp, on_a=0.0_wp, dissipation=0.0_wp)
          else
@@ -329,17 +351,11 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
-      integer :: i, j, from
+      integer :: i
 
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            if (wheel%leader /= i .or. wheel%i_psi == 0) cycle
-            do j = 1, entries%n
-               from = entry_index(entries, i_omega, j)
-               if (from == 0) cycle
-               if (entries%marks .and. .not. values(from) > 0) cycle
-               call add_entry(entries, wheel%i_speed, j, -wheel%ratio*values(from), values)
-            end do
+            if (wheel%leader == i .and. wheel%i_psi > 0) call add_row(entries, i_omega, wheel%i_speed, -wheel%ratio, values)
          end associate
       end do
    end subroutine couple_reference

@@ -11,7 +11,7 @@ module evl_gearbox_ode
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
-   use evl_gearbox_watch, only: n_channels
+   use evl_gearbox_watch, only: mesh_states, n_channels
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_jacobian_entries, only: jacobian_entries, listed_entries
    use evl_kinds, only: lanes, wp
@@ -102,7 +102,31 @@ contains
       call listed_entries(gearbox%n_states, self%jacobian_row, self%jacobian_column, self%entries)
       allocate (self%constants(self%entries%n_entries), source=0.0_wp)
       call add_constants(gearbox, self%entries, self%constants)
+      call list_root_states(gearbox, self)
    end subroutine gearbox_ode_create
+
+   !> On which states each root function depends: those of a mesh are alike.
+   pure subroutine list_root_states(gearbox, self)
+      type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_ode), intent(inout) :: self
+      integer, allocatable :: states(:)
+      integer :: i, m
+
+      allocate (self%root_first(self%n_roots), self%root_last(self%n_roots))
+      self%root_states = [i_theta] ! of the turns
+      self%root_first = 1
+      self%root_last = 1
+      do i = 1, size(gearbox%pairs)
+         call mesh_states(gearbox, i, states)
+         do m = gearbox%first(i), gearbox%first(i + 1) - 1
+            associate (before => gearbox%contacts(m)%i_root, n => gearbox%contacts(m)%n_roots)
+               self%root_first(before + 1:before + n) = size(self%root_states) + 1
+               self%root_last(before + 1:before + n) = size(self%root_states) + size(states)
+            end associate
+         end do
+         self%root_states = [self%root_states, states]
+      end do
+   end subroutine list_root_states
 
    !> Whether a vibration may feed itself: where friction falls or a load grows with the speed, by friction at all, or by what a
    !> moving housing adds. Supports, shafts and the dampers of contacts take energy only.

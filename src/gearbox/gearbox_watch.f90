@@ -23,7 +23,7 @@ module evl_gearbox_watch
    implicit none (type, external)
    private
 
-   public :: channel_of, n_channels, n_kept, watched_at
+   public :: channel_of, mesh_states, n_channels, n_kept, watched_at, watched_of_mesh
    public :: extreme_t, extremes_table, n_watched_outputs
    public :: watch_normal, watch_friction, watch_error, watch_sliding, watch_pair_normal, watch_pair_pressure, watch_penetration
 
@@ -117,13 +117,11 @@ contains
                   if (at(m)%mode%flanks /= flanks_loaded) cycle
                   normal = unclipped(at(m))
                   if (.not. normal > 0) cycle
-                  associate (channel => channel_of(contact%mesh, watch_pair_pressure), point => at(m)%point)
+                  associate (channel => channel_of(contact%mesh, watch_pair_pressure))
                      if (present(kept) .and. contact%deviates) then
                         call raise_pressure(contact, at(m), normal, near*highest(channel), kept(:, m), values(channel))
-                     else if (contact%deviates) then
-                        call raise(contact_pressure(contact, at(m)%mode, normal, point, feet_of(at(m))), values(channel))
                      else
-                        call raise(pressure_at(contact, normal, 1/point%rho_a + 1/point%rho_b), values(channel))
+                        call raise(exact_pressure(contact, at(m), normal), values(channel))
                      end if
                   end associate
                end associate
@@ -132,6 +130,71 @@ contains
       end do
       if (present(roots)) roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine watched_at
+
+   !> The channels of one mesh, as `watched_at` finds them.
+   subroutine watched_of_mesh(gearbox, mesh, y, integers, reals, values, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: y(gearbox%n_states)    !! of its `mesh_states`; the others are not looked at
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(inout) :: values(n_channels(gearbox)) !! those of the other meshes stay
+      type(status_t), intent(inout) :: status
+      type(contact_state) :: at(size(gearbox%contacts))
+      integer :: i, leader, m
+      real(wp) :: normal
+
+      values(channel_of(mesh, 1):channel_of(mesh, n_watched_outputs)) = 0
+      leader = leading_contact(gearbox, mesh, integers)
+      do i = gearbox%contacts(gearbox%first(mesh))%i_flank, gearbox%contacts(gearbox%first(mesh + 1) - 1)%i_flank
+         associate (first => gearbox%flanks(i)%flank%first, last => gearbox%flanks(i)%flank%last)
+            call look_at(gearbox, first, last, y, integers, reals, at, status)
+            if (has_failed(status)) return
+            do m = first, last
+               associate (contact => gearbox%contacts(m))
+                  if (m == leader) call watch_mesh(contact, at(m), values)
+                  if (touches(at(m)%mode)) call watch_pair(contact, at(m), values)
+                  if (at(m)%mode%flanks /= flanks_loaded) cycle
+                  normal = unclipped(at(m))
+                  if (normal > 0) call raise(exact_pressure(contact, at(m), normal), &
+                                             values(channel_of(mesh, watch_pair_pressure)))
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine watched_of_mesh
+
+   !> The states on which the contacts of a mesh depend, in their order.
+   pure subroutine mesh_states(gearbox, mesh, states)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      integer, allocatable, intent(out) :: states(:)
+      integer :: i, k, m
+
+      states = [i_theta]
+      do m = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
+         do k = 1, size(gearbox%contacts(m)%links)
+            associate (state => gearbox%contacts(m)%links(k)%state)
+               if (any(states == state)) cycle
+               i = count(states < state)
+               states = [states(:i), state, states(i + 1:)]
+            end associate
+         end do
+      end do
+   end subroutine mesh_states
+
+   !> Contact pressure of a tooth pair under a force.
+   real(wp) function exact_pressure(contact, at, normal) result(pressure)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      real(wp), intent(in) :: normal !! F_n > 0 [N]
+
+      if (contact%deviates) then
+         pressure = contact_pressure(contact, at%mode, normal, at%point, feet_of(at))
+      else
+         pressure = pressure_at(contact, normal, 1/at%point%rho_a + 1/at%point%rho_b)
+      end if
+   end function exact_pressure
 
    !> What the contact that speaks for its mesh adds to the channels, whether it touches or not.
    pure subroutine watch_mesh(contact, at, values)

@@ -53,19 +53,19 @@ contains
       type(condensed_t), intent(out) :: self
       integer, intent(in) :: n
       integer, intent(in) :: row(:), column(:) !! pattern of J
-      integer :: entry_of(n, n), partner(n), i, m, p
+      integer :: partner(n), entry(n), start(n + 1), order(size(row)), i, m
 
       self%n = n
-      entry_of = 0
-      do p = 1, size(row)
-         entry_of(row(p), column(p)) = p
-      end do
-      call find_kinematic(n, entry_of, partner)
+      call sort_by_rows(n, row, column, start, order)
+      call find_kinematic(n, column(order), start, partner)
       self%kinematic = pack([(i, i=1, n)], partner > 0)
       self%partner = pack(partner, partner > 0)
       self%kept = pack([(i, i=1, n)], partner == 0)
-      self%rate_entry = [(entry_of(self%kinematic(i), self%partner(i)), i=1, size(self%kinematic))]
-      call plan_condensation(self, entry_of)
+      do i = 1, n
+         if (partner(i) > 0) entry(i) = order(start(i))
+      end do
+      self%rate_entry = entry(self%kinematic)
+      call plan_condensation(self, column, start, order)
       m = size(self%kept)
       allocate (self%inner(size(self%row)), self%product(size(self%row)), self%coupling(size(self%coupling_entry)))
       allocate (self%rate(size(self%kinematic)), self%x(n_systems, 2, m), self%b_first(m), self%x_first(m))
@@ -77,65 +77,145 @@ contains
       end if
    end subroutine condensed_create
 
-   !> Rows that may be condensed: none of them has the unknown of another one.
-   pure subroutine find_kinematic(n, entry_of, partner)
+   !> Entries row after row, in each row by their columns.
+   pure subroutine sort_by_rows(n, row, column, start, order)
       integer, intent(in) :: n
-      integer, intent(in) :: entry_of(n, n) !! index of each entry in J, 0 if there is none
+      integer, intent(in) :: row(:), column(:)
+      integer, intent(out) :: start(n + 1) !! first of each row in:
+      integer, intent(out) :: order(:)
+      integer :: by_columns(size(column)), place(n + 1), i, p
+
+      place = 0
+      do p = 1, size(column)
+         place(column(p)) = place(column(p)) + 1
+      end do
+      do i = 2, n
+         place(i) = place(i - 1) + place(i)
+      end do
+      do p = size(column), 1, -1
+         by_columns(place(column(p))) = p
+         place(column(p)) = place(column(p)) - 1
+      end do
+      start = 0
+      do p = 1, size(row)
+         start(row(p) + 1) = start(row(p) + 1) + 1
+      end do
+      start(1) = 1
+      do i = 1, n
+         start(i + 1) = start(i) + start(i + 1)
+      end do
+      place = start
+      do p = 1, size(row)
+         associate (next => by_columns(p))
+            order(place(row(next))) = next
+            place(row(next)) = place(row(next)) + 1
+         end associate
+      end do
+   end subroutine sort_by_rows
+
+   !> Rows that may be condensed: none of them has the unknown of another one.
+   pure subroutine find_kinematic(n, column, start, partner)
+      integer, intent(in) :: n
+      integer, intent(in) :: column(:), start(n + 1) !! of the entries, row after row
       integer, intent(out) :: partner(n)    !! unknown beside the diagonal, 0 in a row that is kept
+      logical :: is_partner(n)
       integer :: i, j
 
       partner = 0
+      is_partner = .false.
       do i = 1, n
-         if (entry_of(i, i) > 0 .or. count(entry_of(i, :) > 0) /= 1 .or. any(partner == i)) cycle
-         j = maxloc(entry_of(i, :), dim=1)
-         if (partner(j) == 0) partner(i) = j
+         if (start(i + 1) - start(i) /= 1 .or. is_partner(i)) cycle
+         j = column(start(i))
+         if (j == i .or. partner(j) > 0) cycle
+         partner(i) = j
+         is_partner(j) = .true.
       end do
    end subroutine find_kinematic
 
    !> Pattern of the condensed systems, and where the entries of J go in it.
-   pure subroutine plan_condensation(self, entry_of)
+   subroutine plan_condensation(self, column, start, order)
       type(condensed_t), intent(inout) :: self
-      integer, intent(in) :: entry_of(:, :)
-      integer :: place_of(size(self%kept), size(self%kept)), position(self%n), i, j, k, p
+      integer, intent(in) :: column(:), start(:), order(:) !! columns of J's entries; these as of `sort_by_rows`
+      integer :: position(self%n) !! of an unknown among the kept ones; negative: among the kinematic ones
+      integer :: place_of(size(self%kept)), row_start(size(self%kept) + 1), i, k, n_inner, p
 
-      associate (kept => self%kept, kinematic => self%kinematic, m => size(self%kept))
-         position = 0
-         position(kept) = [(i, i=1, m)]
-         place_of = 0
-         do i = 1, m
-            place_of(i, i) = 1
-            do j = 1, m
-               if (entry_of(kept(i), kept(j)) > 0) place_of(i, j) = 1
-            end do
-            do k = 1, size(kinematic)
-               if (entry_of(kept(i), kinematic(k)) > 0) place_of(i, position(self%partner(k))) = 1
-            end do
+      position(self%kept) = [(i, i=1, size(self%kept))]
+      position(self%kinematic) = [(-i, i=1, size(self%kinematic))]
+      call find_pattern(self, column, start, order, position, row_start)
+      n_inner = 0
+      do i = 1, size(self%kept)
+         associate (row => self%kept(i))
+            n_inner = n_inner + count(position(column(order(start(row):start(row + 1) - 1))) > 0)
+         end associate
+      end do
+      k = 0
+      do i = 1, size(self%kept)
+         k = k + start(self%kept(i) + 1) - start(self%kept(i))
+      end do
+      allocate (self%inner_entry(n_inner), self%inner_place(n_inner), self%coupling_start(size(self%kept) + 1))
+      allocate (self%coupling_entry(k - n_inner), self%coupling_from(k - n_inner), self%coupling_place(k - n_inner))
+      n_inner = 0
+      k = 0
+      place_of = 0
+      do i = 1, size(self%kept)
+         place_of(self%column(row_start(i):row_start(i + 1) - 1)) = [(p, p=row_start(i), row_start(i + 1) - 1)]
+         self%coupling_start(i) = k + 1
+         do p = start(self%kept(i)), start(self%kept(i) + 1) - 1
+            associate (place => position(column(order(p))))
+               if (place > 0) then
+                  n_inner = n_inner + 1
+                  self%inner_entry(n_inner) = order(p)
+                  self%inner_place(n_inner) = place_of(place)
+               else
+                  k = k + 1
+                  self%coupling_entry(k) = order(p)
+                  self%coupling_from(k) = -place
+                  self%coupling_place(k) = place_of(position(self%partner(-place)))
+               end if
+            end associate
          end do
-         allocate (self%row(count(place_of > 0)), self%column(count(place_of > 0)), self%coupling_start(m + 1))
-         allocate (self%inner_entry(0), self%inner_place(0), self%coupling_entry(0), self%coupling_from(0), self%coupling_place(0))
-         p = 0
-         do i = 1, m
-            do j = 1, m
-               if (place_of(i, j) == 0) cycle
-               p = p + 1
-               self%row(p) = i
-               self%column(p) = j
-               place_of(i, j) = p
-               if (entry_of(kept(i), kept(j)) == 0) cycle
-               self%inner_entry = [self%inner_entry, entry_of(kept(i), kept(j))]
-               self%inner_place = [self%inner_place, p]
-            end do
-            self%coupling_start(i) = size(self%coupling_entry) + 1
-            do k = 1, size(kinematic)
-               if (entry_of(kept(i), kinematic(k)) == 0) cycle
-               self%coupling_entry = [self%coupling_entry, entry_of(kept(i), kinematic(k))]
-               self%coupling_from = [self%coupling_from, k]
-               self%coupling_place = [self%coupling_place, place_of(i, position(self%partner(k)))]
-            end do
-         end do
-         self%coupling_start(m + 1) = size(self%coupling_entry) + 1
-      end associate
+      end do
+      self%coupling_start(size(self%kept) + 1) = k + 1
    end subroutine plan_condensation
+
+   !> Rows and columns of the condensed systems: the diagonal, what J_vv has, and what comes through the kinematic rows.
+   subroutine find_pattern(self, column, start, order, position, row_start)
+      type(condensed_t), intent(inout) :: self
+      integer, intent(in) :: column(:), start(:), order(:), position(:) !! as above
+      integer, intent(out) :: row_start(size(self%kept) + 1)            !! first of each row
+      integer, dimension(size(self%kept) + size(column)) :: rows, columns
+      integer, allocatable :: sorted(:)
+      integer :: seen_in(size(self%kept)), i, j, n, p
+
+      seen_in = 0
+      n = 0
+      do i = 1, size(self%kept)
+         call add(i)
+         do p = start(self%kept(i)), start(self%kept(i) + 1) - 1
+            j = position(column(order(p)))
+            if (j < 0) j = position(self%partner(-j))
+            call add(j)
+         end do
+      end do
+      allocate (sorted(n))
+      call sort_by_rows(size(self%kept), rows(:n), columns(:n), row_start, sorted)
+      self%row = rows(sorted)
+      self%column = columns(sorted)
+
+   contains
+
+      !> One more in row i.
+      subroutine add(j)
+         integer, intent(in) :: j
+
+         if (seen_in(j) == i) return
+         seen_in(j) = i
+         n = n + 1
+         rows(n) = i
+         columns(n) = j
+      end subroutine add
+
+   end subroutine find_pattern
 
    !> Factor s_k I - J for the four complex shifts.
    pure subroutine condensed_factor(self, shift, jacobian, good)

@@ -19,13 +19,13 @@ module evl_dense_lu
 
 contains
 
-   !> Room for systems of n unknowns.
+   !> For systems of n unknowns. Their matrices take no memory until one is needed, which most integrations never do.
    subroutine dense_lu_create(lu, n)
       type(dense_lu_t), intent(out) :: lu
       integer, intent(in) :: n
 
       lu%n = n
-      allocate (lu%a(n, n, n_systems), lu%exchange(n, n_systems), lu%x(n))
+      allocate (lu%exchange(n, n_systems), lu%x(n))
    end subroutine dense_lu_create
 
    !> Factor shift_k I - J.
@@ -37,6 +37,7 @@ contains
       logical, intent(out) :: good             !! false if a matrix is singular
       integer :: i, k, p
 
+      if (.not. allocated(lu%a)) allocate (lu%a(lu%n, lu%n, n_systems))
       lu%a = 0
       good = .true.
       do k = 1, n_systems

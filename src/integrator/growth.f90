@@ -6,11 +6,13 @@
 !> 2e-5 |h lambda|, where Re lambda is small (docs/radau.md): no step is longer than that for a mode that grows faster.
 !>
 !> Eigenvalues are sought only where one could be out of reach, by a bound from the entries of J, and where J differs from those
-!> of which it is known that nothing grows.
+!> of which it is known that nothing grows. In a large system they are sought in pieces of neighbouring states, the others at rest,
+!> which takes time in proportion to its size.
 module evl_growth
    use evl_eigenvalues, only: find_eigenvalues
    use evl_jacobian_entries, only: apply_entries
    use evl_kinds, only: wp
+   use evl_state_pieces, only: find_pieces, piece_t
    implicit none (type, external)
    private
 
@@ -21,6 +23,16 @@ module evl_growth
    real(wp), parameter :: least_growth = 1.0e-4_wp !! Re lambda/|lambda| of a mode that counts as growing
    integer, parameter :: never_looked = 1000
    integer, parameter :: n_known = 4               !! matrices that are kept
+
+   !> What is known of some of the states.
+   type, extends(piece_t) :: known_piece_t
+      integer, allocatable :: entry(:)          !! numbers of their entries of J
+      integer, allocatable :: row(:), column(:) !! places of these among the states of the piece
+      real(wp), allocatable :: known(:, :)      !! [entries, n_known] matrices of which no mode grows
+      real(wp) :: known_change(n_known) = -1    !! how far J may be from them
+      real(wp) :: known_step(n_known) = 0       !! for steps up to this one
+      integer :: next = 1                       !! which of them goes first
+   end type known_piece_t
 
    type :: growth_t
       real(wp) :: longest = huge(1.0_wp)       !! step that follows the modes that grow; huge: none does
@@ -35,25 +47,23 @@ module evl_growth
       integer, allocatable, private :: row(:), column(:), entry(:) !! entries of J in them: places, numbers among all entries
       real(wp), allocatable, private :: scale(:)    !! [n] of the states
       real(wp), allocatable, private :: x(:)        !! [n] sizes of the states that make the bound a close one
-      real(wp), allocatable, private :: product(:)  !! [n] scratch
-      real(wp), allocatable, private :: matrix(:, :), eigenvalue_re(:), eigenvalue_im(:) !! [n, n], [n] scratch
+      real(wp), allocatable, private :: product(:), x_piece(:) !! [n] scratch
+      real(wp), allocatable, private :: matrix(:), eigenvalue_re(:), eigenvalue_im(:) !! scratch of the largest piece
       real(wp), allocatable, private :: difference(:) !! [entries] scratch: absolute values
-      real(wp), allocatable, private :: known(:, :) !! [entries, n_known] matrices of which no mode grows
-      real(wp), private :: known_change(n_known) = -1 !! how far J may be from them
-      real(wp), private :: known_step(n_known) = 0 !! for steps up to this one
-      integer, private :: next = 1             !! which of them goes first
+      type(known_piece_t), allocatable, private :: pieces(:)
       real(wp), allocatable :: jacobian(:)     !! [nnz] room for df/dy where the integrator asks for one
    end type growth_t
 
 contains
 
    !> Allocate for the pattern of J in its first n states.
-   pure subroutine growth_create(self, n, row, column, scale)
+   subroutine growth_create(self, n, row, column, scale)
       type(growth_t), intent(out) :: self
       integer, intent(in) :: n
       integer, intent(in) :: row(:), column(:) !! of all entries
       real(wp), intent(in) :: scale(:)         !! of the states, > 0
-      integer :: p, n_entries
+      type(piece_t), allocatable :: pieces(:)
+      integer :: i, largest, p, n_entries
 
       self%n = n
       n_entries = count(row <= n)
@@ -63,13 +73,40 @@ contains
       self%column(:) = column(self%entry)
       self%scale(:) = scale(:n)
       self%x(:) = scale(:n)
-      allocate (self%product(n), self%matrix(n, n), self%eigenvalue_re(n), self%eigenvalue_im(n))
-      allocate (self%difference(size(self%entry)), self%known(size(self%entry), n_known), self%jacobian(size(row)))
+      call find_pieces(n, self%row, self%column, pieces)
+      allocate (self%pieces(size(pieces)))
+      largest = 0
+      do i = 1, size(pieces)
+         call take_piece(self, pieces(i)%states, self%pieces(i))
+         largest = max(largest, size(pieces(i)%states))
+      end do
+      allocate (self%product(n), self%x_piece(largest), self%matrix(largest**2))
+      allocate (self%eigenvalue_re(largest), self%eigenvalue_im(largest))
+      allocate (self%difference(size(self%entry)), self%jacobian(size(row)))
    end subroutine growth_create
+
+   !> The entries of J in some states.
+   pure subroutine take_piece(self, states, piece)
+      type(growth_t), intent(in) :: self
+      integer, intent(in) :: states(:)
+      type(known_piece_t), intent(out) :: piece
+      integer :: place(self%n), i
+
+      place = 0
+      do i = 1, size(states)
+         place(states(i)) = i
+      end do
+      piece%states = states
+      piece%entry = pack(self%entry, place(self%row) > 0 .and. place(self%column) > 0)
+      piece%row = pack(place(self%row), place(self%row) > 0 .and. place(self%column) > 0)
+      piece%column = pack(place(self%column), place(self%row) > 0 .and. place(self%column) > 0)
+      allocate (piece%known(size(piece%entry), n_known))
+   end subroutine take_piece
 
    !> Be as after creation: what is known belongs to one integration.
    pure subroutine growth_forget(self)
       type(growth_t), intent(inout) :: self
+      integer :: i
 
       self%longest = huge(self%longest)
       self%steps = never_looked
@@ -77,8 +114,10 @@ contains
       self%wants_jacobian = .false.
       self%jacobians = 0
       self%bound_jacobians = 0
-      self%known_change = -1
-      self%next = 1
+      do i = 1, size(self%pieces)
+         self%pieces(i)%known_change = -1
+         self%pieces(i)%next = 1
+      end do
       self%x(:) = self%scale
    end subroutine growth_forget
 
@@ -125,31 +164,52 @@ contains
       type(growth_t), intent(inout) :: self
       real(wp), intent(in) :: jacobian(:) !! [nnz]
       real(wp), intent(in) :: h
-      real(wp) :: length, least_decay
-      integer :: i, p
-      logical :: found
+      integer :: i
 
       self%longest = huge(self%longest)
-      call compare(self, jacobian, h, found)
-      if (found) return
-      self%matrix = 0
-      do p = 1, size(self%entry)
-         self%matrix(self%row(p), self%column(p)) = jacobian(self%entry(p))
+      do i = 1, size(self%pieces)
+         call judge_piece(self, i, size(self%pieces(i)%states), jacobian, h)
       end do
-      call find_eigenvalues(self%n, self%matrix, self%eigenvalue_re, self%eigenvalue_im, found)
+   end subroutine judge_growth
+
+   !> The same of one piece.
+   pure subroutine judge_piece(self, index, n, jacobian, h)
+      type(growth_t), intent(inout) :: self
+      integer, intent(in) :: index, n !! piece, and how many states it has
+      real(wp), intent(in) :: jacobian(:)
+      real(wp), intent(in) :: h
+      real(wp) :: length, least_decay
+      integer :: i, p
+      logical :: found, grows
+
+      do i = 1, n
+         self%x_piece(i) = self%x(self%pieces(index)%states(i))
+      end do
+      call compare(n, self%x_piece, jacobian, h, self%pieces(index), self%difference, self%product, found)
+      if (found) return
+      self%matrix(:n**2) = 0
+      associate (piece => self%pieces(index))
+         do p = 1, size(piece%entry)
+            self%matrix(piece%row(p) + (piece%column(p) - 1)*n) = jacobian(piece%entry(p))
+         end do
+      end associate
+      call find_eigenvalues(n, self%matrix, self%eigenvalue_re, self%eigenvalue_im, found)
       if (.not. found) return
       least_decay = reach/h
-      do i = 1, self%n
+      grows = .false.
+      do i = 1, n
          length = hypot(self%eigenvalue_re(i), self%eigenvalue_im(i))
          if (2*h*length > reach) least_decay = min(least_decay, -self%eigenvalue_re(i))
-         if (.not. self%eigenvalue_re(i) > least_growth*length .or. .not. length*self%longest > aim) cycle
+         if (.not. self%eigenvalue_re(i) > least_growth*length) cycle
+         grows = .true.
+         if (.not. length*self%longest > aim) cycle
          self%longest = aim/length
          self%re = self%eigenvalue_re(i)
          self%im = abs(self%eigenvalue_im(i))
       end do
-      if (self%longest < huge(h) .or. .not. least_decay > 0) return
-      call remember(self, jacobian, 2*h, least_decay)
-   end subroutine judge_growth
+      if (grows .or. .not. least_decay > 0) return
+      call remember(jacobian, 2*h, least_decay, self%pieces(index))
+   end subroutine judge_piece
 
    !> Whether a step of h follows the modes that grow.
    pure logical function follows_growth(self, h)
@@ -160,38 +220,41 @@ contains
    end function follows_growth
 
    !> Whether J is near one of which it is known that nothing grows that a step of h would not follow.
-   pure subroutine compare(self, jacobian, h, is_known)
-      type(growth_t), intent(inout) :: self !! its scratch changes
+   pure subroutine compare(n, x, jacobian, h, piece, difference, product, is_known)
+      integer, intent(in) :: n                    !! states of the piece
+      real(wp), intent(in) :: x(n)                !! their sizes
       real(wp), intent(in) :: jacobian(:)
       real(wp), intent(in) :: h
+      type(known_piece_t), intent(in) :: piece
+      real(wp), intent(inout) :: difference(*), product(n) !! scratch
       logical, intent(out) :: is_known
       integer :: k, p
 
       is_known = .false.
       do k = 1, n_known
-         if (.not. h <= self%known_step(k) .or. self%known_change(k) < 0) cycle
-         do p = 1, size(self%entry)
-            self%difference(p) = abs(jacobian(self%entry(p)) - self%known(p, k))
+         if (.not. h <= piece%known_step(k) .or. piece%known_change(k) < 0) cycle
+         do p = 1, size(piece%entry)
+            difference(p) = abs(jacobian(piece%entry(p)) - piece%known(p, k))
          end do
-         call apply_entries(self%n, size(self%entry), self%row, self%column, self%difference, self%x, self%product)
-         is_known = maxval(self%product/self%x) <= self%known_change(k)
+         call apply_entries(n, size(piece%entry), piece%row, piece%column, difference, x, product)
+         is_known = maxval(product/x) <= piece%known_change(k)
          if (is_known) return
       end do
    end subroutine compare
 
    !> Keep a matrix: up to steps of `step` all modes decay, the slowest by `decay`.
-   pure subroutine remember(self, jacobian, step, decay)
-      type(growth_t), intent(inout) :: self
+   pure subroutine remember(jacobian, step, decay, piece)
       real(wp), intent(in) :: jacobian(:), step, decay
+      type(known_piece_t), intent(inout) :: piece
       real(wp), parameter :: share = 0.25_wp !! of the decay: how much of it a change of J may take away
       integer :: p
 
-      do p = 1, size(self%entry)
-         self%known(p, self%next) = jacobian(self%entry(p))
+      do p = 1, size(piece%entry)
+         piece%known(p, piece%next) = jacobian(piece%entry(p))
       end do
-      self%known_step(self%next) = step
-      self%known_change(self%next) = share*decay
-      self%next = mod(self%next, n_known) + 1
+      piece%known_step(piece%next) = step
+      piece%known_change(piece%next) = share*decay
+      piece%next = mod(piece%next, n_known) + 1
    end subroutine remember
 
 end module evl_growth

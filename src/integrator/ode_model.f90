@@ -30,6 +30,8 @@ module evl_ode_model
       integer :: n_rows = 0                   !! most rows of `watched_nearby`
       integer, allocatable :: jacobian_row(:) !! [nnz] row of each entry that df/dy may have, from 1; no entry twice
       integer, allocatable :: jacobian_column(:) !! [nnz] its column
+      !> States on which each root function depends: from root_first(i) to root_last(i) of the list. Not allocated: on all of them
+      integer, allocatable :: root_first(:), root_last(:), root_states(:)
       real(wp), allocatable :: scale(:)       !! [n] unit in which an error of y(i) counts, > 0
       integer :: growth = growth_never        !! whether modes may grow, one of the constants above
    contains
@@ -86,7 +88,8 @@ contains
       real(wp), intent(in) :: y(self%n)
       real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status !! touched on failure only
-      integer, intent(in), optional :: only   !! the one that is wanted, 1 .. n_roots: the others need not be found
+      integer, intent(in), optional :: only   !! the one that is wanted, 1 .. n_roots: the others need not be found, and of y
+                                              !! no more is known than this one depends on
 
       values = 0
       if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")

@@ -7,7 +7,8 @@
 !>         outcome_event: change the model's discrete state and y as solver%fired says, then call radau_restart
 !>
 !> All that changes is in `radau_t` and in the model: integrations may be
-!> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`.
+!> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`, but once the full
+!> matrices of a step whose diagonal pivots will not do.
 !>
 !> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most
 !> 0.0022 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; the
@@ -33,7 +34,7 @@ module evl_radau
 
    public :: radau_t, radau_options, radau_counts, radau_growth
    public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts, &
-             radau_get_growth, radau_interpolate_lanes, radau_look, radau_step
+             radau_get_growth, radau_interpolate_lanes, radau_interpolate_some, radau_look, radau_step
    public :: outcome_step, outcome_event, outcome_stop
 
    integer, parameter :: outcome_step = 0  !! a step was made
@@ -369,7 +370,30 @@ contains
       end do
    end subroutine radau_interpolate
 
-   !> The same at eight times, which differ from it by rounding.
+   !> The same of some states.
+   pure subroutine radau_interpolate_some(self, t, n, states, y)
+      type(radau_t), intent(in) :: self
+      real(wp), intent(in) :: t         !! as above
+      integer, intent(in) :: n
+      integer, intent(in) :: states(n)  !! which, from 0
+      real(wp), intent(inout) :: y(0:*) !! of all states; the others stay as they are
+      real(wp) :: basis(lanes)
+      integer :: i
+
+      basis = 0
+      if (self%old_h > 0) call lagrange_at((t - self%t_before)/self%old_h, basis)
+      do i = 1, n
+         associate (state => states(i) + 1)
+            if (self%old_h > 0) then
+               y(state - 1) = self%y_before(state) + weighted_sum(basis, self%old_z(:, state))
+            else
+               y(state - 1) = self%y(state)
+            end if
+         end associate
+      end do
+   end subroutine radau_interpolate_some
+
+   !> The same of all at eight times, which differ from it by rounding.
    pure subroutine radau_interpolate_lanes(self, t, y)
       type(radau_t), intent(in) :: self
       real(wp), intent(in) :: t(lanes)                    !! t_before <= t <= self%t

@@ -33,7 +33,7 @@ module evl_root_finder
       real(wp), allocatable :: g(:, :)      !! [8, n] values at the nodes
       real(wp), allocatable :: slope(:, :)  !! [8, n] slopes of their interpolants, per step
       real(wp), allocatable :: value(:)     !! [n] values at one time
-      real(wp), allocatable :: y(:)         !! state there
+      real(wp), allocatable :: y(:)         !! state there; for one function, as much of it as that needs
       integer, allocatable :: sign_now(:)   !! [n] at the end of the last step; 0: not known yet
       integer, allocatable :: sign_after(:) !! [n] at the end of the step last searched
       integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
@@ -346,23 +346,34 @@ contains
       type(status_t), intent(inout) :: status
       integer, intent(in), optional :: only !! the one that is wanted
 
-      call go_to(self, y, z, tau)
+      call go_to(self, model, y, z, tau, only)
       call model%roots(step%t + tau*step%h, self%y, self%value, status, only)
    end subroutine values_at
 
-   !> The state at one time of a step, where root functions are about to be evaluated.
-   pure subroutine go_to(self, y, z, tau)
+   !> The state at one time of a step, where root functions are about to be evaluated, or as much of it as one of them needs.
+   pure subroutine go_to(self, model, y, z, tau, only)
       type(root_finder_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
       real(wp), intent(in) :: y(:), z(:, :)
       real(wp), intent(in) :: tau
+      integer, intent(in), optional :: only
       real(wp) :: basis(lanes)
-      integer :: i
+      integer :: i, k
+      logical :: needs_all
 
       call lagrange_at(tau, basis)
-      do i = 1, size(y)
-         self%y(i) = y(i) + weighted_sum(basis, z(:, i))
-      end do
       self%evaluations = self%evaluations + 1
+      needs_all = .not. (present(only) .and. allocated(model%root_states))
+      if (needs_all) then
+         do i = 1, size(y)
+            self%y(i) = y(i) + weighted_sum(basis, z(:, i))
+         end do
+      else
+         do k = model%root_first(only), model%root_last(only)
+            i = model%root_states(k)
+            self%y(i) = y(i) + weighted_sum(basis, z(:, i))
+         end do
+      end if
    end subroutine go_to
 
 end module evl_root_finder

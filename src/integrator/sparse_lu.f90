@@ -35,6 +35,18 @@ module evl_sparse_lu
       real(wp), allocatable :: first(:)    !! [nnz] those of the first system, which is real
    end type sparse_lu_t
 
+   !> A list that grows.
+   type :: list_t
+      integer :: n = 0
+      integer, allocatable :: of(:) !! the first n of these
+   end type list_t
+
+   !> A pattern that fills.
+   type :: elimination_t
+      type(list_t), allocatable :: rows(:)    !! [n] columns of each row
+      type(list_t), allocatable :: columns(:) !! [n] rows of each column
+   end type elimination_t
+
 contains
 
    !> Find order, fill and the plan of the elimination; allocates all there is.
@@ -42,63 +54,83 @@ contains
       type(sparse_lu_t), intent(out) :: lu
       integer, intent(in) :: n
       integer, intent(in) :: row(:), column(:) !! pattern of J; the diagonal is added
-      logical, allocatable :: filled(:, :)
-      integer, allocatable :: position(:), index_of(:, :)
-      integer :: i, j, p
+      type(elimination_t) :: by
+      integer :: position(n), n_filled, i
 
       lu%n = n
-      allocate (filled(n, n), index_of(n, n), position(n), lu%component(n), lu%row_start(n + 1), lu%diagonal(n))
-      filled = .false.
-      do p = 1, size(row)
-         filled(row(p), column(p)) = .true.
-      end do
-      do i = 1, n
-         filled(i, i) = .true.
-      end do
-      call order_by_markowitz(n, filled, lu%component)
+      allocate (lu%component(n), lu%row_start(n + 1), lu%diagonal(n))
+      call find_elimination(by, n, row, column)
+      call order_by_markowitz(by, lu%component)
       do i = 1, n
          position(lu%component(i)) = i
       end do
-      allocate (lu%column(count(filled)), lu%unknown(count(filled)), lu%value(n_systems, 2, count(filled)), &
-                lu%first(count(filled)), lu%index(size(row)))
-      lu%value = 0
-      index_of = 0
-      p = 0
+      n_filled = 0
       do i = 1, n
-         lu%row_start(i) = p + 1
-         do j = 1, n
-            if (.not. filled(lu%component(i), lu%component(j))) cycle
-            p = p + 1
-            lu%column(p) = j
-            lu%unknown(p) = lu%component(j)
-            index_of(i, j) = p
-            if (i == j) lu%diagonal(i) = p
-         end do
+         lu%row_start(i) = n_filled + 1
+         n_filled = n_filled + by%rows(lu%component(i))%n
       end do
-      lu%row_start(n + 1) = p + 1
-      do p = 1, size(row)
-         lu%index(p) = index_of(position(row(p)), position(column(p)))
-      end do
-      call plan_elimination(lu, index_of)
+      lu%row_start(n + 1) = n_filled + 1
+      allocate (lu%column(n_filled), lu%unknown(n_filled), lu%value(n_systems, 2, n_filled), lu%first(n_filled), &
+                lu%index(size(row)))
+      lu%value = 0
+      call list_rows(by, position, lu)
+      call list_targets(lu)
+      call find_indices(lu, position, row, column)
    end subroutine sparse_lu_analyse
 
-   !> Order of the pivots; on return `filled` includes the fill. Of equal ones the first is that which waits for the fewest others,
-   !> one after the other: so a chain is eliminated from both ends, and substitutions in it overlap.
-   subroutine order_by_markowitz(n, filled, component)
-      integer, intent(in) :: n
-      logical, intent(inout) :: filled(n, n)
-      integer, intent(out) :: component(n)
-      logical :: waiting(n)
-      integer :: depth(n), i, j, k, best, cost, least
+   !> Rows and columns of a pattern with its diagonal.
+   subroutine find_elimination(by, n, row, column)
+      type(elimination_t), intent(out) :: by
+      integer, intent(in) :: n, row(:), column(:)
+      integer :: i, p
+
+      allocate (by%rows(n), by%columns(n))
+      do i = 1, n
+         call append(by%rows(i), i)
+         call append(by%columns(i), i)
+      end do
+      do p = 1, size(row)
+         if (row(p) == column(p)) cycle
+         call append(by%rows(row(p)), column(p))
+         call append(by%columns(column(p)), row(p))
+      end do
+   end subroutine find_elimination
+
+   !> Put a number behind those of a list.
+   pure subroutine append(list, number)
+      type(list_t), intent(inout) :: list
+      integer, intent(in) :: number
+      integer, allocatable :: longer(:)
+
+      if (.not. allocated(list%of)) allocate (list%of(8))
+      if (list%n == size(list%of)) then
+         allocate (longer(2*list%n))
+         longer(:list%n) = list%of
+         call move_alloc(longer, list%of)
+      end if
+      list%n = list%n + 1
+      list%of(list%n) = number
+   end subroutine append
+
+   !> Order of the pivots; on return rows and columns include the fill. Of equal ones the first is that which waits for the fewest
+   !> others, one after the other: so a chain is eliminated from both ends, and substitutions in it overlap.
+   subroutine order_by_markowitz(by, component)
+      type(elimination_t), intent(inout) :: by
+      integer, intent(out) :: component(:)
+      logical :: waiting(size(component))
+      integer, dimension(size(component)) :: depth, in_row, in_column
+      integer :: i, j, k, best, cost, least
 
       waiting = .true.
       depth = 0
-      do k = 1, n
+      in_row = by%rows%n
+      in_column = by%columns%n
+      do k = 1, size(component)
          best = 0
          least = huge(least)
-         do i = 1, n
+         do i = 1, size(component)
             if (.not. waiting(i)) cycle
-            cost = (count(filled(i, :) .and. waiting) - 1)*(count(filled(:, i) .and. waiting) - 1)
+            cost = (in_row(i) - 1)*(in_column(i) - 1)
             if (best > 0) then
                if (cost > least .or. (cost == least .and. depth(i) >= depth(best))) cycle
             end if
@@ -107,33 +139,112 @@ contains
          end do
          component(k) = best
          waiting(best) = .false.
-         where (waiting .and. (filled(best, :) .or. filled(:, best))) depth = max(depth, depth(best) + 1)
-         do j = 1, n
-            if (.not. (waiting(j) .and. filled(best, j))) cycle
-            where (waiting .and. filled(:, best)) filled(:, j) = .true.
-         end do
+         associate (row => by%rows(best), column => by%columns(best))
+            do i = 1, column%n ! their entry in the pivot's column waits no longer
+               in_row(column%of(i)) = in_row(column%of(i)) - 1
+               if (waiting(column%of(i))) depth(column%of(i)) = max(depth(column%of(i)), depth(best) + 1)
+            end do
+            do j = 1, row%n
+               in_column(row%of(j)) = in_column(row%of(j)) - 1
+               if (waiting(row%of(j))) depth(row%of(j)) = max(depth(row%of(j)), depth(best) + 1)
+            end do
+         end associate
+         call fill(by, best, waiting, in_row, in_column)
       end do
    end subroutine order_by_markowitz
 
-   !> List what changes when the rows are eliminated one after the other.
-   subroutine plan_elimination(lu, index_of)
-      type(sparse_lu_t), intent(inout) :: lu
-      integer, intent(in) :: index_of(:, :) !! index of each entry, 0 if there is none
-      integer :: i, m, p, q, pass
+   !> What the elimination of a pivot adds: all its column's waiting rows have its row's waiting columns.
+   subroutine fill(by, pivot, waiting, in_row, in_column)
+      type(elimination_t), intent(inout) :: by
+      integer, intent(in) :: pivot
+      logical, intent(in) :: waiting(:)
+      integer, intent(inout) :: in_row(:), in_column(:) !! entries that wait
+      logical :: has(size(waiting))
+      integer, allocatable :: rows(:), columns(:)
+      integer :: i, j
 
-      do pass = 1, 2
-         m = 0
-         do i = 1, lu%n
-            do p = lu%row_start(i), lu%diagonal(i) - 1
-               do q = lu%diagonal(lu%column(p)) + 1, lu%row_start(lu%column(p) + 1) - 1
-                  m = m + 1
-                  if (pass == 2) lu%target(m) = index_of(i, lu%column(q))
-               end do
+      associate (row => by%rows(pivot), column => by%columns(pivot))
+         rows = pack(column%of(:column%n), waiting(column%of(:column%n)))
+         columns = pack(row%of(:row%n), waiting(row%of(:row%n)))
+      end associate
+      has = .false.
+      do i = 1, size(rows)
+         associate (row => by%rows(rows(i)))
+            has(row%of(:row%n)) = .true.
+            do j = 1, size(columns)
+               if (has(columns(j))) cycle
+               call append(by%rows(rows(i)), columns(j))
+               call append(by%columns(columns(j)), rows(i))
+               in_row(rows(i)) = in_row(rows(i)) + 1
+               in_column(columns(j)) = in_column(columns(j)) + 1
+            end do
+            has(by%rows(rows(i))%of(:by%rows(rows(i))%n)) = .false.
+         end associate
+      end do
+   end subroutine fill
+
+   !> The rows of the factors in the order of elimination, in each the columns in that order.
+   subroutine list_rows(by, position, lu)
+      type(elimination_t), intent(in) :: by
+      integer, intent(in) :: position(:) !! of each component in that order
+      type(sparse_lu_t), intent(inout) :: lu
+      integer :: next(lu%n), i, j, k
+
+      next = lu%row_start(:lu%n)
+      do j = 1, lu%n ! column after column, so that each row is filled in their order
+         associate (column => by%columns(lu%component(j)))
+            do k = 1, column%n
+               i = position(column%of(k))
+               lu%column(next(i)) = j
+               lu%unknown(next(i)) = lu%component(j)
+               if (i == j) lu%diagonal(i) = next(i)
+               next(i) = next(i) + 1
+            end do
+         end associate
+      end do
+   end subroutine list_rows
+
+   !> List what changes when the rows are eliminated one after the other.
+   subroutine list_targets(lu)
+      type(sparse_lu_t), intent(inout) :: lu
+      integer :: place(lu%n) !! of each column in a row
+      integer :: i, m, p, q
+
+      m = 0
+      do i = 1, lu%n
+         do p = lu%row_start(i), lu%diagonal(i) - 1
+            m = m + lu%row_start(lu%column(p) + 1) - lu%diagonal(lu%column(p)) - 1
+         end do
+      end do
+      allocate (lu%target(m))
+      m = 0
+      place = 0
+      do i = 1, lu%n
+         do p = lu%row_start(i), lu%row_start(i + 1) - 1
+            place(lu%column(p)) = p
+         end do
+         do p = lu%row_start(i), lu%diagonal(i) - 1
+            do q = lu%diagonal(lu%column(p)) + 1, lu%row_start(lu%column(p) + 1) - 1
+               m = m + 1
+               lu%target(m) = place(lu%column(q))
             end do
          end do
-         if (pass == 1) allocate (lu%target(m))
       end do
-   end subroutine plan_elimination
+   end subroutine list_targets
+
+   !> Where each entry of J goes.
+   subroutine find_indices(lu, position, row, column)
+      type(sparse_lu_t), intent(inout) :: lu
+      integer, intent(in) :: position(:), row(:), column(:)
+      integer :: i, p
+
+      do p = 1, size(row)
+         i = position(row(p))
+         associate (columns => lu%unknown(lu%row_start(i):lu%row_start(i + 1) - 1))
+            lu%index(p) = lu%row_start(i) - 1 + findloc(columns, column(p), dim=1)
+         end associate
+      end do
+   end subroutine find_indices
 
    !> Factor s_k I - J - K/s_k for the four complex shifts.
    pure subroutine sparse_lu_factor(lu, shift, inverse_shift, j, k, good)

@@ -1,19 +1,29 @@
 !> Where the entries of a Jacobian are kept: in a full matrix, or in a list of those that may differ from zero. Who adds to them
-!> has marked these before.
+!> has noted these before.
 !>
-!> Who adds to an entry names its row and column and need not know which.
+!> Who adds to an entry names its row and column and need not know which. In a list every row has a table of its own, in which an
+!> entry stands at the last bits of its column, as many as tell the columns of that row from each other: so an entry is found
+!> without a search, and the tables grow as the list does.
+!>
+!> Notes are made twice, by whoever will add to the entries: with room for none, which counts them, and with room for all.
 module evl_jacobian_entries
    use evl_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: jacobian_entries, add_entry, apply_entries, entry_index, full_matrix, listed_entries
+   public :: jacobian_entries, add_entry, add_row, apply_entries, clear_row, full_matrix, listed_entries
+   public :: n_noted, note_entries, sort_places, take_noted
 
    type :: jacobian_entries
       integer :: n = 0                    !! rows, and columns
       integer :: n_entries = 0            !! how many are kept
-      logical :: marks = .false.          !! whether adding to an entry only marks it
-      integer, allocatable :: list(:, :)  !! [n, n] (column, row): index in the list, 0 of what is zero; a full matrix has none
+      logical :: notes = .false.          !! whether adding to an entry only notes its place
+      ! what only a list has
+      integer, allocatable :: start(:)    !! [n + 1] first entry of each row among these:
+      integer, allocatable :: columns(:), indices(:) !! [n_entries] row after row, by columns; their places in the list
+      integer, allocatable :: before(:)   !! [n] places before the table of each row
+      integer, allocatable :: mask(:)     !! [n] the bits of a column that count there
+      integer, allocatable :: table(:)    !! index in the list of the entry with these bits
    end type jacobian_entries
 
 contains
@@ -32,23 +42,149 @@ contains
       integer, intent(in) :: n                  !! rows of the matrix
       integer, intent(in) :: rows(:), columns(:) !! of each entry; none is there twice
       type(jacobian_entries), intent(out) :: entries
-      integer :: i
+      integer, allocatable :: order(:)
+      integer :: i, p
 
       entries%n = n
       entries%n_entries = size(rows)
-      allocate (entries%list(n, n), source=0)
-      do i = 1, size(rows)
-         entries%list(columns(i), rows(i)) = i
+      allocate (order, source=[(i, i=1, size(rows))])
+      call sort_by(n, columns, order)
+      call sort_by(n, rows, order)
+      allocate (entries%start(n + 1), entries%before(n), entries%mask(n))
+      entries%indices = order
+      entries%columns = columns(order)
+      entries%start(:) = 0
+      do p = 1, size(rows)
+         entries%start(rows(p) + 1) = entries%start(rows(p) + 1) + 1
       end do
+      entries%start(1) = 1
+      do i = 1, n
+         entries%start(i + 1) = entries%start(i) + entries%start(i + 1)
+      end do
+      call make_tables(entries)
    end subroutine listed_entries
 
-   !> Index of an entry; 0 if it is zero and not kept.
+   !> Order by a key in 1 .. n, those of one key as they were.
+   pure subroutine sort_by(n, key, order)
+      integer, intent(in) :: n, key(:)
+      integer, intent(inout) :: order(:)
+      integer :: sorted(size(order)), behind(0:n), i
+
+      behind = 0
+      do i = 1, size(key)
+         behind(key(i)) = behind(key(i)) + 1
+      end do
+      do i = 1, n
+         behind(i) = behind(i - 1) + behind(i)
+      end do
+      do i = size(order), 1, -1
+         sorted(behind(key(order(i)))) = order(i)
+         behind(key(order(i))) = behind(key(order(i))) - 1
+      end do
+      order = sorted
+   end subroutine sort_by
+
+   !> The tables of all rows, each as short as its columns allow.
+   pure subroutine make_tables(entries)
+      type(jacobian_entries), intent(inout) :: entries
+      integer :: i, p, room
+
+      room = 0
+      do i = 1, entries%n
+         associate (first => entries%start(i), last => entries%start(i + 1) - 1)
+            entries%mask(i) = 0
+            do while (entries%mask(i) < last - first .or. .not. tells(entries%columns(first:last), entries%mask(i)))
+               entries%mask(i) = 2*entries%mask(i) + 1
+            end do
+         end associate
+         entries%before(i) = room + 1
+         room = room + entries%mask(i) + 1
+      end do
+      allocate (entries%table(room), source=0)
+      do i = 1, entries%n
+         do p = entries%start(i), entries%start(i + 1) - 1
+            entries%table(entries%before(i) + iand(entries%columns(p), entries%mask(i))) = entries%indices(p)
+         end do
+      end do
+
+   contains
+
+      !> Whether the bits of a mask tell columns from each other.
+      pure logical function tells(columns, mask)
+         integer, intent(in) :: columns(:), mask
+         logical :: seen(0:mask)
+         integer :: k
+
+         seen = .false.
+         tells = .true.
+         do k = 1, size(columns)
+            tells = .not. seen(iand(columns(k), mask))
+            if (.not. tells) return
+            seen(iand(columns(k), mask)) = .true.
+         end do
+      end function tells
+
+   end subroutine make_tables
+
+   !> Nothing but notes of the places that would be added to, in an array of `room` + 1 that begins with 0.
+   pure subroutine note_entries(n, room, entries)
+      integer, intent(in) :: n, room !! rows; how many notes there is room for
+      type(jacobian_entries), intent(out) :: entries
+
+      entries%n = n
+      entries%n_entries = room + 1
+      entries%notes = .true.
+   end subroutine note_entries
+
+   !> How many notes were made, or would have been.
+   pure integer function n_noted(notes)
+      real(wp), intent(in) :: notes(:)
+
+      n_noted = nint(notes(1))
+   end function n_noted
+
+   !> The places noted, column after column, each once.
+   pure subroutine take_noted(n, notes, rows, columns)
+      integer, intent(in) :: n !! rows
+      real(wp), intent(in) :: notes(:)
+      integer, allocatable, intent(out) :: rows(:), columns(:)
+      integer :: p
+
+      allocate (rows(n_noted(notes)), columns(n_noted(notes)))
+      do p = 1, size(rows)
+         columns(p) = int((notes(p + 1) - 0.5_wp)/n) + 1
+         rows(p) = nint(notes(p + 1) - real(columns(p) - 1, wp)*n)
+      end do
+      call sort_places(n, rows, columns)
+   end subroutine take_noted
+
+   !> Column after column, each place once.
+   pure subroutine sort_places(n, rows, columns)
+      integer, intent(in) :: n !! rows of the matrix
+      integer, allocatable, intent(inout) :: rows(:), columns(:)
+      integer, allocatable :: order(:)
+      logical, allocatable :: is_new(:)
+      integer :: p
+
+      allocate (order, source=[(p, p=1, size(rows))])
+      allocate (is_new(size(rows)), source=.true.)
+      call sort_by(n, rows, order)
+      call sort_by(n, columns, order)
+      do p = 2, size(order)
+         is_new(p) = rows(order(p)) /= rows(order(p - 1)) .or. columns(order(p)) /= columns(order(p - 1))
+      end do
+      order = pack(order, is_new)
+      rows = rows(order)
+      columns = columns(order)
+   end subroutine sort_places
+
+   !> Index of an entry that is kept.
    pure integer function entry_index(entries, row, column) result(index)
       type(jacobian_entries), intent(in) :: entries
       integer, intent(in) :: row, column
 
-      if (allocated(entries%list)) then
-         index = entries%list(column, row)
+      if (allocated(entries%table)) then
+         index = entries%table(entries%before(row) + iand(column, entries%mask(row)))
       else
          index = row + (column - 1)*entries%n
       end if
@@ -62,13 +198,49 @@ contains
       real(wp), intent(inout) :: values(entries%n_entries)
       integer :: index
 
-      index = entry_index(entries, row, column)
-      if (entries%marks) then
-         values(index) = 1
-      else
-         values(index) = values(index) + amount
+      if (entries%notes) then
+         values(1) = values(1) + 1
+         if (nint(values(1)) < entries%n_entries) values(nint(values(1)) + 1) = row + (column - 1)*real(entries%n, wp)
+         return
       end if
+      index = entry_index(entries, row, column)
+      values(index) = values(index) + amount
    end subroutine add_entry
+
+   !> Add a multiple of one row to another, which has the entries for it.
+   pure subroutine add_row(entries, from, to, factor, values)
+      type(jacobian_entries), intent(in) :: entries !! no notes
+      integer, intent(in) :: from, to
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: values(entries%n_entries)
+      integer :: j, p
+
+      if (allocated(entries%table)) then
+         do p = entries%start(from), entries%start(from + 1) - 1
+            call add_entry(entries, to, entries%columns(p), factor*values(entries%indices(p)), values)
+         end do
+      else
+         do j = 0, entries%n - 1
+            values(to + j*entries%n) = values(to + j*entries%n) + factor*values(from + j*entries%n)
+         end do
+      end if
+   end subroutine add_row
+
+   !> Make a row zero.
+   pure subroutine clear_row(entries, row, values)
+      type(jacobian_entries), intent(in) :: entries !! no notes
+      integer, intent(in) :: row
+      real(wp), intent(inout) :: values(entries%n_entries)
+      integer :: p
+
+      if (allocated(entries%table)) then
+         do p = entries%start(row), entries%start(row + 1) - 1
+            values(entries%indices(p)) = 0
+         end do
+      else
+         values(row::entries%n) = 0
+      end if
+   end subroutine clear_row
 
    !> y = J x of a list of entries; arrays of known shape, so that no descriptor is looked at.
    pure subroutine apply_entries(n, entries, row, column, jacobian, x, y)

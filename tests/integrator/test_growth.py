@@ -168,6 +168,67 @@ def test_a_second_start_gives_the_bits_of_the_first(library: Library):
     assert np.array_equal(*ends)
 
 
+MASSES = 100  # a chain whose eigenvalues are sought in pieces, since it has more than 150 states
+
+
+def chain(damping, stiffness: float, growth: int) -> tuple[Problem, np.ndarray]:
+    """Masses of about OMEGA, each with a damping ratio, springs between neighbours; and y'."""
+    n = 2 * MASSES
+    rng = np.random.default_rng(19)
+    omega = OMEGA * rng.uniform(0.8, 1.2, MASSES)
+    between = stiffness * OMEGA**2 * (np.eye(MASSES, k=1) + np.eye(MASSES, k=-1))
+    matrix = np.zeros((n + 1, n + 1))
+    matrix[:MASSES, MASSES:n] = np.eye(MASSES)
+    matrix[MASSES:n, :MASSES] = between - np.diag(omega**2 + between.sum(axis=1))
+    matrix[MASSES:n, MASSES:n] = np.diag(-2 * np.asarray(damping) * omega)
+    matrix[n, n] = -1
+    drive = np.eye(n + 1)[n]
+    entries = [(int(i), int(j)) for i, j in np.argwhere(matrix != 0)]
+    values = [matrix[entry] for entry in entries]
+    scale = np.repeat([1.0, OMEGA, 1.0], [MASSES, MASSES, 1])
+    problem = Problem(
+        lambda t, y: matrix @ y + np.cos(t) * drive,
+        lambda t, y: values,
+        scale,
+        entries=entries,
+        growth=growth,
+    )
+    return problem, matrix[:n, :n]
+
+
+@pytest.mark.parametrize("growth", [GROWTH_BY_COUPLING, GROWTH_BY_DAMPING])
+@pytest.mark.parametrize("stiffness", [0.01, 0.5], ids=["modes of few masses", "modes of many"])
+@pytest.mark.parametrize("who", ["one mass", "all masses"])
+def test_a_vibration_grows_in_a_long_chain_as_it_should(library, who, stiffness, growth):
+    damping = np.full(MASSES, 0.002 if who == "one mass" else -0.01)
+    damping[57] = -0.4 if who == "one mass" and stiffness > 0.1 else -0.015
+    problem, matrix = chain(damping, stiffness, growth)
+    eigenvalues, vectors = np.linalg.eig(matrix)
+    assert eigenvalues.real.max() > 1  # [1/s], of a mode that swings
+    start, end = np.zeros(2 * MASSES), 15 / eigenvalues.real.max()
+    start[::3] = SEED
+    # from SEED by a factor of about a million, still below the tolerance
+    parts = np.exp(eigenvalues * end) * np.linalg.solve(vectors, start)
+    expected = (vectors @ parts).real / np.repeat([1, OMEGA], MASSES)
+    solver = Solver(library, problem)
+    found = solver.end(0, [*start, 0], end)[:-1] / np.repeat([1, OMEGA], MASSES)
+    # that of the steps before the first look, as above
+    assert np.linalg.norm(found) == pytest.approx(np.linalg.norm(expected), rel=0.1)
+    assert solver.counts.growth_cuts >= 1
+
+
+@pytest.mark.parametrize("growth", [GROWTH_BY_COUPLING, GROWTH_BY_DAMPING])
+def test_what_decays_in_a_long_chain_costs_no_step(library: Library, growth: int):
+    solvers = []
+    for kind in (GROWTH_NEVER, growth):
+        problem, _ = chain(np.full(MASSES, 0.01), 0.5, kind)
+        solvers.append(Solver(library, problem))
+        solvers[-1].end(0, [SEED, *np.zeros(2 * MASSES)], 2.0)
+    plain, looked_at = solvers
+    assert np.array_equal(plain.state[2], looked_at.state[2])  # to the bit
+    assert looked_at.growth == (0, 0)
+
+
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 7, 12, 30])
 def test_eigenvalues_agree_with_lapack(library: Library, n: int):
     rng = np.random.default_rng(n)

@@ -53,6 +53,26 @@ def test_an_arrow_is_factored_without_fill(library: Library):
     assert places == len(entries)
 
 
+def test_factors_of_a_chain_grow_with_its_length(library: Library):
+    """A chain whose masses are all coupled with the first two, as wheels with the reference one."""
+    places = {}
+    for masses in (100, 200):
+        near = {(i, j) for i in range(masses) for j in range(masses) if abs(i - j) <= 1}
+        pattern = near | {(i, j) for i in range(masses) for j in (0, 1)}
+        entries = [(2 * i, 2 * i + 1) for i in range(masses)]
+        entries += [(2 * i + 1, 2 * j + side) for i, j in sorted(pattern) for side in (0, 1)]
+        values = RNG.standard_normal(len(entries))
+        right = np.ones((4, 2 * masses))
+        places[masses], x, _ = library.solve_systems("sparse", entries, values, [50] * 4, right)
+        expected = np.linalg.solve(
+            matrices(2 * masses, np.array(entries), values, [50])[0], right[0]
+        )
+        assert np.abs(x[0] - expected).max() <= 64 * masses * EPS * np.abs(expected).max()
+    # diagonal, both neighbours, two columns, and what a chain eliminated from both ends fills
+    assert places[200] <= 8 * 200
+    assert places[200] <= 2.05 * places[100]
+
+
 def test_a_missing_diagonal_is_added(library: Library):
     _, x, _ = library.solve_systems("sparse", [(0, 1), (1, 0)], [1, 1], [2] * 4, np.ones((4, 2)))
     assert x[0] == pytest.approx([1, 1], abs=4 * EPS)  # (2 I - J) x = 1

@@ -233,7 +233,9 @@ EVL_API int evl_radau_advance(evl_radau *radau, double t_stop, double *t, double
                               evl_status *status);
 /** State at t within the last step. */
 EVL_API void evl_radau_interpolate(const evl_radau *radau, double t, double *y);
-/** The same at EVL_LANES times, to rounding: y [n_states * EVL_LANES], of each state the times side by side. */
+/** The same of n states alone; the others stay as they are. */
+EVL_API void evl_radau_interpolate_some(const evl_radau *radau, double t, int n, const int *states, double *y);
+/** The state at EVL_LANES times, to rounding: y [n_states * EVL_LANES], of each state the times side by side. */
 EVL_API void evl_radau_interpolate_lanes(const evl_radau *radau, const double *t, double *y);
 /** Go on after an event from (t, y) with the discrete state that evl_gearbox_apply_event left. */
 EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, const int *integers, const double *reals);
@@ -306,6 +308,11 @@ EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, int n_meant, const doub
  *  its pairs. @return EVL_OK or EVL_OUT_OF_DOMAIN */
 EVL_API int evl_gearbox_watched(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
                                 double *values, evl_status *status);
+/** The channels of one mesh, as evl_gearbox_watched finds them; the other values stay, and of y only the mesh's states are looked at. */
+EVL_API int evl_gearbox_watched_mesh(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers,
+                                     const double *reals, double *values, evl_status *status);
+/** The states on which the contacts of a mesh depend, in their order: [n_states] at most. @return how many */
+EVL_API int evl_gearbox_mesh_states(const evl_gearbox *gearbox, int mesh, int *states);
 /** What evl_gearbox_roots and evl_gearbox_watched give, for little more than the first alone: the pressure of flanks that deviate
  *  from involutes may be an estimate where that is at most near * highest, to half a percent.
  *  @param highest  largest so far of each channel; infinite where nobody asks, -infinite where all are to be exact

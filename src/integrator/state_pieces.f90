@@ -1,0 +1,159 @@
+!> Pieces of a large system: neighbouring states, so that eigenvalues can be sought piece by piece.
+!>
+!> A small system is one piece. In a larger one states are put in order by how they depend on each other, breadth first from one
+!> end of a chain to the other; a piece has `span` of them, and the next one begins in its middle. States on which very many depend
+!> belong to every piece. A kinematic row, q' = c v, goes with its v.
+!>
+!> Source: E. Cuthill, J. McKee, Proc. 24th Nat. Conf. ACM (1969) 157 (the order).
+module evl_state_pieces
+   implicit none (type, external)
+   private
+
+   public :: find_pieces, piece_t
+
+   integer, parameter :: most_whole = 150 !! states of a system that is one piece
+   integer, parameter :: span = 48        !! states of a piece, less those that are in all of them
+   integer, parameter :: hub_share = 4    !! of a state on which more than this part of all depends
+
+   type :: piece_t
+      integer, allocatable :: states(:)   !! in their order
+   end type piece_t
+
+contains
+
+   !> The pieces of a system, all states together in one if that is small enough.
+   subroutine find_pieces(n, row, column, pieces)
+      integer, intent(in) :: n
+      integer, intent(in) :: row(:), column(:) !! pattern of its Jacobian
+      type(piece_t), allocatable, intent(out) :: pieces(:)
+      integer, allocatable :: chain(:)
+      logical :: is_hub(n), belongs(n)
+      integer :: partner(n), i, k, first
+
+      call find_hubs(n, row, column, is_hub)
+      if (n <= most_whole .or. count(is_hub) > span) then
+         allocate (pieces(1))
+         pieces(1)%states = [(i, i=1, n)]
+         return
+      end if
+      call find_partners(n, row, column, partner)
+      call find_chain(n, row, column, is_hub, chain)
+      allocate (pieces(max(1, (size(chain) - 1)/(span/2))))
+      do k = 1, size(pieces)
+         first = (k - 1)*(span/2) + 1
+         belongs = is_hub
+         belongs(chain(first:min(first + span - 1, size(chain)))) = .true.
+         if (k == size(pieces)) belongs(chain(first:)) = .true.
+         do i = 1, n
+            if (partner(i) == 0) cycle
+            if (belongs(i) .or. belongs(partner(i))) belongs([i, partner(i)]) = .true.
+         end do
+         pieces(k)%states = pack([(i, i=1, n)], belongs)
+      end do
+   end subroutine find_pieces
+
+   !> States on which very many others depend.
+   pure subroutine find_hubs(n, row, column, is_hub)
+      integer, intent(in) :: n, row(:), column(:)
+      logical, intent(out) :: is_hub(n)
+      integer :: dependent(n), p
+
+      dependent = 0
+      do p = 1, size(row)
+         if (row(p) /= column(p)) dependent(column(p)) = dependent(column(p)) + 1
+      end do
+      is_hub = hub_share*dependent > n
+   end subroutine find_hubs
+
+   !> The v of each kinematic row; 0 of other rows.
+   pure subroutine find_partners(n, row, column, partner)
+      integer, intent(in) :: n, row(:), column(:)
+      integer, intent(out) :: partner(n)
+      integer :: in_row(n), p
+
+      in_row = 0
+      do p = 1, size(row)
+         in_row(row(p)) = in_row(row(p)) + 1
+      end do
+      partner = 0
+      do p = 1, size(row)
+         if (in_row(row(p)) == 1 .and. row(p) /= column(p)) partner(row(p)) = column(p)
+      end do
+   end subroutine find_partners
+
+   !> All states but the hubs, neighbours near each other; what does not hang together comes one after the other.
+   pure subroutine find_chain(n, row, column, is_hub, chain)
+      integer, intent(in) :: n, row(:), column(:)
+      logical, intent(in) :: is_hub(n)
+      integer, allocatable, intent(out) :: chain(:)
+      integer, allocatable :: neighbours(:)
+      logical :: seen(n), visited(n)
+      integer :: start(n + 1), begin, i, last
+
+      call find_neighbours(n, row, column, is_hub, start, neighbours)
+      allocate (chain(count(.not. is_hub)))
+      seen = is_hub
+      begin = 1
+      do i = 1, n
+         if (seen(i)) cycle
+         visited = seen
+         call walk(n, start, neighbours, i, begin, visited, chain, last)
+         call walk(n, start, neighbours, chain(last), begin, seen, chain, last) ! anew from an end
+         begin = last + 1
+      end do
+   end subroutine find_chain
+
+   !> Neighbours of each state: those that it depends on, or that depend on it.
+   pure subroutine find_neighbours(n, row, column, is_hub, start, neighbours)
+      integer, intent(in) :: n, row(:), column(:)
+      logical, intent(in) :: is_hub(n)
+      integer, intent(out) :: start(n + 1) !! first of each state among these
+      integer, allocatable, intent(out) :: neighbours(:)
+      integer :: next(n), i, p
+
+      next = 0
+      do p = 1, size(row)
+         if (is_hub(row(p)) .or. is_hub(column(p)) .or. row(p) == column(p)) cycle
+         next(row(p)) = next(row(p)) + 1
+         next(column(p)) = next(column(p)) + 1
+      end do
+      start(1) = 1
+      do i = 1, n
+         start(i + 1) = start(i) + next(i)
+      end do
+      next = start(:n)
+      allocate (neighbours(start(n + 1) - 1))
+      do p = 1, size(row)
+         if (is_hub(row(p)) .or. is_hub(column(p)) .or. row(p) == column(p)) cycle
+         neighbours(next(row(p))) = column(p)
+         neighbours(next(column(p))) = row(p)
+         next(row(p)) = next(row(p)) + 1
+         next(column(p)) = next(column(p)) + 1
+      end do
+   end subroutine find_neighbours
+
+   !> Breadth first through all that hangs together with one state.
+   pure subroutine walk(n, start, neighbours, from, begin, seen, chain, last)
+      integer, intent(in) :: n, start(n + 1), neighbours(:)
+      integer, intent(in) :: from, begin !! first state, and its place in the chain
+      logical, intent(inout) :: seen(n)
+      integer, intent(inout) :: chain(:)
+      integer, intent(out) :: last       !! place of the last one
+      integer :: at, p
+
+      chain(begin) = from
+      seen(from) = .true.
+      at = begin
+      last = begin
+      do while (at <= last)
+         do p = start(chain(at)), start(chain(at) + 1) - 1
+            if (seen(neighbours(p))) cycle
+            last = last + 1
+            chain(last) = neighbours(p)
+            seen(neighbours(p)) = .true.
+         end do
+         at = at + 1
+      end do
+   end subroutine walk
+
+end module evl_state_pieces
