@@ -1,30 +1,37 @@
-"""What a step costs in a row of 2 to 20 wheels: no more than the square of their number.
+"""What a step costs in a row of 10 to 200 wheels, an output, and the set-up: all grow with it.
 
-Run it as ``python benchmarks/train.py [PROGRAM]``; it needs valgrind. Instructions are counted, so
-that a busy machine gives the same numbers: those of a longer run less those of a shorter one, over
-the steps between them. The exit code is 1 if the cost grows faster than n squared.
+Run it as ``python benchmarks/train.py [PROGRAM] [--integrator radau|ida] [--instructions]``; it
+needs valgrind. Instructions are counted, so that a busy machine gives the same numbers: those of a
+longer run less those of a shorter one, over the steps between them; of a run with many outputs less
+one with few, over the outputs between them; the set-up is what a run of one step takes. CPU times
+come from runs of both lengths in turn, of each the fastest. The exit code is 1 if a ratio in
+instructions, or of CPU times, is above its limit.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import math
+import os
 import re
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from process import ROOT
 
-NUMBERS = (2, 5, 10, 20)
-SHORT, LONG = 1e-3, 3e-3  # [s]
-SLACK = 1.1  # for what is not proportional to a power, such as events
+NUMBERS = {"radau": (10, 20, 50, 100, 200), "ida": (10, 20, 50, 100)}
+SPANS = {"radau": (1e-3, 3e-3), "ida": (2e-4, 4e-4)}  # [s] shorter and longer run
+OUTPUTS = 200  # of the run with many
+ONE_STEP = 1e-9  # [s]
+TURNS = 7  # of CPU times
+LIMITS = {"radau": 2.3, "ida": 2.5}  # of twice as many wheels: the longest row over the one before
 
 
-def row(n: int, duration: float) -> dict[str, Any]:
+def row(n: int, duration: float, integrator: str = "radau", outputs: int = 1) -> dict[str, Any]:
     """Row of n wheels, each of which turns the next one; friction, and every axle in bearings."""
     teeth = [20 + 3 * (i % 5) for i in range(n)]
     bearing = {"kind": "bearing", "stiffness": [2e8, 3e8], "damping": [2e3, 3e3], "mass": 1}
@@ -51,50 +58,118 @@ def row(n: int, duration: float) -> dict[str, Any]:
     steel = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800}
     return {
         **{"format": 1, "materials": {"steel": steel}, "wheels": wheels, "meshes": meshes},
-        "simulation": {"duration": duration, "output_interval": duration, "tolerance": 1e-7},
+        "simulation": {
+            **{"duration": duration, "output_interval": duration / outputs, "tolerance": 1e-7},
+            "integrator": integrator,
+        },
     }
 
 
-def instructions(program: Path, case: dict[str, Any], folder: Path) -> tuple[int, int]:
-    """Instructions and steps of a run."""
-    file = folder / "case.yaml"
-    file.write_text(json.dumps(case))  # JSON is YAML
-    command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder / 'counts'}"]
-    command += [str(program), "run", str(file), "-o", str(folder / "history.h5")]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
-    counted = re.search(r"Collected : (\d+)", done.stderr)
-    steps = re.search(r"(\d+) steps", done.stderr)
-    if counted is None or steps is None:
-        sys.exit(f"cannot be understood:\n{done.stderr}")
-    return int(counted[1]), int(steps[1])
+@dataclass
+class Run:
+    """A case and where it is tried."""
+
+    program: Path
+    folder: Path
+
+    def command(self, case: dict[str, Any]) -> list[str]:
+        """Write the case; the run of it."""
+        file = self.folder / "case.yaml"
+        file.write_text(json.dumps(case))  # JSON is YAML
+        return [str(self.program), "run", str(file), "-o", str(self.folder / "history.h5")]
+
+    def instructions(self, case: dict[str, Any]) -> tuple[int, int]:
+        """Instructions and steps."""
+        command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={self.folder / 'counts'}"]
+        command += self.command(case)
+        done = subprocess.run(command, check=True, capture_output=True, text=True)
+        counted = re.search(r"Collected : (\d+)", done.stderr)
+        steps = re.search(r"(\d+) steps?\b", done.stderr)
+        if counted is None or steps is None:
+            sys.exit(f"cannot be understood:\n{done.stderr}")
+        return int(counted[1]), int(steps[1])
+
+    def cpu(self, case: dict[str, Any]) -> float:
+        """CPU time [s]."""
+        child = subprocess.Popen(
+            self.command(case), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        if child.returncode != 0:
+            sys.exit(f"a run ended with {child.returncode}")
+        return usage.ru_utime + usage.ru_stime
+
+
+@dataclass
+class Cost:
+    """What a row costs."""
+
+    step: float  # instructions
+    output: float
+    set_up: float
+    cpu: float  # of a step [s]; 0 if not measured
+    steps: int
+
+
+def cost(run: Run, n: int, integrator: str, *, timed: bool) -> Cost:
+    """Measure a row of n wheels."""
+    short, long = SPANS[integrator]
+    cases = row(n, short, integrator), row(n, long, integrator)
+    (few, few_steps), (many, many_steps) = (run.instructions(case) for case in cases)
+    told, _ = run.instructions(row(n, short, integrator, OUTPUTS))
+    set_up, _ = run.instructions(row(n, ONE_STEP, integrator))
+    steps = many_steps - few_steps
+    seconds = 0.0
+    if timed:
+        turns = [[run.cpu(case) for case in cases] for _ in range(TURNS)]
+        seconds = (min(t[1] for t in turns) - min(t[0] for t in turns)) / steps
+    return Cost((many - few) / steps, (told - few) / (OUTPUTS - 1), set_up, seconds, steps)
+
+
+def judge(integrator: str, costs: dict[int, Cost]) -> bool:
+    """Print what the longest row costs over the one before; whether a limit is broken."""
+    before, last = (costs[n] for n in NUMBERS[integrator][-2:])
+    limit, broken = LIMITS[integrator], False
+    for name in ("step", "output", "set_up", "cpu"):
+        if not getattr(before, name) > 0:
+            continue
+        ratio = getattr(last, name) / getattr(before, name)
+        verdict = "" if ratio <= limit else "  above the limit"
+        print(f"  {name.replace('_', '-'):7} {ratio:5.2f}, limit {limit}{verdict}")
+        broken |= ratio > limit
+    return broken
 
 
 def main() -> int:
-    """Print the table."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
         "program", nargs="?", type=Path, default=ROOT / "build" / "release" / "evolvent"
     )
-    program = parser.parse_args().program
-    costs: dict[int, float] = {}
-    print("wheels  states      steps  instructions a step  growth (power of n)")
+    parser.add_argument("--integrator", choices=NUMBERS, help="this one alone")
+    parser.add_argument("--instructions", action="store_true", help="no CPU times")
+    options = parser.parse_args()
+    broken = False
     with tempfile.TemporaryDirectory() as name:
-        for n in NUMBERS:
-            few, few_steps = instructions(program, row(n, SHORT), Path(name))
-            many, many_steps = instructions(program, row(n, LONG), Path(name))
-            costs[n] = (many - few) / (many_steps - few_steps)
-            before = max((m for m in costs if m < n), default=None)
-            growth = "-"
-            if before is not None:
-                power = math.log(costs[n] / costs[before]) / math.log(n / before)
-                growth = f"{power:.2f}"
-            steps = many_steps - few_steps
-            print(f"{n:6}  {6 * n + 2:6}  {steps:9}  {costs[n]:19.0f}  {growth:>19}")
-    first, last = NUMBERS[0], NUMBERS[-1]
-    grows_too_fast = costs[last] / costs[first] > SLACK * (last / first) ** 2
-    if grows_too_fast:
-        print("a step costs more than the square of the number of wheels")
-    return int(grows_too_fast)
+        run = Run(options.program, Path(name))
+        for integrator, numbers in NUMBERS.items():
+            if options.integrator not in (None, integrator):
+                continue
+            print(f"{integrator}: thousands of instructions, microseconds of CPU")
+            print("wheels  states  steps     a step  an output     set-up  CPU a step")
+            costs: dict[int, Cost] = {}
+            for n in numbers:
+                c = costs[n] = cost(run, n, integrator, timed=not options.instructions)
+                print(
+                    f"{n:6}  {6 * n + 2:6}  {c.steps:5}  {c.step / 1e3:9.0f}  {c.output / 1e3:9.0f}"
+                    f"  {c.set_up / 1e3:9.0f}  {c.cpu * 1e6:10.0f}",
+                    flush=True,
+                )
+            twice = " over ".join(str(n) for n in reversed(numbers[-2:]))
+            print(f"{integrator}, {twice} wheels:")
+            broken |= judge(integrator, costs)
+    return int(broken)
 
 
 if __name__ == "__main__":

@@ -76,7 +76,7 @@ typedef struct {
     /** y at t within the last step. @return true: it is known */
     bool (*interpolate)(const void *stepper, double t, double *y);
     /** The same of n states alone: the others in y stay as they are. */
-    void (*interpolate_some)(const void *stepper, double t, int n, const int *states, double *y);
+    bool (*interpolate_some)(void *stepper, double t, int n, const int *states, double *y);
     /** The state at DAE_LANES times, which is cheaper: y [states * DAE_LANES] of each state the times side by side. */
     void (*interpolate_lanes)(const void *stepper, const double *t, double *y);
     /** How many candidates for new extremes the last step has, before a restart.
@@ -90,6 +90,18 @@ typedef struct {
     /** what its steps cost; of the modes that grow the one that did so fastest, if steps were made shorter for one */
     void (*counts)(const void *stepper, integrate_counts *counts);
 } dae_stepper;
+
+/** The Jacobian of a model by the entries that may differ from zero. */
+typedef struct {
+    /** @return NULL if all may */
+    void *(*create)(const void *self, int *n_entries);
+    void (*destroy)(void *pattern);
+    /** row and column of each entry, column after column and in each by rows: [n_entries] */
+    void (*places)(const void *pattern, int *rows, int *columns);
+    /** as dae.jacobian, the entries alone: [n_entries] */
+    int (*jacobian)(const void *pattern, const dae_state *state, double cj, double *entries,
+                    char message[DAE_MESSAGE_LENGTH]);
+} dae_pattern;
 
 typedef struct dae {
     const void *self; /**< handed to every procedure; never changed by them */
@@ -132,6 +144,7 @@ typedef struct dae {
      *  change */
     double (*position)(const void *self, int which, const dae_state *state);
 
+    const dae_pattern *pattern; /**< NULL: all entries may differ from zero */
     const dae_stepper *stepper; /**< NULL: it brings none along */
 } dae;
 

@@ -51,6 +51,11 @@ int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vecto
     const int n = s->run->model->n;
     take_trial(s, t, y, yp);
     const dae_state state = integration_borrowed(s->run);
+    if (s->sparse != NULL) {
+        const int answer = ida_sparse_jacobian(s->sparse, &state, cj, s->row_units, matrix, s->run->reason);
+        note_refusal(s, answer);
+        return answer;
+    }
     double *entries = SUNDenseMatrix_Data(matrix);
     const int code = s->run->model->jacobian(s->run->model->self, &state, cj, entries, s->run->reason);
     note_refusal(s, code);
@@ -85,6 +90,52 @@ bool ida_interpolate(const void *with, double t, double *y)
     return true;
 }
 
+/* At equal distances over the last step. */
+static bool find_nodes(ida_session *s, double from, double to)
+{
+    ida_nodes *nodes = s->nodes;
+    const size_t n = (size_t)s->run->model->n;
+    if (nodes->y == NULL) {
+        nodes->y = pool_calloc(&s->pool, n * IDA_NODES, sizeof(double));
+        nodes->one = pool_calloc(&s->pool, n, sizeof(double));
+    }
+    for (int k = 0; k < IDA_NODES; k++) {
+        nodes->t[k] = k == IDA_NODES - 1 ? to : from + (to - from) * k / (IDA_NODES - 1);
+        if (!ida_interpolate(s, nodes->t[k], nodes->one)) {
+            nodes->t[IDA_NODES - 1] = NAN;
+            return false;
+        }
+        for (size_t i = 0; i < n; i++)
+            nodes->y[i * IDA_NODES + (size_t)k] = nodes->one[i];
+    }
+    return true;
+}
+
+bool ida_interpolate_some(void *with, double t, int n, const int *states, double *y)
+{
+    ida_session *s = with;
+    const ida_nodes *nodes = s->nodes;
+    double to = 0, step = 0, weights[IDA_NODES];
+    (void)IDAGetCurrentTime(s->ida, &to);
+    (void)IDAGetLastStep(s->ida, &step);
+    const bool is_known = nodes->t[IDA_NODES - 1] >= to && nodes->t[IDA_NODES - 1] <= to;
+    if (!is_known && !find_nodes(s, to - step, to)) {
+        return false;
+    }
+    for (int k = 0; k < IDA_NODES; k++) {
+        weights[k] = 1;
+        for (int j = 0; j < IDA_NODES; j++)
+            weights[k] *= j == k ? 1 : (t - nodes->t[j]) / (nodes->t[k] - nodes->t[j]);
+    }
+    for (int i = 0; i < n; i++) {
+        const double *values = nodes->y + (size_t)states[i] * IDA_NODES;
+        y[states[i]] = 0;
+        for (int k = 0; k < IDA_NODES; k++)
+            y[states[i]] += weights[k] * values[k];
+    }
+    return true;
+}
+
 void ida_watch_to(ida_session *s, double t, N_Vector y)
 {
     if (s->run->observer->watch == NULL || !(t > s->t_watched)) {
@@ -103,7 +154,8 @@ void ida_watch_to(ida_session *s, double t, N_Vector y)
                                  .state = &state,
                                  .watched = is_known ? s->channels : NULL,
                                  .with = s,
-                                 .interpolate = ida_interpolate};
+                                 .interpolate = ida_interpolate,
+                                 .interpolate_some = ida_interpolate_some};
     s->run->observer->watch(s->run->observer->self, &step);
     s->t_watched = t;
     s->continues = true;

@@ -4,6 +4,7 @@
 #include "integrate/short_vectors.h"
 
 #include <ida/ida.h>
+#include <math.h>
 #include <nvector/nvector_serial.h>
 #include <stddef.h>
 #include <sundials/sundials_config.h>
@@ -55,9 +56,27 @@ static void allocate_arrays(ida_session *s)
     s->watched_y = pool_calloc(&s->pool, (size_t)m->n, sizeof(double));
     s->channels = pool_calloc(&s->pool, (size_t)m->n_watched, sizeof(double));
     s->kept = pool_calloc(&s->pool, (size_t)m->n_kept, sizeof(double));
+    s->nodes = pool_calloc(&s->pool, 1, sizeof *s->nodes);
+    s->nodes->t[IDA_NODES - 1] = NAN;
     for (int i = 0; i < m->n; i++) {
         s->row_units[i] = 1 / m->row_scale[i];
     }
+}
+
+static bool create_linear_solver(ida_session *s)
+{
+    const dae *m = s->run->model;
+    s->sparse = ida_sparse_open(m, s->y, s->context, &s->matrix, &s->solver);
+    if (s->sparse != NULL) {
+        return true;
+    }
+    s->matrix = SUNDenseMatrix(m->n, m->n, s->context);
+    s->solver = s->matrix ? SUNLinSol_Dense(s->y, s->matrix, s->context) : NULL;
+    if (!s->solver) {
+        return false;
+    }
+    short_vectors_solve(s->solver);
+    return true;
 }
 
 static bool create_solver(ida_session *s)
@@ -73,17 +92,8 @@ static bool create_solver(ida_session *s)
     short_vectors_use(s->y);
     s->yp = N_VClone(s->y);
     s->between = N_VClone(s->y);
-    s->matrix = SUNDenseMatrix(m->n, m->n, s->context);
     s->ida = IDACreate(s->context);
-    if (!s->yp || !s->between || !s->matrix || !s->ida) {
-        return false;
-    }
-    s->solver = SUNLinSol_Dense(s->y, s->matrix, s->context);
-    if (!s->solver) {
-        return false;
-    }
-    short_vectors_solve(s->solver);
-    return true;
+    return s->yp && s->between && s->ida && create_linear_solver(s);
 }
 
 bool ida_session_open(ida_session *s)
@@ -101,6 +111,7 @@ void ida_session_close(ida_session *s)
     IDAFree(&s->ida);
     SUNLinSolFree(s->solver);
     SUNMatDestroy(s->matrix);
+    ida_sparse_close(&s->sparse);
     N_VDestroy(s->y);
     N_VDestroy(s->yp);
     N_VDestroy(s->between);

@@ -3,11 +3,22 @@
 #pragma once
 
 #include "base/memory.h"
+#include "integrate/ida_sparse.h"
 #include "integrate/integration.h"
 
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 #include <sundials/sundials_nvector.h>
+
+/** Enough for the polynomials of IDA, of degree 5. */
+enum { IDA_NODES = 6 };
+
+/** The last step at some times in it, from which single states follow. */
+typedef struct {
+    double t[IDA_NODES]; /**< the last one is the end; NAN: nothing is known */
+    double *y;           /**< [n * IDA_NODES] of each state the times side by side; NULL: not asked for yet */
+    double *one;         /**< [n] */
+} ida_nodes;
 
 typedef struct {
     memory_pool pool;        /**< of the arrays */
@@ -18,13 +29,15 @@ typedef struct {
     SUNContext context;
     void *ida;
     N_Vector y, yp;
-    N_Vector between;  /**< state inside a step, for who watches */
-    double *watched_y; /**< [n] */
-    double t_watched;  /**< up to which the observer has seen the motion */
-    double *channels;  /**< [n_watched] watched channels where the roots were asked last */
-    double t_channels; /**< when that was */
-    double *kept;      /**< [n_kept] */
-    bool continues;    /**< nothing happened there */
+    N_Vector between;   /**< state inside a step, for who watches */
+    double *watched_y;  /**< [n] */
+    double t_watched;   /**< up to which the observer has seen the motion */
+    double *channels;   /**< [n_watched] watched channels where the roots were asked last */
+    double t_channels;  /**< when that was */
+    double *kept;       /**< [n_kept] */
+    bool continues;     /**< nothing happened there */
+    ida_nodes *nodes;   /**< in the last step that was asked for */
+    ida_sparse *sparse; /**< NULL: the matrix is full */
     SUNMatrix matrix;
     SUNLinearSolver solver;
     double t_refused; /**< latest time at which the model had no answer */
@@ -49,5 +62,7 @@ int ida_weights(N_Vector y, N_Vector weight, void *data);
 
 /** y at t in the last step; a function of the kind that integrate_step has, `with` being the session. */
 bool ida_interpolate(const void *with, double t, double *y);
+/** The same of some states: of long trains, where it is asked for at many times. */
+bool ida_interpolate_some(void *with, double t, int n, const int *states, double *y);
 /** Let the observer look at the motion from where it has seen it to t, in the last step. */
 void ida_watch_to(ida_session *s, double t, N_Vector y);

@@ -9,5 +9,5 @@
 integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
                          dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH]);
 
-/** Version of the integrator's library, such as "SUNDIALS 6.4.1". */
+/** Version of the integrator's library, such as "SUNDIALS 6.4.1 with KLU". */
 const char *integrate_version(void);

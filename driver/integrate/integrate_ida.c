@@ -60,6 +60,7 @@ static integrate_code start_anew(ida_session *s, double step)
     s->before = *s->run->counts;
     s->t_watched = s->run->state->t;
     s->t_channels = NAN; /* they belong to the motion before */
+    s->nodes->t[IDA_NODES - 1] = NAN;
     memset(s->kept, 0, (size_t)s->run->model->n_kept * sizeof(double));
     s->continues = false;
     if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
@@ -221,5 +222,5 @@ integrate_code integrate_by_ida(integration *run)
 
 const char *integrate_version(void)
 {
-    return "SUNDIALS " SUNDIALS_VERSION;
+    return "SUNDIALS " SUNDIALS_VERSION " " IDA_SPARSE_VERSION;
 }

@@ -31,8 +31,8 @@ typedef struct {
     void *with;
     /** y at t in t_from .. t_to. @return false if it is not known after all */
     bool (*interpolate)(const void *with, double t, double *y);
-    /** as of dae_stepper; NULL: only all states */
-    void (*interpolate_some)(const void *with, double t, int n, const int *states, double *y);
+    /** The same of n states alone: the others in y stay as they are. */
+    bool (*interpolate_some)(void *with, double t, int n, const int *states, double *y);
     /** as of dae_stepper; NULL: only one at a time */
     void (*interpolate_lanes)(const void *with, const double *t, double *y);
     /** as of dae_stepper; NULL: it knows no candidates */

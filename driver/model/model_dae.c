@@ -156,6 +156,7 @@ void model_describe_dae(model *model)
         .n_groups = sizes->n_meshes,
         .watched_of_group = watched_of_group,
         .states_of_group = states_of_group,
+        .pattern = model_pattern(),
         .stepper = model_radau(model),
     };
 }

@@ -19,6 +19,8 @@ struct model {
 int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
 /** Fill the dae; its arrays are owned by the model. */
 void model_describe_dae(model *model);
+/** The entries of the Jacobian of the model's dae. */
+const dae_pattern *model_pattern(void);
 /** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */
 const dae_stepper *model_radau(const model *model);
 /** What a refusal is about, and why. */

@@ -64,10 +64,11 @@ static bool interpolate(const void *stepper, double t, double *y)
     return true;
 }
 
-static void interpolate_some(const void *stepper, double t, int n, const int *states, double *y)
+static bool interpolate_some(void *stepper, double t, int n, const int *states, double *y)
 {
     const radau_stepper *s = stepper;
     evl_radau_interpolate_some(s->radau, t, n, states, y);
+    return true;
 }
 
 static void interpolate_lanes(const void *stepper, const double *t, double *y)

@@ -147,10 +147,8 @@ static bool know_group(extreme_channels *channels, const integrate_step *step, d
         const int first = channels->first_state[group];
         state.t = place;
         state.y = channels->y;
-        if (step->interpolate_some != NULL) {
-            step->interpolate_some(step->with, place, channels->first_state[group + 1] - first,
-                                   channels->states + first, channels->y);
-        } else if (!step->interpolate(step->with, place, channels->y)) {
+        if (!step->interpolate_some(step->with, place, channels->first_state[group + 1] - first,
+                                    channels->states + first, channels->y)) {
             return false;
         }
     }

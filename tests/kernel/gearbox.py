@@ -333,6 +333,29 @@ class Gearbox:
         self._call("evl_gearbox_jacobian", _double(state.t), _double(cj), *map(_at, arrays))
         return result
 
+    def listed_jacobian(self, state: State, cj: float) -> Floats | None:
+        """Return the same from its entries that may differ from zero; None if all may."""
+        library, n, n_entries = self.library, self.sizes.n_states, ctypes.c_int()
+        library.evl_pattern_create.restype = ctypes.c_void_p
+        pattern = ctypes.c_void_p(library.evl_pattern_create(self.handle, ctypes.byref(n_entries)))
+        if not pattern:
+            return None
+        rows, columns = (np.empty(n_entries.value, np.int32) for _ in range(2))
+        library.evl_pattern_places(pattern, _at(rows), _at(columns))
+        assert np.all(np.diff(columns.astype(np.int64) * n + rows) > 0)  # in order, none twice
+        values, status = np.full(n_entries.value, np.nan), Status()
+        arrays = (state.y, state.yp, state.integers, state.reals, values)
+        times = (_double(state.t), _double(cj))
+        code = library.evl_pattern_jacobian(
+            pattern, *times, *map(_at, arrays), ctypes.byref(status)
+        )
+        library.evl_pattern_delete(ctypes.byref(pattern))
+        if code != OK:
+            self.check(code, status)
+        result = np.zeros((n, n))
+        result[rows, columns] = values
+        return result
+
     def derivative(self, state: State) -> Floats:
         """The y' that belongs to y."""
         result = np.empty(self.sizes.n_states)

@@ -51,6 +51,9 @@ def check_jacobian(gearbox: Gearbox, state: State) -> None:
     cj = 1e4
     analytic = gearbox.jacobian(state, 0.0) * scale / row[:, None]
     newton = gearbox.jacobian(state, cj) * scale / row[:, None]
+    listed = gearbox.listed_jacobian(state, cj)
+    if listed is not None:  # in any mode the entries that differ from zero are among those listed
+        assert np.array_equal(listed, gearbox.jacobian(state, cj))
     columns = [column(gearbox, state, j, unit) for j, unit in enumerate(scale)]
     numeric, doubt = (np.stack(part, axis=1) / row[:, None] for part in zip(*columns, strict=True))
     # the matrix that matters: of a step of 0.1 ms

@@ -146,6 +146,17 @@ EVL_API int evl_gearbox_residual(const evl_gearbox *gearbox, double t, const dou
 /** dF/dy + cj dF/dy', column-major [n_states * n_states], analytic. */
 EVL_API int evl_gearbox_jacobian(const evl_gearbox *gearbox, double t, double cj, const double *y, const double *yp,
                                  const int *integers, const double *reals, double *jacobian, evl_status *status);
+/** The Jacobian by the entries that may differ from zero in some state; of a gearbox, which has to outlive it. */
+typedef struct evl_pattern evl_pattern;
+/** @return NULL if all may: in a mounted housing */
+EVL_API evl_pattern *evl_pattern_create(const evl_gearbox *gearbox, int *n_entries);
+/** Makes *pattern NULL. */
+EVL_API void evl_pattern_delete(evl_pattern **pattern);
+/** Row and column of each entry, from 0, column after column and in each by rows: [n_entries] */
+EVL_API void evl_pattern_places(const evl_pattern *pattern, int *rows, int *columns);
+/** As evl_gearbox_jacobian, the entries alone: [n_entries] */
+EVL_API int evl_pattern_jacobian(const evl_pattern *pattern, double t, double cj, const double *y, const double *yp,
+                                 const int *integers, const double *reals, double *values, evl_status *status);
 /** The y' that belongs to y: the explicit right-hand side; for tracked meshes the linear system of the differential form is
  *  solved with LAPACK, so algebraic states get their true derivative as well. */
 EVL_API int evl_gearbox_derivative(const evl_gearbox *gearbox, double t, const double *y, const int *integers,

@@ -1,0 +1,40 @@
+# SUNDIALS' solver KLU for the sparse matrices of long trains, if it is there: SUNDIALS may have been built without it, or with a
+# KLU whose own files are not there. Archives are preferred: few runs need it, and each shared library takes its time at every
+# start of the program.
+set(with_klu "without KLU")
+if(EVOLVENT_KLU AND TARGET SUNDIALS::sunlinsolklu AND TARGET SUNDIALS::sunmatrixsparse)
+  set(klu_files "")
+  set(klu_folders "")
+  if(TARGET SUNDIALS::KLU)
+    get_target_property(klu_files SUNDIALS::KLU INTERFACE_LINK_LIBRARIES)
+    get_target_property(klu_folders SUNDIALS::KLU INTERFACE_INCLUDE_DIRECTORIES)
+  endif()
+  find_path(KLU_INCLUDE_DIR klu.h HINTS ${klu_folders} PATH_SUFFIXES suitesparse)
+  find_library(KLU_LIBRARY klu)
+  mark_as_advanced(KLU_INCLUDE_DIR KLU_LIBRARY)
+  if(KLU_INCLUDE_DIR AND KLU_LIBRARY)
+    set(with_klu "with KLU")
+    set(klu_libraries SUNDIALS::sunlinsolklu SUNDIALS::sunmatrixsparse)
+    string(REGEX REPLACE "\\.so(;|$)" ".a\\1" klu_archives "${klu_files}")
+    set(has_archives ON)
+    if(NOT klu_archives)
+      set(has_archives OFF)
+    endif()
+    foreach(archive IN LISTS klu_archives)
+      if(NOT (archive MATCHES "\\.a$" AND EXISTS "${archive}"))
+        set(has_archives OFF)
+      endif()
+    endforeach()
+    if(has_archives AND TARGET SUNDIALS::sunlinsolklu_static AND TARGET SUNDIALS::sunmatrixsparse_static)
+      set(
+        klu_libraries
+        $<TARGET_FILE:SUNDIALS::sunlinsolklu_static>
+        $<TARGET_FILE:SUNDIALS::sunmatrixsparse_static>
+        ${klu_archives}
+      )
+    endif()
+    target_link_libraries(evolvent_sundials INTERFACE ${klu_libraries})
+    target_include_directories(evolvent_sundials SYSTEM INTERFACE "${KLU_INCLUDE_DIR}")
+    target_compile_definitions(evolvent_sundials INTERFACE EVOLVENT_KLU)
+  endif()
+endif()

@@ -1,0 +1,28 @@
+/** Sparse matrices for IDA, with SUNDIALS' solver KLU where the build has it. Private to integrate/. */
+#pragma once
+
+#include "integrate/dae.h"
+
+#include <stdbool.h>
+#include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_matrix.h>
+#include <sundials/sundials_nvector.h>
+
+typedef struct ida_sparse ida_sparse;
+
+/** What integrate_version says of it. */
+#ifdef EVOLVENT_KLU
+#define IDA_SPARSE_VERSION "with KLU"
+#else
+#define IDA_SPARSE_VERSION "without KLU"
+#endif
+
+/** Make a sparse matrix and its solver, if the build has one and it pays for a model. @return NULL if not, or if there is not enough
+ *  memory: then a full matrix has to do */
+ida_sparse *ida_sparse_open(const dae *model, N_Vector like, SUNContext context, SUNMatrix *matrix,
+                            SUNLinearSolver *solver);
+void ida_sparse_close(ida_sparse **sparse);
+
+/** The Jacobian in units of rows and states: row_units are those of its rows. @return a dae_code */
+int ida_sparse_jacobian(const ida_sparse *sparse, const dae_state *state, double cj, const double *row_units,
+                        SUNMatrix matrix, char message[DAE_MESSAGE_LENGTH]);
