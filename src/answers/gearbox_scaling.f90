@@ -145,9 +145,8 @@ contains
          associate (g => abs(gearbox%wheels(i)%ratio))
             torque = 0
             swing = 0
-            do j = 1, size(gearbox%loads)
-               associate (load => gearbox%loads(j)%load)
-                  if (load%wheel /= i) cycle
+            do j = 1, size(gearbox%wheels(i)%loads)
+               associate (load => gearbox%loads(gearbox%wheels(i)%loads(j))%load)
                   torque = torque + load%largest(g, speed)
                   swing = swing + abs(load%swing)
                end associate

@@ -74,8 +74,13 @@ contains
          gearbox%wheels(i)%rotor_inertia = sum(gearbox%wheels%inertia, mask=gearbox%wheels%leader == gearbox%wheels(i)%leader)
          gearbox%wheels(i)%per_inertia = 1/gearbox%wheels(i)%rotor_inertia
       end do
+      do i = 1, size(wheels)
+         allocate (gearbox%wheels(i)%loads(0))
+      end do
       do i = 1, size(gearbox%loads)
-         gearbox%wheels(gearbox%loads(i)%load%wheel)%is_loaded = .true.
+         associate (wheel => gearbox%wheels(gearbox%loads(i)%load%wheel))
+            wheel%loads = [wheel%loads, i]
+         end associate
       end do
       do i = 1, size(meshes)
          call take_pair(gearbox, wheels, meshes, layout, i, status)

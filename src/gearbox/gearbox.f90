@@ -59,7 +59,7 @@ module evl_gearbox
       integer :: leader = 0                  !! wheel that stands for its rotor
       real(wp) :: rotor_inertia = 0.0_wp     !! of all wheels of its rotor about the axle [kg m^2]
       real(wp) :: per_inertia = 0.0_wp       !! its inverse
-      logical :: is_loaded = .false.         !! whether there is a load on it
+      integer, allocatable :: loads(:)       !! those of the gearbox that act on it
       integer :: i_psi = 0                   !! index of psi in the state, psi' follows; 0 in the rotor of the reference wheel
       integer :: i_speed = 0                 !! index of its speed's rate among the rows: i_omega or i_psi + 1
       integer :: prescribed = 0              !! load that prescribes the speed of its rotor; 0: none

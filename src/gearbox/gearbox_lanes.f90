@@ -68,7 +68,7 @@ contains
                              gearbox%wheels(gearbox%shafts(i)%wheel_b)%i_speed, gearbox%i_dissipated, y, f)
       end do
       do i = 1, size(gearbox%wheels)
-         if (gearbox%wheels(i)%is_loaded) call load_wheel(gearbox, i, t, y, integers, f)
+         if (size(gearbox%wheels(i)%loads) > 0) call load_wheel(gearbox, i, t, y, integers, f)
          call accelerate_support(gearbox, gearbox%wheels(i)%support, y, f)
       end do
       do i = 1, size(gearbox%wheels)
@@ -206,9 +206,8 @@ contains
          at%t = t
          at%angle = 0
          torque = 0
-         do j = 1, size(gearbox%loads)
-            associate (load => gearbox%loads(j)%load)
-               if (load%wheel /= index) cycle
+         do j = 1, size(wheel%loads)
+            associate (load => gearbox%loads(wheel%loads(j))%load)
                at%segment = segment_of(load, integers)
                if (load%by_angle) call angle_of(wheel, y, integers, at)
                call load%add_in_lanes(at, torque)

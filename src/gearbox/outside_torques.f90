@@ -2,7 +2,6 @@
 module evl_outside_torques
    use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: frame_t
-   use evl_joined, only: joined_to
    use evl_kinds, only: wp
    use evl_shaft, only: shaft_torque
    use evl_wheel_loads, only: known_torques, wheel_spin_torque
@@ -73,15 +72,15 @@ contains
       real(wp), intent(in) :: torque(:)    !! of meshes and all loads on every wheel [N m]
       real(wp), intent(out) :: carried(:)
       real(wp) :: needed(size(gearbox%wheels))
-      logical :: behind(size(gearbox%wheels))
       integer :: i, k
 
       call needed_torques(gearbox, y, f, frame, torque, needed)
       do i = 1, size(gearbox%shafts)
          if (gearbox%shafts(i)%rigid) then
-            behind = joined_to(gearbox%shafts(i)%wheel_b, gearbox%shafts%wheel_a, gearbox%shafts%wheel_b, &
-                               gearbox%shafts%rigid .and. [(k /= i, k=1, size(gearbox%shafts))], size(behind))
-            carried(i) = sum(needed, mask=behind) ! a rotor's shafts form no ring
+            carried(i) = 0
+            do k = 1, size(gearbox%shafts(i)%behind) ! a rotor's shafts form no ring
+               carried(i) = carried(i) + needed(gearbox%shafts(i)%behind(k))
+            end do
          else
             carried(i) = shaft_torque(gearbox%shafts(i), y)
          end if

@@ -10,7 +10,8 @@ module evl_rotors
 
 contains
 
-   !> Find the rotor of every wheel, the reference wheel, and the load that prescribes the speed of a rotor.
+   !> Find the rotor of every wheel, what is behind every rigid shaft, the reference wheel, and the load that prescribes the speed of
+   !> a rotor.
    !>
    !> The reference wheel is the leader of the first rotor whose speed is prescribed, or of the first of all; a rotor's leader is
    !> its first wheel. Errors: code_invalid_input for a shaft whose wheels are one rotor already, and for a second prescribed speed.
@@ -27,6 +28,11 @@ contains
             call fail(status, code_invalid_input, "rigid shafts join its two wheels already: what it carries is not" &
                       //" determined", subject_shaft, i, "wheels")
             return
+         end do
+         do i = 1, size(gearbox%shafts)
+            if (.not. rigid(i)) cycle
+            joined = joined_to(b(i), a, b, rigid .and. [(k /= i, k=1, size(rigid))], size(joined))
+            gearbox%shafts(i)%behind = pack([(k, k=1, size(joined))], joined)
          end do
          do i = 1, size(gearbox%wheels)
             gearbox%wheels(i)%leader = findloc(joined_to(i, a, b, rigid, size(joined)), .true., dim=1)

@@ -128,10 +128,10 @@ contains
       integer :: i
 
       torque = 0
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            if (load%wheel /= index .or. load%against_housing) cycle
-            torque = torque + load%spin_torque(load_point_of(gearbox, i, t, y, integers), spin)
+      do i = 1, size(gearbox%wheels(index)%loads)
+         associate (number => gearbox%wheels(index)%loads(i))
+            if (gearbox%loads(number)%load%against_housing) cycle
+            torque = torque + gearbox%loads(number)%load%spin_torque(load_point_of(gearbox, number, t, y, integers), spin)
          end associate
       end do
    end function wheel_spin_torque
@@ -149,9 +149,11 @@ contains
 
       follows = wheel_follows_ground(gearbox, index)
       torque = merge(0.0_wp, total, follows)
-      do i = 1, size(gearbox%loads)
-         if (gearbox%loads(i)%load%wheel /= index .or. (gearbox%loads(i)%load%against_housing .neqv. follows)) cycle
-         torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(gearbox, i, t, y, integers)
+      do i = 1, size(gearbox%wheels(index)%loads)
+         associate (number => gearbox%wheels(index)%loads(i))
+            if (gearbox%loads(number)%load%against_housing .neqv. follows) cycle
+            torque = torque + merge(1.0_wp, -1.0_wp, follows)*load_torque(gearbox, number, t, y, integers)
+         end associate
       end do
       if (.not. follows) torque = torque - wheel_spin_torque(gearbox, index, spin, t, y, integers)
    end function wheel_housing_torque
