@@ -331,7 +331,7 @@ def pitches_passed(history: xr.Dataset) -> Numbers:
         first = max(part.begin - 1, 0)
         turned = np.abs(np.diff(run.read("angle", first, part.end), axis=0))
         pitches = (turned * run["teeth"] / (2 * np.pi)).max(axis=1)
-        passed[first + 1 : part.end] = passed[first] + np.cumsum(pitches)
+        passed[first : part.end] = np.cumsum(np.append(passed[first], pitches))
     return passed
 
 
