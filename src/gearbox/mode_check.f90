@@ -46,16 +46,23 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       type(lane_slot), intent(in) :: slots(*) !! [tooth contacts] settled
       real(wp), intent(in) :: roots(lanes, gearbox%n_roots)
-      integer :: c, i
+      real(wp) :: least(lanes), x
+      integer :: c, i, l
 
-      modes_agree = .true.
+      least = 1
       do c = 1, size(gearbox%contacts)
          do i = 1, gearbox%contacts(c)%n_roots
             associate (direction => slots(c)%directions(i), at => roots(:, gearbox%contacts(c)%i_root + i))
-               if (direction /= 0) modes_agree = modes_agree .and. all_positive(slack - direction*at)
+               if (direction == 0) cycle
+               !$omp simd private(x)
+               do l = 1, lanes
+                  x = slack - direction*at(l)
+                  least(l) = min(least(l), merge(x, 0.0_wp, x > 0)) ! what is no number does not agree
+               end do
             end associate
          end do
       end do
+      modes_agree = all_positive(least)
    end function modes_agree
 
    !> Refuse root functions past the zeros that would have ended the modes.
