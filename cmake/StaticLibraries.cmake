@@ -1,0 +1,110 @@
+# EVOLVENT_STATIC: SUNDIALS, HDF5 and libyaml become part of the program, where static libraries lie beside the shared ones.
+#
+# Of the loader's work at each start they and what they need cost nine tenths: Debian's shared HDF5 takes a client of the network
+# with it, of which a program that links the static one needs nothing. What is not there, or does not link, stays shared.
+include(CheckCSourceCompiles)
+
+option(
+  EVOLVENT_STATIC
+  "Make SUNDIALS, HDF5 and libyaml part of the program where their static libraries are found"
+  ON
+)
+
+# The static libraries beside shared ones; empty unless all are there.
+function(evolvent_static_beside result)
+  set(found "")
+  foreach(library IN LISTS ARGN)
+    string(REGEX REPLACE "\\.(so|dylib)[.0-9]*$" ".a" static "${library}")
+    if(static MATCHES "\\.a$" AND EXISTS "${static}")
+      list(APPEND found "${static}")
+    else()
+      set(${result} "" PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  set(${result} ${found} PARENT_SCOPE)
+endfunction()
+
+# Whether a program that calls a function links with static libraries, of which there are some, and what they need.
+function(evolvent_links result function libraries)
+  if(NOT EVOLVENT_STATIC OR NOT libraries)
+    set(${result} OFF PARENT_SCOPE)
+    return()
+  endif()
+  set(CMAKE_REQUIRED_LIBRARIES ${libraries} ${ARGN})
+  set(CMAKE_REQUIRED_QUIET ON)
+  check_c_source_compiles("char ${function}(void); int main(void) { return ${function}(); }" ${result})
+  set(${result} "${${result}}" PARENT_SCOPE)
+endfunction()
+
+set(evolvent_static_names "")
+
+# SUNDIALS. Its static targets name shared ones as what they need, so take the files only.
+get_target_property(sundials_parts evolvent_sundials INTERFACE_LINK_LIBRARIES)
+if(NOT TARGET SUNDIALS::core)
+  list(APPEND sundials_parts SUNDIALS::generic)
+endif()
+set(sundials_static "")
+foreach(part IN LISTS sundials_parts)
+  set(location "")
+  if(TARGET ${part}_static)
+    get_target_property(location ${part}_static LOCATION)
+  endif()
+  if(NOT location)
+    set(sundials_static "")
+    break()
+  endif()
+  list(APPEND sundials_static "${location}")
+endforeach()
+evolvent_links(EVOLVENT_LINKS_STATIC_SUNDIALS IDACreate "${sundials_static}" m)
+if(EVOLVENT_LINKS_STATIC_SUNDIALS)
+  get_target_property(include SUNDIALS::ida_static INTERFACE_INCLUDE_DIRECTORIES)
+  set_target_properties(
+    evolvent_sundials
+    PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${include}" INTERFACE_LINK_LIBRARIES "${sundials_static};m"
+  )
+  list(APPEND evolvent_static_names SUNDIALS)
+endif()
+
+# HDF5 with its high-level library, and what its filters need: one copy of HDF5 a program.
+set(hdf5_targets hdf5::hdf5 hdf5::hdf5_hl)
+set(hdf5_shared "")
+foreach(target IN LISTS hdf5_targets)
+  get_target_property(location ${target} LOCATION)
+  list(APPEND hdf5_shared "${location}")
+endforeach()
+evolvent_static_beside(hdf5_static ${hdf5_shared})
+set(hdf5_needs "")
+foreach(name sz aec z)
+  find_library(EVOLVENT_LIBRARY_${name} NAMES lib${name}.a ${name})
+  mark_as_advanced(EVOLVENT_LIBRARY_${name})
+  if(EVOLVENT_LIBRARY_${name})
+    list(APPEND hdf5_needs "${EVOLVENT_LIBRARY_${name}}")
+  endif()
+endforeach()
+find_package(Threads QUIET)
+list(APPEND hdf5_needs ${CMAKE_DL_LIBS} ${CMAKE_THREAD_LIBS_INIT} m)
+list(REVERSE hdf5_static) # the high-level library comes before what it needs
+evolvent_links(EVOLVENT_LINKS_STATIC_HDF5 H5open "${hdf5_static}" ${hdf5_needs})
+list(REVERSE hdf5_static)
+if(EVOLVENT_LINKS_STATIC_HDF5)
+  foreach(target static IN ZIP_LISTS hdf5_targets hdf5_static)
+    set_target_properties(${target} PROPERTIES IMPORTED_LOCATION "${static}")
+  endforeach()
+  set_property(TARGET hdf5::hdf5 PROPERTY INTERFACE_LINK_LIBRARIES "${hdf5_needs}")
+  set_property(TARGET hdf5::hdf5_hl PROPERTY INTERFACE_LINK_LIBRARIES hdf5::hdf5)
+  list(APPEND evolvent_static_names HDF5)
+endif()
+
+# libyaml
+evolvent_static_beside(yaml_static ${YAML_LINK_LIBRARIES})
+evolvent_links(EVOLVENT_LINKS_STATIC_YAML yaml_parser_load "${yaml_static}")
+if(EVOLVENT_LINKS_STATIC_YAML)
+  set_property(TARGET PkgConfig::YAML PROPERTY INTERFACE_LINK_LIBRARIES "${yaml_static}")
+  list(APPEND evolvent_static_names libyaml)
+endif()
+
+if(evolvent_static_names)
+  list(JOIN evolvent_static_names ", " evolvent_static_names)
+  message(STATUS "Part of the program: ${evolvent_static_names}")
+endif()
