@@ -2,9 +2,14 @@
 
 Run it as ``python benchmarks/process.py [evolvent]`` after a build; the program is that of
 build/release unless given. Each line is the median of several runs of 5 s of model time with an
-output each millisecond. The budget, where there is one, stands beside what was measured. Then the
-peak memory of 500 s is compared with that of 5 s: it writes 180 MB to the temporary folder. The
-exit code is 1 if a budget is exceeded.
+output each millisecond. The budget, where there is one, stands beside what was measured. Then
+
+- `run` is set beside `show`, which starts, reads the case and builds the gearbox as well, but
+  integrates and writes nothing: both alternate, and the ratio of their CPU times counts;
+- with valgrind there, the instructions of the run in closed form are counted;
+- the peak memory of 500 s is compared with that of 5 s: it writes 320 MB to the temporary folder.
+
+The exit code is 1 if a budget is exceeded.
 """
 
 from __future__ import annotations
@@ -12,10 +17,13 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import resource
+import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,6 +49,9 @@ SETTINGS = {
 }
 LONG = "simulation.duration=500"
 MORE_MEMORY = 1.0  # that 500 s may take beyond 5 s: pages come and go [MB]
+CLOSED_FORM = "meshes.0.tracking=closed_form"
+RATIOS = [("closed form", [CLOSED_FORM], 2.0), ("as it is", [], 4.0)]  # CPU of run over show
+INSTRUCTIONS = 45e6  # of the run in closed form
 
 
 @dataclass(frozen=True)
@@ -52,23 +63,60 @@ class Cost:
     steps: int
 
 
+def set_options(settings: Sequence[str]) -> list[str]:
+    """The settings as options of the program."""
+    return [word for setting in settings for word in ("--set", setting)]
+
+
+def usage_of(command: list[str]) -> tuple[resource.struct_rusage, str]:
+    """Run a command; what the kernel of the machine says that it took, and what it said."""
+    with tempfile.TemporaryFile("w+") as messages:
+        process = subprocess.Popen(
+            command, stdout=subprocess.DEVNULL, stderr=messages, env=ONE_THREAD
+        )
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        messages.seek(0)
+        said = messages.read()
+    if process.returncode != 0:
+        sys.exit(f"{' '.join(command)} ended with {process.returncode}: {said}")
+    return usage, said
+
+
 def cost(program: Path, case: str, *settings: str) -> Cost:
-    """Run the program once and ask the kernel of the machine what it took."""
+    """Run the program once."""
     with tempfile.TemporaryDirectory() as folder:
         command = [str(program), "run", str(ROOT / "examples" / case), "-o", f"{folder}/x.h5"]
-        for setting in settings:
-            command += ["--set", setting]
-        with tempfile.TemporaryFile("w+") as messages:
-            process = subprocess.Popen(command, stderr=messages, env=ONE_THREAD)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            messages.seek(0)
-            said = messages.read()
+        usage, said = usage_of([*command, *set_options(settings)])
     summary = re.search(r"(\d+) steps", said)
-    if process.returncode != 0 or summary is None:
-        sys.exit(f"{' '.join(command)} ended with {process.returncode}: {said}")
+    if summary is None:
+        sys.exit(f"{' '.join(command)} told no steps: {said}")
     kilobytes = usage.ru_maxrss  # in Linux
     return Cost(usage.ru_utime + usage.ru_stime, kilobytes / 1000, int(summary[1]))
+
+
+def run_beside_show(runs: int, program: Path, settings: Sequence[str]) -> tuple[float, float]:
+    """Medians of the CPU time of `run` and of `show`, alternating [s]."""
+    show = [str(program), "show", str(ROOT / "examples/paper.yaml"), *set_options(settings)]
+    times: tuple[list[float], list[float]] = ([], [])
+    for _ in range(runs):
+        times[0].append(cost(program, "paper.yaml", *settings).cpu)
+        usage, _ = usage_of(show)
+        times[1].append(usage.ru_utime + usage.ru_stime)
+    return statistics.median(times[0]), statistics.median(times[1])
+
+
+def instructions(program: Path) -> float | None:
+    """Instructions of the run in closed form; None without valgrind."""
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        counted = [valgrind, "--tool=callgrind", f"--callgrind-out-file={folder}/out"]
+        run = [str(program), "run", "-q", str(ROOT / "examples/paper.yaml"), "-o", f"{folder}/x.h5"]
+        _, said = usage_of([*counted, *run, *set_options([CLOSED_FORM])])
+    found = re.search(r"Collected : (\d+)", said)
+    return float(found[1]) if found else None
 
 
 def median_cost(runs: int, program: Path, case: str, *settings: str) -> Cost:
@@ -108,6 +156,22 @@ def main() -> int:
         size = f"{took.memory:.1f} <= {MEMORY:.0f}"
         row = f"{case:20} {contact:8} {kind:12} {integrator:10} {cpu:>14} {steps:>15} {size:>12}"
         print(f"{row}{'  EXCEEDED' if over else ''}")
+
+    print(f"CPU time of run over that of show, paper.yaml, median of {4 * options.runs} each")
+    for name, settings, most in RATIOS:
+        run, show = run_beside_show(4 * options.runs, program, settings)
+        over = run > most * show
+        exceeded += over
+        pair = f"{1e3 * run:.1f} ms over {1e3 * show:.1f} ms: {run / show:.2f} <= {most:.0f}"
+        print(f"{name:12} {pair}{'  EXCEEDED' if over else ''}")
+    count = instructions(program)
+    if count is None:
+        print("instructions in closed form: not counted, valgrind is not there")
+    else:
+        over = count > INSTRUCTIONS
+        exceeded += over
+        pair = f"{1e-6 * count:.1f} <= {1e-6 * INSTRUCTIONS:.0f} million"
+        print(f"instructions in closed form: {pair}{'  EXCEEDED' if over else ''}")
 
     print("peak memory of 500 s beside that of 5 s, an output each millisecond [MB]")
     for case, kind in (("paper.yaml", kind) for kind in ("closed_form", "differential")):

@@ -39,7 +39,7 @@ endfunction()
 
 set(evolvent_static_names "")
 
-# SUNDIALS. Its static targets name shared ones as what they need, so take the files only.
+# SUNDIALS. Its static targets name shared ones as what they need, so take the files only. All of them or none.
 get_target_property(sundials_parts evolvent_sundials INTERFACE_LINK_LIBRARIES)
 if(NOT TARGET SUNDIALS::core)
   list(APPEND sundials_parts SUNDIALS::generic)
@@ -47,7 +47,11 @@ endif()
 set(sundials_static "")
 foreach(part IN LISTS sundials_parts)
   set(location "")
-  if(TARGET ${part}_static)
+  if(part MATCHES "\\.a$")
+    set(location "${part}")
+  elseif(part MATCHES "^\\$<TARGET_FILE:(.*_static)>$")
+    get_target_property(location ${CMAKE_MATCH_1} LOCATION)
+  elseif(TARGET ${part}_static AND NOT part MATCHES "klu") # by its target KLU is shared
     get_target_property(location ${part}_static LOCATION)
   endif()
   if(NOT location)
@@ -59,10 +63,8 @@ endforeach()
 evolvent_links(EVOLVENT_LINKS_STATIC_SUNDIALS IDACreate "${sundials_static}" m)
 if(EVOLVENT_LINKS_STATIC_SUNDIALS)
   get_target_property(include SUNDIALS::ida_static INTERFACE_INCLUDE_DIRECTORIES)
-  set_target_properties(
-    evolvent_sundials
-    PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${include}" INTERFACE_LINK_LIBRARIES "${sundials_static};m"
-  )
+  set_property(TARGET evolvent_sundials PROPERTY INTERFACE_LINK_LIBRARIES "${sundials_static};m")
+  set_property(TARGET evolvent_sundials APPEND PROPERTY INTERFACE_INCLUDE_DIRECTORIES "${include}")
   list(APPEND evolvent_static_names SUNDIALS)
 endif()
 
