@@ -57,36 +57,41 @@ static sunrealtype wrms_norm(N_Vector x, N_Vector weight)
     return sqrt(sum / (sunrealtype)n);
 }
 
-/* Four rows at a time, so that the sums stay in registers. */
+/* Some rows from row i on. Their number is known to the compiler, and the sums stay in registers. */
+static inline void combine_rows(int n_rows, sunindextype i, int n_vectors, const sunrealtype *c, N_Vector *x,
+                                N_Vector z)
+{
+    enum { MOST = 8 };
+    sunrealtype sum[MOST];
+    const sunrealtype *from = NV_DATA_S(x[0]) + i;
+    for (int j = 0; j < n_rows; j++)
+        sum[j] = c[0] * from[j];
+    for (int k = 1; k < n_vectors; k++) {
+        from = NV_DATA_S(x[k]) + i;
+        for (int j = 0; j < n_rows; j++)
+            sum[j] += c[k] * from[j];
+    }
+    sunrealtype *to = NV_DATA_S(z) + i;
+    for (int j = 0; j < n_rows; j++)
+        to[j] = sum[j];
+}
+
 static int linear_combination(int n_vectors, sunrealtype *c, N_Vector *x, N_Vector z)
 {
-    enum { ROWS = 4 };
     if (n_vectors == 2) {
         linear_sum(c[0], x[0], c[1], x[1], z);
         return 0;
     }
     const sunindextype n = length(z);
-    sunrealtype *to = NV_DATA_S(z);
     sunindextype i = 0;
-    for (; i + ROWS <= n; i += ROWS) {
-        sunrealtype sum[ROWS];
-        const sunrealtype *from = NV_DATA_S(x[0]) + i;
-        for (int j = 0; j < ROWS; j++)
-            sum[j] = c[0] * from[j];
-        for (int k = 1; k < n_vectors; k++) {
-            from = NV_DATA_S(x[k]) + i;
-            for (int j = 0; j < ROWS; j++)
-                sum[j] += c[k] * from[j];
-        }
-        for (int j = 0; j < ROWS; j++)
-            to[i + j] = sum[j];
-    }
-    for (; i < n; i++) {
-        sunrealtype sum = c[0] * NV_DATA_S(x[0])[i];
-        for (int k = 1; k < n_vectors; k++)
-            sum += c[k] * NV_DATA_S(x[k])[i];
-        to[i] = sum;
-    }
+    for (; i + 8 <= n; i += 8)
+        combine_rows(8, i, n_vectors, c, x, z);
+    for (; i + 4 <= n; i += 4)
+        combine_rows(4, i, n_vectors, c, x, z);
+    for (; i + 2 <= n; i += 2)
+        combine_rows(2, i, n_vectors, c, x, z);
+    if (i < n)
+        combine_rows(1, i, n_vectors, c, x, z);
     return 0;
 }
 
