@@ -6,8 +6,9 @@ Torque, friction and the stiffness of the slider vary. Prints three things: the 
 the whole batch over the sum of its integrations; the memory of a worker while its cases go by; how
 busy two processes are, as sum of case CPU / (2 x wall), beside one. Linux tells how long the
 workers were ready to run and were not let; what of that is not due to their own parent, other
-programs took: "alone" is busy without it, for machines that are not. Exits with 1 if a limit is
-exceeded.
+programs took: "alone" is busy without it, for machines that are not. "idle" is the time in which a
+worker neither ran nor was ready to, waiting for its parent, the disk or a lock: no other program
+changes it. Exits with 1 if a limit is exceeded.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 DURATION = 0.2  # [s]
 OVERHEAD = 0.03  # of the sum of the integrations, at most
-EFFICIENCY = 0.95  # of two processes, at least
+EFFICIENCY = 0.95  # of two processes, at least, where other programs leave them the processors
+IDLE = 0.03  # of the time of a worker, at most
+MORE_CPU = 1.05  # CPU a case of two processes over that of one, at most
 PAGE = os.sysconf("SC_PAGE_SIZE") / 1e6  # [MB]
 GROWTH = 0.5  # of a worker's memory from its first cases to its last, at most [MB]
 
@@ -46,6 +49,7 @@ class Cost:
     integrations: float  # sum over the cases [s]
     memory: list[float]  # of a worker over time [MB]
     lost: float  # time that other programs took from the workers, summed over them [s]
+    idle: float  # share of their time in which the workers could not run
 
     def busy(self, jobs: int, *, alone: bool) -> float:
         """Share of the wall time in which the workers integrate, or would if they were alone."""
@@ -100,6 +104,8 @@ class Watch:
     memory: list[float] = field(default_factory=list)  # of the first one [MB]
     ran: dict[int, float] = field(default_factory=dict)  # of each [s]
     waited: dict[int, float] = field(default_factory=dict)  # ready to run [s]
+    first: dict[int, tuple[float, float]] = field(default_factory=dict)  # first seen, used then
+    last: dict[int, tuple[float, float]] = field(default_factory=dict)
 
     def look(self, parent: int) -> None:
         """Take a sample."""
@@ -109,9 +115,17 @@ class Watch:
                 times = Path(f"/proc/{pid}/schedstat").read_text().split()
             except OSError:
                 continue
-            self.ran[pid], self.waited[pid] = (1e-9 * float(time) for time in times[:2])
+            self.ran[pid], self.waited[pid] = (1e-9 * float(spent) for spent in times[:2])
+            self.last[pid] = (time.monotonic(), self.ran[pid] + self.waited[pid])
+            self.first.setdefault(pid, self.last[pid])
             if i == 0 and pages > 0:
                 self.memory.append(PAGE * pages)
+
+    def idle(self) -> float:
+        """Share of the time between first and last sight in which a worker could not run."""
+        there = sum(self.last[pid][0] - self.first[pid][0] for pid in self.last)
+        used = sum(self.last[pid][1] - self.first[pid][1] for pid in self.last)
+        return 1.0 - used / there if there > 0.0 else 0.0
 
 
 def watch(parent: int, has_ended: threading.Event, seen: Watch) -> None:
@@ -141,7 +155,7 @@ def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
     cpu = usage.ru_utime + usage.ru_stime  # of a process and the children that it has waited for
     by_parent = cpu - sum(seen.ran.values())  # it may have kept the workers waiting
     lost = max(sum(seen.waited.values()) - by_parent, 0.0)
-    return Cost(wall, cpu, integrations, seen.memory, lost)
+    return Cost(wall, cpu, integrations, seen.memory, lost, seen.idle())
 
 
 def main() -> int:
@@ -156,7 +170,16 @@ def main() -> int:
         folder = Path(name)
         write_design(folder / "design.h5", program, options.cases, DURATION, "differential")
         print(f"{options.cases} cases of {DURATION} s, {os.cpu_count()} cores")
-        head = ("processes", "wall [s]", "CPU [s]", "integrations [s]", "overhead", "busy", "alone")
+        head = (
+            "processes",
+            "wall [s]",
+            "CPU [s]",
+            "integrations [s]",
+            "overhead",
+            "busy",
+            "alone",
+            "idle",
+        )
         print("".join(f"{word:>18}" for word in head))
         costs = {}
         for jobs in (1, 2):
@@ -164,15 +187,21 @@ def main() -> int:
             costs[jobs] = cost
             overhead = cost.cpu / cost.integrations - 1.0
             busy, alone = (cost.busy(jobs, alone=alone) for alone in (False, True))
-            over = overhead > OVERHEAD or (jobs == 2 and busy < EFFICIENCY)
+            kept_away = cost.lost > 0.02 * jobs * cost.wall  # by other programs: busy tells nothing
+            over = overhead > OVERHEAD or cost.idle > IDLE
+            over = over or (jobs == 2 and not kept_away and busy < EFFICIENCY)
             exceeded += over
             words = (f"{jobs}", f"{cost.wall:.1f}", f"{cost.cpu:.1f}", f"{cost.integrations:.1f}")
-            shares = (f"{100 * share:.1f} %" for share in (overhead, busy, alone))
+            shares = (f"{100 * share:.1f} %" for share in (overhead, busy, alone, cost.idle))
             line = "".join(f"{word:>18}" for word in (*words, *shares))
             print(f"{line}{'  EXCEEDED' if over else ''}")
         per_case = 1e3 * costs[1].integrations / options.cases
         print(f"a case takes {per_case:.1f} ms; limits: overhead {100 * OVERHEAD:.0f} %, ", end="")
-        print(f"two processes busy {100 * EFFICIENCY:.0f} %")
+        print(f"two processes busy {100 * EFFICIENCY:.0f} %, idle {100 * IDLE:.0f} %")
+        more = costs[2].cpu / costs[1].cpu
+        exceeded += more > MORE_CPU
+        line = f"CPU a case of two processes over one: {more:.3f} <= {MORE_CPU}"
+        print(f"{line}{'  EXCEEDED' if more > MORE_CPU else ''}")
         memory = costs[1].memory
         tenth = max(len(memory) // 10, 1)
         early = statistics.median(memory[tenth : 2 * tenth])
