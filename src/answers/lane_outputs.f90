@@ -365,7 +365,8 @@ contains
 
       do i = 1, size(gearbox%wheels)
          load_torque(:, i) = 0
-         if (gearbox%wheels(i)%is_loaded) call loads_in_lanes(gearbox, i, t, y, integers, omega, load_torque(:, i))
+         if (size(gearbox%wheels(i)%loads) == 0) cycle
+         call loads_in_lanes(gearbox, i, t, y, integers, omega, load_torque(:, i))
       end do
    end subroutine tell_loads
 
