@@ -7,7 +7,9 @@ output each millisecond. The budget, where there is one, stands beside what was 
 - `run` is set beside `show`, which starts, reads the case and builds the gearbox as well, but
   integrates and writes nothing: both alternate, and the ratio of their CPU times counts;
 - with valgrind there, the instructions of the run in closed form are counted;
-- the peak memory of 500 s is compared with that of 5 s: it writes 320 MB to the temporary folder.
+- the peak memory of 500 s is compared with that of 5 s: it writes 320 MB to the temporary folder;
+- steps and errors of radau by default are compared with those without a longest step and of steps
+  of at most 20 ms (``--steps``: these alone).
 
 The exit code is 1 if a budget is exceeded.
 """
@@ -15,6 +17,7 @@ The exit code is 1 if a budget is exceeded.
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 import re
 import resource
@@ -26,6 +29,9 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import xarray as xr
+from accuracy import penetration_error
 
 ROOT = Path(__file__).resolve().parents[1]
 ONE_THREAD = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}  # starting more takes up to 50 ms
@@ -48,6 +54,17 @@ SETTINGS = {
     "rigid": ["meshes.0.contact={law: rigid}", "meshes.0.damping={law: none}"],
 }
 LONG = "simulation.duration=500"
+# Case, tolerance and duration of runs by radau whose steps are counted.
+STEPPED = [
+    ("paper.yaml", 2e-5, 5),
+    ("paper.yaml", 1e-9, 5),
+    ("paper-friction.yaml", 1e-5, 5),
+    ("paper-friction.yaml", 1e-9, 5),
+    ("paper.yaml", 2e-5, 500),
+]
+MORE_STEPS = 1.02  # of a run by default, over those without a longest step
+MORE_ERROR = 1.25  # of it, over that of a run in short steps, where it is above the tolerance
+SHORT_STEP = 0.02  # [s]
 MORE_MEMORY = 1.0  # that 500 s may take beyond 5 s: pages come and go [MB]
 CLOSED_FORM = "meshes.0.tracking=closed_form"
 RATIOS = [("closed form", [CLOSED_FORM], 2.0), ("as it is", [], 4.0)]  # CPU of run over show
@@ -129,13 +146,56 @@ def median_cost(runs: int, program: Path, case: str, *settings: str) -> Cost:
     )
 
 
+def history(program: Path, case: str, *settings: str) -> xr.Dataset:
+    """Run the program for its history."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [program, "run", ROOT / "examples" / case, "-o", f"{folder}/x.h5"]
+        for setting in settings:
+            command += ["--set", setting]
+        subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+        with xr.open_dataset(f"{folder}/x.h5", engine="netcdf4") as opened:
+            return opened.load()
+
+
+def step_lengths(program: Path) -> int:
+    """Compare radau by default with other lengths of its steps; how many limits are exceeded."""
+    exceeded = 0
+    print(f"steps of radau by default over those without a longest step, <= {MORE_STEPS},")
+    print(f"and its error over that of steps of at most {SHORT_STEP:g} s, <= {MORE_ERROR}")
+    for case, tolerance, duration in STEPPED:
+        made = functools.partial(
+            history,
+            *(program, case, "meshes.0.tracking=closed_form", f"simulation.duration={duration}"),
+            f"simulation.output_interval={5e-3 * duration / 5}",
+        )
+        stated = f"simulation.tolerance={tolerance}"
+        default, free = made(stated), made(stated, "simulation.max_step=1000")
+        exact, short = (
+            made("simulation.tolerance=1e-13"),
+            made(stated, f"simulation.max_step={SHORT_STEP}"),
+        )
+        steps = [run.attrs["integrator_steps"] for run in (default, free, short)]
+        errors = [penetration_error(run, exact) for run in (default, short)]
+        over = steps[0] > MORE_STEPS * steps[1] or errors[0] > max(
+            MORE_ERROR * errors[1], tolerance
+        )
+        exceeded += over
+        row = f"{case:20} {tolerance:7.0e} {duration:4} s: {steps[0]} over {steps[1]} steps"
+        row += f" ({steps[2]} short ones), errors {errors[0]:.2e} over {errors[1]:.2e}"
+        print(f"{row}{'  EXCEEDED' if over else ''}")
+    return exceeded
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     default = ROOT / "build/release/evolvent"
     parser.add_argument("program", nargs="?", type=Path, default=default)
     parser.add_argument("--runs", type=int, default=11, help="of which the median is taken")
+    parser.add_argument("--steps", action="store_true", help="compare lengths of steps only")
     options = parser.parse_args()
     program = options.program.resolve()
+    if options.steps:
+        return 1 if step_lengths(program) else 0
 
     exceeded = 0
     print(f"5 s of model time, an output each millisecond; median of {options.runs} runs")
@@ -181,6 +241,7 @@ def main() -> int:
         exceeded += over
         pair = f"{long:.1f} beside {memory[case, kind]:.1f}"
         print(f"{case:20} {kind:12} {pair:>18}{'  EXCEEDED' if over else ''}")
+    exceeded += step_lengths(program)
     return 1 if exceeded else 0
 
 

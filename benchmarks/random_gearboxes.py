@@ -4,22 +4,26 @@ Run it as ``python benchmarks/random_gearboxes.py [PROGRAM]`` after a build; 300
 ten minutes on two cores. The gearboxes are those of tests/system/random_gearboxes.py: half of them
 are made to lose contact. Each is run with radau at the default tolerance, and three times at a
 10,000 times smaller one: as it is, and twice with every torque, damper and initial gap changed by
-at most 1e-10 of itself.
+at most 1e-10 of itself. A fifth run is at the default tolerance with steps of at most a thousandth
+of the duration.
 
 - *error*: largest difference of a penetration, drive or coast flank, to that of the tight run, over
   the largest penetration of all meshes;
 - *growth*: the same for the changed runs, over 1e-10. Where small changes grow more than 1000
   times, ten times the tolerance, which is what the integrator promises for its own error, becomes
   more than 1e-5: no error below that can be expected, and the gearbox counts as chaotic;
-- *energy*: the balance of evolvent-post check, of the run at the default tolerance.
+- *energy*: the balance of evolvent-post check, of the run at the default tolerance;
+- *events*: kinds of which the default run has not as many as both the run in short steps and the
+  tight one have. What touches by less than the errors may touch in any of them.
 
-The exit code is 1 if a run fails, if an energy balance is worse than 1e-6, or if more than 1 % of
-the gearboxes that are not chaotic have an error above 1e-5.
+The exit code is 1 if a run fails, if an energy balance is worse than 1e-6, if more than 1 % of
+the gearboxes that are not chaotic have an error above 1e-5, or if one of these has missed an event.
 """
 
 from __future__ import annotations
 
 import argparse
+import collections
 import copy
 import json
 import random
@@ -44,6 +48,8 @@ sys.path.insert(0, str(ROOT / "tests"))
 from system.random_gearboxes import loses_contact, random_gearbox
 
 TIGHT = "simulation.tolerance=1e-13"
+RADAU = "simulation.integrator=radau"
+SHORT_STEPS = 1e-3  # of the duration
 CHANGE = 1e-10  # of loads and gaps, relative
 CHAOS = 1e3  # growth of that change from which a gearbox is chaotic
 LARGEST_ERROR, LARGEST_ENERGY = 1e-5, 1e-6
@@ -62,6 +68,7 @@ class Result:
     error: float = 0.0
     growth: float = 0.0
     energy: float = 0.0
+    missed: str = ""  # kinds of events that the default run has not as often as the two others
 
     @property
     def chaotic(self) -> bool:
@@ -94,8 +101,10 @@ def changed(case: dict[str, Any], seed: int) -> dict[str, Any]:
     return other
 
 
-def run(program: Path, case: dict[str, Any], *settings: str) -> tuple[xr.Dataset, int]:
-    """Run a case; its history, and how often a contact opened."""
+def run(
+    program: Path, case: dict[str, Any], *settings: str
+) -> tuple[xr.Dataset, collections.Counter[str]]:
+    """Run a case; its history, and how often which kind of event happened."""
     with tempfile.TemporaryDirectory() as folder:
         file, output = Path(folder) / "case.yaml", Path(folder) / "history.h5"
         file.write_text(json.dumps(case), encoding="utf-8")  # JSON is YAML
@@ -108,23 +117,30 @@ def run(program: Path, case: dict[str, Any], *settings: str) -> tuple[xr.Dataset
             xr.open_dataset(output, engine="netcdf4") as history,
             xr.open_dataset(output, engine="netcdf4", group="events") as events,
         ):
-            kind = events["kind"]
-            names = kind.attrs["flag_meanings"].split()
-            opened = kind.attrs["flag_values"][names.index("contact_opened")]
-            return history.load(), int((kind == opened).sum())
+            attributes = events["kind"].attrs
+            meanings = attributes["flag_meanings"].split()
+            names = dict(zip(attributes["flag_values"], meanings, strict=True))
+            return history.load(), collections.Counter(names[k] for k in events["kind"].values)
 
 
 def judge(program: Path, seed: int) -> Result:
     """Make the four runs of a seed."""
     case = random_gearbox(seed)
     try:
-        default, openings = run(program, case, "simulation.integrator=radau")
-        tight, _ = run(program, case, TIGHT)
+        default, events = run(program, case, RADAU)
+        longest = SHORT_STEPS * case["simulation"]["duration"]
+        _, short = run(program, case, RADAU, f"simulation.max_step={longest}")
+        tight, exact = run(program, case, TIGHT)
         others = [run(program, changed(case, i), TIGHT)[0] for i in (1, 2)]
     except RunError as failure:
         return Result(seed, str(failure))
     return Result(
-        **{"seed": seed, "failure": "", "openings": openings},
+        **{"seed": seed, "failure": "", "openings": events["contact_opened"]},
+        missed=", ".join(
+            f"{kind} {events[kind]} times, not {exact[kind]}"
+            for kind in sorted(events | short | exact)
+            if short[kind] == exact[kind] != events[kind]
+        ),
         steps=int(default.attrs["integrator_steps"]),
         error=penetration_error(default, tight),
         growth=max(penetration_error(other, tight) for other in others) / CHANGE,
@@ -174,6 +190,7 @@ def main() -> int:
     calm = [r for r in good if not r.chaotic]
     accurate = sum(r.error <= LARGEST_ERROR for r in calm)
     leaking = [r for r in good if not r.energy <= LARGEST_ENERGY]
+    missing = [r for r in calm if r.missed]
     failed = [r for r in results if r.failure]
     share = accurate / max(1, len(calm))
     print(f"error <= {LARGEST_ERROR:.0e}: {accurate} of {len(calm)} without chaos ({share:.1%})")
@@ -183,10 +200,13 @@ def main() -> int:
     print(f"energy balance > {LARGEST_ENERGY:.0e}: {len(leaking)}")
     for result in leaking:
         print(f"  seed {result.seed}: {result.energy:.1e}")
+    print(f"events missed: {len(missing)} of {len(calm)} without chaos")
+    for result in missing:
+        print(f"  seed {result.seed}: {result.missed}")
     print(f"failed: {len(failed)}")
     for result in failed:
         print(f"  seed {result.seed}: {result.failure}")
-    return 1 if failed or leaking or share < SHARE else 0
+    return 1 if failed or leaking or missing or share < SHARE else 0
 
 
 if __name__ == "__main__":

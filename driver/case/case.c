@@ -4,6 +4,7 @@
 #include "base/number.h"
 #include "case/case_file.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -95,19 +96,31 @@ const char *case_text(const case_file *file)
     return file->text;
 }
 
-void case_settle_integrator(case_file *file, integrator_kind integrator)
+/** Say in a case that keeps its text what it did not say of the simulation. */
+static void say(case_file *file, const char *key, const char *value)
 {
-    if (file->description.simulation.integrator != INTEGRATOR_OPEN) {
+    if (file->text == NULL) {
         return;
     }
-    file->description.simulation.integrator = integrator;
-    if (file->text != NULL) {
-        case_node *block = node_get(file->root, "simulation");
-        node_append(
-            block, "integrator", block->place,
-            node_create_scalar(block->pool, integrator == INTEGRATOR_RADAU ? "radau" : "ida", true, block->place));
-        free(file->text);
-        file->text = tree_text(file->root);
+    case_node *block = node_get(file->root, "simulation");
+    node_append(block, key, block->place, node_create_scalar(block->pool, value, true, block->place));
+    free(file->text);
+    file->text = tree_text(file->root);
+}
+
+void case_settle_integrator(case_file *file, integrator_kind integrator)
+{
+    simulation_description *simulation = &file->description.simulation;
+    if (simulation->integrator == INTEGRATOR_OPEN) {
+        simulation->integrator = integrator;
+        say(file, "integrator", integrator == INTEGRATOR_RADAU ? "radau" : "ida");
+    }
+    const bool is_radau = simulation->integrator == INTEGRATOR_RADAU;
+    if (!(simulation->max_step > 0)) {
+        char number[NUMBER_TEXT_LENGTH];
+        number_write(number, IDA_LONGEST_STEP);
+        simulation->max_step = is_radau ? DBL_MAX : IDA_LONGEST_STEP;
+        say(file, "max_step", is_radau ? "none" : number);
     }
 }
 

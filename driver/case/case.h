@@ -61,7 +61,7 @@ const char *case_text(const case_file *file);
 /** The same in engineering units: `module: 3 mm`. Reading it gives the same description too. A new string. */
 char *case_text_for_reading(const case_file *file, const case_schema *schema);
 
-/** Fill in the integrator of a case that does not name one. */
+/** Fill in the integrator of a case that does not name one, and its longest step. */
 void case_settle_integrator(case_file *file, integrator_kind integrator);
 
 /** Fill in what the damping law of a mesh leaves to the model.

@@ -5,6 +5,7 @@
 #include "base/words.h"
 #include "case/case_check.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -320,6 +321,11 @@ static integrator_kind integrator_of(const case_node *block)
     return name == NULL ? INTEGRATOR_OPEN : strcmp(name, "radau") == 0 ? INTEGRATOR_RADAU : INTEGRATOR_IDA;
 }
 
+static double max_step_of(const case_node *node)
+{
+    return node == NULL ? 0 : node_is_number(node) ? node_number(node) : DBL_MAX;
+}
+
 static bool take_simulation(const checker *checker, const case_node *block, description *description)
 {
     const struct checker of_tolerance = checker_at(checker, "tolerance"), of_initial = checker_at(checker, "initial");
@@ -328,8 +334,8 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
     simulation->duration = node_get_number(block, "duration");
     simulation->tolerance = node_get_number(block, "tolerance");
     simulation->integrator = integrator_of(block);
-    simulation->max_step = node_get_number(block, "max_step");
     simulation->outputs = node_get_text(block, "outputs");
+    simulation->max_step = max_step_of(node_get(block, "max_step"));
     if (!take_output(checker, block, description)) {
         return false;
     }

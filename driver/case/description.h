@@ -11,6 +11,9 @@ typedef enum { INTEGRATOR_OPEN, INTEGRATOR_IDA, INTEGRATOR_RADAU } integrator_ki
 /** Below it rounding spoils the step control of radau. */
 #define RADAU_SMALLEST_TOLERANCE 1e-13
 
+/** Longest step of IDA in a case that does not say it [s]. */
+#define IDA_LONGEST_STEP 0.02
+
 /** A window of whole periods: pitches of a mesh, or turns of a wheel if that is not -1. */
 typedef struct {
     bool is_given;
@@ -30,7 +33,7 @@ typedef struct {
     double output_interval; /**< [s]; 0 where outputs go by position */
     position_description output_by;
     const char *outputs;         /**< names of variables and groups that a history has; NULL: all */
-    double max_step;             /**< [s] */
+    double max_step;             /**< [s]; DBL_MAX: none; 0: the case does not say, until the integrator is settled */
     evl_initial initial;         /**< its arrays belong to it */
     numbers_description numbers; /**< where it is not given, what it would be if it said nothing */
 } simulation_description;

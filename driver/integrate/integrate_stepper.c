@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double longest_step = 0.02; /* of the whole time: longer ones were seen to misjudge a slow start */
-
 static integrate_code redo(void *self)
 {
     const integration *run = self;
@@ -149,9 +147,8 @@ integrate_code integrate_by_stepper(integration *run)
     static const integration_ways ways = {.advance = advance, .redo = redo, .watch = watch};
     const dae *m = run->model;
     const integrate_options *options = run->options;
-    const double max_step = fmin(options->max_step, longest_step * (options->t_end - run->t_start));
     integrate_code code = INTEGRATE_FAILED;
-    run->stepper = m->stepper->create(m->self, options->tolerance, max_step, run->reason);
+    run->stepper = m->stepper->create(m->self, options->tolerance, options->max_step, run->reason);
     if (run->stepper == NULL) {
         return code;
     }

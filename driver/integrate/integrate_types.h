@@ -17,7 +17,7 @@ typedef struct {
     int per_unit;           /**< > 0: instead where per_unit times a position is whole, and at start and t_end */
     int position_of;        /**< which position, as of dae.position */
     double tolerance;       /**< relative to dae.scale */
-    double max_step;        /**< [s] */
+    double max_step;        /**< [s]; DBL_MAX: as the errors allow */
     bool by_stepper;        /**< by dae.stepper, which there is, instead of IDA */
 } integrate_options;
 

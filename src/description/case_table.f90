@@ -53,14 +53,15 @@ module evl_case_table
                                    //" groups, with commas between them; all if not given"), &
                              row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
                                    range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
-                            row_t("max_step", type_number, "s", "longest step of the integrator", range=positive, default="0.02"), &
                              row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
                           row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
                                    //" found if not given", holds="numbers"), &
                              row_t("integrator", type_choice, "", &
                           "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
                                    //" not mounted, where it is taken unless this says ida", &
-                                   words="ida radau")]
+                                   words="ida radau"), &
+                             row_t("max_step", type_number, "s", "longest step of the integrator, or none: as long as the errors" &
+                                   //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none")]
 
    type(row_t), parameter :: output_rows(*) = [ &
                              row_t("interval", type_number, "s", "the same as `output_interval`", range=positive), &

@@ -12,9 +12,10 @@ module evl_gearbox_ode
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
    use evl_gearbox_watch, only: mesh_states, n_channels
-   use evl_housing, only: frame_t, housing_fixed, housing_frame
+   use evl_housing, only: frame_t, housing_fixed, housing_frame, housing_prescribed
+   use evl_housing_motion, only: motion_in_sight
    use evl_jacobian_entries, only: jacobian_entries, listed_entries
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: lanes, pi, wp
    use evl_local_variables, only: i_omega, i_theta
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
@@ -37,6 +38,7 @@ module evl_gearbox_ode
       type(gearbox_t), pointer, private :: gearbox => null()
       integer, allocatable, private :: integers(:) !! discrete state
       real(wp), allocatable, private :: reals(:)   !! discrete state
+      real(wp), private :: cycle = huge(1.0_wp)    !! shortest of a load over time [s]
       type(jacobian_entries), private :: entries     !! of the Jacobian
       real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
@@ -51,6 +53,7 @@ module evl_gearbox_ode
       procedure :: roots_lanes
       procedure :: watched_nearby
       procedure :: root_directions
+      procedure :: time_in_sight
    end type gearbox_ode
 
 contains
@@ -89,6 +92,8 @@ contains
       self%n = gearbox%n_states
       self%n_roots = gearbox%n_roots
       self%growth = kind_of_growth(gearbox)
+      allocate (self%reach(gearbox%n_states), source=huge(1.0_wp))
+      call find_cycles(gearbox, self%reach(i_theta), self%cycle)
       self%n_watched = n_channels(gearbox)
       self%n_rows = most_rows(gearbox)
       allocate (self%scale(gearbox%n_states), source=scale/weight)
@@ -147,6 +152,41 @@ contains
       end do
       if (falls) growth = growth_by_damping
    end function kind_of_growth
+
+   !> What repeats as a gearbox turns, and over time.
+   pure subroutine find_cycles(gearbox, of_angle, of_time)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(out) :: of_angle !! of theta: a pitch of the mesh whose teeth pass fastest, or less of a load [rad]
+      real(wp), intent(out) :: of_time  !! of a load; huge if there is none [s]
+      integer :: i
+
+      of_angle = 2*pi
+      of_time = huge(of_time)
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%teeth > 0) of_angle = min(of_angle, 2*pi/(wheel%teeth*abs(wheel%ratio)))
+         end associate
+      end do
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i)%load)
+            if (.not. abs(load%swing) > 0) cycle
+            if (load%by_angle) then
+               of_angle = min(of_angle, load%cycle/abs(gearbox%wheels(load%wheel)%ratio))
+            else
+               of_time = min(of_time, load%cycle)
+            end if
+         end associate
+      end do
+   end subroutine find_cycles
+
+   !> Steps pass over no cycle of a load or of the housing's motion. Knots of the loads' tables are stop times.
+   pure real(wp) function time_in_sight(self, t) result(longest)
+      class(gearbox_ode), intent(in) :: self
+      real(wp), intent(in) :: t
+
+      longest = self%cycle
+      if (self%gearbox%housing%kind == housing_prescribed) longest = min(longest, motion_in_sight(self%gearbox%housing%motion, t))
+   end function time_in_sight
 
    !> Give the model its discrete state.
    subroutine gearbox_ode_set(self, integers, reals)

@@ -34,6 +34,9 @@ module evl_ode_model
       integer, allocatable :: root_first(:), root_last(:), root_states(:)
       real(wp), allocatable :: scale(:)       !! [n] unit in which an error of y(i) counts, > 0
       integer :: growth = growth_never        !! whether modes may grow, one of the constants above
+      !> [n] how far each state may move in a step, > 0, so that eight nodes still see how f and the root functions go with it: a
+      !> cycle of what repeats. Not allocated: as far as the error allows
+      real(wp), allocatable :: reach(:)
    contains
       procedure(rhs_interface), deferred :: rhs
       procedure(rhs_lanes_interface), deferred :: rhs_lanes
@@ -42,6 +45,7 @@ module evl_ode_model
       procedure :: roots_lanes => no_roots_lanes
       procedure :: watched_nearby => nothing_watched
       procedure :: root_directions => no_directions
+      procedure :: time_in_sight => all_time
    end type ode_model
 
    abstract interface
@@ -122,6 +126,14 @@ contains
 
       n = 0
    end subroutine nothing_watched
+
+   !> The same of time: how long a step from t may be, so that its nodes see what f does by time alone.
+   pure real(wp) function all_time(self, t) result(longest)
+      class(ode_model), intent(in) :: self
+      real(wp), intent(in) :: t
+
+      longest = huge(t)
+   end function all_time
 
    !> Which crossings count in the present discrete state: +1 rising, -1 falling, 0 both, or `never`.
    subroutine no_directions(self, directions)

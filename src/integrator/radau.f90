@@ -86,6 +86,7 @@ module evl_radau
       integer, allocatable, private :: came_from(:) !! [n_roots] `fired` at the event where the integration was started anew
       real(wp), allocatable, private :: step_after(:, :) !! [-1:1, n_roots] first step after the last such event; huge: none
       type(step_control_t), private :: control
+      integer, allocatable, private :: limited(:) !! states that have a reach
       type(growth_t), private :: growth
       type(radau_growth), private :: fastest_growth !! that was seen
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
@@ -107,6 +108,23 @@ module evl_radau
          logical, intent(out) :: followed
          type(status_t), intent(inout) :: status
       end subroutine follow_growth
+
+      !> The longest step from here through which eight nodes can be expected to see the model.
+      pure module function longest_in_sight(self, model) result(h)
+         implicit none (type, external)
+         type(radau_t), intent(in) :: self
+         class(ode_model), intent(in) :: model
+         real(wp) :: h
+      end function longest_in_sight
+
+      !> Whether they do see it in the step just solved; if not, the step to try next is set.
+      pure module subroutine stay_in_sight(self, model, h, is_in_sight)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(in) :: model
+         real(wp), intent(in) :: h
+         logical, intent(out) :: is_in_sight
+      end subroutine stay_in_sight
 
       !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
       module subroutine attempt(self, model, h, error, status)
@@ -181,6 +199,7 @@ contains
       class(ode_model), intent(in) :: model
       type(radau_options), intent(in) :: options
       type(status_t), intent(inout) :: status
+      integer :: i
 
       if (.not. (options%tolerance >= 1.0e-13_wp .and. options%tolerance <= 0.1_wp)) then
          call fail(status, code_invalid_input, "tolerance "//quantity(options%tolerance, "")//" is not in 1e-13 .. 0.1", &
@@ -197,6 +216,8 @@ contains
       allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
       allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
       self%old_z = 0
+      allocate (self%limited(0))
+      if (allocated(model%reach)) self%limited = pack([(i, i=1, model%n)], model%reach < huge(1.0_wp))
       call stage_solver_create(self%stages, model, share*real_power(options%tolerance, 4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
       if (model%growth /= growth_never) call growth_create(self%growth, self%stages%integrals%n_coupled, model%jacobian_row, &
@@ -281,7 +302,7 @@ contains
                                               !! `code_no_solution`: the step became too small; else the model's
       type(status_t) :: why
       type(step_control_t) :: failed
-      real(wp) :: h, h_wanted, error
+      real(wp) :: h, h_wanted, h_most, error
       logical :: to_stop, done, refused
       integer :: try
 
@@ -291,14 +312,16 @@ contains
       call set_weights(self%stages, model%scale, self%y)
       if (self%restarted) call choose_step(self, model, status)
       if (has_failed(status)) return
+      h_most = min(self%options%max_step, longest_in_sight(self, model))
       do try = 1, most_rejections
-         h_wanted = min(self%h, self%options%max_step)
+         h_wanted = min(self%h, h_most)
          call limit_step(self%growth, h_wanted)
          if (.not. h_wanted > smallest_step*abs(self%t)) exit
          call fit_step(t_stop - self%t, h_wanted, h, to_stop)
          call fit_event(self, h, to_stop)
          call attempt(self, model, h, error, status)
          done = .not. has_failed(status) .and. error < 1
+         if (done) call stay_in_sight(self, model, h, done)
          if (done .and. model%growth /= growth_never) call follow_growth(self, model, h, done, status)
          if (done) then
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)

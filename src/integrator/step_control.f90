@@ -24,7 +24,7 @@ module evl_step_control
 
 contains
 
-   !> The step that is tried: not past the stop, and no tiny one left before it.
+   !> The step that is tried: not past the stop. Up to the one that meets it no step knows where the stop is.
    pure subroutine fit_step(room, wanted, h, to_stop)
       real(wp), intent(in) :: room     !! to the stop
       real(wp), intent(in) :: wanted
@@ -33,11 +33,7 @@ contains
 
       to_stop = wanted >= room*(1 - 1.0e-6_wp)
       h = wanted
-      if (to_stop) then
-         h = room
-      else if (wanted > room/2) then
-         h = room/2
-      end if
+      if (to_stop) h = room
    end subroutine fit_step
 
    !> The step to try after one whose error was too large. Two such steps from the same state tell the order in which the error

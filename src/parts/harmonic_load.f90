@@ -67,8 +67,10 @@ contains
       self%by_angle = given%has("order")
       if (self%by_angle) then
          self%order = given%number("order")
+         self%cycle = 2*pi/self%order
       else
          self%frequency = given%number("frequency")
+         self%cycle = 1/self%frequency
       end if
       self%phase = given%in_unit("phase")/360
       self%sense = "mean"

@@ -8,7 +8,7 @@ module evl_housing_motion
    private
 
    public :: motion_term, motion_curve, n_coordinates
-   public :: motion_at, motion_rows, motion_take
+   public :: motion_at, motion_in_sight, motion_rows, motion_take
 
    integer, parameter :: term_constant = 0 !! value
    integer, parameter :: term_rate = 1     !! value t
@@ -147,6 +147,44 @@ contains
          value = table_at(term, t)
       end select
    end function term_at
+
+   !> How long a step from t may be that does not pass over any of the motion: a cycle of each term; of a table as far as the next
+   !> knot, or some knots on if these follow as closely.
+   pure real(wp) function motion_in_sight(terms, t) result(longest)
+      type(motion_term), intent(in) :: terms(:)
+      real(wp), intent(in) :: t !! [s]
+      integer :: i
+
+      longest = huge(t)
+      do i = 1, size(terms)
+         if (terms(i)%kind == term_table) then
+            longest = min(longest, knots_in_sight(terms(i)%time, t))
+         else if (terms(i)%kind == term_harmonic .and. abs(terms(i)%value) > 0 .and. terms(i)%frequency > 0) then
+            longest = min(longest, 1/terms(i)%frequency)
+         else if (terms(i)%kind == term_rate .and. terms(i)%coordinate > n_coordinates/2 .and. abs(terms(i)%value) > 0) then
+            longest = min(longest, 2*pi/abs(terms(i)%value))
+         end if
+      end do
+   end function motion_in_sight
+
+   !> As far as the next knot, or to one behind it that is at most `most` of the shortest distances between knots on the way ahead.
+   pure real(wp) function knots_in_sight(time, t) result(longest)
+      real(wp), intent(in) :: time(:), t
+      real(wp), parameter :: most = 4.001_wp, here = 8*epsilon(t) !! here: of the time, knots that were met
+      real(wp) :: shortest
+      integer :: i, next
+
+      longest = huge(t)
+      next = count(time <= t + here*abs(t)) + 1
+      if (next > size(time)) return
+      longest = time(next) - t
+      shortest = huge(t)
+      do i = next + 1, size(time)
+         shortest = min(shortest, time(i) - time(i - 1))
+         if (time(i) - t > most*shortest) return
+         longest = time(i) - t
+      end do
+   end function knots_in_sight
 
    !> A table's spline with its first and second derivative.
    pure function table_at(term, t) result(value)

@@ -39,6 +39,7 @@ module evl_load
       logical :: by_angle = .false.         !! its torque depends on the angle of the wheel
       logical :: may_feed = .false.         !! its torque may grow with the speed: it can feed a vibration
       real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; a steady state sets it to 0
+      real(wp) :: cycle = huge(1.0_wp)      !! of the swing: of time [s], or by_angle of the wheel's angle [rad]; huge: none
       real(wp) :: fastest = 0.0_wp          !! largest magnitude of the prescribed speed [rad/s]
       character(len=short_length) :: sense = "value" !! parameter that gives its torque or speed its sense
    contains

@@ -136,7 +136,7 @@ static void defaults_are_those_of_the_tables(void **state)
     assert_true(number_at(file, "meshes.0.friction.regularisation_velocity") == 1e-4);
     assert_null(entry_at(file, "meshes.0.centre_line_angle"));
     assert_null(entry_at(file, "wheels.pinion.loads.0"));
-    assert_true(description->simulation.tolerance == 1e-9 && description->simulation.max_step == 0.02);
+    assert_true(description->simulation.tolerance == 1e-9 && description->simulation.max_step == 0);
     assert_true(description->simulation.initial.gaps[0] == 0);
     assert_null(description->simulation.initial.speeds);
     case_delete(&file);

@@ -14,6 +14,7 @@ module callback_model
       procedure(vector_callback), pointer, nopass :: df_dy => null()
       procedure(vector_callback), pointer, nopass :: g => null()
       procedure(directions_callback), pointer, nopass :: directions => null()
+      real(wp) :: cycle = huge(1.0_wp) !! of f, by time
    contains
       procedure :: rhs
       procedure :: rhs_lanes
@@ -21,6 +22,7 @@ module callback_model
       procedure :: roots
       procedure :: roots_lanes
       procedure :: root_directions
+      procedure :: time_in_sight
    end type callback_model_t
 
    abstract interface
@@ -133,6 +135,13 @@ contains
          values(k, :) = here
       end do
    end subroutine roots_lanes
+
+   pure real(wp) function time_in_sight(self, t) result(longest)
+      class(callback_model_t), intent(in) :: self
+      real(wp), intent(in) :: t
+
+      longest = self%cycle
+   end function time_in_sight
 
    subroutine root_directions(self, directions)
       class(callback_model_t), intent(in) :: self

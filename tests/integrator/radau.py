@@ -45,6 +45,8 @@ class Problem:
     directions: Callable[[], ArrayLike] | None = None
     entries: list[tuple[int, int]] | None = None
     growth: int = GROWTH_NEVER
+    reach: ArrayLike | None = None  # of the states in a step
+    cycle: float = np.inf  # of f, by time
     calls: dict[str, int] = field(default_factory=dict)
 
 
@@ -89,7 +91,7 @@ class Library:
         handle = ctypes.c_void_p
         self.c.rt_new.argtypes = [
             *(_int, _int, _ints, _ints, _doubles, _int, _Vector, _Vector, _Vector, _Directions),
-            *(_double, _double, _double, _int),
+            *(_double, _double, _double, _int, _doubles, _double),
         ]
         self.c.rt_new_chain.argtypes = [
             *(_int, _double, _double, _double, ctypes.c_bool, _double, _double),
@@ -174,6 +176,7 @@ class Solver:
         self.c = library.c
         self.problem = problem
         scale = _array(problem.scale)
+        reach = _array(np.full(len(scale), np.inf) if problem.reach is None else problem.reach)
         self.n, self.n_roots = len(scale), problem.n_roots
         entries = problem.entries or [(i, j) for i in range(self.n) for j in range(self.n)]
         self.rows, self.columns = (_array(part, np.int32) for part in np.array(entries).T)
@@ -186,6 +189,7 @@ class Solver:
         self.handle = self.c.rt_new(
             *(self.n, len(entries), _pointer(self.rows), _pointer(self.columns), _pointer(scale)),
             *(self.n_roots, *self.callbacks, tolerance, max_step, first_step, problem.growth),
+            *(_pointer(reach), problem.cycle),
         )
         self._raise_message(INVALID_INPUT)
 

@@ -107,18 +107,22 @@ contains
 
    !> A solver for a model of C functions.
    type(c_ptr) function rt_new(n, nnz, row, column, scale, n_roots, f, df_dy, g, directions, tolerance, max_step, &
-                               first_step, growth) result(handle) bind(c)
+                               first_step, growth, reach, cycle) result(handle) bind(c)
       integer(c_int), value :: n, nnz, n_roots
       integer(c_int), intent(in) :: row(nnz), column(nnz)
       real(c_double), intent(in) :: scale(n)
       type(c_funptr), value :: f, df_dy, g, directions
       real(c_double), value :: tolerance, max_step, first_step
       integer(c_int), value :: growth
+      real(c_double), intent(in) :: reach(n)
+      real(c_double), value :: cycle
       type(session_t), pointer :: session
       type(callback_model_t) :: model
 
       call callback_model_create(model, row, column, scale, n_roots, f, df_dy, g, directions)
       model%growth = growth
+      model%reach = reach
+      model%cycle = cycle
       allocate (session)
       allocate (session%model, source=model)
       call check_model(session%model, session%status)

@@ -116,6 +116,15 @@ class Radau:
         return counts
 
 
+def sight(gearbox: Gearbox, t: float = 0.0) -> tuple[Floats, float]:
+    """How far a step from t may go: in each state, and in time; the largest number if any way."""
+    reach, time = np.empty(gearbox.sizes.n_states), _double()
+    gearbox.library.lanes_sight(
+        gearbox.handle, _at(gearbox.scales()[0]), _double(t), _at(reach), ctypes.byref(time)
+    )
+    return reach, time.value
+
+
 def model(gearbox: Gearbox, states: list[State]) -> tuple[Floats, Floats]:
     """Rates [8, n] at eight states that share the first one's modes, and df/dy at the first."""
     n = gearbox.sizes.n_states

@@ -17,7 +17,7 @@ module lanes_capi
 
    public :: lanes_count, lanes_rates, lanes_roots, lanes_root_by_root, lanes_roots_nearby
    public :: lanes_roots_live, lanes_scalar, lanes_serves
-   public :: lanes_jacobian, lanes_model
+   public :: lanes_jacobian, lanes_model, lanes_sight
    public :: lanes_exponential, lanes_hyperbolic_tangent, lanes_logarithm, lanes_power, lanes_sine_cosine
 
 contains
@@ -264,5 +264,21 @@ contains
       end do
       call status_to_c(s, status)
    end subroutine lanes_model
+
+   !> How far a step from t may go: in each state, and in time [s].
+   subroutine lanes_sight(handle, scale, t, reach, time) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: scale(*)
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(inout) :: reach(*)
+      real(c_double), intent(out) :: time
+      type(gearbox_t), pointer :: gearbox
+      type(gearbox_ode) :: model
+
+      call c_f_pointer(handle, gearbox)
+      call gearbox_ode_create(model, gearbox, scale(:gearbox%n_states))
+      reach(:model%n) = model%reach
+      time = model%time_in_sight(t)
+   end subroutine lanes_sight
 
 end module lanes_capi
