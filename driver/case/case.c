@@ -96,32 +96,33 @@ const char *case_text(const case_file *file)
     return file->text;
 }
 
-/** Say in a case that keeps its text what it did not say of the simulation. */
-static void say(case_file *file, const char *key, const char *value)
+/** Say in a case what it did not say of the simulation. */
+static void say(const case_file *file, const char *key, const char *value)
 {
-    if (file->text == NULL) {
-        return;
-    }
     case_node *block = node_get(file->root, "simulation");
     node_append(block, key, block->place, node_create_scalar(block->pool, value, true, block->place));
-    free(file->text);
-    file->text = tree_text(file->root);
 }
 
-void case_settle_integrator(case_file *file, integrator_kind integrator)
+void case_settle_simulation(case_file *file, integrator_kind integrator, double tolerance)
 {
     simulation_description *simulation = &file->description.simulation;
-    if (simulation->integrator == INTEGRATOR_OPEN) {
-        simulation->integrator = integrator;
-        say(file, "integrator", integrator == INTEGRATOR_RADAU ? "radau" : "ida");
+    const bool is_radau = integrator == INTEGRATOR_RADAU, keeps_text = file->text != NULL;
+    const bool is_open = simulation->integrator == INTEGRATOR_OPEN, has_limit = simulation->max_step > 0;
+    if (keeps_text && is_open) {
+        say(file, "integrator", is_radau ? "radau" : "ida");
     }
-    const bool is_radau = simulation->integrator == INTEGRATOR_RADAU;
-    if (!(simulation->max_step > 0)) {
+    if (keeps_text && !has_limit) {
         char number[NUMBER_TEXT_LENGTH];
         number_write(number, IDA_LONGEST_STEP);
-        simulation->max_step = is_radau ? DBL_MAX : IDA_LONGEST_STEP;
         say(file, "max_step", is_radau ? "none" : number);
     }
+    if (keeps_text && (is_open || !has_limit)) {
+        free(file->text);
+        file->text = tree_text(file->root);
+    }
+    simulation->integrator = integrator;
+    simulation->tolerance = tolerance;
+    simulation->max_step = has_limit ? simulation->max_step : is_radau ? DBL_MAX : IDA_LONGEST_STEP;
 }
 
 void case_settle_damping(case_file *file, int mesh, const case_schema *schema, const double *parameters)

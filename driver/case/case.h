@@ -61,8 +61,9 @@ const char *case_text(const case_file *file);
 /** The same in engineering units: `module: 3 mm`. Reading it gives the same description too. A new string. */
 char *case_text_for_reading(const case_file *file, const case_schema *schema);
 
-/** Fill in the integrator of a case that does not name one, and its longest step. */
-void case_settle_integrator(case_file *file, integrator_kind integrator);
+/** Fill in the integrator of a case that does not name one, its longest step, and the tolerance, which the case may leave to its
+ *  accuracy. */
+void case_settle_simulation(case_file *file, integrator_kind integrator, double tolerance);
 
 /** Fill in what the damping law of a mesh leaves to the model.
  *  @param parameters  all of the law, in the order of its rows */

@@ -165,16 +165,29 @@ static bool check_variant(const checker *checker, const char *block, const case_
 /** Whether the key's condition on another key of the block is met. */
 static bool has_what_it_needs(const evl_row *key, const case_node *node)
 {
-    return row_needs(key) == NULL || node_find(node, row_needs(key)) >= 0;
+    return (row_needs(key) == NULL || node_find(node, row_needs(key)) >= 0) &&
+           (row_excludes(key) == NULL || node_find(node, row_excludes(key)) < 0);
 }
 
-/** Refuse a key without the other key that gives it a meaning. */
+/** Two keys that say the same in two ways. */
+static bool refuse_pair(const checker *checker, const case_entry *entry, const case_node *node, const char *other)
+{
+    char where[EVL_ERROR_PLACE_LENGTH];
+    place_text(checker->path, node->entries[node_find(node, other)].key_place, where);
+    return checker_refuse(checker, entry->key_place, "'%s' stands beside '%s' (%s); give one of them", entry->key,
+                          other, where);
+}
+
+/** Refuse a key without the other key that gives it a meaning, or beside one that takes it. */
 static bool check_needs(const checker *checker, const char *block, const char *variant, const case_node *node)
 {
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
         const evl_row *row = schema_find(checker->schema, block, variant, entry->key);
         if (row != NULL && !has_what_it_needs(row, node)) {
+            if (row_excludes(row) != NULL) {
+                return refuse_pair(checker, entry, node, row_excludes(row));
+            }
             return checker_refuse(checker, entry->key_place, "'%s' needs '%s' beside it", entry->key, row_needs(row));
         }
     }

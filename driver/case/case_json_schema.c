@@ -69,7 +69,7 @@ static void write_required(json_writer *json, const block *block, const char *va
     json_open(json, "required", '[');
     for (int i = 0; i < block->n; i++) {
         const evl_row *row = &block->rows[i];
-        const bool is_of_all = row->variants[0] == '\0' || row_needs(row) != NULL;
+        const bool is_of_all = !row_is_of_variants(row);
         if (row->required && (variant == NULL ? is_of_all : !is_of_all && row_in_variant(row, variant))) {
             json_text(json, NULL, row->key);
         }
@@ -86,6 +86,22 @@ static void write_needs(json_writer *json, const block *block)
             json_open(json, block->rows[i].key, '[');
             json_text(json, NULL, row_needs(&block->rows[i]));
             json_close(json, ']');
+        }
+    }
+    json_close(json, '}');
+}
+
+/** Keys that do not stand beside others. */
+static void write_exclusions(json_writer *json, const block *block)
+{
+    json_open(json, "dependentSchemas", '{');
+    for (int i = 0; i < block->n; i++) {
+        if (row_excludes(&block->rows[i]) != NULL) {
+            json_open(json, block->rows[i].key, '{');
+            json_open(json, "properties", '{');
+            json_truth(json, row_excludes(&block->rows[i]), false);
+            json_close(json, '}');
+            json_close(json, '}');
         }
     }
     json_close(json, '}');
@@ -163,6 +179,7 @@ static void write_block(json_writer *json, const case_schema *schema, const char
     json_truth(json, "additionalProperties", false);
     write_required(json, &block, NULL);
     write_needs(json, &block);
+    write_exclusions(json, &block);
     write_variants(json, schema, &block);
     json_close(json, '}');
 }

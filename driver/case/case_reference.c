@@ -40,7 +40,11 @@ static void print_key(FILE *stream, const evl_row *key)
     char range[128];
     row_range_text(key, range);
     fprintf(stream, "| `%s` |", key->key);
-    print_words(stream, row_needs(key) == NULL ? key->variants : row_needs(key), " ");
+    if (row_excludes(key) != NULL) {
+        print_words(stream, row_excludes(key), " not ");
+    } else {
+        print_words(stream, row_needs(key) == NULL ? key->variants : row_needs(key), " ");
+    }
     fprintf(stream, " | %s", type_texts[key->type]);
     print_words(stream, key->words, key->type == EVL_NUMBER ? " or " : " ");
     if (key->type >= EVL_BLOCK) {

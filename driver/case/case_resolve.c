@@ -321,6 +321,11 @@ static integrator_kind integrator_of(const case_node *block)
     return name == NULL ? INTEGRATOR_OPEN : strcmp(name, "radau") == 0 ? INTEGRATOR_RADAU : INTEGRATOR_IDA;
 }
 
+static double number_or_none(const case_node *node)
+{
+    return node == NULL ? 0 : node_number(node);
+}
+
 static double max_step_of(const case_node *node)
 {
     return node == NULL ? 0 : node_is_number(node) ? node_number(node) : DBL_MAX;
@@ -332,14 +337,16 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
     const struct checker of_numbers = checker_at(checker, "numbers");
     simulation_description *simulation = &description->simulation;
     simulation->duration = node_get_number(block, "duration");
-    simulation->tolerance = node_get_number(block, "tolerance");
+    simulation->accuracy = number_or_none(node_get(block, "accuracy"));
+    simulation->tolerance = number_or_none(node_get(block, "tolerance"));
     simulation->integrator = integrator_of(block);
     simulation->outputs = node_get_text(block, "outputs");
     simulation->max_step = max_step_of(node_get(block, "max_step"));
     if (!take_output(checker, block, description)) {
         return false;
     }
-    if (simulation->integrator == INTEGRATOR_RADAU && simulation->tolerance < RADAU_SMALLEST_TOLERANCE) {
+    if (simulation->integrator == INTEGRATOR_RADAU && !(simulation->accuracy > 0) &&
+        simulation->tolerance < RADAU_SMALLEST_TOLERANCE) {
         return checker_refuse(&of_tolerance, node_get(block, "tolerance")->place,
                               "is %s, but integrator radau takes %g or more; take integrator ida for less",
                               node_get_text(block, "tolerance"), RADAU_SMALLEST_TOLERANCE);

@@ -41,6 +41,16 @@ const char *row_needs(const evl_row *row)
     return row->variants[0] == '+' ? row->variants + 1 : NULL;
 }
 
+const char *row_excludes(const evl_row *row)
+{
+    return row->variants[0] == '-' ? row->variants + 1 : NULL;
+}
+
+bool row_is_of_variants(const evl_row *row)
+{
+    return row->variants[0] != '\0' && row_needs(row) == NULL && row_excludes(row) == NULL;
+}
+
 bool row_is_series(const evl_row *row)
 {
     return row->type == EVL_SERIES || row->type == EVL_KNOTS || row->type == EVL_AT_KNOTS;
@@ -48,7 +58,7 @@ bool row_is_series(const evl_row *row)
 
 bool row_in_variant(const evl_row *row, const char *variant)
 {
-    return row->variants[0] == '\0' || row_needs(row) != NULL || words_contain(row->variants, variant);
+    return !row_is_of_variants(row) || words_contain(row->variants, variant);
 }
 
 const evl_row *schema_find(const case_schema *schema, const char *block, const char *variant, const char *key)
@@ -68,7 +78,7 @@ const evl_row *schema_selector(const case_schema *schema, const char *block)
     int n = 0;
     const evl_row *rows = schema_block(schema, block, &n);
     for (int i = 1; i < n; i++) {
-        if (rows[i].variants[0] != '\0' && row_needs(&rows[i]) == NULL) {
+        if (row_is_of_variants(&rows[i])) {
             return rows;
         }
     }

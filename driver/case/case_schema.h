@@ -29,6 +29,10 @@ const evl_row *schema_selector(const case_schema *schema, const char *block);
 bool row_in_variant(const evl_row *row, const char *variant);
 /** The other key of the block that this one needs beside it; NULL if it needs none. */
 const char *row_needs(const evl_row *row);
+/** The other key of the block that this one may not stand beside; NULL if there is none. */
+const char *row_excludes(const evl_row *row);
+/** Whether the row belongs to some variants of its block only. */
+bool row_is_of_variants(const evl_row *row);
 bool row_is_series(const evl_row *row);
 
 /** "greater than 0", "from 3 to 10000": the range in words, "" if unbounded. */

@@ -29,7 +29,9 @@ typedef struct {
 
 typedef struct {
     integrator_kind integrator;
-    double duration, tolerance;
+    double duration;
+    double accuracy;        /**< of the penetration; 0: the case says a tolerance */
+    double tolerance;       /**< 0: it follows from the accuracy, once the integrator is settled */
     double output_interval; /**< [s]; 0 where outputs go by position */
     position_description output_by;
     const char *outputs;         /**< names of variables and groups that a history has; NULL: all */

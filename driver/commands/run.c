@@ -143,10 +143,15 @@ static bool create_history(run *run, const char *path)
     OWNED char *warnings = prepare_warnings(&run->prepared, "\n");
     OWNED char *versions = result_versions();
     const history_attribute attributes[] = {
-        {"title", .text = description->title}, {"case", .text = case_text(run->prepared.file)},
-        {"versions", .text = versions},        {"warnings", .text = warnings},
-        {"status", .text = "running"},         {"status_message", .text = ""},
-        {"output_per", .text = rule.per},      {"output_number", .integer = rule.number},
+        {"title", .text = description->title},
+        {"case", .text = case_text(run->prepared.file)},
+        {"versions", .text = versions},
+        {"warnings", .text = warnings},
+        {"status", .text = "running"},
+        {"status_message", .text = ""},
+        {"integrator_tolerance", .number = options.tolerance},
+        {"output_per", .text = rule.per},
+        {"output_number", .integer = rule.number},
         {"output_of", .text = rule.of},
     };
     const int n_attributes = (int)(sizeof attributes / sizeof *attributes) - (rule.per == NULL ? 3 : 0);

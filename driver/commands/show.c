@@ -55,6 +55,20 @@ static void print_indented(FILE *stream, const char *text)
     }
 }
 
+static const char *integrator_name(const simulation_description *simulation)
+{
+    return simulation->integrator == INTEGRATOR_RADAU ? "radau" : "ida";
+}
+
+/** What the accuracy that a case states comes to. */
+static void show_accuracy(FILE *stream, const simulation_description *simulation)
+{
+    if (simulation->accuracy > 0) {
+        fprintf(stream, "\nAccuracy\n  %g of the largest penetration: %s with a tolerance of %g\n",
+                simulation->accuracy, integrator_name(simulation), simulation->tolerance);
+    }
+}
+
 /** The resolved case, the derived geometry of every wheel and mesh, and the warnings, for reading. Of a case without a model the
  *  case alone. */
 static void show_text(FILE *stream, const prepared_case *prepared)
@@ -65,6 +79,7 @@ static void show_text(FILE *stream, const prepared_case *prepared)
     if (prepared->model == NULL) {
         return;
     }
+    show_accuracy(stream, &case_description(prepared->file)->simulation);
     show_geometry(stream, case_description(prepared->file), prepared->model);
     OWNED char *note = stiffness_note(case_description(prepared->file), prepared->model);
     if (note[0] != '\0') {
@@ -81,6 +96,11 @@ static void show_text(FILE *stream, const prepared_case *prepared)
 static void write_model(json_writer *writer, const prepared_case *prepared)
 {
     const model *model = prepared->model;
+    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    json_open(writer, "integration", '{');
+    json_text(writer, "integrator", integrator_name(simulation));
+    json_number(writer, "tolerance", simulation->tolerance);
+    json_close(writer, '}');
     write_geometry(writer, case_description(prepared->file), model);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < model_n_warnings(model); i++) {

@@ -10,8 +10,9 @@
 
 typedef struct {
     const char *key;
-    const char *text; /**< NULL: it is the integer */
+    const char *text; /**< NULL: it is a number */
     long long integer;
+    double number; /**< not 0: this one instead of the integer */
 } history_attribute;
 
 /** An axis with numbers. */

@@ -185,6 +185,11 @@ bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long 
     return netcdf_put(file, object, name, H5T_NATIVE_LLONG, 0, &value);
 }
 
+bool netcdf_put_number(netcdf_file *file, hid_t object, const char *name, double value)
+{
+    return netcdf_put(file, object, name, H5T_NATIVE_DOUBLE, 0, &value);
+}
+
 hid_t netcdf_open(const char *path)
 {
     prepare_library();

@@ -78,6 +78,7 @@ hid_t netcdf_create_group(netcdf_file *file, const char *name);
 bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value);
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
+bool netcdf_put_number(netcdf_file *file, hid_t object, const char *name, double value);
 
 /** A variable without dimensions yet. */
 static inline netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/words.h"
 #include "model/output_groups.h"
+#include "simulate/accuracy.h"
 #include "simulate/positions.h"
 
 #include <stdio.h>
@@ -32,7 +33,7 @@ char *prepare_warnings(const prepared_case *prepared, const char *separator)
     return words_join(n, warnings, separator);
 }
 
-/** The case's integrator, or the one that suits the model. @return false if it asks for one that does not serve */
+/** The case's integrator, or the one that suits the model, and its tolerance. @return false if it asks for one that does not serve */
 static bool settle_integrator(const prepared_case *prepared, model_message *refusal)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
@@ -41,9 +42,13 @@ static bool settle_integrator(const prepared_case *prepared, model_message *refu
         model_explain_no_stepper(prepared->model, refusal);
         return false;
     }
-    case_settle_integrator(prepared->file, serves && simulation->tolerance >= RADAU_SMALLEST_TOLERANCE
-                                               ? INTEGRATOR_RADAU
-                                               : INTEGRATOR_IDA);
+    const bool is_stated = !(simulation->accuracy > 0);
+    const bool may_be_radau = serves && (!is_stated || simulation->tolerance >= RADAU_SMALLEST_TOLERANCE);
+    const integrator_kind integrator = simulation->integrator != INTEGRATOR_OPEN ? simulation->integrator
+                                       : may_be_radau                            ? INTEGRATOR_RADAU
+                                                                                 : INTEGRATOR_IDA;
+    case_settle_simulation(prepared->file, integrator,
+                           is_stated ? simulation->tolerance : accuracy_tolerance(simulation->accuracy, integrator));
     return true;
 }
 

@@ -52,7 +52,9 @@ module evl_case_table
                              row_t("outputs", type_text, "", "which variables over time a history has: names of variables and of" &
                                    //" groups, with commas between them; all if not given"), &
                              row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
-                                   range=range_t(1e-14_wp, 0.001_wp), default="1e-9"), &
+                                   range=range_t(1e-14_wp, 0.001_wp), default="1e-9", variants="-accuracy"), &
+                      row_t("accuracy", type_number, "", "error wanted of a penetration, over the largest: stated in place of the" &
+                                   //" tolerance, which follows for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
                              row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
                           row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
                                    //" found if not given", holds="numbers"), &

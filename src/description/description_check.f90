@@ -167,6 +167,9 @@ contains
                if (rows(row)%variants(1:1) == "+") then
                   call refuse(description, given, "'"//trim(rows(row)%key)//"' needs '"//trim(rows(row)%variants(2:)) &
                               //"' beside it", status)
+               else if (rows(row)%variants(1:1) == "-") then
+                  call refuse(description, given, "'"//trim(rows(row)%key)//"' stands beside '"//trim(rows(row)%variants(2:)) &
+                              //"': give one of them", status)
                else
                   call refuse(description, given, "'"//trim(rows(row)%key)//"' has no meaning here", status)
                end if
@@ -220,6 +223,9 @@ contains
       if (row%variants == "") return
       if (row%variants(1:1) == "+") then
          in_variant = entry_of(description, place, trim(row%variants(2:))) > 0
+         return
+      else if (row%variants(1:1) == "-") then
+         in_variant = entry_of(description, place, trim(row%variants(2:))) == 0
          return
       end if
       given = entry_of(description, place, selector%key)

@@ -61,7 +61,7 @@ module evl_row
       character(len=text_length) :: words = ""         !! of a choice, or instead of a number; separated by blanks
       character(len=short_length) :: holds = ""        !! block of a block, list or map; block that a reference is to
       character(len=text_length) :: variants = ""      !! values of the block's first key with which it may stand; "" for all;
-                                                       !! "+KEY": it may stand beside that key only
+                                                       !! "+KEY": it may stand beside that key only; "-KEY": not beside it
       character(len=short_length) :: block = ""        !! the block that has it; filled in where all rows are put together
    end type row_t
 

@@ -25,6 +25,7 @@ class Row:
     block: str
     key: str
     only_with: tuple[str, ...]
+    not_with: tuple[str, ...]
     type: str  # what it is, without its words
     words: tuple[str, ...]
     unit: str
@@ -44,7 +45,8 @@ class Row:
         return cls(
             block=block,
             key=key,
-            only_with=tuple(re.findall(r"`([^`]*)`", only_with)),
+            only_with=() if "not" in only_with else tuple(re.findall(r"`([^`]*)`", only_with)),
+            not_with=tuple(re.findall(r"not `([^`]*)`", only_with)),
             type=re.sub(r"( or)? `.*", "", kind),
             words=words,
             unit=unit,
@@ -281,6 +283,10 @@ class Table:
     def elsewhere(self, row: Row) -> Iterator[tuple[str, bool, dict[str, Any]]]:
         """The row where it has no meaning."""
         chooser = self.selector(row.block)
+        for other in row.not_with:
+            of_other = next(r for r in self.of(row.block) if r.key == other)
+            both = {row.key: self.good(row), other: self.good(of_other)}
+            yield f"beside {other}", False, self.block(row.block, **both)
         if self.needs(row):
             alone = self.block(row.block, **{row.key: self.good(row)})
             alone.pop(self.needs(row))

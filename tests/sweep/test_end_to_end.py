@@ -18,6 +18,7 @@ import xarray as xr
 from sweeps import PAPER
 
 from evolvent.errors import SweepError
+from evolvent.sweep.accuracy import ACCURACY
 from evolvent.sweep.design import read_design
 from evolvent.sweep.folder import open_for_run, remaining_shards
 from evolvent.sweep.journal import read_records
@@ -82,6 +83,7 @@ def test_a_sweep_gives_what_single_runs_give(reference, evolvent, tmp_path):
             f"wheels.pinion.loads.0.value={float(reference['load'].values[case])!r}",
             f"meshes.0.friction.coefficient={float(reference['friction'].values[case])!r}",
             "simulation.duration=0.02",
+            f"simulation.accuracy={ACCURACY}",  # as the plan says for the case
         ]
         options = [part for setting in settings for part in ("--set", setting)]
         assert evolvent("run", PAPER, "-o", f"{case}.h5", *options).returncode == 0

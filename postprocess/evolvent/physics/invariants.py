@@ -127,14 +127,16 @@ def _worst_of(deviation: Values, shift: tuple[int, int] = (0, 0)) -> _Worst:
 
 
 def tolerance_of(history: xr.Dataset | Recording) -> float:
-    """Tolerance of the case, from the resolved case in the history."""
+    """Tolerance of the integrator: stated by the case, or what its accuracy came to."""
+    if "integrator_tolerance" in history.attrs:
+        return float(history.attrs["integrator_tolerance"])
     import yaml
 
     # The quick one of libyaml, where PyYAML has it.
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     case = yaml.load(history.attrs.get("case", ""), loader)
     simulation = case.get("simulation") if isinstance(case, dict) else None
-    return float(simulation["tolerance"]) if simulation else DEFAULT_TOLERANCE
+    return float((simulation or {}).get("tolerance", DEFAULT_TOLERANCE))
 
 
 def _place(run: Recording, deviation: Deviation, dim: str, index: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from evolvent.errors import SweepError
+from evolvent.sweep.accuracy import with_accuracy
 from evolvent.sweep.check import Checked, check_design
 from evolvent.sweep.design import LAST_HALF, Design
 from evolvent.sweep.program import program_version
@@ -29,9 +30,10 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
     """
     spec = read_spec(path, program)
     parameters, n_cases, sampling = columns(spec, program)
+    case = read_text(spec.case, f"{path}: case {spec.case}")
     design = Design(
         title=spec.title,
-        case=read_text(spec.case, f"{path}: case {spec.case}"),
+        case=with_accuracy(case, (parameter.path for parameter in parameters)),
         parameters=tuple(parameters),
         n_cases=n_cases,
         window=spec.window or LAST_HALF,
