@@ -65,7 +65,11 @@ def test_the_command_says_nothing_and_ends_well() -> None:
         ("driver/case/case.c", "#include <evolvent/kernel.h>", "only model may know"),
         ("driver/model/model.c", "#include <ida/ida.h>", "only integrate may know ida/"),
         ("driver/batch/batch.c", "#include <hdf5.h>", "only files may know hdf5"),
-        ("postprocess/evolvent/history/files.py", "from ..pages import report", "history may not know"),
+        (
+            "postprocess/evolvent/history/files.py",
+            "from ..pages import report",
+            "history may not know",
+        ),
         (
             "postprocess/evolvent/physics/teeth.py",
             "import evolvent.figures",
