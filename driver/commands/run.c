@@ -163,6 +163,8 @@ static bool create_history(run *run, const char *path)
         .n_harmonics = description->simulation.numbers.is_given ? NUMBER_HARMONICS : 0,
         .n_outputs = n_outputs,
         .outputs = outputs,
+        .n_all = model_about(model)->n_outputs,
+        .all = model_about(model)->outputs,
         .n_states = model_about(model)->dae.n,
         .states = states,
         .n_event_kinds = model_tables()->n_event_kinds,

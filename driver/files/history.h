@@ -33,6 +33,8 @@ typedef struct {
     int n_harmonics;          /**< the same, of its numbers; 0: none */
     int n_outputs;
     const model_output *outputs; /**< outlive the history */
+    int n_all; /**< of a history of some outputs all that there are, whose dimensions it has; 0: those above */
+    const model_output *all;
     int n_states;
     const model_state *states;
     int n_event_kinds;

@@ -107,7 +107,8 @@ bool history_write_head(history *history, const history_layout *layout)
                       history_put_attributes(history, layout->n_attributes, layout->attributes) &&
                       (history->has_events
                            ? dimensions_define(dimensions, netcdf, DIMENSIONS_OF_HISTORY, layout->names,
-                                               layout->n_outputs, layout->outputs)
+                                               layout->n_all > 0 ? layout->n_all : layout->n_outputs,
+                                               layout->n_all > 0 ? layout->all : layout->outputs)
                            : dimensions_define_numbers(dimensions, netcdf, layout->n_coordinates, layout->coordinates));
     const bool has_harmonics =
         good && (layout->n_harmonics == 0 || dimensions_define_harmonics(dimensions, netcdf, layout->n_harmonics));

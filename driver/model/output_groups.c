@@ -29,6 +29,13 @@ static const struct {
     {"tracking", NULL,
      "gradient_ratio tracking_residual_driving tracking_residual_driven line_distance_driving line_distance_driven "
      "contact_point_driving contact_point_driven"},
+    {"check", NULL, /* what evolvent-post check looks at */
+     "kinetic_energy potential_energy dissipated_energy load_work load_torque angular_velocity angular_acceleration "
+     "angle_deviation centre_displacement housing_angular_acceleration transmission_error gap gap_rate penetration "
+     "flank_deviation separation_curvature contact_mode normal_force friction_force friction_arm_driving "
+     "friction_arm_driven mesh_torque_driving mesh_torque_driven shaft_torque gradient_ratio tracking_residual_driving "
+     "tracking_residual_driven line_distance_driving line_distance_driven pair_normal_force pair_contact_mode "
+     "pair_penetration pair_on_path"},
 };
 enum { N_GROUPS = sizeof groups / sizeof *groups };
 

@@ -7,7 +7,8 @@
 
 /** All groups. */
 #define OUTPUT_GROUPS                                                                                                  \
-    "all gearbox wheels meshes pairs shafts bearings housing accelerometers energies losses forces tracking"
+    "all gearbox wheels meshes pairs shafts bearings housing accelerometers energies losses forces tracking "          \
+    "check"
 
 /** Choose outputs that change over time, by their names or those of their groups, between commas or blanks.
  *  @param chosen  [n] of these outputs; constants, which every history has, may be named and are not chosen

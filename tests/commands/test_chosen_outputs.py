@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 from commands.conftest import Evolvent
+from evolvent import check_history, open_history
 
 SHORT = ("--set", "simulation.duration=0.05")
 # Closed form by radau, in lanes; tracked points by IDA, one state after the other.
@@ -69,13 +70,40 @@ def test_each_group_is_known_and_all_of_them_are_all(evolvent, examples, tmp_pat
     refused = evolvent(
         "run", examples / "paper.yaml", "--set", "simulation.outputs=nothing-like-it"
     ).stderr
-    assert f"groups are all {known} energies losses forces tracking, " in refused
+    assert f"groups are all {known} energies losses forces tracking check, " in refused
     groups = known.replace(" ", ",")
     some = history(evolvent, examples, tmp_path / "some.h5", case, "--outputs", groups)
     assert some.identical(whole.assign_attrs(case=some.attrs["case"]))
     named = "energies,losses,forces,tracking"
     few = history(evolvent, examples, tmp_path / "few.h5", case, "--outputs", named)
     assert set() < over_time(few) < over_time(whole)
+
+
+CHECKED = {
+    **CASES,
+    "rigid": ("paper-rigid.yaml",),
+    "coupled teeth": ("compliant-pair.yaml",),
+    "prescribed housing": (
+        "paper.yaml",
+        "--set",
+        "housing={kind: prescribed, rotation: [{kind: rate, axis: z, value: 5}]}",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CHECKED.values(), ids=CHECKED)
+def test_a_history_of_the_group_check_is_checked_as_the_whole_one(
+    evolvent, examples, tmp_path, case
+):
+    found = []
+    for words in ((), ("--outputs", "check")):
+        history(evolvent, examples, tmp_path / "checked.h5", case, *words)
+        with open_history(tmp_path / "checked.h5") as opened:
+            found.append(check_history(opened))
+    whole, some = found
+    assert [(row.invariant.name, row.verdict) for row in whole] == [
+        (row.invariant.name, row.verdict) for row in some
+    ]
 
 
 def test_the_case_in_a_history_of_some_variables_gives_it_again(evolvent, examples, tmp_path):

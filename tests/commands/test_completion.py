@@ -23,7 +23,7 @@ OFFERED = {
     **{"NAME": ["pinion-gear"], "bash": list(SHELLS)},
     "NAMES": [
         *("all", "gearbox", "wheels", "meshes", "pairs", "shafts", "bearings", "housing"),
-        *("accelerometers", "energies", "losses", "forces", "tracking"),
+        *("accelerometers", "energies", "losses", "forces", "tracking", "check"),
     ],
 }
 
