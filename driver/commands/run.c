@@ -33,7 +33,7 @@ typedef struct {
     memory_pool pool; /**< of the outputs */
     wanted_outputs wanted;
     int n_told;  /**< values of the outputs */
-    double *row; /**< values of the outputs; behind them of those of a grid of positions; the model's constants */
+    double *row; /**< values of the outputs, of those of a grid of positions, constants that are not told */
     history *history;
     extremes *extremes;
     numbers *numbers; /**< NULL: the case does not ask for them */
@@ -43,20 +43,28 @@ typedef struct {
 
 /* What the simulation tells. */
 
+/** Time k of a block as a row. */
+static const double *row_of(const run *run, const output_block *block, int k)
+{
+    if (block->stride == 1 && block->marks == NULL) {
+        return block->values; /* all outputs, the constants among them */
+    }
+    for (int i = 0; i < run->n_told; i++) {
+        run->row[i] = output_values(block, i)[k];
+    }
+    if (block->marks != NULL) {
+        run->row[run->n_told + POSITIONS_PLACE] = block->marks[k].position;
+        run->row[run->n_told + POSITIONS_KIND] = block->marks[k].kind;
+    }
+    return run->row;
+}
+
 static bool on_outputs(void *self, const output_block *block)
 {
     const run *run = self;
-    const int n_values = run->n_told;
     bool good = true;
     for (int k = 0; k < block->n && good; k++) {
-        for (int i = 0; i < n_values; i++) {
-            run->row[i] = output_values(block, i)[k];
-        }
-        if (block->marks != NULL) {
-            run->row[n_values + POSITIONS_PLACE] = block->marks[k].position;
-            run->row[n_values + POSITIONS_KIND] = block->marks[k].kind;
-        }
-        good = history_append(run->history, block->t[k], run->row, run->error);
+        good = history_append(run->history, block->t[k], row_of(run, block, k), run->error);
     }
     return good;
 }
@@ -118,9 +126,10 @@ static int list_outputs(run *run, const positions_rule *rule, const model_output
     for (int i = 0; i < about->n_outputs; i++) {
         const bool is_static = about->outputs[i].is_static;
         if (is_static || wanted_has(&run->wanted, i)) {
+            /* of all outputs the constants are told with them */
+            const int behind = run->wanted.all ? 0 : run->n_told + POSITIONS_OUTPUTS;
             all[n] = about->outputs[i];
-            all[n++].offset =
-                is_static ? run->n_told + POSITIONS_OUTPUTS + about->outputs[i].offset : run->wanted.places[i];
+            all[n++].offset = is_static ? behind + about->outputs[i].offset : run->wanted.places[i];
         }
     }
     if (rule->per != NULL) {
