@@ -96,7 +96,7 @@ static void check(fixture *f, const char *name, double unit, double bound, const
 static void test_energy_that_appears_breaks_the_balance(void **state)
 {
     const char *const energies[] = {"kinetic_energy", "potential_energy", "dissipated_energy", "load_work"};
-    const fixture *f = *state;
+    fixture *f = *state;
     /* what is there at the start, and the work of 1 N m on the pinion in 1 ms */
     const double unit = *output(f, "kinetic_energy") + *output(f, "potential_energy") +
                         1e-3 * fmax(output(f, "load_torque")[0] * output(f, "angular_velocity")[0], 0);
@@ -107,7 +107,7 @@ static void test_energy_that_appears_breaks_the_balance(void **state)
 
 static void test_points_off_their_places_are_found(void **state)
 {
-    const fixture *f = *state;
+    fixture *f = *state;
     const double depth = fmax(*output(f, "penetration"), *output(f, "reference_penetration"));
     check(f, "tracking_residual_driven", depth, tolerance, "points on flanks");
     check(f, "line_distance_driving", depth, tolerance, "points on line of action");
@@ -117,7 +117,7 @@ static void test_points_off_their_places_are_found(void **state)
 /* In differential tracking the gap is a state of its own: points may keep to their flanks while it drifts. */
 static void test_a_gap_that_drifts_from_the_positions_of_the_wheels_is_found(void **state)
 {
-    const fixture *f = *state;
+    fixture *f = *state;
     const double depth = fmax(*output(f, "penetration"), *output(f, "reference_penetration"));
     const char *const lengths[] = {"gap", "transmission_error", "flank_deviation", "separation_curvature"};
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
