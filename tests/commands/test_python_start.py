@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 import typer
+from sweeps import failed, make_design, row, write_journal
 
 from evolvent.commands.command_line import Told, UnclearError, for_typer, parameters, read
 from evolvent.commands.post.app import COMMANDS as POST
@@ -23,9 +24,10 @@ HEAVY = {
     *("rich", "yaml", "jinja2", "typer", "pydantic", "distributed"),
 }
 FILES = {"numpy", "h5py", "rich", "yaml"}
-# Where dask is there, xarray imports it, and that these.
-DATASETS = {*FILES, "xarray", "pandas", "scipy", "jinja2"}
+DATASETS = {*FILES, "xarray", "pandas"}
+SIGNALS = {*DATASETS, "scipy"}
 FIGURES = {*DATASETS, "matplotlib", "PIL"}
+OF_DASK = {"distributed", "scipy", "jinja2"}  # where it is there: xarray imports it
 # What each command may import when it does what it is asked for; for its help it imports none.
 MAY_IMPORT = {
     "evolvent-post": {
@@ -34,19 +36,19 @@ MAY_IMPORT = {
         "plot": FIGURES,
         "report": {*FIGURES, "plotly"},
         "compare": DATASETS,
-        "spectrum": DATASETS,
-        "waterfall": DATASETS,
-        "sidebands": DATASETS,
+        "spectrum": SIGNALS,
+        "waterfall": SIGNALS,
+        "sidebands": SIGNALS,
         "campbell": DATASETS,
     },
     "evolvent-sweep": {
         "plan": {*FILES, "scipy"},
         "run": FILES,
         "slurm": {*FILES, "jinja2"},
-        "collect": DATASETS,
+        "collect": {*DATASETS, *OF_DASK},
         "status": FILES,
         "retry": {*FILES, "jinja2"},
-        "plot": FIGURES,
+        "plot": {*FIGURES, *OF_DASK},
     },
 }
 FOLDERS = {"evolvent-post": "post", "evolvent-sweep": "sweep"}
@@ -108,6 +110,25 @@ def test_a_command_imports_no_more_than_its_row_allows(
     assert imported(lines, *words, folder=tmp_path) <= allowed
 
 
+@pytest.mark.parametrize(
+    "words", [["status", "d"], ["collect", "d", "-o", "s.h5"], ["plan", "sweep.yaml"]], ids=" ".join
+)
+def test_a_command_of_sweeps_imports_no_more_than_its_row_allows(
+    executable: Path, examples: Path, tmp_path: Path, words: list[str]
+) -> None:
+    write_journal(tmp_path / "d", make_design(10), [row(0), row(1), failed(2)])
+    plan = f"format: 1\ncase: {examples / 'paper.yaml'}\nmethod: sobol\nsamples: 2\nparameters:\n"
+    path = "wheels.pinion.loads.0.value"
+    (tmp_path / "sweep.yaml").write_text(f"{plan}- {{path: {path}, from: -1, to: -2}}\n")
+    lines = (
+        f"import os\nos.environ['EVOLVENT_EXECUTABLE'] = {str(executable)!r}\n"
+        "from evolvent.commands.sweep.app import main\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code, end.code"
+    )
+    allowed = MAY_IMPORT["evolvent-sweep"][words[0]]
+    assert imported(lines, *words, folder=tmp_path) <= allowed
+
+
 def helped(program: str, *words: str, **environment: str) -> str:
     lines = f"from evolvent.commands.{FOLDERS[program]}.app import main; main()"
     done = subprocess.run(
@@ -143,6 +164,16 @@ def test_help_of_a_program_tells_what_typer_would_tell(program: str) -> None:
         told = " ".join((command_of(program, name).__doc__ or "").split())
         assert told.startswith(text)
         assert f"  {name} " in ours
+
+
+def test_no_word_at_all_is_answered_by_the_help_and_code_2(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    lines = "from evolvent.commands.post.app import main; main()"
+    done = subprocess.run([sys.executable, "-c", lines], check=False, timeout=60)
+    said = capfd.readouterr()
+    assert (done.returncode, said.out) == (2, "")
+    assert said.err.startswith("Usage: evolvent-post ")
 
 
 def test_help_fits_a_narrow_terminal() -> None:

@@ -51,11 +51,10 @@ def make_program(
         if completes:
             words = []
         elif not words or words[0] in HELP:
-            say(_help(name, text, commands))
-            sys.exit(0 if words else USAGE)
+            told = {"text": _help(name, text, commands), "err": not words}
+            sys.exit(_run(say, told) or (0 if words else USAGE))
         elif words == ["--version"]:
-            say(_version(name))
-            sys.exit()
+            sys.exit(_run(say, {"text": _version(name)}))
         # Where none is named, all are needed: for completion, and to say which are near.
         named = words[:1] if words and words[0] in commands else list(commands)
         functions = [getattr(import_module(f"{package}.{one}"), one) for one in named]
