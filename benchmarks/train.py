@@ -24,7 +24,7 @@ from typing import Any
 from process import ROOT
 
 NUMBERS = {"radau": (10, 20, 50, 100, 200), "ida": (10, 20, 50, 100)}
-SPANS = {"radau": (1e-3, 3e-3), "ida": (2e-4, 4e-4)}  # [s] shorter and longer run
+SPANS = {"radau": (1e-3, 3e-3), "ida": (2e-4, 6e-4)}  # [s] shorter and longer run
 OUTPUTS = 200  # of the run with many
 ONE_STEP = 1e-9  # [s]
 TURNS = 7  # of CPU times

@@ -160,18 +160,26 @@ contains
       logical, intent(in) :: waiting(:)
       integer, intent(inout) :: in_row(:), in_column(:) !! entries that wait
       logical :: has(size(waiting))
-      integer, allocatable :: rows(:), columns(:)
-      integer :: i, j
+      integer :: rows(by%columns(pivot)%n), columns(by%rows(pivot)%n) !! that wait
+      integer :: i, j, n_rows, n_columns
 
-      associate (row => by%rows(pivot), column => by%columns(pivot))
-         rows = pack(column%of(:column%n), waiting(column%of(:column%n)))
-         columns = pack(row%of(:row%n), waiting(row%of(:row%n)))
-      end associate
-      has = .false.
+      n_rows = 0
       do i = 1, size(rows)
+         if (.not. waiting(by%columns(pivot)%of(i))) cycle
+         n_rows = n_rows + 1
+         rows(n_rows) = by%columns(pivot)%of(i)
+      end do
+      n_columns = 0
+      do j = 1, size(columns)
+         if (.not. waiting(by%rows(pivot)%of(j))) cycle
+         n_columns = n_columns + 1
+         columns(n_columns) = by%rows(pivot)%of(j)
+      end do
+      has = .false.
+      do i = 1, n_rows
          associate (row => by%rows(rows(i)))
             has(row%of(:row%n)) = .true.
-            do j = 1, size(columns)
+            do j = 1, n_columns
                if (has(columns(j))) cycle
                call append(by%rows(rows(i)), columns(j))
                call append(by%columns(columns(j)), rows(i))
