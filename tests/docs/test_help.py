@@ -17,7 +17,7 @@ from designs import write_design
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = {path.stem for path in (ROOT / "examples").glob("*.yaml")}
-COMMAND = re.compile(r"^ +([a-z]\w*)(?: |$)", re.MULTILINE)
+COMMAND = re.compile(r"^  ([a-z]\w*)(?: |$)", re.MULTILINE)
 # Alone on its line but for what is told of it, two blanks or more behind it.
 EXAMPLE = re.compile(r"^ +(evolvent(?:-\w+)? .*?)(?: {2,}\S.*)?$", re.MULTILINE)
 HISTORY = re.compile(r"^([\w-]+)\.h5$")
