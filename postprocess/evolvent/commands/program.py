@@ -77,9 +77,10 @@ def _without(unused: Sequence[str]) -> Iterator[None]:
     """Keep others from importing modules only to find out that nobody uses them.
 
     To ask whether an array is one of dask, xarray imports dask; pandas takes pyarrow where it is:
-    together 50 MB and a third of a second.
+    together 50 MB and a third of a second. Who has asked before would miss them.
     """
-    absent: dict[str, Any] = {name: None for name in unused if name not in sys.modules}
+    is_asked = {"pandas", "xarray", *unused} & set(sys.modules)
+    absent: dict[str, Any] = {} if is_asked else dict.fromkeys(unused)
     sys.modules.update(absent)
     try:
         yield
