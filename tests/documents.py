@@ -53,7 +53,12 @@ def run_as_reader(words: list[str], folder: Path) -> subprocess.CompletedProcess
     return subprocess.run(
         words,
         cwd=folder,
-        env={**os.environ, "PATH": path, "PYTHONPATH": python_path.rstrip(os.pathsep)},
+        env={
+            **os.environ,
+            "PATH": path,
+            "PYTHONPATH": python_path.rstrip(os.pathsep),
+            "EVOLVENT_PROGRESS_INTERVAL": "3600",  # no progress, however busy the machine
+        },
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

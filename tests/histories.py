@@ -1,0 +1,35 @@
+"""Histories as tests compare them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+PLACES = {"DIMENSION_LIST", "REFERENCE_LIST"}  # where things lie in the file
+
+
+def contents(path: Path) -> tuple[tuple[str, str, bytes], ...]:
+    """All values and attributes to the bit, by name: equal also where a slow run was flushed.
+
+    What is written on the way of a run of more than a few seconds makes its file another one, byte
+    by byte, with the same contents.
+    """
+    found: list[tuple[str, str, bytes]] = []
+
+    def take(name: str, value: object) -> None:
+        array = np.asarray(value)
+        data = repr(array.tolist()).encode() if array.dtype.hasobject else array.tobytes()
+        found.append((name, f"{array.dtype} {array.shape}", data))
+
+    def visit(name: str, node: h5py.Group | h5py.Dataset) -> None:
+        for key in sorted(set(node.attrs) - PLACES):
+            take(f"{name}@{key}", node.attrs[key])
+        if isinstance(node, h5py.Dataset):
+            take(name, node[()])
+
+    with h5py.File(path) as file:
+        visit("/", file)
+        file.visititems(visit)
+    return tuple(found)
