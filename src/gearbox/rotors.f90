@@ -10,8 +10,8 @@ module evl_rotors
 
 contains
 
-   !> Find the rotor of every wheel, what is behind every rigid shaft, the reference wheel, and the load that prescribes the speed of
-   !> a rotor.
+   !> Find the rotor of every wheel, what is behind every rigid shaft, the reference wheel, and the load that prescribes the speed
+   !> of a rotor.
    !>
    !> The reference wheel is the leader of the first rotor whose speed is prescribed, or of the first of all; a rotor's leader is
    !> its first wheel. Errors: code_invalid_input for a shaft whose wheels are one rotor already, and for a second prescribed speed.

@@ -72,7 +72,9 @@ def test_no_block_has_a_key_twice_in_one_variant(table: list[Row]):
     seen = [
         (row.block, row.key, variant)
         for row in table
-        for variant in ([""] if row.variants.startswith("+") else row.variants.split() or [""])
+        for variant in (
+            [""] if row.variants.startswith(("+", "-")) else row.variants.split() or [""]
+        )
     ]
     assert sorted(set(seen)) == sorted(seen)
 
@@ -86,8 +88,8 @@ def test_every_word_that_a_row_points_at_is_in_the_table(table: list[Row]):
             assert row.holds in blocks, row
         elif row.holds:
             assert row.holds in {other.key for other in table if other.block == "case"}, row
-        if row.variants.startswith("+"):
-            assert row.variants[1:] in {other.key for other in own}, row
+        if row.variants.startswith(("+", "-")):  # beside that key only, or never beside it
+            assert row.variants[1:] in {other.key for other in own} - {row.key}, row
         else:
             assert {*row.variants.split()} <= {*own[0].words.split()}, row
 
