@@ -123,7 +123,9 @@ def block_accepted(table: list[Row], block: str, value: dict[str, Any]) -> bool:
     own = {
         row.key: row
         for row in of_block
-        if not row.variants or row.variants.startswith("+") or variant in row.variants.split()
+        if not row.variants
+        or row.variants.startswith(("+", "-"))
+        or variant in row.variants.split()
     }
     return {*value} <= {*own} and all(
         accepted(table, row, value[key]) if key in value else not row.required
