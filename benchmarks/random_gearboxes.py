@@ -1,7 +1,7 @@
 """Random gearboxes: whether any run fails, how large the errors are, whether energy gets lost.
 
 Run it as ``python benchmarks/random_gearboxes.py [PROGRAM]`` after a build; 300 gearboxes take some
-ten minutes on two cores. The gearboxes are those of tests/system/random_gearboxes.py: half of them
+two minutes on two cores. The gearboxes are those of tests/system/random_gearboxes.py: half of them
 are made to lose contact. Each is run with radau at the default tolerance, and three times at a
 10,000 times smaller one: as it is, and twice with every torque, damper and initial gap changed by
 at most 1e-10 of itself. A fifth run is at the default tolerance with steps of at most a thousandth
