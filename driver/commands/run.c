@@ -46,7 +46,7 @@ typedef struct {
 /** Time k of a block as a row. */
 static const double *row_of(const run *run, const output_block *block, int k)
 {
-    if (block->stride == 1 && block->marks == NULL) {
+    if (run->wanted.all && block->marks == NULL) {
         return block->values; /* all outputs, the constants among them */
     }
     for (int i = 0; i < run->n_told; i++) {
@@ -280,11 +280,12 @@ static void summarise(const integrate_counts *counts, const char *path)
 }
 
 /** The last line of a run that cannot be trusted. */
-static void warn_of_invariants(const simulate_result *result)
+static void warn_of_invariants(const run *run, const simulate_result *result)
 {
+    const bool is_stated = case_description(run->prepared.file)->simulation.accuracy > 0;
     if (!result->held) {
-        log_warning("the run's own invariants are %s: lower simulation.tolerance or simulation.max_step",
-                    result->invariants);
+        log_warning("the run's own invariants are %s: lower simulation.%s, or give a smaller simulation.max_step",
+                    result->invariants, is_stated ? "accuracy" : "tolerance");
     }
 }
 
@@ -313,7 +314,7 @@ static void conclude(run *run, const simulate_result *result, const char *path)
     const bool is_done = result->end == SIMULATE_DONE;
     if (close_history(run, is_done, status, is_done ? remark : reason, result) && is_done) {
         summarise(&result->counts, path);
-        warn_of_invariants(result);
+        warn_of_invariants(run, result);
     }
 }
 

@@ -42,13 +42,13 @@ static bool settle_integrator(const prepared_case *prepared, model_message *refu
         model_explain_no_stepper(prepared->model, refusal);
         return false;
     }
-    const bool is_stated = !(simulation->accuracy > 0);
-    const bool may_be_radau = serves && (!is_stated || simulation->tolerance >= RADAU_SMALLEST_TOLERANCE);
+    const bool is_stated = simulation->accuracy > 0;
+    const bool may_be_radau = serves && (is_stated || simulation->tolerance >= RADAU_SMALLEST_TOLERANCE);
     const integrator_kind integrator = simulation->integrator != INTEGRATOR_OPEN ? simulation->integrator
                                        : may_be_radau                            ? INTEGRATOR_RADAU
                                                                                  : INTEGRATOR_IDA;
     case_settle_simulation(prepared->file, integrator,
-                           is_stated ? simulation->tolerance : accuracy_tolerance(simulation->accuracy, integrator));
+                           is_stated ? accuracy_tolerance(simulation->accuracy, integrator) : simulation->tolerance);
     return true;
 }
 

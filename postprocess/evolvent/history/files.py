@@ -194,7 +194,8 @@ def rows_between(history: xr.Dataset, begin: float, end: float) -> slice:
 def lacking(source: str, name: str) -> HistoryError:
     """Say that a history has not a variable that is needed."""
     return HistoryError(
-        f"{source}: has no variable `{name}`; run the case again with it among its outputs"
+        f"{source}: has no variable `{name}`; run the case again with it among its outputs "
+        "(`check` stands for all that evolvent-post check needs)"
     )
 
 
