@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -47,6 +47,20 @@ def run(command: str, folder: Path) -> None:
     assert done.returncode == 0, f"{command}\n{done.stdout}"
 
 
+@pytest.fixture(scope="module")
+def run_page(workplace: Path) -> Callable[[Path], None]:
+    """Run the commands of a page, once, whichever test comes first."""
+    done: set[Path] = set()
+
+    def once(page: Path) -> None:
+        if page not in done:
+            for command in commands(page):
+                run(command, workplace)
+            done.add(page)
+
+    return once
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_lead_to_files_and_headings_that_exist(page: Path) -> None:
     for target in LINK.findall(FENCE.sub("", page.read_text(encoding="utf-8"))):
@@ -66,10 +80,9 @@ def test_links_lead_to_files_and_headings_that_exist(page: Path) -> None:
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_commands_succeed_in_the_order_in_which_they_are_printed(
-    page: Path, workplace: Path
+    page: Path, run_page: Callable[[Path], None]
 ) -> None:
-    for command in commands(page):
-        run(command, workplace)
+    run_page(page)
 
 
 def test_readme_prints_commands_of_all_programs() -> None:
@@ -82,9 +95,10 @@ def test_readme_prints_commands_of_all_programs() -> None:
     [page for page in PAGES if page != TUTORIAL and blocks(page, "python")],
     ids=lambda page: str(page.relative_to(ROOT)),
 )
-def test_python_runs_on_the_histories_that_the_readme_and_the_program_make(
-    page: Path, workplace: Path
+def test_python_runs_on_the_histories_that_its_page_the_readme_and_the_program_make(
+    page: Path, workplace: Path, run_page: Callable[[Path], None]
 ) -> None:
+    run_page(page)
     run("evolvent run examples/paper.yaml", workplace)
     for command in commands(README):
         if command.startswith("evolvent run"):
