@@ -5,7 +5,8 @@
 
 PROGRAM is build/release/evolvent unless given. Prints Markdown: versions, and for each friction the
 cheapest run of each program that reaches an accuracy. All runs take turns; times are medians of
-processor time of the integration alone. docs/peers.md tells what is measured, and how.
+processor time: of evolvent all that a batch takes for a case, of the others the integration alone.
+docs/peers.md tells what is measured, and how.
 """
 
 from __future__ import annotations
@@ -50,11 +51,12 @@ class Peer:
     smallest: float
     cases: int = 1  # that one run solves
     switches: str = "located"
+    suffix: str = ""
 
     @property
     def label(self) -> str:
         """Name in the table."""
-        return f"{self.name} {self.method}"
+        return f"{self.name} {self.method}{self.suffix}"
 
     @property
     def tolerances(self) -> list[float]:
@@ -63,10 +65,13 @@ class Peer:
         return [float(f"{10.0**e:.3g}") for e in np.linspace(self.largest, self.smallest, n)]
 
 
+INTEGRATION = ", integration"
 EVOLVENT = [
     Peer("evolvent", "radau", "", -4, -10),
-    Peer("evolvent", "ida", "", -7, -11),
+    Peer("evolvent", "radau", "", -4, -10, suffix=INTEGRATION),
+    Peer("evolvent", "ida", "", -7, -11, suffix=INTEGRATION),
 ]
+BATCH = {"radau": 64, "ida": 3}  # cases
 OTHERS = [
     Peer("heyoka", "batch", "with_heyoka", -7, -12, cases=8),
     Peer("heyoka", "scalar", "with_heyoka", -7, -12),
@@ -119,8 +124,7 @@ def reference(friction: float, program: Path) -> tuple[Array, str]:
 
     h = with_scipy.solver("DOP853", friction, 1e-12)()
     independent = solve(friction, t_eval=grid())["h"]
-    integrator = "ida" if with_evolvent.knows_integrators(program) else ""
-    own = with_evolvent.run(program, integrator, friction, 1e-13)
+    own = with_evolvent.run(program, "ida", friction, 1e-13)
     away = [np.abs(other - h).max() / H_REFERENCE for other in (independent, own)]
     return h, f"tests/reference {away[0]:.1e}, evolvent's IDA at 1e-13 {away[1]:.1e}"
 
@@ -145,13 +149,11 @@ def measure_other(peer: Peer, run: Run, h: Array) -> Callable[[], list[float]]:
 
 
 def measure_evolvent(peer: Peer, run: Run, h: Array, program: Path) -> Callable[[], list[float]]:
-    """Find the error and return what measures a few cases."""
-    known = with_evolvent.knows_integrators(program)
-    if peer.method == "radau" and not known:
-        raise RuntimeError("this evolvent has no integrator radau")
-    chosen = (program, peer.method if known else "", run.friction, run.tolerance)
+    """Find the error and return what measures a batch."""
+    chosen = (program, peer.method, run.friction, run.tolerance)
     run.error = float(np.abs(with_evolvent.run(*chosen) - h).max() / H_REFERENCE)
-    return lambda: with_evolvent.seconds(*chosen, 3)
+    part = 1 if peer.suffix == INTEGRATION else 0
+    return lambda: [with_evolvent.seconds(*chosen, BATCH[peer.method])[part]]
 
 
 def compare(program: Path, rounds: int, chosen: list[Peer]) -> tuple[list[Run], list[str]]:
@@ -259,9 +261,7 @@ def main() -> int:
     if unknown := set(names) - {peer.name for peer in OTHERS}:
         parser.error(f"no such program: {', '.join(sorted(unknown))}")
 
-    radau = with_evolvent.knows_integrators(program)
-    own = EVOLVENT if radau else EVOLVENT[1:]
-    chosen = own + [peer for peer in OTHERS if not names or peer.name in names]
+    chosen = EVOLVENT + [peer for peer in OTHERS if not names or peer.name in names]
     with quiet():
         runs, notes = compare(program, options.rounds, chosen)
     print(machine(program), *notes, sep="\n\n")

@@ -1,13 +1,15 @@
-"""evolvent itself: h from `evolvent run`, the time of the integration from `evolvent batch`.
+"""evolvent itself: h from `evolvent run`, processor times from `evolvent batch`.
 
-A batch measures each of its cases alone, by the clock of its thread: from the initial state to the
-end, with all quantities that it derives at the outputs, without reading the case, without files.
+What a user pays for a case is the time of the whole process over its cases. Of that the journal
+tells the integration's: from the initial state to the end, with all quantities that are derived at
+the outputs.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import resource
 import subprocess
 import tempfile
 from pathlib import Path
@@ -17,6 +19,8 @@ import numpy as np
 from paper_case import DURATION, N_OUTPUTS, Array
 
 ROOT = Path(__file__).resolve().parents[2]
+TORQUE = "wheels.pinion.loads.0.value"
+SPREAD = 0.2  # of the torques of a batch
 
 
 def case_file(friction: float) -> Path:
@@ -46,30 +50,39 @@ def run(program: Path, integrator: str, friction: float, tolerance: float) -> Ar
             return np.array(history["penetration"])[:, 0]
 
 
+def children_seconds() -> float:
+    """Processor time of all processes that have ended."""
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return spent.ru_utime + spent.ru_stime
+
+
 def seconds(
     program: Path, integrator: str, friction: float, tolerance: float, n: int
-) -> list[float]:
-    """Processor times of the integration of n equal cases [s]."""
+) -> tuple[float, float]:
+    """Processor time of a case in a batch of n [s]: of the whole process, of the integration."""
     with tempfile.TemporaryDirectory() as folder:
         design = Path(folder) / "design.h5"
         write_design(design, program, integrator, friction, tolerance, n)
         results = Path(folder) / "results"
+        begin = children_seconds()
         subprocess.run([program, "batch", design, "-o", results, "-q"], check=True)
+        whole = children_seconds() - begin
         journal = (results / "shard-1-of-1.jsonl").read_text(encoding="utf-8").splitlines()
-        return [json.loads(line)["cpu_time"] for line in journal[1:]]
+        return whole / n, sum(json.loads(line)["cpu_time"] for line in journal[1:]) / n
 
 
 def write_design(
     path: Path, program: Path, integrator: str, friction: float, tolerance: float, n: int
 ) -> None:
-    """Write a design of n equal cases."""
+    """Write a design of n cases, whose torques are spread around the paper's."""
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     columns: dict[str, object] = dict(settings(integrator, tolerance))
+    torques = [repr(-1 + SPREAD * ((i + 0.5) / n - 0.5)) for i in range(n)]
     with h5py.File(path, "w") as design:
         design.attrs.update(
             evolvent_design_format=1,
             evolvent_version=version.stdout.split()[1],
-            title="one case many times",
+            title="one case with many torques",
             case=case_file(friction).read_text(encoding="utf-8"),
             hash=hashlib.sha256(repr((columns, friction, n)).encode()).hexdigest(),
             window=[0.0, DURATION],
@@ -77,15 +90,10 @@ def write_design(
             history_every=1,
             n_cases=n,
         )
-        for i, (where, value) in enumerate(columns.items()):
-            texts = np.full(n, value, dtype=object)
+        all_columns = {where: [value] * n for where, value in columns.items()} | {TORQUE: torques}
+        for i, (where, values) in enumerate(all_columns.items()):
+            texts = np.array(values, dtype=object)
             column = design.create_dataset(
                 f"parameters/p{i}", data=texts, dtype=h5py.string_dtype("utf-8")
             )
             column.attrs["path"] = where
-
-
-def knows_integrators(program: Path) -> bool:
-    """Whether a case can name its integrator."""
-    command = [program, "show", case_file(0.0), "--set", "simulation.integrator=ida"]
-    return subprocess.run(command, capture_output=True).returncode == 0
