@@ -14,7 +14,8 @@ module evl_coupled_flank
    use evl_coupled_pairs, only: coupled_answer, force_change_of_pairs, most_pairs, overlaps, solve_pairs
    use evl_damping_law, only: viscous_force
    use evl_elastic_law, only: elastic_result
-   use evl_flank, only: context_of, in_lanes_on_involutes
+   use evl_flank, only: context_of
+   use evl_flank_limits, only: in_lanes_on_involutes
    use evl_flank_pairs, only: add_in_lanes, lane_pairs, list_pairs, pairs_t
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, wp

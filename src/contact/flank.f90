@@ -8,25 +8,22 @@
 !> The contacts of a flank share their local variables, since they lie between the same two wheels.
 module evl_flank
    use evl_contact_context, only: contact_context
-   use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_damping_law, only: no_viscous, viscous_force
    use evl_edge_contact, only: lift_of
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
-   use evl_flank_deviation, only: zone_end
-   use evl_force_lanes, only: lane_force, lane_slot, laws_of_pair, resolve_in_lanes
+   use evl_flank_limits, only: check_edge, in_lanes_on_flank, left_involute
+   use evl_force_lanes, only: lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: at_normal, n_local, unit
-   use evl_pair_place, only: by_a, by_b, by_line
    use evl_root_kinds, only: side_of_rate
-   use evl_status, only: code_ok, code_out_of_domain, fail, has_failed, quantity, status_t, subject_mesh
-   use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, ended_wheel, flanks_off, &
-                                flanks_unloaded, no_force, on_involutes, tooth_contact_t, touches
+   use evl_status, only: code_ok, fail, has_failed, status_t, subject_mesh
+   use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, no_force, &
+                                on_involutes, tooth_contact_t, touches
    implicit none (type, external)
    private
 
-   public :: check_edge, context_of, energy_gap, exactly_one, flank_slot, flank_t, in_lanes_on_involutes, next_pair, nominal_context
-   public :: pair_on_path
+   public :: context_of, energy_gap, exactly_one, flank_slot, flank_t, next_pair, nominal_context, pair_on_path
 
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
 
@@ -350,8 +347,6 @@ contains
    end subroutine forces
 
    include "contact/contact_forces.inc"
-   include "numerics/all_positive.inc"
-
    !> `laws` in eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
       class(flank_t), intent(in) :: self
@@ -403,93 +398,5 @@ contains
          call self%add_yielding_in_lanes(contacts(k), slots(k))
       end do
    end subroutine forces_in_lanes
-
-   !> What edges have against e more than all of the normal force, in eight states.
-   pure subroutine lift_in_lanes(at, force)
-      type(lane_contact), intent(in) :: at
-      type(lane_force), intent(inout) :: force
-      real(wp) :: lift
-      integer :: l
-
-      !$omp simd private(lift)
-      do l = 1, lanes
-         lift = -(1 + at%edge%d_h(l, by_line))
-         force%on_a_t(l) = force%on_a_t(l) + force%unclipped(l)*lift*at%s(l)
-         force%on_a_e(l) = force%on_a_e(l) - force%unclipped(l)*lift*at%c(l)
-      end do
-   end subroutine lift_in_lanes
-
-   !> An edge that leaves its mate's flank, and pairs that touch where nothing is known of them.
-   pure subroutine check_edge(contact, at, status)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(in) :: at !! of a pair that touches
-      type(status_t), intent(inout) :: status
-      integer :: mate, wheel
-
-      if (.not. beyond_flank(at%mode)) return
-      if (past_both_ends(at%mode)) call fail(status, code_out_of_domain, "a tooth pair is past both ends of its path of contact" &
-                                             //" and carries force: the teeth yield by more than the path is long", &
-                                             subject_mesh, contact%mesh, "edge_contact")
-      wheel = ended_wheel(at%mode)
-      mate = by_a + by_b - wheel
-      if (at%edge%exists .and. at%edge%foot(mate) >= contact%fillets(mate)) return
-      call fail(status, code_out_of_domain, "a tip edge of the "//trim(name_of(wheel))//" wheel touches the fillet of the " &
-                //trim(name_of(mate))//" wheel, which begins at a radius of curvature of "//quantity(contact%fillets(mate), "m") &
-                //", "//quantity(contact%pair%rho_0 - contact%tips(wheel)%edge%rho_end, "m")//" where its path ends: relieve the" &
-                //" tips, or lower the load", subject_mesh, contact%mesh, "edge_contact")
-   end subroutine check_edge
-
-   !> A wheel in words.
-   pure character(len=7) function name_of(wheel)
-      integer, intent(in) :: wheel
-
-      name_of = merge("driving", "driven ", wheel == by_a)
-   end function name_of
-
-   !> Whether both ends of the path of a pair are past.
-   pure logical function past_both_ends(mode)
-      type(contact_mode), intent(in) :: mode
-
-      past_both_ends = min(mode%zone_a, mode%zone_b) >= zone_end
-   end function past_both_ends
-
-   !> Whether a pair lies on both involutes in eight states.
-   pure logical function in_lanes_on_involutes(slot) result(lies)
-      type(lane_slot), intent(in) :: slot
-
-      if (beyond_flank(slot%mode)) then
-         lies = all_positive(slot%at%edge%margin) .and. all_positive(slot%at%edge%foot(:, by_a)) &
-                .and. all_positive(slot%at%edge%foot(:, by_b))
-      else
-         lies = all_positive(slot%at%rho_a) .and. all_positive(slot%at%rho_b)
-      end if
-   end function in_lanes_on_involutes
-
-   !> Whether `check_edge` has nothing to say in eight states.
-   pure logical function in_lanes_on_flank(contact, slot) result(lies)
-      type(tooth_contact_t), intent(in) :: contact
-      type(lane_slot), intent(in) :: slot
-      integer :: mate
-
-      lies = .true.
-      if (.not. beyond_flank(slot%mode)) return
-      mate = by_a + by_b - ended_wheel(slot%mode)
-      lies = all_positive(slot%at%edge%margin) .and. .not. past_both_ends(slot%mode) &
-             .and. all(slot%at%edge%foot(:, mate) >= contact%fillets(mate))
-   end function in_lanes_on_flank
-
-   !> The contact has left an involute: say which radius of curvature ran out.
-   pure subroutine left_involute(contact, point, status)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_point), intent(in) :: point
-      type(status_t), intent(inout) :: status
-      character(len=7) :: which
-
-      which = "driven"
-      if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
-      call fail(status, code_out_of_domain, "the contact has left the involute of the "//trim(which)//" wheel below its base" &
-                //" circle (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
-                //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, contact%mesh, "tracking")
-   end subroutine left_involute
 
 end module evl_flank

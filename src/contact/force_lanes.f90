@@ -6,12 +6,13 @@ module evl_force_lanes
    use evl_contact_point, only: contact_point
    use evl_elastic_law, only: elastic_result
    use evl_kinds, only: lanes, wp
+   use evl_pair_place, only: by_line
    use evl_root_kinds, only: n_root_kinds
    use evl_tooth_contact, only: contact_force, contact_mode, flanks_unloaded, tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: lane_force, lane_slot, laws_of_pair, resolve_in_lanes
+   public :: lane_force, lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes
 
    !> Forces of a tooth contact in eight states; the components mean what those of `elastic_result` and `contact_force` mean.
    type :: lane_force
@@ -81,6 +82,21 @@ contains
          call resolve_lane(sigma, at, l, force)
       end do
    end subroutine resolve_in_lanes
+
+   !> What edges have against e more than all of the normal force, in eight states.
+   pure subroutine lift_in_lanes(at, force)
+      type(lane_contact), intent(in) :: at
+      type(lane_force), intent(inout) :: force
+      real(wp) :: lift
+      integer :: l
+
+      !$omp simd private(lift)
+      do l = 1, lanes
+         lift = -(1 + at%edge%d_h(l, by_line))
+         force%on_a_t(l) = force%on_a_t(l) + force%unclipped(l)*lift*at%s(l)
+         force%on_a_e(l) = force%on_a_e(l) - force%unclipped(l)*lift*at%c(l)
+      end do
+   end subroutine lift_in_lanes
 
    !> One lane of the forces on the wheels.
    pure subroutine resolve_lane(sigma, at, l, force)

@@ -18,7 +18,8 @@ module evl_yielding_flank
    use evl_damping_law, only: viscous_force
    use evl_edge_contact, only: change_of_foot
    use evl_elastic_law, only: elastic_result
-   use evl_flank, only: context_of, flank_t, in_lanes_on_involutes
+   use evl_flank, only: context_of, flank_t
+   use evl_flank_limits, only: in_lanes_on_involutes
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, pi, wp
    use evl_local_variables, only: n_local

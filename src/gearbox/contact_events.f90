@@ -9,18 +9,18 @@ module evl_contact_events
    use evl_elastic_law, only: no_elastic
    use evl_event_kinds, only: event_closed, event_edge_closed, event_edge_opened, event_opened
    use evl_event_log, only: event_log, event_of_root, moment_t, note
-   use evl_flank, only: check_edge, flank_t, next_pair
-   use evl_flank_deviation, only: flank_deviation_t, has_corner, relief_t, zone_edge, zone_end, zone_none, zone_root, &
-                                  zone_root_corner, zone_tip, zone_tip_corner
+   use evl_flank, only: flank_t, next_pair
+   use evl_flank_limits, only: check_edge
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
-   use evl_pair_place, only: by_a, by_b, tip_t
+   use evl_pair_place, only: by_a, by_b
    use evl_root_kinds, only: live_bends_a, live_bends_b, moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, &
                              n_sides, root_of, root_rows
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_mode, contact_state, edge_wheel, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
                                 flanks_unloaded, line_length, settle_friction, settle_zones, tooth_contact_t, touches, unclipped
+   use evl_zone_changes, only: change_zone
    implicit none (type, external)
    private
 
@@ -239,46 +239,6 @@ contains
          end if
       end associate
    end subroutine change_zones
-
-   !> One wheel passed borders.
-   pure subroutine change_zone(deviation, tip, at_tip, at_root, beyond, zone)
-      type(flank_deviation_t), intent(in) :: deviation
-      type(tip_t), intent(in) :: tip
-      logical, intent(in) :: at_tip(2), at_root(2) !! the borders of the reliefs, the near and the far one of their corners
-      logical, intent(in) :: beyond(2) !! the end of the flank, and where its edge takes over
-      integer, intent(inout) :: zone
-      logical :: leaves
-      integer :: i, inside, outside
-
-      call change_relief(deviation%tip, at_tip, zone_tip, zone_tip_corner, zone)
-      call change_relief(deviation%root, at_root, zone_root, zone_root_corner, zone)
-      leaves = zone == zone_edge ! in the order in which it meets them
-      do i = merge(2, 1, leaves), merge(1, 2, leaves), merge(-1, 1, leaves)
-         if (.not. beyond(i)) cycle
-         outside = merge(zone_end, zone_edge, i == 1)
-         inside = merge(zone_tip, zone_none, deviation%tip%amount > 0)
-         if (i == 2 .and. tip%takes_over > 0) inside = zone_end
-         zone = merge(inside, outside, zone == outside)
-      end do
-   end subroutine change_zone
-
-   !> It passed borders of one relief, in the order in which it meets them.
-   pure subroutine change_relief(relief, fired, mine, corner, zone)
-      type(relief_t), intent(in) :: relief
-      logical, intent(in) :: fired(2)
-      integer, intent(in) :: mine, corner !! its zone, and that of its corner
-      integer, intent(inout) :: zone
-      logical :: leaves
-      integer :: i, inner, outer
-
-      leaves = zone == mine
-      do i = merge(2, 1, leaves), merge(1, 2, leaves), merge(-1, 1, leaves)
-         if (.not. fired(i)) cycle
-         inner = merge(zone_none, corner, i == 1)
-         outer = merge(corner, mine, i == 1 .and. has_corner(relief))
-         zone = merge(inner, outer, zone == outer)
-      end do
-   end subroutine change_relief
 
    !> The sliding velocity passed an end of the linear part of the friction law.
    pure subroutine change_friction(contact, fired, mode, log)
