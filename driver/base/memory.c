@@ -37,7 +37,7 @@ void *xrealloc(void *old, size_t count, size_t size)
 char *pool_copy(memory_pool *pool, const char *text)
 {
     const size_t size = strlen(text) + 1;
-    return memcpy(pool_calloc(pool, size, 1), text, size);
+    return memcpy(pool_packed(pool, size, 1), text, size);
 }
 
 char *xstrdup(const char *text)
@@ -52,7 +52,7 @@ static char *print(memory_pool *pool, const char *format, va_list arguments)
     va_copy(again, arguments);
     const int length = vsnprintf(NULL, 0, format, arguments);
     const size_t size = length < 0 ? 1 : (size_t)length + 1;
-    char *text = pool_calloc(pool, size, 1);
+    char *text = pool_packed(pool, size, 1);
     (void)vsnprintf(text, size, format, again);
     va_end(again);
     return text;
@@ -71,17 +71,64 @@ char *xasprintf(const char *format, ...)
 
 struct memory_block {
     struct memory_block *before;
+    size_t size, used; /* bytes of the content */
     _Alignas(MEMORY_LINE) char content[];
 };
 
-/** `size` bytes, zeroed, from where a line of the cache begins. */
-static void *line_calloc(size_t size)
+enum {
+    FIRST_BLOCK = 1024,
+    LARGEST_BLOCK = 64 * 1024,
+    PART = 4, /* what is larger than this part of a block has one of its own */
+#ifdef __SANITIZE_ADDRESS__
+    SHARES_BLOCKS = 0 /* so that a step beyond what was given is seen */
+#else
+    SHARES_BLOCKS = 1
+#endif
+};
+
+static size_t rounded_up(size_t size, size_t alignment)
 {
-    const size_t whole = (size + MEMORY_LINE - 1) / MEMORY_LINE * MEMORY_LINE;
-    return memset(checked(aligned_alloc(MEMORY_LINE, whole), 1, size), 0, whole);
+    return (size + alignment - 1) / alignment * alignment;
 }
 
-void *pool_calloc(memory_pool *pool, size_t count, size_t size)
+static struct memory_block *block_create(size_t size)
+{
+    const size_t whole = rounded_up(sizeof(struct memory_block) + size, MEMORY_LINE);
+    struct memory_block *block = checked(aligned_alloc(MEMORY_LINE, whole), 1, size);
+    *block = (struct memory_block){.size = whole - sizeof *block};
+    return block;
+}
+
+/** A block of its own, behind the one that is being filled. */
+static void *take_alone(memory_pool *pool, size_t size)
+{
+    struct memory_block *block = block_create(size), **place = pool->last == NULL ? &pool->last : &pool->last->before;
+    block->before = *place;
+    block->used = block->size;
+    *place = block;
+    return block->content;
+}
+
+/** Room in the block that is being filled, or in one of its own, or in a new one for this and others. */
+static void *take_room(memory_pool *pool, size_t size, size_t alignment)
+{
+    const struct memory_block *last = pool->last;
+    const size_t next = last == NULL ? FIRST_BLOCK : 2 * last->size < LARGEST_BLOCK ? 2 * last->size : LARGEST_BLOCK;
+    size_t begin = last == NULL ? 0 : rounded_up(last->used, alignment);
+    if (!SHARES_BLOCKS || (size > next / PART && (last == NULL || begin + size > last->size))) {
+        return take_alone(pool, size);
+    }
+    if (last == NULL || begin + size > last->size) {
+        struct memory_block *block = block_create(next);
+        block->before = pool->last;
+        pool->last = block;
+        begin = 0;
+    }
+    pool->last->used = begin + size;
+    return pool->last->content + begin;
+}
+
+static void *take(memory_pool *pool, size_t count, size_t size, size_t alignment)
 {
     const size_t head = sizeof(struct memory_block);
     if (size > 0 && count > (SIZE_MAX - head - MEMORY_LINE) / size) {
@@ -90,10 +137,18 @@ void *pool_calloc(memory_pool *pool, size_t count, size_t size)
     if (pool == NULL) {
         return xcalloc(count, size);
     }
-    struct memory_block *block = line_calloc(head + count * size);
-    block->before = pool->last;
-    pool->last = block;
-    return block->content;
+    const size_t bytes = count * size > 0 ? count * size : 1;
+    return memset(take_room(pool, bytes, alignment), 0, bytes);
+}
+
+void *pool_calloc(memory_pool *pool, size_t count, size_t size)
+{
+    return take(pool, count, size, MEMORY_LINE);
+}
+
+void *pool_packed(memory_pool *pool, size_t count, size_t size)
+{
+    return take(pool, count, size, size == 1 ? 1 : _Alignof(max_align_t));
 }
 
 void *pool_grow(memory_pool *pool, const void *old, size_t n, size_t count, size_t size)

@@ -26,6 +26,8 @@ typedef struct {
 } memory_pool;
 /** As xcalloc; it lasts until pool_free, unless the pool is NULL. */
 void *pool_calloc(memory_pool *pool, size_t count, size_t size);
+/** The same for the many small things of a tree, which no loop goes over: they lie close together. */
+void *pool_packed(memory_pool *pool, size_t count, size_t size);
 /** More room for `n` things: count * size bytes, zeroed behind the old ones. */
 void *pool_grow(memory_pool *pool, const void *old, size_t n, size_t count, size_t size);
 /** As xstrdup. */

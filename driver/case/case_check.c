@@ -10,13 +10,15 @@
 
 static bool check_block(const checker *checker, const char *block, case_node *node);
 
+/** The schema bounds how many there are: what is not a gearbox any more is refused before anything goes over all of it. */
 static bool check_count(const checker *checker, const evl_row *key, const case_node *node)
 {
-    return node->n >= (int)key->minimum ||
-           checker_refuse(checker, node->place, "has %d %s, needs at least %d", node->n,
-                          key->type == EVL_LIST ? (node->n == 1 ? "element" : "elements")
-                                                : (node->n == 1 ? "name" : "names"),
-                          (int)key->minimum);
+    const char *one = key->type == EVL_LIST ? "element" : "name",
+               *several = key->type == EVL_LIST ? "elements" : "names";
+    const bool few = node->n < (int)key->minimum;
+    return (!few && node->n <= key->maximum) ||
+           checker_refuse(checker, node->place, few ? "has %d %s, needs at least %.0f" : "has %d %s, may have %.0f",
+                          node->n, node->n == 1 ? one : several, few ? key->minimum : key->maximum);
 }
 
 /** Of a list or a map. */

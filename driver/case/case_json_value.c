@@ -103,12 +103,13 @@ static void write_numbers(json_writer *json, const evl_row *row, int least, int 
     json_close(json, '}');
 }
 
-/** Blocks, in a list or by name, at least as many as the range says. */
+/** Blocks, in a list or by name, as many as the range says. */
 static void write_blocks(json_writer *json, const evl_row *row)
 {
     const bool is_list = row->type == EVL_LIST;
     json_text(json, "type", is_list ? "array" : "object");
     json_integer(json, is_list ? "minItems" : "minProperties", (long)row->minimum);
+    json_integer(json, is_list ? "maxItems" : "maxProperties", (long)row->maximum);
     if (is_list) {
         json_schema_reference(json, "items", row->holds);
         return;

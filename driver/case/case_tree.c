@@ -10,7 +10,7 @@
 
 case_node *node_create(memory_pool *pool, node_kind kind, case_place place)
 {
-    case_node *node = pool_calloc(pool, 1, sizeof *node);
+    case_node *node = pool_packed(pool, 1, sizeof *node);
     *node = (case_node){.pool = pool, .kind = kind, .place = place};
     return node;
 }
@@ -29,7 +29,7 @@ case_node *node_copy(memory_pool *pool, const case_node *node)
     copy->text = node->text == NULL ? NULL : pool_copy(pool, node->text);
     copy->plain = node->plain;
     copy->n = copy->capacity = node->n;
-    copy->entries = node->n == 0 ? NULL : pool_calloc(pool, (size_t)node->n, sizeof *copy->entries);
+    copy->entries = node->n == 0 ? NULL : pool_packed(pool, (size_t)node->n, sizeof *copy->entries);
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
         copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : pool_copy(pool, entry->key),

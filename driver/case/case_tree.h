@@ -1,5 +1,5 @@
 /** The case file as a tree of nodes, each of which knows where it comes from: a line of the file or a --set option.
- *  libyaml is used by case_load.c and case_emit.c only. */
+ *  libyaml is used by case_yaml.c and case_emit.c only. */
 #pragma once
 
 #include "base/json.h"

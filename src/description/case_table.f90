@@ -32,13 +32,13 @@ module evl_case_table
    type(row_t), parameter :: case_rows(*) = [ &
                              row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
                           row_t("title", type_text, "", "what the case is about; becomes the title of the history", default="''"), &
-                         row_t("materials", type_map, "", "the materials by name", range=range_t(minimum=1.0_wp), required=.true., &
+                      row_t("materials", type_map, "", "the materials by name", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
                                    holds="material"), &
-                     row_t("wheels", type_list, "", "the wheels; the order is that of the history", range=range_t(minimum=2.0_wp), &
+                  row_t("wheels", type_list, "", "the wheels; the order is that of the history", range=range_t(2.0_wp, 1000.0_wp), &
                                    required=.true., holds="wheel"), &
-                      row_t("meshes", type_list, "", "which wheels mesh, and how", range=range_t(minimum=1.0_wp), required=.true., &
+                   row_t("meshes", type_list, "", "which wheels mesh, and how", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
                                    holds="mesh"), &
-             row_t("shafts", type_list, "", "which wheels on one axis turn together", range=range_t(minimum=0.0_wp), default="[]", &
+          row_t("shafts", type_list, "", "which wheels on one axis turn together", range=range_t(0.0_wp, 1000.0_wp), default="[]", &
                                    holds="shaft"), &
                              row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]"), &
                              row_t("housing", type_block, "", "how the housing moves", default="{kind: fixed}", holds="housing"), &

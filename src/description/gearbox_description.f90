@@ -45,8 +45,8 @@ module evl_gearbox_description
              row_t("axial_position", type_number, "m", "z of the middle of the face; the faces of wheels in mesh have to overlap", &
                                            default="0"), &
                                row_t("support", type_block, "", "how the axle is held", default="{kind: fixed}", holds="support"), &
-              row_t("loads", type_list, "", "what acts on the wheel; torques add up", range=range_t(minimum=0.0_wp), default="[]", &
-                                           holds="load"), &
+                          row_t("loads", type_list, "", "what acts on the wheel; torques add up", range=range_t(0.0_wp, 100.0_wp), &
+                                           default="[]", holds="load"), &
                row_t("radius", type_number, "m", "radius of a disc, for mass and inertia where they are not given", range=positive)]
 
    type(row_t), parameter, public :: material_rows(*) = [ &

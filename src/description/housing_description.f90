@@ -21,9 +21,9 @@ module evl_housing_description
                                row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
                                            words="fixed prescribed mounted"), &
                                    row_t("translation", type_list, "", "position of the origin in the ground frame; terms add up", &
-                                         range=range_t(minimum=0.0_wp), default="[]", holds="translation", variants="prescribed"), &
+                                       range=range_t(0.0_wp, 100.0_wp), default="[]", holds="translation", variants="prescribed"), &
                             row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms add up", &
-                                           range=range_t(minimum=0.0_wp), default="[]", holds="rotation", variants="prescribed"), &
+                                          range=range_t(0.0_wp, 100.0_wp), default="[]", holds="rotation", variants="prescribed"), &
         row_t("mass", type_number, "kg", "mass without wheels and supports", range=positive, required=.true., variants="mounted"), &
         row_t("centre_of_mass", type_triple, "m", "centre of mass in the housing frame", default="[0, 0, 0]", variants="mounted"), &
                                      row_t("inertia", type_triple, "kg m2", &
@@ -46,7 +46,7 @@ module evl_housing_description
               row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
                                            variants="mounted"), &
                                      row_t("accelerometers", type_list, "", "points whose acceleration is told", &
-                                           range=range_t(minimum=0.0_wp), default="[]", holds="accelerometer", &
+                                           range=range_t(0.0_wp, 100.0_wp), default="[]", holds="accelerometer", &
                                            variants="prescribed mounted")]
 
    type(row_t), parameter, public :: mount_rows(*) = [ &

@@ -427,7 +427,7 @@ def test_a_malformed_option_is_wrong_usage(
             "case.yaml:2:14: not readable as UTF-8",
         ),
         (b"a: [1\nb: }", "not valid YAML"),
-        (b"a: &a [*a]\n", "nested too deeply"),
+        (b"a: &a [*a]\n", "an alias that contains itself"),
     ],
 )
 def test_what_is_no_case_is_refused(

@@ -334,7 +334,7 @@ static void what_is_no_case_at_all_is_refused(void **state)
         {"a: \xff\n", 5, "yaml:1:4: not readable as UTF-8 text"},
         {"\0\1\2", 3, "not readable as UTF-8 text"},
         {"a: [1, 2\n", 9, "yaml:2:1: not valid YAML"},
-        {"a: &a [*a]\n", 11, "nested too deeply"},
+        {"a: &a [*a]\n", 11, "yaml:1:8: an alias that contains itself"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_refused(cases[i].text, cases[i].length, NULL, EVL_EXIT_CASE, cases[i].expected);
