@@ -123,14 +123,15 @@ setup_tools() {
   find_python >/dev/null || die "no Python 3.11 or newer with the modules venv and ensurepip found; name one with PYTHON=..."
 }
 
-# What only tests need: a Slurm to be started for job arrays, a browser that opens pages. Without one of them its tests are skipped
-# and say so in the summary of pytest.
+# What only tests need: a Slurm to be started for job arrays, a browser that opens pages, a compiler with libFuzzer. Without one of
+# them its tests are skipped and say so in the summary of pytest.
 setup_test_tools() {
   local missing=() PATH=$PATH:/usr/sbin
   command -v slurmctld >/dev/null || missing+=(slurm-wlm)
   command -v munged >/dev/null || missing+=(munge)
   command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || missing+=(chromium)
   command -v chromedriver >/dev/null || missing+=(chromium-driver)
+  command -v clang >/dev/null || missing+=(clang libclang-rt-dev)
   if [ ${#missing[@]} -gt 0 ] && can_install; then need "${missing[@]}"; fi
 }
 

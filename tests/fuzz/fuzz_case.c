@@ -1,0 +1,56 @@
+/* What any bytes do to the reader of cases, in process, for libFuzzer: the text of a case and, behind zero bytes, --set options. */
+#include "base/memory.h"
+#include "case/case.h"
+#include "model/model.h"
+
+#include <stdint.h>
+#include <string.h>
+
+enum { MOST_OPTIONS = 4 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/** A case that is good says the same when it is read again. */
+static void read_again(const case_file *file)
+{
+    evl_error error;
+    OWNED char *text = case_text_for_reading(file, model_schema());
+    case_base *base = case_base_parse("again", text, model_schema(), &error);
+    case_file *again = NULL;
+    if (base == NULL || !case_edit(base, 0, NULL, &again, &error)) {
+        fprintf(stderr, "not read again: %s: %s\n%s", error.place, error.message, text);
+        abort();
+    }
+    case_delete(&again);
+    case_base_delete(&base);
+}
+
+/** One line that says something and where. */
+static void check_refusal(const evl_error *error)
+{
+    if (error->code == EVL_EXIT_OK || error->message[0] == '\0' || strchr(error->message, '\n') != NULL) {
+        abort();
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    OWNED char *bytes = xcalloc(size + 1, 1);
+    const char *options[MOST_OPTIONS];
+    int n = 0;
+    memcpy(bytes, data, size);
+    for (size_t end = strlen(bytes); end < size && n < MOST_OPTIONS; end += strlen(bytes + end)) {
+        options[n++] = bytes + ++end;
+    }
+    evl_error error;
+    case_file *file = NULL;
+    case_base *base = case_base_parse("fuzz", bytes, model_schema(), &error);
+    if (base == NULL || !case_edit(base, n, options, &file, &error)) {
+        check_refusal(&error);
+    } else {
+        read_again(file);
+    }
+    case_delete(&file);
+    case_base_delete(&base);
+    return 0;
+}
