@@ -76,5 +76,10 @@ void number_write(char text[NUMBER_TEXT_LENGTH], double value)
 
 void number_write_plain(char text[NUMBER_TEXT_LENGTH], double value)
 {
-    (void)write_general(text, value, MOST_DIGITS - SAFE_DIGITS);
+    static const double all_digits = 1e15; /* whole numbers below are those digits */
+    if (fabs(value) < all_digits && value == (double)(long)value && !(signbit(value) && value == 0.0)) {
+        (void)snprintf(text, NUMBER_TEXT_LENGTH, "%ld", (long)value);
+    } else {
+        (void)write_general(text, value, MOST_DIGITS - SAFE_DIGITS);
+    }
 }

@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Before anything else: a case of another format has other keys. */
-static bool check_format(const case_file *file, evl_error *error)
+bool case_file_check_format(const case_file *file, evl_error *error)
 {
     const case_node *format = node_get(file->root, "format");
     double version = 0;
@@ -30,7 +29,7 @@ bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *er
             return false;
         }
     }
-    return check_format(file, error) && schema_check(schema, file->path, file->root, error) &&
+    return case_file_check_format(file, error) && schema_check(schema, file->path, file->root, error) &&
            case_resolve(schema, file->path, file->root, &file->description, error);
 }
 

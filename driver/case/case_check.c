@@ -230,6 +230,7 @@ static bool check_block(const checker *checker, const char *block, case_node *no
             const struct checker inner = checker_at(checker, row->key);
             good = check_value(&inner, row, value);
             node_append(ordered, row->key, place, value);
+            ordered->entries[ordered->n - 1].row = row;
         }
     }
     *node = *ordered;

@@ -87,7 +87,8 @@ static bool exchange_numbers(const case_base *base, case_file *file, const char 
         good = file->numbers[i].node == NULL || check_number(&checker, file->numbers[i].row, file->numbers[i].node);
     }
     description_clear(&file->description);
-    good = good && case_resolve(base->schema, file->path, file->root, &file->description, &ignored);
+    good = good && case_file_check_format(file, &ignored) &&
+           case_resolve(base->schema, file->path, file->root, &file->description, &ignored);
     if (good) {
         case_lay_out(base->schema, file->root, &file->description);
     }

@@ -23,7 +23,7 @@ static void add_number(layout *layout, const case_node *node)
     layout->entries[layout->n - 1].n++;
 }
 
-static void add_block(layout *layout, const char *block, const case_node *node, int level);
+static void add_block(layout *layout, const case_node *node, int level);
 
 /** Blocks of a list or map, named numbers, or references: an entry each. */
 static void add_elements(layout *layout, const evl_row *row, const case_node *node, int level)
@@ -40,7 +40,7 @@ static void add_elements(layout *layout, const evl_row *row, const case_node *no
         if (row->type == EVL_NAMED) {
             add_number(layout, value);
         } else if (row->type != EVL_REFERENCES) {
-            add_block(layout, row->holds, value, level + 1);
+            add_block(layout, value, level + 1);
         }
     }
 }
@@ -56,7 +56,7 @@ static void add_value(layout *layout, const evl_row *row, const case_node *node,
         return;
     case EVL_BLOCK:
         add_entry(layout, row, level, NULL);
-        add_block(layout, row->holds, node, level + 1);
+        add_block(layout, node, level + 1);
         return;
     case EVL_NUMBER:
     case EVL_INTEGER:
@@ -75,12 +75,10 @@ static void add_value(layout *layout, const evl_row *row, const case_node *node,
     }
 }
 
-static void add_block(layout *layout, const char *block, const case_node *node, int level)
+static void add_block(layout *layout, const case_node *node, int level)
 {
-    const char *variant = schema_variant(layout->schema, block, node);
     for (int i = 0; i < node->n; i++) {
-        const evl_row *row = schema_find(layout->schema, block, variant, node->entries[i].key);
-        add_value(layout, row, node->entries[i].value, level);
+        add_value(layout, node->entries[i].row, node->entries[i].value, level);
     }
 }
 
@@ -100,7 +98,7 @@ void case_lay_out(const case_schema *schema, const case_node *root, description 
     layout layout = {.schema = schema,
                      .entries = pool_calloc(&description->pool, most, sizeof *layout.entries),
                      .numbers = pool_calloc(&description->pool, most, sizeof *layout.numbers)};
-    add_block(&layout, CASE_ROOT, root, 1);
+    add_block(&layout, root, 1);
     description->n_entries = layout.n;
     description->entries = layout.entries;
     description->numbers = layout.numbers;

@@ -32,6 +32,9 @@ struct case_file {
 
 /** A case with these options and without a tree. */
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options);
+/** Whether the tree is of this format: before anything else, since a case of another format has other keys.
+ *  @return false with the reason in `error` */
+bool case_file_check_format(const case_file *file, evl_error *error);
 /** Apply the options to the tree that the file has, check and resolve it. @return false with the reason in `error` */
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error);
 

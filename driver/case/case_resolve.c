@@ -1,6 +1,7 @@
 #include "case/case_file.h"
 
 #include "base/memory.h"
+#include "base/number.h"
 #include "base/suggest.h"
 #include "base/words.h"
 #include "case/case_check.h"
@@ -79,15 +80,13 @@ static bool check_knots(const checker *checker, const evl_row *row, const case_n
 }
 
 /** A table has as many values as knots, if it has both. */
-static bool check_at_knots(const checker *checker, const evl_row *row, const case_node *block, const case_node *values)
+static bool check_at_knots(const checker *checker, const case_node *block, const case_node *values)
 {
-    int n = 0;
-    const evl_row *rows = schema_block(checker->schema, row->block, &n);
-    for (int i = 0; i < n; i++) {
-        const case_node *knots = rows[i].type == EVL_KNOTS ? node_get(block, rows[i].key) : NULL;
-        if (knots != NULL && values->n != knots->n) {
+    for (int i = 0; i < block->n; i++) {
+        const case_entry *knots = &block->entries[i];
+        if (knots->row->type == EVL_KNOTS && values->n != knots->value->n) {
             return checker_refuse(checker, values->place, "has %d values, but %s has %d; they need the same number",
-                                  values->n, rows[i].key, knots->n);
+                                  values->n, knots->key, knots->value->n);
         }
     }
     return true;
@@ -95,16 +94,17 @@ static bool check_at_knots(const checker *checker, const evl_row *row, const cas
 
 /* ---- what goes beyond single keys, in all blocks ---- */
 
-static bool check_inside(const checker *checker, const case_node *root, const char *block, const case_node *node);
+static bool check_inside(const checker *checker, const case_node *root, const case_node *node);
 
-static bool check_elements(const checker *checker, const case_node *root, const evl_row *row, const case_node *node)
+static bool check_elements(const checker *checker, const case_node *root, const case_node *node)
 {
     for (int i = 0; i < node->n; i++) {
         const case_node *value = node->entries[i].value;
-        OWNED char *index = xasprintf("%d", i);
+        char index[NUMBER_TEXT_LENGTH];
+        (void)snprintf(index, sizeof index, "%d", i);
         const char *name = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(value, "name");
         const struct checker inner = checker_at(checker, name == NULL ? index : name);
-        if (!check_inside(&inner, root, row->holds, value)) {
+        if (!check_inside(&inner, root, value)) {
             return false;
         }
     }
@@ -123,25 +123,23 @@ static bool check_row(const checker *checker, const case_node *root, const evl_r
     case EVL_KNOTS:
         return check_knots(checker, row, node);
     case EVL_AT_KNOTS:
-        return check_at_knots(checker, row, block, node);
+        return check_at_knots(checker, block, node);
     case EVL_BLOCK:
-        return check_inside(checker, root, row->holds, node);
+        return check_inside(checker, root, node);
     case EVL_LIST:
     case EVL_MAP:
-        return check_elements(checker, root, row, node);
+        return check_elements(checker, root, node);
     default:
         return true;
     }
 }
 
-static bool check_inside(const checker *checker, const case_node *root, const char *block, const case_node *node)
+static bool check_inside(const checker *checker, const case_node *root, const case_node *node)
 {
-    const char *variant = schema_variant(checker->schema, block, node);
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
-        const evl_row *row = schema_find(checker->schema, block, variant, entry->key);
         const struct checker inner = checker_at(checker, entry->key);
-        if (!check_row(&inner, root, row, node, entry->value)) {
+        if (!check_row(&inner, root, entry->row, node, entry->value)) {
             return false;
         }
     }
@@ -371,6 +369,6 @@ bool case_resolve(const case_schema *schema, const char *path, case_node *root, 
                       &description->shafts) &&
            take_names(&of_housing, node_get(node_get(root, "housing"), "accelerometers"), "accelerometers",
                       "accelerometer", pool, &description->n_accelerometers, &description->accelerometers) &&
-           check_inside(&checker, root, CASE_ROOT, root) &&
+           check_inside(&checker, root, root) &&
            take_simulation(&of_simulation, node_get(root, "simulation"), description);
 }

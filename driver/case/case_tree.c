@@ -34,7 +34,8 @@ case_node *node_copy(memory_pool *pool, const case_node *node)
         const case_entry *entry = &node->entries[i];
         copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : pool_copy(pool, entry->key),
                                         .key_place = entry->key_place,
-                                        .value = node_copy(pool, entry->value)};
+                                        .value = node_copy(pool, entry->value),
+                                        .row = entry->row};
     }
     return copy;
 }

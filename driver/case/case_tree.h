@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <evolvent/description.h>
 #include <stdbool.h>
 
 /** Where a node comes from. */
@@ -23,6 +24,7 @@ typedef struct {
     char *key;
     case_place key_place;
     case_node *value;
+    const evl_row *row; /**< of a key that schema_check has found good; else NULL */
 } case_entry;
 
 /** All of a tree lasts as long as the pool that it was made in. */

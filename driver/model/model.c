@@ -25,12 +25,26 @@ static name_list name_pairs(model *model)
     return (name_list){n, pairs};
 }
 
-model *model_create(const description *description, const evl_wheel_store *wheels, model_message *error)
+/** The kernel's description, from that of a model before if there is one that differs in numbers only. */
+static evl_description *describe(const description *description, model *before, evl_status *status)
+{
+    evl_description *known = before == NULL ? NULL : before->description;
+    if (known != NULL) {
+        before->description = NULL;
+        if (evl_description_renew(known, description->n_entries, description->entries)) {
+            return known;
+        }
+        evl_description_delete(&known);
+    }
+    return evl_description_create(description->n_entries, description->entries, status);
+}
+
+model *model_create(const description *description, const evl_wheel_store *wheels, model *before, model_message *error)
 {
     evl_status status = {.index = -1};
     model *model = xcalloc(1, sizeof *model);
     model->initial = description->simulation.initial;
-    model->description = evl_description_create(description->n_entries, description->entries, &status);
+    model->description = describe(description, before, &status);
     model->gearbox = model->description == NULL ? NULL : evl_gearbox_create(model->description, wheels, &status);
     if (model->gearbox == NULL) {
         model_explain(model, &status, error);

@@ -28,8 +28,9 @@ typedef struct model model;
 evl_kind *model_kinds(const char *block, int *n);
 
 /** Make the gearbox. The description has to outlive it. @return NULL with the reason in `error`.
- *  @param wheels  known ones that give way; NULL: none is */
-model *model_create(const description *description, const evl_wheel_store *wheels, model_message *error);
+ *  @param wheels  known ones that give way; NULL: none is
+ *  @param[in,out] before  NULL, or a model that is not needed any more, which makes one like it cheap: it can only be deleted then */
+model *model_create(const description *description, const evl_wheel_store *wheels, model *before, model_message *error);
 void model_delete(model **model);
 
 typedef struct {

@@ -76,11 +76,11 @@ static bool check_outputs(const prepared_case *prepared, model_message *refusal)
     return why == NULL;
 }
 
-/** The model of a case that was read. */
-static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, evl_error *error)
+/** The model of a case that was read. @param before  as for model_create */
+static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, model *before, evl_error *error)
 {
     model_message refusal;
-    prepared->model = model_create(case_description(prepared->file), wheels, &refusal);
+    prepared->model = model_create(case_description(prepared->file), wheels, before, &refusal);
     if (prepared->model == NULL || !settle_integrator(prepared, &refusal) || !check_outputs(prepared, &refusal)) {
         return prepare_refuse(prepared, &refusal, error);
     }
@@ -91,7 +91,7 @@ static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, e
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
     *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
-    return prepared->file != NULL && make_model(prepared, NULL, error);
+    return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
 }
 
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
@@ -118,8 +118,12 @@ bool prepare_check_start(const prepared_case *prepared, evl_error *error)
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
                     const evl_wheel_store *wheels, evl_error *error)
 {
-    model_delete(&prepared->model);
-    return case_edit(base, n_set, set, &prepared->file, error) && make_model(prepared, wheels, error);
+    model *before = prepared->model;
+    prepared->model = NULL;
+    const bool good =
+        case_edit(base, n_set, set, &prepared->file, error) && make_model(prepared, wheels, before, error);
+    model_delete(&before);
+    return good;
 }
 
 void prepared_case_free(prepared_case *prepared)

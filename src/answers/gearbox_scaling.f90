@@ -11,7 +11,7 @@ module evl_gearbox_scaling
    use evl_load, only: load_point
    use evl_local_variables, only: i_omega, i_theta, n_track
    use evl_shaft, only: shaft_t
-   use evl_status, only: code_ok
+   use evl_status, only: code_invalid_input, code_ok, fail, status_t, subject_mesh
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
@@ -30,9 +30,10 @@ module evl_gearbox_scaling
 
 contains
 
-   !> Force and penetration scales of all meshes from the loads alone.
-   subroutine gearbox_set_scales(gearbox)
+   !> Force and penetration scales of all meshes from the loads alone. Errors: code_invalid_input where there are none.
+   subroutine gearbox_set_scales(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox
+      type(status_t), intent(inout) :: status
       integer :: i
 
       do i = 1, size(gearbox%contacts)
@@ -40,6 +41,11 @@ contains
             contact%force_scale = max(mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)), &
                                       smallest_load*pi*contact%e_star*contact%pair%rho_0*contact%width)
             call static_penetration(gearbox, contact, contact%force_scale, contact%h_scale)
+            if (.not. contact%h_scale > 0) then
+               call fail(status, code_invalid_input, "no load, however small, gives its contact a penetration that is a number:" &
+                         //" something of its wheels or their material is out of all proportion", subject_mesh, contact%mesh)
+               return
+            end if
             contact%rate_scale = sqrt(contact%force_scale*contact%h_scale*contact%mobility)
          end associate
       end do
@@ -158,7 +164,7 @@ contains
       if (.not. force > 0) force = swinging
    end function largest_torque
 
-   !> Penetration under a force; a force beyond the law is halved until the law carries it.
+   !> Penetration under a force; a force beyond the law is halved until the law carries it. 0 if it carries none.
    subroutine static_penetration(gearbox, contact, force, h)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
@@ -166,11 +172,12 @@ contains
       real(wp), intent(out) :: h       !! [m]
       integer :: code
 
-      do
+      do while (force > 0) ! not if it is no number
          call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, force, h, code)
-         if (code == code_ok) exit
+         if (code == code_ok) return
          force = force/2
       end do
+      h = 0
    end subroutine static_penetration
 
    !> Scales of states and residuals for error control.

@@ -64,6 +64,7 @@ module evl_output
       integer :: section = 0, of = dims_none      !! of the next row
       logical :: is_static = .false.              !! the same
       integer :: needs = needs_nothing            !! the same
+      logical :: has_texts = .true.               !! of all rows: with unit, symbol and text
    end type output_rows
 
 contains
@@ -79,8 +80,19 @@ contains
       if (rows%n == size(rows%table)) rows%table = [rows%table, rows%table]
       rows%n = rows%n + 1
       associate (row => rows%table(rows%n))
-         row = output_t(name, units, symbol, text, dims_of(rows%of, size(value)), rows%is_static, is_integer, rows%section, &
-                        rows%of, size(value), rows%needs)
+         row%name = name
+         if (rows%has_texts) then
+            row%units = units
+            row%symbol = symbol
+            row%long_name = text
+         end if
+         row%dims = dims_of(rows%of, size(value))
+         row%is_static = rows%is_static
+         row%is_integer = is_integer
+         row%section = rows%section
+         row%of = rows%of
+         row%length = size(value)
+         row%needs = rows%needs
          row%value(:row%length) = value
       end associate
    end subroutine tell_row

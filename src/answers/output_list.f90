@@ -19,7 +19,7 @@ module evl_output_list
    use evl_pair_outputs, only: no_point, nowhere, tell_pair
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
-   use evl_teller, only: fill, take_rows, teller_t
+   use evl_teller, only: fill, list_places, take_rows, teller_t
    use evl_tooth_contact, only: contact_state, flank_coast, no_force, no_mode, tooth_contact_t
    implicit none (type, external)
    private
@@ -29,8 +29,9 @@ module evl_output_list
 contains
 
    !> The table: every section told once, in its order.
-   subroutine list_outputs(table)
+   subroutine list_outputs(table, without_texts)
       type(output_t), intent(out), allocatable :: table(:)
+      logical, intent(in), optional :: without_texts !! places alone: units, symbols and texts stay blank
       type(teller_t) :: teller
       type(frame_t), parameter :: frame = frame_t(position=0.0_wp, velocity=0.0_wp, orientation=0.0_wp, rotation=identity, &
                                                   omega=0.0_wp, alpha=0.0_wp, acceleration=0.0_wp)
@@ -45,6 +46,9 @@ contains
       type(mesh_points) :: points
       type(shaft_t) :: shaft
 
+      if (present(without_texts)) then
+         if (without_texts) call list_places(teller)
+      end if
       at%mode = no_mode
       at%point = no_point
       call tell_wheel_constants(teller, 1, wheel)
@@ -88,9 +92,14 @@ contains
 
       gearbox%n_drive_places = maxval(gearbox%contacts%n_slots)
       gearbox%n_pair_places = gearbox%n_drive_places*merge(2, 1, any(gearbox%contacts%flank == flank_coast))
-      call list_outputs(table)
+      call list_outputs(table, without_texts=.true.)
       gearbox%output_counts = [(elements_of(gearbox, table(i))*table(i)%length, i=1, size(table))]
-      gearbox%output_offsets = [(sum(gearbox%output_counts(:i - 1)), i=1, size(table))]
+      allocate (gearbox%output_offsets(size(table)))
+      gearbox%n_values = 0
+      do i = 1, size(table)
+         gearbox%output_offsets(i) = gearbox%n_values
+         gearbox%n_values = gearbox%n_values + gearbox%output_counts(i)
+      end do
       allocate (gearbox%output_sections(maxval(table%section)))
       do i = size(table), 1, -1
          gearbox%output_sections(table(i)%section) = section_t(gearbox%output_offsets(i), elements_of(gearbox, table(i)))
@@ -98,7 +107,6 @@ contains
       gearbox%output_needs = table%needs
       allocate (gearbox%output_lanes(size(table)))
       call find_lanes(table, gearbox%output_lanes)
-      gearbox%n_values = sum(gearbox%output_counts)
       allocate (gearbox%constants(gearbox%n_values), source=0.0_wp)
       call tell_constants(gearbox, gearbox%constants)
    end subroutine place_outputs

@@ -16,7 +16,7 @@ module evl_teller
    implicit none (type, external)
    private
 
-   public :: teller_t, begin, fill, fills, needs, take_rows, tell
+   public :: teller_t, begin, fill, fills, list_places, needs, take_rows, tell
 
    type :: teller_t
       private
@@ -51,6 +51,13 @@ contains
 
       fills = associated(teller%all)
    end function fills
+
+   !> A teller that lists rows without unit, symbol and text, which take time.
+   pure subroutine list_places(teller)
+      type(teller_t), intent(inout) :: teller
+
+      teller%rows%has_texts = .false.
+   end subroutine list_places
 
    !> The rows that were listed.
    pure subroutine take_rows(teller, table)

@@ -2,10 +2,10 @@
 module evl_capi_description
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, &
-                                                                             c_null_ptr, c_ptr
+                                                                             c_null_char, c_null_ptr, c_ptr
    use evl_capi_types, only: answer, c_status, status_from_c, status_to_c, take_text, to_c
    use evl_case_table, only: case_table, kinds_of
-   use evl_description_check, only: check_description, entry_path, path_length, place_of_status
+   use evl_description_check, only: check_changed_numbers, check_description, entry_path, path_length, place_of_status
    use evl_gearbox_initial, only: initial_t
    use evl_given, only: description_t, entry_t
    use evl_row, only: kind_t, row_t, short_length, text_length
@@ -15,7 +15,7 @@ module evl_capi_description
 
    public :: c_initial, initial_from_c
    public :: evl_description_create, evl_description_delete, evl_description_parameter
-   public :: evl_description_path, evl_description_set, evl_kinds, evl_rows
+   public :: evl_description_path, evl_description_renew, evl_description_set, evl_kinds, evl_rows
 
    !> evl_row
    type, bind(c) :: c_row
@@ -143,6 +143,64 @@ contains
       call take_text(name, entry%name)
    end subroutine entry_from_c
 
+   logical(c_bool) function evl_description_renew(handle, n, entries) result(good) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: n
+      type(c_entry), intent(in) :: entries(n)
+      type(description_t), pointer :: description
+      type(status_t) :: s
+      integer :: i
+
+      call c_f_pointer(handle, description)
+      good = logical(n == size(description%entries), c_bool)
+      do i = 1, n
+         if (good) good = logical(differs_in_numbers(entries(i), description%entries(i)), c_bool)
+         if (.not. good) return
+         call exchange_numbers(description, i, entries(i), s)
+         good = logical(.not. has_failed(s), c_bool)
+      end do
+   end function evl_description_renew
+
+   !> Whether two entries say the same but for their numbers.
+   logical function differs_in_numbers(c, entry) result(good)
+      type(c_entry), intent(in) :: c
+      type(entry_t), intent(in) :: entry
+      character(kind=c_char), pointer :: name(:)
+      integer :: i
+
+      good = c%row + 1 == entry%row .and. c%level == entry%level .and. &
+             merge(c%n, 0, c_associated(c%numbers)) == size(entry%numbers)
+      if (.not. good) return
+      if (.not. c_associated(c%name)) then
+         good = entry%name == ""
+         return
+      end if
+      call c_f_pointer(c%name, name, [len(entry%name) + 1])
+      do i = 1, len(entry%name)
+         good = name(i) == entry%name(i:i)
+         if (.not. good) return
+      end do
+      good = name(len(entry%name) + 1) == c_null_char
+   end function differs_in_numbers
+
+   !> Take the numbers of an entry; those that are others are checked.
+   subroutine exchange_numbers(description, place, c, status)
+      type(description_t), intent(inout) :: description
+      integer, intent(in) :: place
+      type(c_entry), intent(in) :: c
+      type(status_t), intent(inout) :: status
+      real(c_double), pointer :: numbers(:)
+      logical :: is_changed
+
+      associate (to => description%entries(place)%numbers)
+         if (size(to) == 0) return
+         call c_f_pointer(c%numbers, numbers, [size(to)])
+         is_changed = .not. all(to >= numbers .and. to <= numbers)
+         to(:) = numbers
+      end associate
+      if (is_changed) call check_changed_numbers(description, place, status)
+   end subroutine exchange_numbers
+
    subroutine evl_description_delete(handle) bind(c)
       type(c_ptr), intent(inout), optional :: handle
       type(description_t), pointer :: description
@@ -199,12 +257,14 @@ contains
       type(description_t), pointer :: d
       type(status_t) :: s
       real(c_double), allocatable :: before(:)
+      integer :: place
 
       call c_f_pointer(handle, d)
-      associate (to => d%entries(place_of_parameter(d, index))%numbers)
+      place = place_of_parameter(d, index)
+      associate (to => d%entries(place)%numbers)
          allocate (before, source=to)
          to(:) = numbers(:size(to))
-         call check_description(d, s)
+         call check_changed_numbers(d, place, s)
          if (has_failed(s)) to(:) = before
       end associate
       code = answer(s, status)

@@ -17,8 +17,8 @@ module evl_case_table
    use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
-   use evl_row, only: join_words, kind_t, not_negative, positive, range_t, row_t, type_block, type_choice, type_integer, &
-                      type_list, type_map, type_number, type_reference, type_text, type_triple
+   use evl_row, only: join_words, kind_t, not_negative, positive, range_t, read_default, row_t, type_block, type_choice, &
+                      type_integer, type_list, type_map, type_number, type_reference, type_text, type_triple
    use evl_shaft, only: shaft_rows
    use evl_support, only: support_kind_t
    use evl_support_kinds, only: support_of_kind
@@ -96,7 +96,7 @@ contains
    subroutine case_table(rows)
       type(row_t), allocatable, intent(out) :: rows(:)
       type(row_t), allocatable :: room(:)
-      integer :: n
+      integer :: i, n
 
       allocate (room(256))
       n = 0
@@ -125,6 +125,10 @@ contains
       call put_kinds("damping", [row_t("law", type_choice, "", "law of the normal viscous force", default="none")])
       call put_kinds("friction", [row_t("law", type_choice, "", "law of the tangential force", default="none")])
       rows = room(:n)
+      do i = 1, n
+         call read_default(rows(i))
+         if (rows(i)%type >= type_block) rows(i)%first_held = max(findloc(rows%block, rows(i)%holds, dim=1), 0)
+      end do
 
    contains
 

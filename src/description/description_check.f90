@@ -10,7 +10,7 @@ module evl_description_check
    implicit none (type, external)
    private
 
-   public :: check_description, entry_path, path_length, place_of_status
+   public :: check_changed_numbers, check_description, entry_path, path_length, place_of_status
 
    integer, parameter :: path_length = 191 !! characters of a path; EVL_PATH_LENGTH without the NUL
 
@@ -47,6 +47,16 @@ contains
          end do
       end associate
    end subroutine check_description
+
+   !> Other numbers of an entry, as many as before, of a description that was checked: nothing else of the check depends on them.
+   !> Errors: as above.
+   subroutine check_changed_numbers(description, place, status)
+      type(description_t), intent(in) :: description
+      integer, intent(in) :: place
+      type(status_t), intent(inout) :: status
+
+      call check_numbers(description, place, description%rows(description%entries(place)%row), status)
+   end subroutine check_changed_numbers
 
    !> Whether entries that follow one of this row are those of its block.
    elemental logical function is_block(row)

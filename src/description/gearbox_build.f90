@@ -101,7 +101,8 @@ contains
       call number_modes(gearbox)
       call find_dependents(gearbox, status)
       if (has_failed(status)) return
-      call gearbox_set_scales(gearbox)
+      call gearbox_set_scales(gearbox, status)
+      if (has_failed(status)) return
       call gearbox_set_references(gearbox, status)
       if (has_failed(status)) return
       do i = 1, size(meshes)

@@ -11,7 +11,7 @@ module evl_gearbox_description
    use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
    use evl_law_table, only: damping_law, elastic_law, friction_law
-   use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, text_length, type_block, type_choice, &
+   use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, type_block, type_choice, &
                       type_integer, type_list, type_name, type_number, type_pair, type_reference
    use evl_shaft, only: shaft_t
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_mesh, subject_none, &
@@ -244,7 +244,7 @@ contains
       call mesh%inner("contact", blocks(1))
       call mesh%inner("damping", blocks(2))
       call mesh%inner("friction", blocks(3))
-      finders%name = [character(len=text_length) ::(blocks(i)%word("law"), i=1, 3)]
+      finders%index = [(blocks(i)%choice("law"), i=1, 3)]
       call elastic_law(finders(1), mesh%contact)
       call damping_law(finders(2), mesh%damping)
       call friction_law(finders(3), mesh%friction)

@@ -112,7 +112,7 @@ contains
          if (.not. contact%deviates) return
          call largest_second_order(contact, gap, rho_a)
          if (.not. gap > worth_knowing*contact%h_scale) return
-         write (share, "(f0.1)") 100*gap/contact%h_scale
+         write (share, merge("(f0.1)   ", "(es9.2e3)", gap < 1.0e4_wp*contact%h_scale)) 100*gap/contact%h_scale
          if (share(1:1) == ".") share = "0"//share(:len(share) - 1)
          call warn(gearbox%warnings, "relieved flanks that their slopes turn touch beside the line of action: the gap, taken to" &
                    //trim(merge(" second order of each flank alone", " first order                     ", contact%has_edges)) &

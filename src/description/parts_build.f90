@@ -62,7 +62,7 @@ contains
       character(len=message_length) :: message
       character(len=short_length) :: field
 
-      finder%name = given%word("kind")
+      finder%index = given%choice("kind")
       call load_of_kind(finder, load)
       if (.not. allocated(load)) then
          call fail(status, code_invalid_input, "there is no such kind of load", subject_load, index, "kind")
@@ -88,7 +88,7 @@ contains
       class(support_kind_t), allocatable :: kind
       type(kind_finder) :: finder
 
-      finder%name = given%word("kind")
+      finder%index = given%choice("kind")
       call support_of_kind(finder, kind)
       if (.not. allocated(kind)) then
          call fail(status, code_invalid_input, "there is no such kind of support", subject_wheel, wheel, "support.kind")

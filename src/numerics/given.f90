@@ -5,7 +5,7 @@
 module evl_given
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
-   use evl_row, only: has_default, row_t, short_length, text_length, type_size
+   use evl_row, only: row_t, short_length, text_length
    implicit none (type, external)
    private
 
@@ -35,6 +35,7 @@ module evl_given
       character(len=short_length) :: block = "case"   !! which block
       character(len=text_length) :: name = ""         !! of an element
       integer :: first = 0                            !! index of the first of the entries in the description
+      integer :: first_row = 1                        !! index of the first row of the block
    contains
       procedure :: all_of
       procedure :: has
@@ -43,6 +44,7 @@ module evl_given
       procedure :: whole
       procedure :: numbers
       procedure :: word
+      procedure :: choice
       procedure :: inner
       procedure :: elements
       procedure, private :: find
@@ -59,6 +61,9 @@ contains
       self%rows => description%rows
       self%entries => description%entries
       self%first = 1
+      do while (self%rows(self%first_row)%block /= self%block)
+         self%first_row = self%first_row + 1
+      end do
    end subroutine all_of
 
    !> Index of the entry of a key; 0 if it is not given.
@@ -77,16 +82,16 @@ contains
    pure integer function row_of(self, key) result(i)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      integer :: selector
 
-      do selector = 1, size(self%rows)
-         if (self%rows(selector)%block == self%block) exit
-      end do
-      do i = selector, size(self%rows)
-         if (self%rows(i)%block /= self%block .or. self%rows(i)%key /= key) cycle
-         if (self%rows(i)%variants == "" .or. self%rows(i)%variants(1:1) == "+") return
-         if (index(" "//trim(self%rows(i)%variants)//" ", " "//trim(self%word(trim(self%rows(selector)%key)))//" ") > 0) return
-      end do
+      if (self%first_row > 0) then
+         do i = self%first_row, size(self%rows)
+            if (self%rows(i)%block /= self%block) exit
+            if (self%rows(i)%key /= key) cycle
+            if (self%rows(i)%variants(1:1) == "" .or. self%rows(i)%variants(1:1) == "+") return
+            if (index(" "//trim(self%rows(i)%variants)//" ", " "//trim(self%word(trim(self%rows(self%first_row)%key)))//" ") > 0) &
+               return
+         end do
+      end if
       i = 0
    end function row_of
 
@@ -160,30 +165,12 @@ contains
       i = self%row_of(key)
       unit = ""
       if (i > 0) unit = self%rows(i)%unit
-      call take_default(self%rows, i, all)
-   end subroutine take_numbers
-
-   !> The numbers of a default, such as 20 or [1, 0, 0, 0].
-   pure subroutine take_default(rows, i, all)
-      type(row_t), intent(in) :: rows(:)
-      integer, intent(in) :: i !! which row, or 0
-      real(wp), allocatable, intent(out) :: all(:)
-      character(len=len(rows%default)) :: text
-      integer :: k, stat
-
-      if (i == 0) then
+      if (i > 0) then
+         allocate (all, source=self%rows(i)%defaults(:self%rows(i)%n_defaults))
+      else
          allocate (all(0))
-         return
       end if
-      allocate (all(merge(max(type_size(rows(i)%type), 0), 0, has_default(rows(i)))))
-      text = rows(i)%default
-      do k = 1, len(text)
-         if (scan(text(k:k), "[]") > 0) text(k:k) = " "
-      end do
-      if (size(all) == 0) return
-      read (text, *, iostat=stat) all
-      if (stat /= 0) all(:) = ieee_value(all, ieee_quiet_nan)
-   end subroutine take_default
+   end subroutine take_numbers
 
    !> The word or text of a key; its default if it is not given, "" without one.
    pure function word(self, key)
@@ -198,12 +185,31 @@ contains
          word = self%entries(i)%name
          return
       end if
-      do i = 1, size(self%rows)
-         if (self%rows(i)%block /= self%block .or. self%rows(i)%key /= key) cycle
+      if (self%first_row == 0) return
+      do i = self%first_row, size(self%rows)
+         if (self%rows(i)%block /= self%block) return
+         if (self%rows(i)%key /= key) cycle
          word = self%rows(i)%default
          return
       end do
    end function word
+
+   !> Which of the words of its row the word of a key is, from 0; -1 if it is none.
+   pure integer function choice(self, key)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      character(len=text_length) :: word
+      integer :: i, start
+
+      choice = -1
+      word = self%word(key)
+      i = self%row_of(key)
+      if (i == 0 .or. word == "") return
+      associate (words => self%rows(i)%words)
+         start = index(" "//trim(words)//" ", " "//trim(word)//" ")
+         if (start > 0) choice = count([(words(i:i) == " ", i=1, start - 1)])
+      end associate
+   end function choice
 
    !> The block of a key. If it is not given it has no entries: all its keys have their defaults.
    subroutine inner(self, key, block)
@@ -220,7 +226,10 @@ contains
          block%entries => self%entries(1:0)
          block%level = self%level + 1
          i = self%row_of(key)
-         if (i > 0) block%block = self%rows(i)%holds
+         block%first_row = 0
+         if (i == 0) return
+         block%block = self%rows(i)%holds
+         block%first_row = self%rows(i)%first_held
       end if
    end subroutine inner
 
@@ -270,6 +279,7 @@ contains
       block%entries => self%entries(place + 1:last)
       block%level = self%level + 1
       block%block = self%rows(self%entries(place)%row)%holds
+      block%first_row = self%rows(self%entries(place)%row)%first_held
       block%name = self%entries(place)%name
       block%first = self%first + place
    end subroutine view

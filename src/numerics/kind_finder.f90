@@ -1,7 +1,7 @@
 !> Finds one in a table of kinds, as of laws, loads or supports. A table offers each of its kinds to a finder and makes the one that
 !> the finder meets, so that tables need no walk of their own.
 module evl_kind_finder
-   use evl_row, only: kind_t, text_length
+   use evl_row, only: kind_t
    implicit none (type, external)
    private
 
@@ -15,8 +15,7 @@ module evl_kind_finder
 
    !> Of one walk through a table.
    type :: kind_finder
-      character(len=text_length) :: name = ""  !! of the kind that is looked for; "" if by its index
-      integer :: index = -1                    !! in the table, from 0; -1 if by its name, or if none is looked for
+      integer :: index = -1                    !! in the table, from 0, of the kind that is looked for; -1: of none
       integer :: n = 0                         !! kinds that were offered
       type(kind_t) :: found                    !! what the kind says of itself that was looked for
       type(kind_t), allocatable :: kinds(:)    !! room for what all say of themselves, if that is wanted
@@ -44,10 +43,11 @@ contains
       class(described_t), intent(in) :: entry
       type(kind_t) :: info
 
+      meets = self%n == self%index
+      self%n = self%n + 1
+      if (.not. (meets .or. allocated(self%kinds))) return
       call entry%describe(info)
       if (.not. allocated(info%rows)) allocate (info%rows(0))
-      meets = self%n == self%index .or. info%name == self%name
-      self%n = self%n + 1
       if (allocated(self%kinds)) self%kinds(self%n) = info
       if (meets) self%found = info
    end function meets

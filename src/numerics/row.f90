@@ -3,14 +3,14 @@
 !> A row is a key of a block of the case file: its type, unit, range, default and text. Each range stands here only: the case file's
 !> schema, its errors, `evolvent show --keys` and the tables of the documentation are made from the rows.
 module evl_row
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
    use evl_status, only: message_length, quantity
    implicit none (type, external)
    private
 
    public :: at_least, between, has_default, is_left_open, join_words, kind_t, not_negative, &
-             parameter_row, positive
+             parameter_row, positive, read_default
    public :: range_error, range_t, row_t, short_length, text_length
    public :: type_at_knots, type_block, type_choice, type_integer, type_knots, type_list, type_map, type_name, type_named
    public :: type_number, type_pair, type_quaternion, type_reference, type_references, type_series, type_text, type_triple
@@ -62,7 +62,11 @@ module evl_row
       character(len=short_length) :: holds = ""        !! block of a block, list or map; block that a reference is to
       character(len=text_length) :: variants = ""      !! values of the block's first key with which it may stand; "" for all;
                                                        !! "+KEY": it may stand beside that key only; "-KEY": not beside it
-      character(len=short_length) :: block = ""        !! the block that has it; filled in where all rows are put together
+      ! filled in where all rows are put together
+      character(len=short_length) :: block = ""        !! the block that has it
+      integer :: first_held = 0                        !! which row is the first of the block that it holds; 0: it holds none
+      real(wp) :: defaults(4) = 0.0_wp                 !! the numbers of the default
+      integer :: n_defaults = 0                        !! how many of them there are
    end type row_t
 
    !> One of the kinds of a block that has them: a law, a kind of load or of support.
@@ -105,6 +109,22 @@ contains
       if (present(left_open)) row%required = row%required .and. .not. left_open
       if (present(type)) row%type = type
    end function parameter_row
+
+   !> Read the numbers of a default, such as 20 or [1, 0, 0, 0].
+   pure subroutine read_default(row)
+      type(row_t), intent(inout) :: row
+      character(len=len(row%default)) :: text
+      integer :: k, stat
+
+      row%n_defaults = merge(max(type_size(row%type), 0), 0, has_default(row))
+      if (row%n_defaults == 0) return
+      text = row%default
+      do k = 1, len(text)
+         if (scan(text(k:k), "[]") > 0) text(k:k) = " "
+      end do
+      read (text, *, iostat=stat) row%defaults(:row%n_defaults)
+      if (stat /= 0) row%defaults(:) = ieee_value(row%defaults, ieee_quiet_nan)
+   end subroutine read_default
 
    !> Whether a row that is not given has a value all the same.
    elemental logical function has_default(row)

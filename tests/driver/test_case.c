@@ -60,7 +60,7 @@ static void assert_refused(const char *text, size_t length, const char *option, 
     evl_error error;
     case_file *file = read_text(text, length, option == NULL ? 0 : 1, &option, &error);
     model_message refusal;
-    model *model = file == NULL ? NULL : model_create(case_description(file), NULL, &refusal);
+    model *model = file == NULL ? NULL : model_create(case_description(file), NULL, NULL, &refusal);
     if (file != NULL && model == NULL) { /* the model knows better what goes together */
         case_refuse(file, refusal.field, refusal.message, &error);
     }

@@ -211,6 +211,69 @@ static void a_number_out_of_range_is_refused_and_the_old_one_kept(void **state)
     case_delete(&file);
 }
 
+/** Renew a description of a case by its entries, of which one is another now. @return whether the kernel took it */
+static bool renew(const description *whole, int index, evl_entry other)
+{
+    evl_status status;
+    const size_t n = (size_t)whole->n_entries;
+    evl_description *made = evl_description_create(whole->n_entries, whole->entries, &status);
+    evl_entry *entries = memcpy(xcalloc(n, sizeof *entries), whole->entries, n * sizeof *entries);
+    entries[index] = other;
+    const bool good = evl_description_renew(made, whole->n_entries, entries);
+    free(entries);
+    evl_description_delete(&made);
+    return good;
+}
+
+static void a_description_is_renewed_by_entries_that_differ_in_good_numbers_only(void **state)
+{
+    (void)state;
+    evl_error error;
+    evl_status status;
+    case_file *file = case_read("examples/tutorial-train.yaml", 0, NULL, model_schema(), &error);
+    assert_non_null(file);
+    const description *whole = case_description(file);
+    int n_refused = 0;
+    for (int i = 0; i < whole->n_entries; i++) {
+        const evl_entry own = whole->entries[i];
+        const evl_row *row = &model_schema()->rows[own.row];
+        evl_entry other = own;
+        double numbers[8] = {0};
+        assert_true(renew(whole, i, own));
+        other.row = own.row == 0 ? 1 : own.row - 1;
+        assert_false(renew(whole, i, other));
+        other = own;
+        other.level++;
+        assert_false(renew(whole, i, other));
+        other = own;
+        other.name = own.name == NULL || own.name[0] == '\0' ? "x" : "";
+        assert_false(renew(whole, i, other));
+        other.name = own.name == NULL || own.name[0] == '\0' ? NULL : own.name + 1;
+        assert_int_equal(renew(whole, i, other), other.name == NULL);
+        if (own.n == 0 || own.n >= 8) {
+            continue;
+        }
+        memcpy(numbers, own.numbers, (size_t)own.n * sizeof *numbers);
+        other = own;
+        other.numbers = numbers;
+        other.n++;
+        assert_false(renew(whole, i, other));
+        other.n = own.n;
+        numbers[own.n - 1] = NAN;
+        assert_false(renew(whole, i, other));
+        numbers[own.n - 1] = row->minimum - 1;
+        assert_int_equal(renew(whole, i, other), false);
+        numbers[own.n - 1] = row->maximum + 1;
+        assert_int_equal(renew(whole, i, other), false);
+        n_refused += isfinite(row->minimum) + isfinite(row->maximum);
+    }
+    assert_true(n_refused > 30);
+    evl_description *made = evl_description_create(whole->n_entries, whole->entries, &status);
+    assert_false(evl_description_renew(made, whole->n_entries - 1, whole->entries));
+    evl_description_delete(&made);
+    case_delete(&file);
+}
+
 /** Paths of what the kernel says, however it is numbered there. */
 static void every_message_of_the_kernel_finds_its_place(void **state)
 {
@@ -257,6 +320,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_number_of_every_example_can_be_set),
         cmocka_unit_test(a_number_out_of_range_is_refused_and_the_old_one_kept),
+        cmocka_unit_test(a_description_is_renewed_by_entries_that_differ_in_good_numbers_only),
         cmocka_unit_test(every_message_of_the_kernel_finds_its_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

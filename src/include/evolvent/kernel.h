@@ -74,6 +74,10 @@ typedef struct evl_description evl_description;
 /** Make a description of entries, which are copied: every number in its range, every block complete. Keys with a default may stay
  *  away, and so may what the kernel does not read, such as the duration. @return NULL with the reason in `status` */
 EVL_API evl_description *evl_description_create(int n, const evl_entry *entries, evl_status *status);
+/** Make another description of one that is not needed any more, cheaply: the entries are the same but for their numbers, which
+ *  are checked where they have changed. @return false if they are not, or one is refused; then the description can only be deleted,
+ *  and evl_description_create says why */
+EVL_API bool evl_description_renew(evl_description *description, int n, const evl_entry *entries);
 /** Free a description and set the pointer to NULL. Nothing happens if it is NULL already. */
 EVL_API void evl_description_delete(evl_description **description);
 /** Where in the case is what a status is about: a path as in --set, as far as the case says it; "" if it is the case as a whole. */
