@@ -178,7 +178,7 @@ struct statistics {
 };
 
 /** Whether a row is a sum over the outputs: others are extremes, which are found between them too. */
-static bool sums(int row)
+static bool sums_up(int row)
 {
     return of_mesh[row].reduction != RANGE && of_mesh[row].reduction != LARGEST;
 }
@@ -207,7 +207,7 @@ statistics *statistics_create(const statistics_table *table, wanted_outputs *wan
                             .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
-            const int place = sums(i) ? wanted_add(wanted, resolve_output(model, of_mesh[i].output)) : -1;
+            const int place = sums_up(i) ? wanted_add(wanted, resolve_output(model, of_mesh[i].output)) : -1;
             statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.place = place < 0 ? -1 : place + mesh};
         }
     }
@@ -257,24 +257,41 @@ static void reduce_values(int row, int n, const double *values, double *reduced)
     }
 }
 
-/** @param dt  [n] since the time before, 0 where that is outside the window */
-static void add_to_meshes(statistics *statistics, int first, int n, const double *dt, const output_block *block)
+/** What a row adds to its integral at each time. @param dt  [n] since the time before, 0 where that is outside the window */
+static void find_parts(accumulator *a, int row, int first, int n, const double *dt, const output_block *block,
+                       double parts[DAE_LANES])
 {
-    double values[DAE_LANES];
-    for (int i = 0; i < statistics->table->n_meshes * N_OF_MESH; i++) {
-        accumulator *a = &statistics->of_mesh[i];
-        if (!sums(i % N_OF_MESH)) {
-            continue;
-        }
-        if (a->place < 0) {
+    double values[DAE_LANES], last = a->last;
+    reduce_values(row, n, output_values(block, a->place) + first, values);
+    for (int k = 0; k < n; k++) {
+        parts[k] = 0.5 * dt[k] * (last + values[k]);
+        last = values[k];
+    }
+    a->last = last;
+}
+
+/** @param dt  as above */
+static void add_to_mesh(accumulator of_mesh[N_OF_MESH], int first, int n, const double *dt, const output_block *block)
+{
+    double parts[N_OF_MESH][DAE_LANES], sums[N_OF_MESH];
+    int rows[N_OF_MESH], n_rows = 0;
+    for (int i = 0; i < N_OF_MESH; i++) {
+        accumulator *a = &of_mesh[i];
+        if (sums_up(i) && a->place < 0) {
             a->sum = a->last = NAN;
-            continue;
+        } else if (sums_up(i)) {
+            find_parts(a, i, first, n, dt, block, parts[n_rows]);
+            sums[n_rows] = a->sum;
+            rows[n_rows++] = i;
         }
-        reduce_values(i % N_OF_MESH, n, output_values(block, a->place) + first, values);
-        for (int k = 0; k < n; k++) {
-            a->sum += 0.5 * dt[k] * (a->last + values[k]);
-            a->last = values[k];
+    }
+    for (int k = 0; k < n; k++) { /* in the order of time, but the sums side by side: none waits for another */
+        for (int i = 0; i < n_rows; i++) {
+            sums[i] += parts[i][k];
         }
+    }
+    for (int i = 0; i < n_rows; i++) {
+        of_mesh[rows[i]].sum = sums[i];
     }
 }
 
@@ -296,7 +313,9 @@ void statistics_outputs(statistics *statistics, const output_block *block)
         statistics->t = t;
     }
     if (first < end) {
-        add_to_meshes(statistics, first, end - first, dt + first, block);
+        for (int mesh = 0; mesh < statistics->table->n_meshes; mesh++) {
+            add_to_mesh(statistics->of_mesh + mesh * N_OF_MESH, first, end - first, dt + first, block);
+        }
     }
 }
 

@@ -173,19 +173,25 @@ static void look_at_energy(invariant_watch *watch, const output_block *block)
             power[k] += torque[k] * speed[k] > 0 ? torque[k] * speed[k] : 0;
         }
     }
+    const bool is_first = !watch->has_begun;
+    if (is_first) {
+        const double stored = of[KINETIC][0] + of[POTENTIAL][0];
+        watch->has_begun = true;
+        watch->start = stored + of[DISSIPATED][0] - of[WORK][0];
+        watch->stored = fabs(stored);
+    }
+    double gross = watch->gross, drift = watch->drift, t = watch->t, power_before = watch->power;
     for (int k = 0; k < block->n; k++) {
         const double stored = of[KINETIC][k] + of[POTENTIAL][k], balance = stored + of[DISSIPATED][k] - of[WORK][k];
-        if (!watch->has_begun) {
-            watch->has_begun = true;
-            watch->start = balance;
-            watch->stored = fabs(stored);
-        } else {
-            watch->gross += (block->t[k] - watch->t) * (power[k] + watch->power) / 2;
-        }
-        watch->drift = larger(watch->drift, balance - watch->start);
-        watch->t = block->t[k];
-        watch->power = power[k];
+        gross += is_first && k == 0 ? 0 : (block->t[k] - t) * (power[k] + power_before) / 2;
+        drift = larger(drift, balance - watch->start);
+        t = block->t[k];
+        power_before = power[k];
     }
+    watch->gross = gross;
+    watch->drift = drift;
+    watch->t = t;
+    watch->power = power_before;
 }
 
 static void look_at_wheel(invariant_watch *watch, int i, const output_block *block)
@@ -227,11 +233,13 @@ static void look_at_mesh(invariant_watch *watch, int i, const output_block *bloc
     mesh->driving = (int)constant(watch, DRIVING_WHEEL, i);
     mesh->driven = (int)constant(watch, DRIVEN_WHEEL, i);
     mesh->depth = largest_of(mesh->depth, constant(watch, REFERENCE_PENETRATION, i));
+    double depth = mesh->depth, identity = mesh->identity;
+    bool was_pressed = mesh->was_pressed;
     for (int k = 0; k < block->n; k++) {
         const bool is_loaded = of[CONTACT_MODE][k] == mode_loaded;
-        mesh->depth = largest_of(mesh->depth, of[PENETRATION][k]);
-        mesh->was_pressed = mesh->was_pressed || of[PENETRATION][k] > 0 || is_loaded;
-        mesh->identity = larger(mesh->identity, of[LAG][k] + of[GAP][k] - of[DEVIATION][k] - of[CURVATURE][k]);
+        depth = largest_of(depth, of[PENETRATION][k]);
+        was_pressed = was_pressed || of[PENETRATION][k] > 0 || is_loaded;
+        identity = larger(identity, of[LAG][k] + of[GAP][k] - of[DEVIATION][k] - of[CURVATURE][k]);
         if (is_rigid && is_loaded) {
             mesh->closed_gap = larger(mesh->closed_gap, of[GAP][k]);
         }
@@ -239,6 +247,9 @@ static void look_at_mesh(invariant_watch *watch, int i, const output_block *bloc
             look_at_points(watch, i, of, k);
         }
     }
+    mesh->depth = depth;
+    mesh->identity = identity;
+    mesh->was_pressed = was_pressed;
     watch->unit += constant(watch, REFERENCE_FORCE, i) * constant(watch, REFERENCE_PENETRATION, i);
 }
 

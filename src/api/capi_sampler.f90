@@ -7,7 +7,7 @@ module evl_capi_sampler
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_gearbox, only: gearbox_t
    use evl_output_sampler, only: output_sampler, sample_outputs, sampler_create
-   use evl_status, only: status_t
+   use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
 
@@ -17,6 +17,7 @@ module evl_capi_sampler
    type :: sampler_t
       type(gearbox_t), pointer :: gearbox => null()
       type(output_sampler) :: outputs
+      type(status_t) :: status !! blank between calls: to make one in each takes time
    end type sampler_t
 
 contains
@@ -61,16 +62,16 @@ contains
       type(c_status), intent(inout), optional :: status
       real(c_double), pointer, contiguous :: rows(:, :), states(:, :)
       type(sampler_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       associate (g => self%gearbox, n_values => self%outputs%before(size(self%outputs%before)))
          rows(1:n, 1:n_values) => values(:n*n_values)
          states(1:n, 1:g%n_states) => y(:g%n_states*n)
          call sample_outputs(self%outputs, g, n_meant, t, states, integers(:g%n_integers), reals(:size(g%contacts)), &
-                             logical(check), rows, s)
+                             logical(check), rows, self%status)
       end associate
-      code = answer(s, status)
+      code = answer(self%status, status)
+      if (code /= code_ok) self%status = status_t()
    end function evl_sampler_ask
 
 end module evl_capi_sampler

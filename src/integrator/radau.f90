@@ -422,7 +422,7 @@ contains
       real(wp), intent(in) :: t(lanes)                    !! t_before <= t <= self%t
       real(wp), intent(out) :: y(lanes, size(self%y))
       real(wp) :: matrix(lanes, lanes)
-      integer :: i
+      integer :: i, l
 
       if (self%old_h > 0) then
          call lagrange_matrix((t - self%t_before)/self%old_h, matrix)
@@ -431,7 +431,10 @@ contains
          y = 0
       end if
       do i = 1, size(self%y)
-         y(:, i) = y(:, i) + self%y_before(i)
+         !$omp simd
+         do l = 1, lanes
+            y(l, i) = y(l, i) + self%y_before(i)
+         end do
       end do
    end subroutine radau_interpolate_lanes
 
