@@ -212,7 +212,7 @@ static void sink_start(batch_sink *sink, const batch_plan *plan, const prepared_
 {
     const double interval = case_description(prepared->file)->simulation.output_interval; /* by position 0: no slack */
     *sink = (batch_sink){.plan = plan};
-    wanted_init(&sink->wanted, prepared->model, false, &sink->pool);
+    wanted_init(&sink->wanted, prepared->model, &sink->pool);
     sink->statistics = statistics_create(&plan->table, &sink->wanted, window, interval);
     start_history(sink);
 }

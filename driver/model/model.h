@@ -77,8 +77,6 @@ int model_output_offset(const model *model, const char *name);
 void model_constants(const model *model, double *values);
 /** All outputs at a state [n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
-/** The same, but DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed. */
-int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
 
 /** Asks for some outputs at many states. */
 typedef struct model_sampler model_sampler;
@@ -92,7 +90,7 @@ void model_sampler_delete(model_sampler **sampler);
 int model_sampler_ask(const model_sampler *sampler, int n, const double *t, const double *y, const dae_state *discrete,
                       double *values, char message[DAE_MESSAGE_LENGTH]);
 /** The same at DAE_LANES states, of which the first n count; the others are any that have an answer, as the last one once more.
- *  @param check  as of model_checked_outputs */
+ *  @param check  whether it is DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed */
 int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const double *t, const double *y,
                         const dae_state *discrete, double *values, char message[DAE_MESSAGE_LENGTH]);
 /** Whether so many states cost less than as many times one. */

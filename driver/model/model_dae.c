@@ -161,21 +161,10 @@ void model_describe_dae(model *model)
     };
 }
 
-static int outputs(const model *model, const dae_state *state, bool check, double *values,
-                   char message[DAE_MESSAGE_LENGTH])
+int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status;
     const int code =
-        evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, check, values, &status);
+        evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, false, values, &status);
     return model_answer(model, code, &status, message);
-}
-
-int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
-{
-    return outputs(model, state, false, values, message);
-}
-
-int model_checked_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
-{
-    return outputs(model, state, true, values, message);
 }

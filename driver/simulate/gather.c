@@ -8,12 +8,11 @@ void gather_init(gather *gather, const wanted_outputs *wanted, bool waits)
     *gather = (struct gather){.wanted = wanted, .capacity = 1};
     memory_pool *pool = &gather->pool;
     gather->last = dae_state_create(dae, pool);
-    const size_t lanes = wanted->all ? 1 : DAE_LANES;
-    gather->values = pool_calloc(pool, (size_t)wanted->n_values * lanes, sizeof *gather->values);
-    gather->y = pool_calloc(pool, (size_t)dae->n * lanes, sizeof *gather->y);
-    if (!wanted->all) {
-        gather->sampler = model_sampler_create(wanted->model, wanted->n, wanted->outputs);
-        gather->capacity = waits && model_sampler_in_lanes(gather->sampler) ? DAE_LANES : 1;
+    gather->values = pool_calloc(pool, (size_t)wanted->n_values * DAE_LANES, sizeof *gather->values);
+    gather->y = pool_calloc(pool, (size_t)dae->n * DAE_LANES, sizeof *gather->y);
+    gather->sampler = model_sampler_create(wanted->model, wanted->n, wanted->outputs);
+    if (waits && model_sampler_in_lanes(gather->sampler)) {
+        gather->capacity = DAE_LANES;
     }
 }
 
@@ -54,10 +53,10 @@ int gather_put_several(gather *gather, int first, int n, const double *t, const 
 
 void gather_put(gather *gather, const dae_state *state, const output_mark *mark)
 {
-    const size_t n = (size_t)model_about(gather->wanted->model)->dae.n, lanes = gather->sampler == NULL ? 1 : DAE_LANES;
+    const int n = model_about(gather->wanted->model)->dae.n;
     double *y = gather->y + gather->n;
-    for (size_t i = 0; i < n; i++) {
-        y[i * lanes] = state->y[i];
+    for (int i = 0; i < n; i++) {
+        y[i * DAE_LANES] = state->y[i];
     }
     take_discrete(gather, state);
     gather->has_marks = mark != NULL;
@@ -81,22 +80,13 @@ static void fill_up(gather *gather)
 
 int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH])
 {
-    const model *model = gather->wanted->model;
     *block = (output_block){.n = gather->n,
-                            .stride = gather->sampler == NULL ? 1 : DAE_LANES,
+                            .stride = DAE_LANES,
                             .t = gather->t,
                             .values = gather->values,
                             .marks = gather->has_marks ? gather->marks : NULL};
-    if (gather->sampler != NULL) {
-        fill_up(gather);
-        gather->n = 0;
-        return model_sampler_lanes(gather->sampler, block->n, check, gather->t, gather->y, &gather->last,
-                                   gather->values, message);
-    }
+    fill_up(gather);
     gather->n = 0;
-    dae_state state = gather->last;
-    state.t = gather->t[0];
-    state.y = gather->y;
-    return check ? model_checked_outputs(model, &state, gather->values, message)
-                 : model_outputs(model, &state, gather->values, message);
+    return model_sampler_lanes(gather->sampler, block->n, check, gather->t, gather->y, &gather->last, gather->values,
+                               message);
 }

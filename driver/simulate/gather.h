@@ -6,9 +6,9 @@
 typedef struct gather {
     memory_pool pool;
     const wanted_outputs *wanted;
-    model_sampler *sampler; /**< NULL: all outputs, one state after the other */
-    int capacity;           /**< states that it waits for */
-    int n;                  /**< that it has */
+    model_sampler *sampler;
+    int capacity; /**< states that it waits for */
+    int n;        /**< that it has */
     double t[DAE_LANES];
     output_mark marks[DAE_LANES];
     bool has_marks;
@@ -26,5 +26,5 @@ void gather_put(gather *gather, const dae_state *state, const output_mark *mark)
 /** Put as many as it has room for. @param first  of the n states. @return the first that it does not have */
 int gather_put_several(gather *gather, int first, int n, const double *t, const double *y, const dae_state *discrete);
 /** Find what is wanted at the states that it has, and take leave of these.
- *  @param check  as of model_checked_outputs. @return a dae_code; the block is valid until the next state comes */
+ *  @param check  as of model_sampler_lanes. @return a dae_code; the block is valid until the next state comes */
 int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH]);

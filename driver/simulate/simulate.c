@@ -28,6 +28,7 @@ typedef struct {
     char *reason;   /**< [DAE_MESSAGE_LENGTH] why it ends, of the result */
     double t_given; /**< model time of the last outputs that the sink got */
     stop_reason stop;
+    bool is_cut; /**< it was interrupted, and what came after the last outputs is not to be trusted */
 } simulation;
 
 /** Outputs, to whoever hears them. @return whether the sink took them */
@@ -56,7 +57,7 @@ static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
         return INTEGRATE_ANEW;
     }
     if (code != DAE_OK) {
-        s->stop = code == DAE_RECOVERABLE ? STOP_MISSED : STOP_MODEL;
+        s->stop = s->outputs.capacity > 1 ? STOP_MISSED : STOP_MODEL; /* one by one it shows at which */
         return 1;
     }
     return give(s, &block) ? 0 : 1;
@@ -128,7 +129,7 @@ static void give_last(simulation *s, const integrate_options *options, const dae
 {
     char message[DAE_MESSAGE_LENGTH];
     output_block block;
-    if (s->stop != STOP_MODEL && s->stop != STOP_MISSED && s->stop != STOP_SINK && state->t > s->t_given) {
+    if ((s->stop == STOP_NONE || s->stop == STOP_INTERRUPTED) && !s->is_cut && state->t > s->t_given) {
         const dae *model = &model_about(s->prepared->model)->dae;
         output_mark mark = {0};
         if (options->per_unit > 0) {
@@ -148,7 +149,12 @@ static integrate_code give_rest(simulation *s, integrate_code code, char message
     if (s->stop != STOP_NONE && s->stop != STOP_INTERRUPTED) {
         return code;
     }
+    const bool was_interrupted = s->stop == STOP_INTERRUPTED;
     const int answer = give_gathered(s, code == INTEGRATE_DONE ? message : reason);
+    if (was_interrupted && s->stop == STOP_MISSED) { /* nobody waits for the simulation to be made again */
+        s->stop = STOP_INTERRUPTED;
+        s->is_cut = true;
+    }
     return answer != 0 && code == INTEGRATE_DONE ? INTEGRATE_STOPPED : code;
 }
 
@@ -221,7 +227,7 @@ static simulate_end end_of(const simulation *s, integrate_code code)
 
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
 {
-    *result = (simulate_result){.end = SIMULATE_DONE};
+    *result = (simulate_result){.end = SIMULATE_DONE, .t = state->t};
     simulation s = {.prepared = prepared,
                     .sink = sink,
                     .positions = {.rule = positions_of(prepared)},
@@ -232,7 +238,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     contact_watch_init(&s.contact, sink->wanted, description->n_meshes);
     s.invariants =
         invariant_watch_create(sink->wanted, description->n_wheels, description->n_meshes, options.tolerance);
-    gather_init(&s.outputs, sink->wanted, sink->waits && options.by_stepper);
+    gather_init(&s.outputs, sink->wanted, sink->waits);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
                                          .several = s.outputs.capacity > 1 ? on_several : NULL,
@@ -252,7 +258,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     } else {
         give_last(&s, &options, state);
     }
-    result->t = state->t;
+    result->t = s.is_cut ? fmax(s.t_given, result->t) : state->t;
     result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
     result->energy_residual = invariant_watch_energy(s.invariants);
     invariant_watch_delete(&s.invariants);

@@ -1,13 +1,13 @@
 #include "simulate/wanted.h"
 
-void wanted_init(wanted_outputs *wanted, const model *model, bool all, memory_pool *pool)
+void wanted_init(wanted_outputs *wanted, const model *model, memory_pool *pool)
 {
-    const model_facts *about = model_about(model);
-    *wanted = (wanted_outputs){.model = model, .all = all, .n_values = all ? about->n_values : 0};
-    wanted->outputs = pool_calloc(pool, (size_t)about->n_outputs, sizeof *wanted->outputs);
-    wanted->places = pool_calloc(pool, (size_t)about->n_outputs, sizeof *wanted->places);
-    for (int i = 0; i < about->n_outputs; i++) {
-        wanted->places[i] = all ? about->outputs[i].offset : -1;
+    const int n = model_about(model)->n_outputs;
+    *wanted = (wanted_outputs){.model = model};
+    wanted->outputs = pool_calloc(pool, (size_t)n, sizeof *wanted->outputs);
+    wanted->places = pool_calloc(pool, (size_t)n, sizeof *wanted->places);
+    for (int i = 0; i < n; i++) {
+        wanted->places[i] = -1;
     }
 }
 

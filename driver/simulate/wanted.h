@@ -1,4 +1,4 @@
-/** The outputs that a simulation finds: those that somebody wants, or all. */
+/** The outputs that a simulation finds: those that somebody wants. */
 #pragma once
 
 #include "base/memory.h"
@@ -9,15 +9,14 @@
 
 typedef struct {
     const model *model;
-    bool all;     /**< whatever is wanted: they stand as the model has them */
-    int n;        /**< else: how many */
+    int n;        /**< how many */
     int *outputs; /**< [n] their indices */
     int *places;  /**< [n_outputs] before the values of each output, -1 where nobody wants it */
     int n_values; /**< of all that are found */
 } wanted_outputs;
 
-/** Nobody wants anything yet, or all is found. @param pool  in which the arrays last */
-void wanted_init(wanted_outputs *wanted, const model *model, bool all, memory_pool *pool);
+/** Nobody wants anything yet. @param pool  in which the arrays last */
+void wanted_init(wanted_outputs *wanted, const model *model, memory_pool *pool);
 /** Want an output. @return the place of its first value; -1 if the model does not have it */
 int wanted_add(wanted_outputs *wanted, const char *name);
 

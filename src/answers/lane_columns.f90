@@ -13,7 +13,9 @@ module evl_lane_columns
    public :: of_deviation, of_loaded, of_torque_a, of_torque_b, of_friction_loss, of_damping_loss, of_curvature_loss
    public :: of_efficiency, of_coast_gap, of_coast_force, of_pair_normal, of_pair_friction, of_pair_position
    public :: of_pair_on_path, of_pair_number, of_pair_tooth_a, of_pair_tooth_b, of_pair_mode, of_pair_kind
-   public :: of_pair_penetration, of_pair_sliding, of_tracked
+   public :: of_pair_penetration, of_pair_sliding, of_pair_pressure
+   public :: of_point_a, of_point_b, of_bearing_force, of_bearing_moment, of_shaft_torque, of_shaft_twist, of_shaft_loss
+   public :: of_tracked
    public :: needs_no_places
    public :: put, put_same, put_whole
 
@@ -27,12 +29,13 @@ module evl_lane_columns
       enumerator :: of_lag, of_penetration, of_gap, of_curvature, of_normal, of_friction, of_sliding, of_arm_a, of_arm_b
       enumerator :: of_ratio, of_residual_a, of_residual_b, of_line_a, of_line_b
       enumerator :: of_tooth_pair, of_touching, of_mode, of_gap_rate, of_deviation, of_loaded, of_torque_a, of_torque_b
-      enumerator :: of_friction_loss, of_damping_loss, of_curvature_loss, of_efficiency
-      enumerator :: of_pair_normal, of_pair_friction, of_pair_position, of_pair_on_path, of_pair_number
+      enumerator :: of_friction_loss, of_damping_loss, of_curvature_loss, of_efficiency, of_point_a, of_point_b
+      enumerator :: of_pair_normal, of_pair_friction, of_pair_position, of_pair_pressure, of_pair_on_path, of_pair_number
       enumerator :: of_pair_tooth_a, of_pair_tooth_b, of_pair_mode, of_pair_kind, of_pair_penetration, of_pair_sliding
-      enumerator :: of_coast_gap, of_coast_force
+      enumerator :: of_coast_gap, of_coast_force, of_bearing_force, of_bearing_moment
+      enumerator :: of_shaft_torque, of_shaft_twist, of_shaft_loss
    end enum
-   integer, parameter :: n_lane_outputs = of_coast_force
+   integer, parameter :: n_lane_outputs = of_shaft_loss
    integer, parameter :: not_in_lanes = 0, never_changes = -1 !! other outputs
    !> The points of tracked contacts: there are none in closed form.
    integer, parameter :: of_tracked(*) = [of_ratio, of_residual_a, of_residual_b, of_line_a, of_line_b]
@@ -45,7 +48,8 @@ module evl_lane_columns
                                                of_tooth_pair, of_mode, of_loaded, of_torque_a, of_torque_b, of_friction_loss, &
                                                of_damping_loss, of_curvature_loss, of_coast_force, of_pair_normal, &
                                                of_pair_friction, of_pair_on_path, of_pair_number, of_pair_tooth_a, &
-                                               of_pair_tooth_b, of_pair_mode, of_pair_kind]
+                                               of_pair_tooth_b, of_pair_mode, of_pair_kind, of_pair_pressure, of_bearing_force, &
+                                               of_bearing_moment, of_shaft_torque, of_shaft_twist, of_shaft_loss]
 
    !> Their names, in that order.
    character(len=31), parameter :: lane_names(n_lane_outputs) = [character(len=31) :: &
@@ -57,9 +61,11 @@ module evl_lane_columns
        "gradient_ratio", "tracking_residual_driving", "tracking_residual_driven", "line_distance_driving", "line_distance_driven", &
              "tooth_pair", "in_contact", "contact_mode", "gap_rate", "flank_deviation", "pairs_in_contact", "mesh_torque_driving", &
                                     "mesh_torque_driven", "friction_loss", "contact_damping_loss", "curvature_loss", "efficiency", &
-                                       "pair_normal_force", "pair_friction_force", "pair_position", "pair_on_path", "pair_number", &
+                                                                 "contact_point_driving", "contact_point_driven", &
+              "pair_normal_force", "pair_friction_force", "pair_position", "pair_contact_pressure", "pair_on_path", "pair_number", &
                           "pair_tooth_driving", "pair_tooth_driven", "pair_contact_mode", "pair_contact_kind", "pair_penetration", &
-                                                                 "pair_sliding_velocity", "coast_gap", "coast_force"]
+                                           "pair_sliding_velocity", "coast_gap", "coast_force", "bearing_force", "bearing_moment", &
+                                                                 "shaft_torque", "shaft_twist", "shaft_damping_loss"]
 
 contains
 

@@ -22,8 +22,10 @@ module evl_mesh_lanes
       real(wp), dimension(lanes) :: h, h_coast      !! largest penetrations; -huge: no pair is on the path [m]
       real(wp), dimension(lanes) :: deviation       !! of the flanks of the first [m]
       real(wp), dimension(lanes) :: lag, curvature  !! as in `tell_mesh`
-      type(contact_mode) :: mode                    !! of the leader
-      real(wp), dimension(lanes) :: v_t, l_a, l_b, h_dot, omega_a !! the same, as in `contact_point`
+      integer :: leader                             !! the contact that speaks for the mesh
+      type(contact_mode) :: mode                    !! its own
+      type(lane_line) :: line                       !! its line of action; its motion alone where places are not asked for
+      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a !! the same, as in `lane_contact`
    end type lane_mesh
 
 contains
@@ -38,17 +40,17 @@ contains
       type(lane_slot), intent(in) :: aside(*) !! where those are that do not touch, as the root functions left them
       logical, intent(in) :: has_places       !! else nothing is asked that needs those
       type(lane_mesh), intent(out) :: mesh
-      type(lane_line) :: line
+      type(lane_line) :: line_coast
       real(wp), dimension(lanes) :: gap, gap_coast
-      integer :: c, first, last, leader
+      integer :: c, first, last
 
       call start(mesh)
       first = gearbox%first(index)
       last = gearbox%first(index + 1) - 1
-      leader = leading_contact(gearbox, index, integers)
-      mesh%mode = slots(leader)%mode
-      call find_lag(gearbox%contacts(leader), y, has_places, line, mesh%lag)
-      if (has_places) call gap_in_lanes(gearbox%contacts(leader), line, gap)
+      mesh%leader = leading_contact(gearbox, index, integers)
+      mesh%mode = slots(mesh%leader)%mode
+      call find_lag(gearbox%contacts(mesh%leader), y, has_places, mesh%line, mesh%lag)
+      if (has_places) call gap_in_lanes(gearbox%contacts(mesh%leader), mesh%line, gap)
       do c = first, last
          associate (contact => gearbox%contacts(c))
             if (slots(c)%touches) call add_force(contact%flank == flank_drive, slots(c), mesh)
@@ -62,11 +64,10 @@ contains
       end do
       if (.not. has_places) return
       mesh%curvature = gap + mesh%lag
-      call lead(gearbox%contacts(leader), slots(leader), aside(leader), line, gap, mesh)
+      call lead(gearbox%contacts(mesh%leader), slots(mesh%leader), aside(mesh%leader), gap, mesh)
       if (mesh%h_coast(1) > -huge(1.0_wp) .or. gearbox%contacts(last)%flank /= flank_coast) return
-      line%mesh = 0 ! no pair of the other flank is on the path
-      call line_in_lanes(gearbox%contacts(last), y, line)
-      call gap_in_lanes(gearbox%contacts(last), line, gap_coast)
+      call line_in_lanes(gearbox%contacts(last), y, line_coast) ! no pair of the other flank is on the path
+      call gap_in_lanes(gearbox%contacts(last), line_coast, gap_coast)
       mesh%h_coast = -gap_coast
    end subroutine add_mesh
 
@@ -165,10 +166,9 @@ contains
    end subroutine add_place
 
    !> What the contact that speaks for the mesh tells; off the path it is where it would be.
-   subroutine lead(contact, slot, aside, line, gap, mesh)
+   subroutine lead(contact, slot, aside, gap, mesh)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot, aside
-      type(lane_line), intent(in) :: line
       real(wp), intent(in) :: gap(lanes)
       type(lane_mesh), intent(inout) :: mesh
       type(lane_contact) :: at
@@ -181,7 +181,7 @@ contains
       else
          mode = slot%mode
          mode%flanks = flanks_open ! else the radii alone would be found
-         call contact_in_lanes(contact, mode, slot%rho_start, line, at)
+         call contact_in_lanes(contact, mode, slot%rho_start, mesh%line, at)
          call keep(contact, at, gap, mesh)
       end if
    end subroutine lead
@@ -193,6 +193,7 @@ contains
       real(wp), intent(in) :: gap(lanes)
       type(lane_mesh), intent(inout) :: mesh
 
+      mesh%rho_a0 = at%rho_a0
       mesh%v_t = at%v_t
       mesh%l_a = at%l_a
       mesh%l_b = at%l_b

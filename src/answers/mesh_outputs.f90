@@ -20,7 +20,7 @@ module evl_mesh_outputs
    implicit none (type, external)
    private
 
-   public :: mesh_points, mesh_sum, put_mesh, tell_coast, tell_mesh
+   public :: mesh_points, mesh_sum, place_points, put_mesh, tell_coast, tell_mesh
 
    !> What the tooth contacts of a mesh add up to.
    type :: mesh_sum
@@ -82,7 +82,7 @@ contains
       call tell(teller, "in_contact", "1", "", "1 if the flanks of any tooth pair overlap", total%touching)
       call tell(teller, "contact_mode", "1", "", &
                 "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", at%mode%flanks)
-      call tell(teller, "gap_rate", "m s-1", "kappa'", "rate of the gap", -at%point%h_dot)
+      call tell(teller, "gap_rate", "m s-1", "kappa'", "rate of the gap", 0 - at%point%h_dot) ! never -0
       call tell(teller, "flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", &
                 total%deviation(1))
       call tell(teller, "pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", total%loaded)
@@ -222,8 +222,7 @@ contains
       type(contact_state), intent(in) :: at
       type(tangent_line_t), intent(in) :: line !! of action
       type(mesh_points), intent(out) :: points
-      type(axle_motion) :: reference
-      real(wp) :: q(n_local), residual(n_track), point_a(2), point_b(2), origin(2)
+      real(wp) :: q(n_local), residual(n_track)
       logical :: exists
 
       q = at%q
@@ -239,13 +238,25 @@ contains
             points%residual = residual(5:6)
             call line_distance(contact%pair, rho_a0, q, distance(1), distance(2))
          end if
-         call tracked_positions(contact%pair, rho_a0, q, point_a, point_b)
-         reference = wheel_reference(gearbox%wheels(contact%wheel_a), t)
-         origin = contact%k_a0 + (reference%centre - gearbox%wheels(contact%wheel_a)%centre)
-         points%driving = origin + point_a(1)*contact%t_0 + point_a(2)*contact%e_0
-         points%driven = origin + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
+         call place_points(gearbox, contact, t, rho_a0, q, points%driving, points%driven)
       end associate
    end subroutine find_points
+
+   !> Where tracked points are in the housing.
+   pure subroutine place_points(gearbox, contact, t, rho_a0, q, driving, driven)
+      type(gearbox_t), intent(in) :: gearbox
+      type(tooth_contact_t), intent(in) :: contact
+      real(wp), intent(in) :: t, rho_a0, q(n_local)    !! as of `tracked_positions`
+      real(wp), intent(out) :: driving(2), driven(2)   !! [m]
+      type(axle_motion) :: reference
+      real(wp) :: point_a(2), point_b(2), origin(2)
+
+      call tracked_positions(contact%pair, rho_a0, q, point_a, point_b)
+      reference = wheel_reference(gearbox%wheels(contact%wheel_a), t)
+      origin = contact%k_a0 + (reference%centre - gearbox%wheels(contact%wheel_a)%centre)
+      driving = origin + point_a(1)*contact%t_0 + point_a(2)*contact%e_0
+      driven = origin + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
+   end subroutine place_points
 
    !> The coast flanks of a mesh; without a pair on the path the gap between two perfect flanks, NaN if there are none.
    subroutine put_coast(teller, gearbox, index, y, total)

@@ -70,8 +70,7 @@ contains
       allocate (self%f(lanes, gearbox%n_states), self%roots(lanes, gearbox%n_roots))
    end subroutine sampler_create
 
-   !> Their values at states that share their discrete state, as in a step. In eight states at once they may differ by rounding from
-   !> those in one.
+   !> Their values at states that share their discrete state, as in a step. Those of eight at once are those of one, to the bit.
    subroutine sample_outputs(self, gearbox, n, t, y, integers, reals, check, values, status)
       type(output_sampler), intent(inout) :: self !! scratch of it changes
       type(gearbox_t), intent(in), target :: gearbox
@@ -96,7 +95,7 @@ contains
       if (has_failed(status)) return
       agrees = .true.
       if (check) agrees = modes_agree(gearbox, self%slots, self%roots)
-      call tell_in_lanes(gearbox, self%columns, t, y, integers, self%slots, self%aside, self%f, values)
+      call tell_in_lanes(gearbox, n, self%columns, t, y, integers, self%slots, self%aside, self%f, values)
       call tell_constants(self, gearbox, values)
       if (size(self%others) > 0 .or. .not. agrees) &
          call tell_one_by_one(self, gearbox, self%others, n, t, y, integers, reals,.not. agrees, values, status)

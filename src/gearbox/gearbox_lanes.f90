@@ -15,11 +15,11 @@ module evl_gearbox_lanes
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
    use evl_support, only: support_t
    use evl_tooth_contact, only: touches, tracking_closed_form
-   use evl_wheel_loads, only: segment_of, turns_of_wheel, wheel_acceleration
+   use evl_wheel_loads, only: segment_of, turns_of_wheel, wheel_acceleration, wheel_follows_ground
    implicit none (type, external)
    private
 
-   public :: lanes_serve, loads_in_lanes, rates_in_lanes
+   public :: housing_torque_in_lanes, lanes_serve, loads_in_lanes, rates_in_lanes
 
 contains
 
@@ -216,6 +216,38 @@ contains
       end associate
       omega = at%omega
    end subroutine loads_in_lanes
+
+   !> The part of the torque of a wheel's loads whose reaction goes to the housing, as `wheel_housing_torque` has it in one state.
+   subroutine housing_torque_in_lanes(gearbox, index, total, t, y, integers, torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: total(lanes)   !! of all loads, with that of a prescribed speed [N m]
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(out) :: torque(lanes) !! [N m]
+      type(lane_points) :: at
+      real(wp) :: mine(lanes)
+      logical :: follows
+      integer :: j
+
+      follows = wheel_follows_ground(gearbox, index)
+      torque = merge(0.0_wp, total, follows)
+      associate (wheel => gearbox%wheels(index))
+         do j = 1, size(wheel%loads)
+            associate (load => gearbox%loads(wheel%loads(j))%load)
+               if (load%against_housing .neqv. follows) cycle
+               call speed_of(wheel, y, at%omega)
+               at%t = t
+               at%angle = 0
+               at%segment = segment_of(load, integers)
+               if (load%by_angle) call angle_of(wheel, y, integers, at)
+               mine = 0
+               call load%add_in_lanes(at, mine)
+               torque = torque + merge(1.0_wp, -1.0_wp, follows)*mine
+            end associate
+         end do
+      end associate
+   end subroutine housing_torque_in_lanes
 
    !> Acceleration of a support from the forces on it, and what its dampers take.
    pure subroutine accelerate_support(gearbox, support, y, f)

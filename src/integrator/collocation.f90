@@ -8,7 +8,8 @@ module evl_collocation
    implicit none (type, external)
    private
 
-   public :: combine, lagrange_at, lagrange_matrix, polynomial_at, slopes_of, extremum_between, weighted_sum, zero_between
+   public :: combine, interpolate, lagrange_at, lagrange_matrix, polynomial_at, slopes_of, extremum_between, weighted_sum, &
+             zero_between
 
    real(wp), parameter :: slopes_of(lanes, lanes) = slope_at_node !! columns are added up lane by lane
 
@@ -34,6 +35,30 @@ contains
          to(:, i) = total
       end do
    end subroutine combine
+
+   !> The same in the order of `weighted_sum`, so that values at eight times are those at each, to the bit.
+   pure subroutine interpolate(n, matrix, from, to)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: matrix(lanes, lanes) !! as from `lagrange_matrix`
+      real(wp), intent(in) :: from(lanes, n)
+      real(wp), intent(out) :: to(lanes, n)
+      integer, parameter :: half = lanes/2
+      real(wp) :: part(lanes, half)
+      integer :: i, k, l
+
+      do i = 1, n
+         do k = 1, half
+            !$omp simd
+            do l = 1, lanes
+               part(l, k) = matrix(l, k)*from(k, i) + matrix(l, k + half)*from(k + half, i)
+            end do
+         end do
+         !$omp simd
+         do l = 1, lanes
+            to(l, i) = (part(l, 1) + part(l, 3)) + (part(l, 2) + part(l, 4))
+         end do
+      end do
+   end subroutine interpolate
 
    !> Values at tau of the eight Lagrange polynomials: the polynomial there is the sum of these times its values at the nodes.
    !>

@@ -17,7 +17,7 @@
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau
-   use evl_collocation, only: combine, lagrange_at, lagrange_matrix, weighted_sum
+   use evl_collocation, only: interpolate, lagrange_at, lagrange_matrix, weighted_sum
    use evl_elementary, only: real_power
    use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
    use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
@@ -416,7 +416,7 @@ contains
       end do
    end subroutine radau_interpolate_some
 
-   !> The same of all at eight times, which differ from it by rounding.
+   !> The same of all at eight times, to the bit.
    pure subroutine radau_interpolate_lanes(self, t, y)
       type(radau_t), intent(in) :: self
       real(wp), intent(in) :: t(lanes)                    !! t_before <= t <= self%t
@@ -424,12 +424,12 @@ contains
       real(wp) :: matrix(lanes, lanes)
       integer :: i, l
 
-      if (self%old_h > 0) then
-         call lagrange_matrix((t - self%t_before)/self%old_h, matrix)
-         call combine(size(self%y), matrix, self%old_z, y)
-      else
-         y = 0
+      if (.not. self%old_h > 0) then
+         y = spread(self%y, 1, lanes)
+         return
       end if
+      call lagrange_matrix((t - self%t_before)/self%old_h, matrix)
+      call interpolate(size(self%y), matrix, self%old_z, y)
       do i = 1, size(self%y)
          !$omp simd
          do l = 1, lanes

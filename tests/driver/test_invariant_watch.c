@@ -43,7 +43,11 @@ static int set_up(void **state)
     f->values = xcalloc((size_t)model_about(f->prepared.model)->n_values, sizeof *f->values);
     assert_int_equal(model_outputs(f->prepared.model, &start, f->values, message), DAE_OK);
     dae_state_free(&start);
-    wanted_init(&f->wanted, f->prepared.model, true, &f->pool);
+    wanted_init(&f->wanted, f->prepared.model, &f->pool);
+    for (int i = 0; i < model_about(f->prepared.model)->n_outputs;
+         i++) { /* all, so that they stand as the model has them */
+        (void)wanted_add(&f->wanted, model_about(f->prepared.model)->outputs[i].name);
+    }
     *state = f;
     return 0;
 }

@@ -53,7 +53,7 @@ static int on_output(void *self, const dae_state *state, const output_mark *mark
 {
     (void)mark;
     case_run *run = self;
-    const int code = model_checked_outputs(run->prepared.model, state, run->values, reason);
+    const int code = model_outputs(run->prepared.model, state, run->values, reason);
     if (code != DAE_OK) {
         return code == DAE_RECOVERABLE ? INTEGRATE_ANEW : 1;
     }

@@ -145,6 +145,22 @@ def test_steps_end_where_they_are_told_and_interpolate_their_ends(kernel: Kernel
     radau.delete()
 
 
+def test_states_at_eight_times_in_a_step_are_those_at_each_to_the_bit(kernel: Kernel):
+    """Before the first step, too, where there is one state alone."""
+    gearbox = two_stages(kernel)
+    state = stirred(gearbox, np.random.default_rng(5))
+    radau = Radau(gearbox)
+    radau.start(state)
+    before = state.t
+    for step in range(6):
+        if step > 0:
+            assert radau.advance(state.t + 1e-6, state)[0] != EVENT
+        times = np.linspace(before, state.t, LANES)
+        expected = [radau.interpolate(t) for t in times]
+        np.testing.assert_array_equal(radau.interpolate_lanes(times), expected)
+        before = state.t
+
+
 def test_a_step_taken_back_is_made_anew_in_smaller_ones(kernel: Kernel):
     gearbox = PAIRS["paper"].gearbox(kernel)
     state = gearbox.start()

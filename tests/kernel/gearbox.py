@@ -530,19 +530,20 @@ class Gearbox:
         return result
 
     def sampled(
-        self, states: Sequence[State], name: str, *, n: int | None = None, check: bool = False
+        self, states: Sequence[State], *names: str, n: int | None = None, check: bool = False
     ) -> Floats:
-        """Values of one output at states that share the first one's discrete state, by a sampler.
+        """Values of outputs at states that share the first one's discrete state, by a sampler.
 
-        A row each state, of which the first n count; whether the states agree with that discrete
-        state is checked if asked for.
+        Of all outputs if none is named. A row each state, of which the first n count; whether the
+        states agree with that discrete state is checked if asked for.
         """
-        place = next(i for i, entry in enumerate(self.table) if entry.name.decode() == name)
+        table = {entry.name.decode(): i for i, entry in enumerate(self.table)}
+        places = np.array([table[name] for name in names or table], np.int32)
         self.library.evl_sampler_create.restype = ctypes.c_void_p
         sampler = ctypes.c_void_p(
-            self.library.evl_sampler_create(self.handle, 1, ctypes.byref(ctypes.c_int(place)))
+            self.library.evl_sampler_create(self.handle, len(places), _at(places))
         )
-        result = np.full((self.table[place].count, len(states)), np.nan)
+        result = np.full((sum(self.table[i].count for i in places), len(states)), np.nan)
         times = np.array([state.t for state in states])
         y = np.array([state.y for state in states]).T.copy()
         arrays = (times, y, states[0].integers, states[0].reals)

@@ -250,7 +250,7 @@ EVL_API int evl_radau_advance(evl_radau *radau, double t_stop, double *t, double
 EVL_API void evl_radau_interpolate(const evl_radau *radau, double t, double *y);
 /** The same of n states alone; the others stay as they are. */
 EVL_API void evl_radau_interpolate_some(const evl_radau *radau, double t, int n, const int *states, double *y);
-/** The state at EVL_LANES times, to rounding: y [n_states * EVL_LANES], of each state the times side by side. */
+/** The same at EVL_LANES times: y [n_states * EVL_LANES], of each state the times side by side. */
 EVL_API void evl_radau_interpolate_lanes(const evl_radau *radau, const double *t, double *y);
 /** Go on after an event from (t, y) with the discrete state that evl_gearbox_apply_event left. */
 EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, const int *integers, const double *reals);
@@ -305,8 +305,8 @@ EVL_API evl_sampler *evl_sampler_create(const evl_gearbox *gearbox, int n, const
 /** Whether eight states are told at once: else they are asked one by one. */
 EVL_API bool evl_sampler_in_lanes(const evl_sampler *sampler);
 EVL_API void evl_sampler_delete(evl_sampler **sampler);
-/** At n states of one discrete state, as in a step; eight at once are quickest, and there values may differ from those of one by
- *  rounding. Nothing is found that only other outputs need.
+/** At n states of one discrete state, as in a step; eight at once are quickest, and tell what one tells, to the bit. Nothing
+ *  is found that only other outputs need.
  *  @param n_meant the first of them count; the others are any states that have an answer, as the last one once more
  *  @param check   as of evl_gearbox_outputs
  *  @param t       [n]

@@ -1,0 +1,247 @@
+#include "commands/run_history.h"
+
+#include "base/memory.h"
+#include "commands/result.h"
+#include "commands/run_numbers.h"
+#include "integrate/integrate.h"
+#include "model/output_groups.h"
+#include "simulate/positions.h"
+
+#include <stdlib.h>
+
+/* Its head. */
+
+/** What the case asks for: all that change, or some of them; and the constants. */
+static void want_outputs(run_history *self)
+{
+    const model *model = self->prepared->model;
+    const model_facts *about = model_about(model);
+    const char *words = case_description(self->prepared->file)->simulation.outputs;
+    OWNED bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
+    if (words != NULL) {
+        free(output_groups_choose(words, about->n_outputs, about->outputs, chosen)); /* the case was checked */
+    }
+    wanted_init(&self->wanted, model, &self->pool);
+    for (int i = 0; i < about->n_outputs; i++) {
+        if (words == NULL ? !about->outputs[i].is_static : chosen[i]) {
+            (void)wanted_add(&self->wanted, about->outputs[i].name);
+        }
+    }
+    self->n_told = self->wanted.n_values;
+    self->row =
+        pool_calloc(&self->pool, (size_t)self->n_told + POSITIONS_OUTPUTS + (size_t)about->n_values, sizeof *self->row);
+    model_constants(model, self->row + self->n_told + POSITIONS_OUTPUTS);
+}
+
+/** The outputs that are told, those of a grid of positions, and the constants, with their places in a row. */
+static int list_outputs(run_history *self, const positions_rule *rule, const model_output **outputs)
+{
+    const model_facts *about = model_about(self->prepared->model);
+    model_output *all = pool_calloc(&self->pool, (size_t)about->n_outputs + POSITIONS_OUTPUTS, sizeof *all);
+    int n = 0;
+    for (int i = 0; i < about->n_outputs; i++) {
+        const bool is_static = about->outputs[i].is_static;
+        if (is_static || wanted_has(&self->wanted, i)) {
+            all[n] = about->outputs[i];
+            all[n++].offset =
+                is_static ? self->n_told + POSITIONS_OUTPUTS + about->outputs[i].offset : self->wanted.places[i];
+        }
+    }
+    if (rule->per != NULL) {
+        positions_describe(rule, self->n_told, &self->pool, all + n);
+        n += POSITIONS_OUTPUTS;
+    }
+    *outputs = all;
+    return n;
+}
+
+bool run_history_create(run_history *self, const prepared_case *prepared, const char *path, evl_error *error)
+{
+    *self = (run_history){.prepared = prepared};
+    want_outputs(self);
+    const model *model = prepared->model;
+    const description *description = case_description(prepared->file);
+    const integrate_options options = simulate_options(prepared);
+    const positions_rule rule = positions_of(prepared);
+    const model_output *outputs = NULL;
+    const int n_outputs = list_outputs(self, &rule, &outputs);
+    OWNED model_state *states = model_states(model);
+    OWNED char *warnings = prepare_warnings(prepared, "\n");
+    OWNED char *versions = result_versions();
+    const history_attribute attributes[] = {
+        {"title", .text = description->title},
+        {"case", .text = case_text(prepared->file)},
+        {"versions", .text = versions},
+        {"warnings", .text = warnings},
+        {"status", .text = "running"},
+        {"status_message", .text = ""},
+        {"integrator_tolerance", .number = options.tolerance},
+        {"output_per", .text = rule.per},
+        {"output_number", .integer = rule.number},
+        {"output_of", .text = rule.of},
+    };
+    const int n_attributes = (int)(sizeof attributes / sizeof *attributes) - (rule.per == NULL ? 3 : 0);
+    const history_layout layout = {
+        .path = path,
+        .kind = "history",
+        .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
+        .names = &model_about(model)->names,
+        .n_harmonics = description->simulation.numbers.is_given ? NUMBER_HARMONICS : 0,
+        .n_outputs = n_outputs,
+        .outputs = outputs,
+        .n_all = model_about(model)->n_outputs,
+        .all = model_about(model)->outputs,
+        .n_states = model_about(model)->dae.n,
+        .states = states,
+        .n_event_kinds = model_tables()->n_event_kinds,
+        .event_kinds = model_tables()->event_kinds,
+        .max_rows = output_grid_size(&options, 0),
+        .n_attributes = n_attributes,
+        .attributes = attributes,
+    };
+    self->history = history_create(&layout, error);
+    return self->history != NULL;
+}
+
+/* What the simulation tells. */
+
+void run_history_again(run_history *self)
+{
+    self->rows.to_come = self->rows.written;
+    self->events.to_come = self->events.written;
+}
+
+/** Whether the next one is on file already. */
+static bool is_written(run_history_count *count)
+{
+    if (count->to_come > 0) {
+        count->to_come--;
+        return true;
+    }
+    count->written++;
+    return false;
+}
+
+/** Time k of a block as a row. */
+static const double *row_of(const run_history *self, const output_block *block, int k)
+{
+    for (int i = 0; i < self->n_told; i++) {
+        self->row[i] = output_values(block, i)[k];
+    }
+    if (block->marks != NULL) {
+        self->row[self->n_told + POSITIONS_PLACE] = block->marks[k].position;
+        self->row[self->n_told + POSITIONS_KIND] = block->marks[k].kind;
+    }
+    return self->row;
+}
+
+bool run_history_outputs(run_history *self, const output_block *block, evl_error *error)
+{
+    bool good = true;
+    for (int k = 0; k < block->n && good; k++) {
+        good = is_written(&self->rows) || history_append(self->history, block->t[k], row_of(self, block, k), error);
+    }
+    return good;
+}
+
+bool run_history_event(run_history *self, const event_record *record, evl_error *error)
+{
+    const dae_event *what = &record->what;
+    const history_event event = {.t = record->t,
+                                 .kind = what->kind,
+                                 .mesh = what->subject,
+                                 .flank = what->side,
+                                 .tooth_pair = what->count,
+                                 .before = record->before->y,
+                                 .after = record->after->y};
+    return is_written(&self->events) || history_add_event(self->history, &event, error);
+}
+
+/* Its end. */
+
+/** The extremes over the run, as variables of the meshes. */
+static bool put_extremes(const run_history *self, const extremes *found, evl_error *error)
+{
+    const int n = model_tables()->n_extremes, n_meshes = case_description(self->prepared->file)->n_meshes;
+    OWNED model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
+    OWNED double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
+    for (int i = 0; i < 2 * n; i++) {
+        const model_extreme *row = &model_tables()->extremes[i / 2];
+        outputs[i] = i % 2 == 0 ? row->value : row->time;
+        outputs[i].count = n_meshes;
+        outputs[i].offset = i * n_meshes;
+        for (int mesh = 0; mesh < n_meshes; mesh++) {
+            const extreme_found extreme = extremes_found(found, i / 2, mesh);
+            values[outputs[i].offset + mesh] = i % 2 == 0 ? extreme.value : extreme.time;
+        }
+    }
+    return history_put_finals(self->history, 2 * n, outputs, values, error);
+}
+
+/** The numbers of the case, as variables with window_ in front; and those that tell most, in words. */
+static bool put_numbers(const run_history *self, numbers *numbers, evl_error *error)
+{
+    const model_names *names = &model_about(self->prepared->model)->names;
+    POOLED memory_pool pool = {NULL};
+    model_output rows[N_NUMBER_ROWS];
+    const int n = number_rows_place(&pool, names, rows);
+    OWNED double *values = xcalloc((size_t)n, sizeof *values);
+    numbers_conclude(numbers, values);
+    tell_numbers(numbers, names, rows, values);
+    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+        rows[i].name = pool_printf(&pool, "window_%s", rows[i].name);
+    }
+    const number_span span = numbers_span(numbers);
+    const double of_span[] = {span.from, span.to, (double)span.periods};
+    const model_output rows_of_span[] = {
+        {"window_begin", "s", "", "where the first whole period of the numbers begins", "", true, false, 0, 1},
+        {"window_end", "s", "", "where the last one ends", "", true, false, 1, 1},
+        {"window_periods", "1", "", "whole periods of the numbers", "", true, true, 2, 1},
+    };
+    return history_put_finals(self->history, 3, rows_of_span, of_span, error) &&
+           history_put_finals(self->history, N_NUMBER_ROWS, rows, values, error);
+}
+
+bool run_history_put(const run_history *self, const extremes *extremes, numbers *numbers, evl_error *error)
+{
+    return put_extremes(self, extremes, error) && (numbers == NULL || put_numbers(self, numbers, error));
+}
+
+bool run_history_close(run_history *self, const char *status, const char *message, const simulate_result *result,
+                       evl_error *error)
+{
+    const integrate_counts *counts = &result->counts;
+    const bool by_stepper = simulate_options(self->prepared).by_stepper;
+    const history_attribute attributes[] = {
+        {"status", .text = status},
+        {"status_message", .text = message},
+        {"invariants", .text = result->invariants},
+        {"integrator_steps", .integer = counts->steps},
+        {"integrator_residuals", .integer = counts->residuals},
+        {"integrator_jacobians", .integer = counts->jacobians},
+        {"integrator_linear_setups", .integer = counts->linear_setups},
+        {"integrator_newton_iterations", .integer = counts->newton_iterations},
+        {"integrator_root_evaluations", .integer = counts->roots_evaluated},
+        {"integrator_events", .integer = counts->events},
+        by_stepper ? (history_attribute){"integrator_rejections", .integer = counts->rejections}
+                   : (history_attribute){"integrator_error_test_failures", .integer = counts->error_test_failures},
+        {"integrator_convergence_failures", .integer = counts->convergence_failures},
+    };
+    const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
+    return history_close(&self->history, result->end == SIMULATE_DONE, n, attributes, error);
+}
+
+void run_history_abandon(run_history *self)
+{
+    history_abandon(&self->history);
+}
+
+const char *run_history_partial_path(const run_history *self)
+{
+    return history_partial_path(self->history);
+}
+
+void run_history_free(run_history *self)
+{
+    pool_free(&self->pool);
+}
