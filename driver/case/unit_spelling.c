@@ -1,7 +1,7 @@
 #include "case/unit_spelling.h"
 
 #include <ctype.h>
-#include <stdio.h>
+#include <stddef.h>
 #include <string.h>
 
 enum { N_MICROS = 3, N_POWERS = 3, N_PRODUCTS = 5 };
@@ -35,10 +35,18 @@ static bool is_letter(char c)
     return isalpha((unsigned char)c) != 0;
 }
 
-static void add(char text[UNIT_SPELLING_LENGTH], const char *more)
+/** A text as it grows. */
+typedef struct {
+    char *text;
+    size_t length;
+} spelled;
+
+static void add(spelled *spelled, const char *more)
 {
-    const size_t length = strlen(text);
-    (void)snprintf(text + length, UNIT_SPELLING_LENGTH - length, "%s", more);
+    for (; *more != '\0' && spelled->length + 1 < UNIT_SPELLING_LENGTH; more++) {
+        spelled->text[spelled->length++] = *more;
+    }
+    spelled->text[spelled->length] = '\0';
 }
 
 /** Letter by letter; 1/min without stroke is min-1. */
@@ -46,21 +54,22 @@ static void spell(const char *name, const style *style, char text[UNIT_SPELLING_
 {
     const bool has_stroke = style->quotient == 0;
     bool is_below = false;
+    spelled so_far = {text, 0};
     text[0] = '\0';
     for (const char *c = name; *c != '\0'; c++) {
         const char letter[2] = {*c, '\0'};
         if (*c == '/') {
             is_below = true;
-            add(text, has_stroke ? letter : text[0] == '\0' ? "" : products[style->product]);
+            add(&so_far, has_stroke ? letter : text[0] == '\0' ? "" : products[style->product]);
         } else if (*c == ' ') {
-            add(text, products[style->product]);
+            add(&so_far, products[style->product]);
         } else if (*c == '2' || *c == '3') {
-            add(text, power_text(style, is_below && !has_stroke, *c));
+            add(&so_far, power_text(style, is_below && !has_stroke, *c));
         } else if (*c != '1' || has_stroke) {
-            add(text, *c == 'u' ? micros[style->micro] : letter);
+            add(&so_far, *c == 'u' ? micros[style->micro] : letter);
         }
         if (is_letter(*c) && !is_letter(c[1]) && c[1] != '2' && c[1] != '3') {
-            add(text, power_text(style, is_below && !has_stroke, '1'));
+            add(&so_far, power_text(style, is_below && !has_stroke, '1'));
         }
     }
 }
@@ -90,14 +99,45 @@ bool unit_spelling(const char *name, int i, char text[UNIT_SPELLING_LENGTH])
     return has;
 }
 
+/** The next letter, an u for micro; '\0' at the end. @param[in,out] text  behind it then */
+static char next_letter(const char **text)
+{
+    while (**text != '\0') {
+        for (int i = 1; i < N_MICROS; i++) {
+            const size_t length = strlen(micros[i]);
+            if (strncmp(*text, micros[i], length) == 0) {
+                *text += length;
+                return 'u';
+            }
+        }
+        const char c = *(*text)++;
+        if (is_letter(c)) {
+            return c;
+        }
+    }
+    return '\0';
+}
+
+/** All spellings have the same letters: nearly always that is enough to see that a text is none of them. */
+static bool has_letters(const char *name, const char *text)
+{
+    char letter = '\0';
+    do {
+        letter = next_letter(&name);
+        if (letter != next_letter(&text)) {
+            return false;
+        }
+    } while (letter != '\0');
+    return true;
+}
+
 bool unit_is_spelled(const char *name, const char *text)
 {
     char spelling[UNIT_SPELLING_LENGTH];
-    const bool begins_alike = strchr("u1", name[0]) != NULL || name[0] == text[0];
-    for (int i = 0; i < N_UNIT_SPELLINGS && begins_alike; i++) {
-        if (unit_spelling(name, i, spelling) && strcmp(spelling, text) == 0) {
-            return true;
-        }
+    bool is_spelled = strcmp(name, text) == 0;
+    const bool may_be = !is_spelled && has_letters(name, text);
+    for (int i = 1; i < N_UNIT_SPELLINGS && may_be && !is_spelled; i++) {
+        is_spelled = unit_spelling(name, i, spelling) && strcmp(spelling, text) == 0;
     }
-    return false;
+    return is_spelled;
 }
