@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/words.h"
 
+static const char harmonic[] = "harmonic";
 static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
 
 /** In the order of the file. */
@@ -30,6 +31,19 @@ static bool is_used(int dimension, int n_outputs, const model_output *outputs)
     return is_used;
 }
 
+void dimensions_name(dimensions *dimensions, int n_coordinates, const history_coordinate *coordinates)
+{
+    for (int i = 0; i < n_coordinates && i < N_DIMENSIONS; i++) {
+        dimensions->names[i] = coordinates[i].name;
+    }
+    for (int i = 0; i < N_NAMED_DIMENSIONS && n_coordinates == 0; i++) {
+        dimensions->names[i] = table[i].name;
+    }
+    if (n_coordinates == 0) {
+        dimensions->names[N_NAMED_DIMENSIONS] = harmonic;
+    }
+}
+
 bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
                        int n_outputs, const model_output *outputs)
 {
@@ -49,12 +63,12 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use
 bool dimensions_define_harmonics(dimensions *dimensions, netcdf_file *file, int n)
 {
     const netcdf_variable variable =
-        netcdf_describe(NETCDF_INTEGER, "harmonic", "1", "n", "harmonic: multiple of the frequency of the mesh");
+        netcdf_describe(NETCDF_INTEGER, harmonic, "1", "n", "harmonic: multiple of the frequency of the mesh");
     OWNED double *numbers = xcalloc((size_t)n, sizeof *numbers);
     for (int i = 0; i < n; i++) {
         numbers[i] = i + 1;
     }
-    dimensions->names[N_NAMED_DIMENSIONS] = "harmonic";
+    dimensions->names[N_NAMED_DIMENSIONS] = harmonic;
     return netcdf_define_values(file, file->id, &dimensions->of[N_NAMED_DIMENSIONS], &variable, n, H5T_NATIVE_DOUBLE,
                                 numbers);
 }
@@ -71,6 +85,14 @@ bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n,
                                     from->values);
     }
     return good;
+}
+
+netcdf_variable dimensions_describe(dimensions *dimensions, const model_output *output)
+{
+    netcdf_variable variable = netcdf_describe(output->is_integer ? NETCDF_INTEGER : NETCDF_REAL, output->name,
+                                               output->units, output->symbol, output->long_name);
+    dimensions_append(dimensions, output, &variable);
+    return variable;
 }
 
 void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable)

@@ -15,6 +15,8 @@ typedef struct {
     netcdf_dimension of[N_DIMENSIONS];
 } dimensions;
 
+/** Name all that there can be, or other ones, with numbers: outputs can be described. */
+void dimensions_name(dimensions *dimensions, int n_coordinates, const history_coordinate *coordinates);
 /** Define those that the outputs may have, with their names; in a history only those that its outputs do have. */
 bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
                        int n_outputs, const model_output *outputs);
@@ -22,6 +24,8 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use
 bool dimensions_define_harmonics(dimensions *dimensions, netcdf_file *file, int n);
 /** Define other ones, with numbers. */
 bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n, const history_coordinate *coordinates);
+/** The variable of an output, with its dimensions. */
+netcdf_variable dimensions_describe(dimensions *dimensions, const model_output *output);
 /** Append the dimensions of an output to those of a variable. */
 void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable);
 /** As scale_list_users, all of them. */

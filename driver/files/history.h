@@ -1,7 +1,8 @@
 /** The time history of a run, on file, or what another analysis finds along an axis of its own. The interface knows nothing of HDF5;
  *  history*_hdf5.c do.
  *
- *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. Every function that can fail returns false with
+ *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. As long as its rows fit into a
+ *  few megabytes they are kept, and each flush writes a new file that takes the place of NAME.partial; longer ones grow in place. Every function that can fail returns false with
  *  the reason in `error`, EVL_EXIT_IO; after a failure only history_abandon may follow. */
 #pragma once
 
@@ -29,7 +30,7 @@ typedef struct {
     history_coordinate axis; /**< along which rows are appended; its numbers come with them */
     int n_coordinates;       /**< 0: outputs have the dimensions of a history, and there are events */
     const history_coordinate *coordinates;
-    const model_names *names; /**< of a history */
+    const model_names *names; /**< of a history; outlive it, as event_kinds and `all` do */
     int n_harmonics;          /**< the same, of its numbers; 0: none */
     int n_outputs;
     const model_output *outputs; /**< outlive the history */
@@ -39,7 +40,8 @@ typedef struct {
     const model_state *states;
     int n_event_kinds;
     const char *const *event_kinds;
-    long max_rows; /**< the most that history_append will be called; 0 if that is not known */
+    long max_rows;         /**< the most that history_append will be called; 0 if that is not known */
+    double flush_interval; /**< [s]; 0: the usual one, after a first flush that comes sooner */
     int n_attributes;
     const history_attribute *attributes; /**< of the root, known at the start */
 } history_layout;
@@ -55,10 +57,16 @@ typedef struct history history;
 
 /** @return NULL with the reason in `error` */
 history *history_create(const history_layout *layout, evl_error *error);
-/** One row, at a place of the axis; static variables are taken from the first one. */
+/** The static variables; to come before the first row. `values` as their offsets say. */
+void history_put_statics(history *history, const double *values);
+/** Rows at places of the axis: value v of row k is values[v * stride + k]. Without history_put_statics static variables are taken
+ *  from the first row. */
+bool history_append_rows(history *history, int n, const double *places, const double *values, int stride,
+                         evl_error *error);
+/** One row. */
 bool history_append(history *history, double place, const double *values, evl_error *error);
 bool history_add_event(history *history, const history_event *event, evl_error *error);
-/** Static variables that are known at the end only; `values` as their offsets say. */
+/** Static variables that are known at the end only, behind the last row and event; `values` as their offsets say. */
 bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error);
 /** Set further root attributes, flush, close, fsync; then rename if `commit`, else leave NAME.partial. Frees the history. */
 bool history_close(history **history, bool commit, int n_attributes, const history_attribute *attributes,

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FLUSH_SECONDS = 5 };
+/** Until the first flush, and from one to the next. */
+static const double first_flush = 2, flush_interval = 5; /* s */
 
 /** Say why writing failed; the first reason counts. @return false */
 static bool fail(const history *history, evl_error *error)
@@ -16,9 +17,23 @@ static bool fail(const history *history, evl_error *error)
     return output_file_refuse(history->file.partial_path, history->netcdf.system_error, history->netcdf.reason, error);
 }
 
+/** Keep why a file cannot be had: a system error, 0 if there is none. */
+static bool is_had(history *history, int system_error)
+{
+    netcdf_file *netcdf = &history->netcdf;
+    if (system_error != 0 && netcdf->reason[0] == '\0') {
+        netcdf->system_error = system_error;
+        (void)snprintf(netcdf->reason, sizeof netcdf->reason, "%s", strerror(system_error));
+    }
+    return system_error == 0;
+}
+
 static void free_history(history *history)
 {
+    series_free(&history->times);
+    series_free(&history->events);
     pool_free(&history->netcdf.pool);
+    pool_free(&history->pool);
     free(history);
 }
 
@@ -30,101 +45,168 @@ history *history_create(const history_layout *layout, evl_error *error)
     }
     history *history = xcalloc(1, sizeof *history);
     history->file = file;
-    history->n_outputs = layout->n_outputs;
-    history->n_states = layout->n_states;
-    history->outputs = layout->outputs;
-    for (int i = 0; i < layout->n_outputs; i++) {
-        const int end = layout->outputs[i].offset + layout->outputs[i].count;
-        history->n_values = end > history->n_values ? end : history->n_values;
-    }
-    history->row = pool_calloc(&history->netcdf.pool, 1 + (size_t)history->n_values, sizeof *history->row);
-    history->event_row =
-        pool_calloc(&history->netcdf.pool, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
-    history->last_flush = clock_seconds();
-    if (!history_write_head(history, layout)) {
-        (void)fail(history, error);
-        output_file_drop(&history->file, true);
-        free_history(history);
-        return NULL;
-    }
+    history->next_flush = clock_seconds() + (layout->flush_interval > 0 ? layout->flush_interval : first_flush);
+    history_plan(history, layout);
     return history;
 }
 
-/** Everything that is only in memory goes on file. */
-static bool write_all(history *history, bool is_last)
+/* ---- the file ---- */
+
+/** A new file, beside the one that is there, with all but rows and attributes of the root. */
+static bool begin_file(history *history)
+{
+    return is_had(history, output_file_begin_fresh(&history->file)) &&
+           history_write_head(history, history->file.fresh_path);
+}
+
+static bool put_rows(history *history)
+{
+    return series_put_whole(&history->times, history->netcdf.id) &&
+           (!history->has_events || series_put_whole(&history->events, history->events_group));
+}
+
+static bool put_first_attributes(history *history)
+{
+    return history_put_attributes(history, history->layout.n_attributes, history->layout.attributes);
+}
+
+/** All rows, as they are now, in a file of their own. */
+static bool put_snapshot(history *history)
 {
     netcdf_file *netcdf = &history->netcdf;
-    return series_write(&history->times, is_last) && dimensions_finish(&history->dimensions, netcdf) &&
-           (!history->has_events ||
-            (series_write(&history->events, is_last) && scale_list_users(netcdf, &history->side.scale)));
+    return begin_file(history) && put_first_attributes(history) && put_rows(history) && history_finish(history) &&
+           netcdf_flush(netcdf) && netcdf_close(netcdf) && is_had(history, output_file_show(&history->file));
+}
+
+static bool write_series(history *history)
+{
+    return series_write(&history->times) && (!history->has_events || series_write(&history->events));
+}
+
+/** From here on the rows are more than memory should hold. */
+static bool start_growing(history *history)
+{
+    history->grows = true;
+    return begin_file(history) && put_first_attributes(history) && series_begin(&history->times, history->netcdf.id) &&
+           (!history->has_events || series_begin(&history->events, history->events_group)) && write_series(history) &&
+           history_finish(history) && netcdf_flush(&history->netcdf) &&
+           is_had(history, output_file_show(&history->file));
+}
+
+/** What describes the rows that are on file is written now, and at no other time. */
+static bool flush_in_place(history *history)
+{
+    return write_series(history) && is_had(history, output_file_hide(&history->file)) &&
+           netcdf_flush(&history->netcdf) && is_had(history, output_file_show(&history->file));
 }
 
 /** From time to time, so that most of a killed run can be read. */
 static bool flush_if_due(history *history)
 {
-    const double now = clock_seconds();
-    if (now - history->last_flush < FLUSH_SECONDS) {
+    const double now = clock_seconds(), given = history->layout.flush_interval;
+    if (now < history->next_flush) {
         return true;
     }
-    history->last_flush = now;
-    return write_all(history, false) && netcdf_flush(&history->netcdf);
+    history->next_flush = now + (given > 0 ? given : flush_interval);
+    return history->grows ? flush_in_place(history) : put_snapshot(history);
 }
 
-static bool write_static(history *history, const model_output *output, const double *values)
+/* ---- rows ---- */
+
+/** A series that may be full gets room. */
+static bool make_room(history *history, series *rows)
 {
-    const netcdf_variable variable = history_describe_output(history, output);
-    if (output->is_integer && !netcdf_check_integers(&history->netcdf, output->name, output->count, values)) {
-        return false; /* HDF5 would write the nearest one */
-    }
-    CLOSED const hid_t dataset = netcdf_define(&history->netcdf, history->netcdf.id, &variable, 0);
-    /* HDF5 turns whole doubles into integers. */
-    return dataset >= 0 && netcdf_write(&history->netcdf, dataset, H5T_NATIVE_DOUBLE, values);
+    return rows->filled < rows->capacity ||
+           (history->grows ? series_write(rows) : series_make_room(rows) || start_growing(history));
 }
 
-static bool write_statics(history *history, const double *values)
-{
-    bool good = true;
-    for (int i = 0; i < history->n_outputs && good; i++) {
-        const model_output *output = &history->outputs[i];
-        good = !output->is_static || output->count == 0 || write_static(history, output, values + output->offset);
-    }
-    return good;
-}
-
-bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error)
+static bool append(history *history, series *rows, int n, const double *places, const double *values, int stride,
+                   evl_error *error)
 {
     bool good = true;
-    for (int i = 0; i < n && good; i++) {
-        good = outputs[i].count == 0 || write_static(history, &outputs[i], values + outputs[i].offset);
+    for (int done = 0; done < n && good;) {
+        good = make_room(history, rows);
+        const int taken = good ? series_append(rows, n - done, places + done, values + done, stride) : -1;
+        good = taken >= 0;
+        done += taken;
     }
-    return good || fail(history, error);
+    return (good && flush_if_due(history)) || fail(history, error);
+}
+
+void history_put_statics(history *history, const double *values)
+{
+    memcpy(history->statics, values, (size_t)history->n_values * sizeof *values);
+    history->has_statics = true;
+}
+
+bool history_append_rows(history *history, int n, const double *places, const double *values, int stride,
+                         evl_error *error)
+{
+    for (int v = 0; v < history->n_values && !history->has_statics; v++) {
+        history->statics[v] = values[(size_t)v * (size_t)stride];
+    }
+    history->has_statics = true;
+    return append(history, &history->times, n, places, values, stride, error);
 }
 
 bool history_append(history *history, double place, const double *values, evl_error *error)
 {
-    history->row[0] = place;
-    memcpy(history->row + 1, values, (size_t)history->n_values * sizeof *values);
-    const bool good = (history->n_rows > 0 || write_statics(history, values)) &&
-                      series_append(&history->times, history->row) && flush_if_due(history);
-    history->n_rows++;
-    return good || fail(history, error);
+    return history_append_rows(history, 1, &place, values, 1, error);
 }
 
 bool history_add_event(history *history, const history_event *event, evl_error *error)
 {
     double *row = history->event_row;
-    row[EVENT_NUMBER] = (double)history->n_events;
+    const double number = (double)history->n_events++;
     row[EVENT_TIME] = event->t;
     row[EVENT_KIND] = event->kind;
     row[EVENT_MESH] = event->mesh;
     row[EVENT_FLANK] = event->flank;
     row[EVENT_TOOTH_PAIR] = event->tooth_pair;
-    for (int i = 0; i < history->n_states; i++) {
+    for (int i = 0; i < history->layout.n_states; i++) {
         row[EVENT_STATES + 2 * i] = event->before[i];
         row[EVENT_STATES + 2 * i + 1] = event->after[i];
     }
-    history->n_events++;
-    return (series_append(&history->events, row) && flush_if_due(history)) || fail(history, error);
+    return append(history, &history->events, 1, &number, row, 1, error);
+}
+
+/* ---- the end ---- */
+
+/** All rows are put on file. */
+static bool put_last_rows(history *history)
+{
+    const bool is_put = history->is_put;
+    history->is_put = true;
+    return is_put || (history->grows ? write_series(history) : begin_file(history) && put_rows(history));
+}
+
+bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error)
+{
+    return (put_last_rows(history) && history_write_statics(history, n, outputs, values)) || fail(history, error);
+}
+
+/** Those of the start that have no other value at the end. */
+static bool put_kept_attributes(history *history, int n, const history_attribute *attributes)
+{
+    const history_layout *layout = &history->layout;
+    bool good = true;
+    for (int i = 0; i < layout->n_attributes && good; i++) {
+        int other = 0;
+        while (other < n && strcmp(attributes[other].key, layout->attributes[i].key) != 0) {
+            other++;
+        }
+        good = other < n || history_put_attributes(history, 1, &layout->attributes[i]);
+    }
+    return good;
+}
+
+static bool write_end(history *history, int n, const history_attribute *attributes)
+{
+    netcdf_file *netcdf = &history->netcdf;
+    return put_last_rows(history) && (history->grows || put_kept_attributes(history, n, attributes)) &&
+           history_put_attributes(history, n, attributes) && history_finish(history) &&
+           (!history->grows || is_had(history, output_file_hide(&history->file))) && netcdf_flush(netcdf) &&
+           netcdf_close(netcdf) && is_had(history, output_file_show(&history->file));
 }
 
 bool history_close(history **pointer, bool commit, int n_attributes, const history_attribute *attributes,
@@ -132,8 +214,7 @@ bool history_close(history **pointer, bool commit, int n_attributes, const histo
 {
     history *history = *pointer;
     *pointer = NULL;
-    bool good = write_all(history, true) && history_put_attributes(history, n_attributes, attributes) &&
-                netcdf_flush(&history->netcdf) && netcdf_close(&history->netcdf);
+    bool good = write_end(history, n_attributes, attributes);
     if (good) {
         good = output_file_close(&history->file, commit, error);
     } else {

@@ -1,4 +1,4 @@
-/** What a history is before its first row: the file, its attributes and dimensions, and which columns its series have. Private to
+/** What a history is beside its rows: the file, its attributes and dimensions, which columns its series have, constants. Private to
  *  history*_hdf5.c. */
 #pragma once
 
@@ -7,27 +7,35 @@
 #include "files/output_file.h"
 #include "files/series_hdf5.h"
 
-/** Columns of the series of events; then come both sides of each state. */
-enum { EVENT_NUMBER, EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOTH_PAIR, EVENT_STATES };
+/** Where an event's numbers are in its row; then come both sides of each state. */
+enum { EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOTH_PAIR, EVENT_STATES };
 
 struct history {
+    memory_pool pool;
     output_file file;
     netcdf_file netcdf;
+    history_layout layout; /**< as it was given; attributes and coordinates are its own */
     dimensions dimensions;
     netcdf_dimension side;
+    hid_t events_group;
     series times, events;
-    bool has_events;
-    int n_outputs, n_values, n_states;
-    const model_output *outputs;
-    double *row;       /**< [1 + n_values] time and outputs */
+    bool has_events, has_statics;
+    bool grows;  /**< rows are on file that are no more in memory */
+    bool is_put; /**< all rows are in the file that is open: it is the last one */
+    int n_values;
+    double *statics;   /**< [n_values] */
     double *event_row; /**< [EVENT_STATES + 2 n_states] */
-    long long n_rows, n_events;
-    double last_flush; /**< clock [s] */
+    long long n_events;
+    double next_flush; /**< clock [s] */
 };
 
-/** The variable of an output, with its dimensions. */
-netcdf_variable history_describe_output(history *history, const model_output *output);
-/** Set attributes of the root. */
+/** Keep the layout, and plan the series. */
+void history_plan(history *history, const history_layout *layout);
+/** Create the file with everything whose size is known, but no attributes of the root: names, the group of events, constants. */
+bool history_write_head(history *history, const char *path);
+/** Variables that do not change. */
+bool history_write_statics(history *history, int n, const model_output *outputs, const double *values);
+/** Set attributes of the root; older values are replaced. */
 bool history_put_attributes(history *history, int n, const history_attribute *attributes);
-/** Everything whose size is known: attributes, names, the group of events. */
-bool history_write_head(history *history, const history_layout *layout);
+/** To come after all variables, and before a flush: dimensions list who has them. */
+bool history_finish(history *history);

@@ -10,6 +10,7 @@
 #include "model/model.h"
 
 #include <hdf5.h>
+#include <limits.h>
 #include <stdbool.h>
 
 enum { NETCDF_MAX_RANK = 4, NETCDF_REASON_LENGTH = 200 };
@@ -73,8 +74,11 @@ bool netcdf_get_numbers(hid_t object, const char *name, hid_t type, int n, void 
 
 hid_t netcdf_create_group(netcdf_file *file, const char *name);
 
-/* Set an attribute of a group or variable; an older value is replaced. */
+/* Set an attribute of a group or variable that has none of this name yet. */
 /** @param n  length of an array; 0: one value */
+bool netcdf_add(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value);
+bool netcdf_add_text(netcdf_file *file, hid_t object, const char *name, const char *text);
+/* The same, but an older value is replaced. */
 bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value);
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
@@ -85,6 +89,10 @@ static inline netcdf_variable netcdf_describe(netcdf_type type, const char *name
                                               const char *long_name)
 {
     return (netcdf_variable){.type = type, .name = name, .units = units, .symbol = symbol, .long_name = long_name};
+}
+static inline bool netcdf_is_integer(double value)
+{
+    return value >= INT_MIN && value <= INT_MAX;
 }
 /** Whether all values of an integer variable are in the range of one. */
 bool netcdf_check_integers(netcdf_file *file, const char *name, int n, const double *values);

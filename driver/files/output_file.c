@@ -56,20 +56,33 @@ static int check_name(const char *path)
 }
 
 /** Folders that cannot lock (some network file systems) are no reason to refuse. */
-static int take_lock(const output_file *file)
+static int lock(int descriptor)
+{
+    return flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK ? 0 : errno;
+}
+
+/** Whether NAME.partial is what is open: another run may just have renamed it. */
+static bool has_name(const output_file *file)
 {
     struct stat opened, named;
-    if (flock(file->descriptor, LOCK_EX | LOCK_NB) != 0) {
-        return errno == EWOULDBLOCK ? errno : 0;
-    }
-    const bool is_same = fstat(file->descriptor, &opened) == 0 && stat(file->partial_path, &named) == 0 &&
-                         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
-    return is_same ? 0 : EWOULDBLOCK; /* another run has just renamed it */
+    return fstat(file->descriptor, &opened) == 0 && stat(file->partial_path, &named) == 0 &&
+           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+/** 0, or why this run may not write what is open as NAME.partial. */
+static int take_lock(const output_file *file)
+{
+    const int reason = lock(file->descriptor);
+    return reason != 0 ? reason : has_name(file) ? 0 : EWOULDBLOCK;
 }
 
 bool output_file_open(output_file *file, const char *path, evl_error *error)
 {
-    *file = (output_file){.path = xstrdup(path), .partial_path = xasprintf("%s.partial", path), .descriptor = -1};
+    *file = (output_file){.path = xstrdup(path),
+                          .partial_path = xasprintf("%s.partial", path),
+                          .fresh_path = xasprintf("%s.partial.new", path),
+                          .descriptor = -1,
+                          .fresh_descriptor = -1};
     int reason = check_name(path);
     const char *about = path;
     if (reason == 0) {
@@ -80,11 +93,44 @@ bool output_file_open(output_file *file, const char *path, evl_error *error)
         file->descriptor = open(file->partial_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         reason = file->descriptor < 0 ? errno : take_lock(file);
     }
+    if (reason == 0 && ftruncate(file->descriptor, 0) != 0) { /* what an earlier run left is not of this one */
+        reason = errno;
+    }
     if (reason != 0) {
         output_file_refuse(about, reason, reason == EEXIST ? "not a regular file" : NULL, error);
         output_file_drop(file, false);
     }
     return reason == 0;
+}
+
+int output_file_begin_fresh(output_file *file)
+{
+    (void)unlink(file->fresh_path); /* left by a run that was killed */
+    file->fresh_descriptor = open(file->fresh_path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    return file->fresh_descriptor < 0 ? errno : lock(file->fresh_descriptor);
+}
+
+int output_file_hide(output_file *file)
+{
+    if (!has_name(file)) {
+        return EWOULDBLOCK;
+    }
+    file->is_hidden = rename(file->partial_path, file->fresh_path) == 0;
+    return file->is_hidden ? 0 : errno;
+}
+
+int output_file_show(output_file *file)
+{
+    if (rename(file->fresh_path, file->partial_path) != 0) {
+        return errno;
+    }
+    file->is_hidden = false;
+    if (file->fresh_descriptor >= 0) {
+        (void)close(file->descriptor);
+        file->descriptor = file->fresh_descriptor;
+        file->fresh_descriptor = -1;
+    }
+    return 0;
 }
 
 /** A rename is safe on disk only when its folder is. Not all file systems can do that, and the file itself is safe. */
@@ -107,6 +153,9 @@ bool output_file_close(output_file *file, bool commit, evl_error *error)
     bool good =
         fsync(file->descriptor) == 0 || errno == EINVAL || output_file_refuse(file->partial_path, errno, NULL, error);
     if (good && commit) {
+        good = has_name(file) || output_file_refuse(file->partial_path, EWOULDBLOCK, NULL, error);
+    }
+    if (good && commit) {
         good = rename(file->partial_path, file->path) == 0 || output_file_refuse(file->path, errno, NULL, error);
     }
     if (good && commit) {
@@ -118,13 +167,21 @@ bool output_file_close(output_file *file, bool commit, evl_error *error)
 
 void output_file_drop(output_file *file, bool remove)
 {
+    if (file->is_hidden) { /* perhaps it can be read */
+        (void)rename(file->fresh_path, file->partial_path);
+    }
     if (remove) {
         (void)unlink(file->partial_path);
     }
     if (file->descriptor >= 0) {
         (void)close(file->descriptor);
     }
+    if (file->fresh_descriptor >= 0) {
+        (void)unlink(file->fresh_path);
+        (void)close(file->fresh_descriptor);
+    }
     free(file->path);
     free(file->partial_path);
-    *file = (output_file){.descriptor = -1};
+    free(file->fresh_path);
+    *file = (output_file){.descriptor = -1, .fresh_descriptor = -1};
 }

@@ -1,5 +1,6 @@
 #include "files/scales_hdf5.h"
 
+#include "files/netcdf_common_hdf5.h"
 #include "files/netcdf_hdf5.h"
 
 #include <hdf5_hl.h>
@@ -31,8 +32,7 @@ bool scales_attach(netcdf_file *file, hid_t dataset, int rank, dimension_scale *
         }
         scale->users[scale->n_users++] = (scale_user){.dataset = reference, .axis = i};
     }
-    CLOSED const hid_t type = H5Tvlen_create(H5T_STD_REF_OBJ);
-    return netcdf_put(file, dataset, "DIMENSION_LIST", type, rank, list);
+    return netcdf_add(file, dataset, "DIMENSION_LIST", netcdf_kept.references, rank, list);
 }
 
 bool scale_list_users(netcdf_file *file, dimension_scale *scale)
@@ -40,11 +40,8 @@ bool scale_list_users(netcdf_file *file, dimension_scale *scale)
     if (scale->n_users == scale->n_listed) {
         return true;
     }
-    CLOSED const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(scale_user));
-    if (H5Tinsert(type, "dataset", HOFFSET(scale_user, dataset), H5T_STD_REF_OBJ) < 0 ||
-        H5Tinsert(type, "dimension", HOFFSET(scale_user, axis), H5T_NATIVE_INT) < 0) {
-        return netcdf_fail(file);
-    }
+    const bool is_first = scale->n_listed == 0;
     scale->n_listed = scale->n_users;
-    return netcdf_put(file, scale->dataset, "REFERENCE_LIST", type, scale->n_users, scale->users);
+    return (is_first ? netcdf_add : netcdf_put)(file, scale->dataset, "REFERENCE_LIST", netcdf_kept.users,
+                                                scale->n_users, scale->users);
 }

@@ -1,7 +1,5 @@
-/** Rows of numbers along one growing dimension, buffered in memory and written a chunk at a time.
- *
- *  The variables are created with the first write, because only then is it known whether the rows are many: a short
- *  series gets chunks of its own length. */
+/** Rows of numbers along one growing dimension, held in memory by columns. While all of them are there they can be written as a
+ *  whole, as often as one likes; when they are too many, the variables grow in a file from block to block. */
 #pragma once
 
 #include "files/netcdf_hdf5.h"
@@ -11,34 +9,44 @@
 typedef struct {
     netcdf_variable variable;
     int offset, count; /**< place in a row */
-    hid_t dataset;
-    void *block; /**< [capacity * count] double or int, part of the series' block */
+    hid_t dataset;     /**< of a growing variable */
+    void *block;       /**< [capacity * count] double or int, part of the series' block */
 } series_column;
 
 typedef struct {
     netcdf_file *file;
-    hid_t group;
     netcdf_dimension dimension; /**< the growing one; column 0 is its coordinate */
     int n_columns;
     series_column *columns;
-    void *block;     /**< of all columns */
-    size_t capacity; /**< rows of the block in memory, and of a chunk */
-    size_t filled;   /**< rows in the block */
-    size_t written;  /**< those of them that are on file as well */
-    hsize_t first;   /**< index of the block's first row */
-    bool is_defined;
+    void *block;        /**< of all columns */
+    size_t capacity;    /**< rows of the block */
+    size_t filled;      /**< rows in the block */
+    size_t written;     /**< those of them that are on file as well, of a series that grows there */
+    hsize_t first;      /**< index of the block's first row */
+    hsize_t limit;      /**< the most rows there can be; 0 if that is not known */
+    hsize_t chunk_rows; /**< of a variable that grows */
 } series;
 
-/** An empty series in a group, with room for n_columns.
+/** An empty series with room for n_columns.
  *  @param limit  the most rows it can get; 0 if that is not known */
-void series_init(series *rows, netcdf_file *file, hid_t group, int n_columns, hsize_t limit);
-/** Add the next column; the first is the coordinate.
+void series_init(series *rows, netcdf_file *file, memory_pool *pool, int n_columns, hsize_t limit);
+/** Add the next column; the first is the coordinate, which is no part of a row.
  *  @param variable  its dimensions are those besides the growing one
  *  @param offset    of its `count` values in a row */
 void series_add_column(series *rows, const netcdf_variable *variable, int offset, int count);
 /** After the last column: take memory for at most max_rows rows, fewer if they need more than a few megabytes. */
 void series_start(series *rows, size_t max_rows);
-/** Add one row; integers as whole doubles. */
-bool series_append(series *rows, const double *row);
-/** Put on file what is only in memory. `is_last`: no more rows will follow. */
-bool series_write(series *rows, bool is_last);
+void series_free(series *rows);
+
+/** Take rows, integers as whole doubles, as far as there is room: value v of row k is values[v * stride + k].
+ *  @return how many of them were taken; -1 if an integer is none */
+int series_append(series *rows, int n, const double *places, const double *values, int stride);
+/** More room for a series of which no row is on file. @return false if it would be too much: it has to grow on file */
+bool series_make_room(series *rows);
+
+/** Define all variables in a group with all rows, and write them. Every row is in the block, and stays there. */
+bool series_put_whole(series *rows, hid_t group);
+/** Define all variables in a group, to grow there. */
+bool series_begin(series *rows, hid_t group);
+/** Put on file what is only in memory; a full block is empty then. */
+bool series_write(series *rows);

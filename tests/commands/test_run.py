@@ -276,6 +276,25 @@ def test_an_interrupted_run_leaves_what_it_has_and_says_why(
     assert (tmp_path / "paper.h5").read_text() == "older"
 
 
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_a_killed_run_leaves_whole_rows_that_readers_of_netcdf_open(
+    executable: Path, case: Path, tmp_path: Path, engine: str
+) -> None:
+    partial = tmp_path / "paper.h5.partial"
+    with running([executable, "run", "-q", case, *ENDLESS], tmp_path) as process:
+        wait_for(lambda: partial.exists() and partial.stat().st_size > 0)
+        process.kill()
+    with xr.open_dataset(partial, engine=engine) as history:
+        history.load()
+        assert history.attrs["status"] == "running"
+        assert history.sizes["time"] > 1
+        assert np.all(np.diff(history.time) > 0.0)
+        assert np.all(np.isfinite(history.angular_velocity))
+        assert history.wheel.values.tolist() == ["pinion", "gear"]
+    with xr.open_dataset(partial, engine=engine, group="events") as events:
+        assert np.all(np.isfinite(events.load().time))
+
+
 def test_a_failed_run_names_time_value_and_limit_and_keeps_the_history_up_to_there(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:

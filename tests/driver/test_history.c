@@ -60,6 +60,8 @@ static int remove_place(void **state)
     return 0;
 }
 
+static double flush_interval = 0; /* of all runs: the usual one */
+
 static history *create(const char *path, evl_error *error)
 {
     static const history_attribute attributes[] = {{.key = "title", .text = "a test"},
@@ -75,6 +77,7 @@ static history *create(const char *path, evl_error *error)
                                    .states = states,
                                    .n_event_kinds = 2,
                                    .event_kinds = kinds,
+                                   .flush_interval = flush_interval,
                                    .n_attributes = 2,
                                    .attributes = attributes};
     return history_create(&layout, error);
@@ -344,6 +347,38 @@ static void the_same_run_gives_the_same_file_to_the_byte(void **state)
     free(second);
 }
 
+static void flushes_on_the_way_change_no_byte_of_a_run_whose_rows_are_held(void **state)
+{
+    const place *place = *state;
+    unsigned char *first, *second;
+    size_t n, m;
+    write_run(place, 30, 5, true);
+    read_bytes(place->path, &first, &n);
+    flush_interval = 1e-9; /* with each row and event */
+    write_run(place, 30, 5, true);
+    flush_interval = 0;
+    read_bytes(place->path, &second, &m);
+    assert_int_equal(n, m);
+    assert_memory_equal(first, second, n);
+    free(first);
+    free(second);
+}
+
+static void rows_that_are_held_can_be_read_after_a_flush(void **state)
+{
+    const place *place = *state;
+    evl_error error = {.code = EVL_EXIT_OK};
+    flush_interval = 1e-9; /* with each row */
+    history *history = create(place->path, &error);
+    flush_interval = 0;
+    for (long i = 0; i < 20; i++) {
+        assert_true(append(history, i, &error));
+        check_rows(place->partial, i + 1);
+    }
+    assert_true(close_as(&history, true, "done", &error));
+    check_rows(place->path, 20);
+}
+
 static void a_short_run_makes_a_small_file(void **state)
 {
     const place *place = *state;
@@ -477,6 +512,8 @@ int main(void)
         TEST(no_finals_change_nothing),
         TEST(only_a_commit_replaces_an_older_file),
         TEST(the_same_run_gives_the_same_file_to_the_byte),
+        TEST(flushes_on_the_way_change_no_byte_of_a_run_whose_rows_are_held),
+        TEST(rows_that_are_held_can_be_read_after_a_flush),
         TEST(a_short_run_makes_a_small_file),
         TEST(a_path_that_cannot_be_written_is_refused_with_its_reason),
         TEST(a_second_run_to_the_same_name_is_refused_while_the_first_writes),

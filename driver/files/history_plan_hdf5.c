@@ -1,0 +1,100 @@
+/* What a history is to have, before there is a file. */
+#include "base/words.h"
+#include "files/history_head_hdf5.h"
+
+#include <stdlib.h>
+
+enum { ROWS = 8192, EVENT_ROWS = 256 };
+
+static void keep_layout(history *history, const history_layout *given)
+{
+    memory_pool *pool = &history->pool;
+    history_layout *layout = &history->layout;
+    *layout = *given;
+    history_attribute *attributes = pool_calloc(pool, (size_t)given->n_attributes, sizeof *attributes);
+    for (int i = 0; i < given->n_attributes; i++) {
+        attributes[i] = given->attributes[i];
+        attributes[i].text = attributes[i].text == NULL ? NULL : pool_copy(pool, attributes[i].text);
+    }
+    history_coordinate *coordinates = pool_calloc(pool, (size_t)given->n_coordinates, sizeof *coordinates);
+    for (int i = 0; i < given->n_coordinates; i++) {
+        const size_t n = (size_t)given->coordinates[i].n;
+        coordinates[i] = given->coordinates[i];
+        coordinates[i].values = pool_grow(pool, coordinates[i].values, n, n, sizeof(double));
+    }
+    layout->attributes = attributes;
+    layout->coordinates = coordinates;
+}
+
+static void plan_times(history *history)
+{
+    series *times = &history->times;
+    const history_layout *layout = &history->layout;
+    const history_coordinate *axis = &layout->axis;
+    series_init(times, &history->netcdf, &history->pool, 1 + layout->n_outputs, (hsize_t)layout->max_rows);
+    const netcdf_variable variable =
+        netcdf_describe(NETCDF_REAL, axis->name, axis->units, axis->symbol, axis->long_name);
+    series_add_column(times, &variable, 0, 1);
+    for (int i = 0; i < layout->n_outputs; i++) {
+        const model_output *output = &layout->outputs[i];
+        if (!output->is_static && output->count > 0) {
+            const netcdf_variable variable = dimensions_describe(&history->dimensions, output);
+            series_add_column(times, &variable, output->offset, output->count);
+        }
+    }
+    series_start(times, ROWS);
+}
+
+static void plan_events(history *history)
+{
+    series *events = &history->events;
+    memory_pool *pool = &history->pool;
+    const history_layout *layout = &history->layout;
+    const netcdf_variable number =
+        netcdf_describe(NETCDF_INTEGER, "event", "1", "event", "number of the event, from 0");
+    netcdf_variable columns[EVENT_STATES] = {
+        [EVENT_TIME] = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
+        [EVENT_KIND] = netcdf_describe(NETCDF_INTEGER, "kind", "1", "kind", "what happened"),
+        [EVENT_MESH] =
+            netcdf_describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if it concerns none"),
+        [EVENT_FLANK] =
+            netcdf_describe(NETCDF_INTEGER, "flank", "1", "flank", "0 drive, 1 coast, -1 if it concerns no mesh"),
+        [EVENT_TOOTH_PAIR] = netcdf_describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
+                                             "pitches since the start, after the event; -1 if it concerns no mesh"),
+    };
+    OWNED char *kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
+    columns[EVENT_KIND].n_flags = layout->n_event_kinds;
+    columns[EVENT_KIND].flag_meanings = pool_copy(pool, kinds);
+    series_init(events, &history->netcdf, pool, 1 + EVENT_STATES + layout->n_states, 0);
+    series_add_column(events, &number, 0, 1);
+    for (int i = 0; i < EVENT_STATES; i++) {
+        series_add_column(events, &columns[i], i, 1);
+    }
+    for (int i = 0; i < layout->n_states; i++) {
+        const char *state = pool_copy(pool, layout->states[i].name), *units = pool_copy(pool, layout->states[i].units);
+        const char *long_name = pool_printf(pool, "state %s on both sides of the event", state);
+        netcdf_variable variable = netcdf_describe(NETCDF_REAL, state, units, state, long_name);
+        variable.rank = 1;
+        variable.dimensions[0] = &history->side;
+        series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);
+    }
+    series_start(events, EVENT_ROWS);
+    history->event_row = pool_calloc(pool, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
+}
+
+void history_plan(history *history, const history_layout *given)
+{
+    const history_layout *layout = &history->layout;
+    keep_layout(history, given);
+    history->has_events = layout->n_coordinates == 0;
+    for (int i = 0; i < layout->n_outputs; i++) {
+        const int end = layout->outputs[i].offset + layout->outputs[i].count;
+        history->n_values = end > history->n_values ? end : history->n_values;
+    }
+    history->statics = pool_calloc(&history->pool, (size_t)history->n_values, sizeof *history->statics);
+    dimensions_name(&history->dimensions, layout->n_coordinates, layout->coordinates);
+    plan_times(history);
+    if (history->has_events) {
+        plan_events(history);
+    }
+}

@@ -1,0 +1,105 @@
+#include "files/netcdf_common_hdf5.h"
+
+#include "files/scales_hdf5.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+netcdf_common netcdf_kept;
+
+/* After a failed write the library could not clean up at exit, and would crash; and a lock of its own would meet that of the
+ * caller, who holds one before the file is emptied. */
+void netcdf_prepare_library(void)
+{
+    (void)H5dont_atexit();
+    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+}
+
+/** Reproducible files: members in order of creation, as netCDF wants them, and no times. */
+static bool set_group_properties(hid_t properties)
+{
+    const unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+    return H5Pset_link_creation_order(properties, order) >= 0 && H5Pset_obj_track_times(properties, 0) >= 0;
+}
+
+/** Descriptions of variables stay in memory from one flush to the next: written in between, as room for others is needed, they
+ *  would be of other rows than the rest of the file, and a killed run's file could not be read. Rows are not among them. */
+static bool hold_metadata(hid_t access)
+{
+    H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
+    if (H5Pget_mdc_config(access, &config) < 0) {
+        return false;
+    }
+    config.evictions_enabled = false;
+    config.incr_mode = H5C_incr__off;
+    config.flash_incr_mode = H5C_flash_incr__off;
+    config.decr_mode = H5C_decr__off;
+    return H5Pset_mdc_config(access, &config) >= 0;
+}
+
+static bool prepare_files(void)
+{
+    netcdf_common *kept = &netcdf_kept;
+    kept->file_access = H5Pcreate(H5P_FILE_ACCESS);
+    kept->file_create = H5Pcreate(H5P_FILE_CREATE);
+    kept->group_create = H5Pcreate(H5P_GROUP_CREATE);
+    /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. A sieve would
+     * be 64 kilobytes, zeroed, for each variable, which is written all at once. */
+    return kept->file_access >= 0 && kept->file_create >= 0 && kept->group_create >= 0 &&
+           H5Pset_libver_bounds(kept->file_access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
+           H5Pset_fclose_degree(kept->file_access, H5F_CLOSE_STRONG) >= 0 &&
+           H5Pset_sieve_buf_size(kept->file_access, 1) >= 0 && hold_metadata(kept->file_access) &&
+           set_group_properties(kept->file_create) && set_group_properties(kept->group_create);
+}
+
+/** How variables are stored; a growing one gets its chunks when it is created. */
+static bool prepare_stores(void)
+{
+    const double missing = NAN;
+    netcdf_common *kept = &netcdf_kept;
+    /* Rows come in order, and many at a time: a cache would only cost memory, a megabyte a variable, and to fill their place
+     * beforehand would only cost a copy of each. */
+    kept->access = H5Pcreate(H5P_DATASET_ACCESS);
+    bool good = kept->access >= 0 && H5Pset_chunk_cache(kept->access, 1, 0, 1.0) >= 0;
+    for (int store = 0; store < N_STORES; store++) {
+        for (int is_real = 0; is_real < 2; is_real++) {
+            const hid_t creation = kept->creation[store][is_real] = H5Pcreate(H5P_DATASET_CREATE);
+            good = good && creation >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
+                   (store != STORE_COMPACT || H5Pset_layout(creation, H5D_COMPACT) >= 0) &&
+                   (store != STORE_GROWING || H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER) >= 0) &&
+                   (!is_real || H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0);
+        }
+    }
+    return good;
+}
+
+static bool prepare_types(void)
+{
+    const hsize_t one = 1;
+    netcdf_common *kept = &netcdf_kept;
+    kept->text = H5Tcopy(H5T_C_S1);
+    kept->references = H5Tvlen_create(H5T_STD_REF_OBJ);
+    kept->users = H5Tcreate(H5T_COMPOUND, sizeof(scale_user));
+    kept->scalar = H5Screate(H5S_SCALAR);
+    kept->one = H5Screate_simple(1, &one, NULL);
+    kept->transfer = H5Pcreate(H5P_DATASET_XFER);
+    return kept->text >= 0 && kept->references >= 0 && kept->users >= 0 && kept->scalar >= 0 && kept->one >= 0 &&
+           kept->transfer >= 0 && H5Pset_buffer(kept->transfer, 16 * 1024, NULL, NULL) >= 0 &&
+           H5Tset_size(kept->text, H5T_VARIABLE) >= 0 && H5Tset_cset(kept->text, H5T_CSET_UTF8) >= 0 &&
+           H5Tinsert(kept->users, "dataset", HOFFSET(scale_user, dataset), H5T_STD_REF_OBJ) >= 0 &&
+           H5Tinsert(kept->users, "dimension", HOFFSET(scale_user, axis), H5T_NATIVE_INT) >= 0;
+}
+
+bool netcdf_prepare(void)
+{
+    const int kilobytes = 64 * 1024; /* of a kind of memory that the library may hoard */
+    if (netcdf_kept.is_ready) {
+        return true;
+    }
+    netcdf_prepare_library();
+    netcdf_kept.is_ready =
+        H5open() >= 0 && H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0 &&
+        H5set_free_list_limits(kilobytes, kilobytes, kilobytes, kilobytes, kilobytes, kilobytes) >= 0 &&
+        prepare_types() && prepare_files() && prepare_stores();
+    return netcdf_kept.is_ready;
+}
