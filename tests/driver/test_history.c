@@ -299,6 +299,31 @@ static void finals_are_read_back_with_their_attributes(void **state)
     (void)H5Fclose(file);
 }
 
+static void rows_that_come_together_are_those_that_come_one_by_one(void **state)
+{
+    const place *place = *state;
+    enum { STRIDE = 8, N_ROWS = 9000 };
+    double constants[N_VALUES], places[STRIDE], values[N_VALUES * STRIDE], row[N_VALUES];
+    evl_error error = {.code = EVL_EXIT_OK};
+    history *history = create(place->path, &error);
+    fill_values(0, constants);
+    history_put_statics(history, constants);
+    for (long first = 0, n = 0; first < N_ROWS; first += n) {
+        n = 1 + first % STRIDE; /* 1 to 8, held ones and others: 8192 is none of their beginnings */
+        n = n < N_ROWS - first ? n : N_ROWS - first;
+        for (long k = 0; k < n; k++) {
+            places[k] = 1e-3 * (double)(first + k);
+            fill_values(first + k, row);
+            for (int i = 0; i < N_VALUES; i++) {
+                values[i * STRIDE + k] = i < 2 ? -1 : row[i]; /* constants have been given */
+            }
+        }
+        assert_true(history_append_rows(history, (int)n, places, values, STRIDE, &error));
+    }
+    assert_true(close_as(&history, true, "done", &error));
+    check_rows(place->path, N_ROWS);
+}
+
 static void no_finals_change_nothing(void **state)
 {
     const place *place = *state;
@@ -509,6 +534,7 @@ int main(void)
         TEST(events_keep_both_sides_of_the_state),
         TEST(every_axis_is_attached_to_its_dimension_in_the_eyes_of_hdf5),
         TEST(finals_are_read_back_with_their_attributes),
+        TEST(rows_that_come_together_are_those_that_come_one_by_one),
         TEST(no_finals_change_nothing),
         TEST(only_a_commit_replaces_an_older_file),
         TEST(the_same_run_gives_the_same_file_to_the_byte),
