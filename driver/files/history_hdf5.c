@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /** Until the first flush, and from one to the next. */
 static const double first_flush = 2, flush_interval = 5; /* s */
@@ -28,6 +29,21 @@ static bool is_had(history *history, int system_error)
     return system_error == 0;
 }
 
+/** Seconds by which flushes go. One of held rows writes all of them, and it is work that a killed run loses: there the processor's
+ *  time counts, however busy the machine is. */
+static double flush_clock(const history *history)
+{
+    const bool is_dear = !history->grows && history->layout.flush_interval <= 0;
+    return is_dear ? (double)clock() / CLOCKS_PER_SEC : clock_seconds();
+}
+
+static void plan_flush(history *history, double usual)
+{
+    const double given = history->layout.flush_interval, interval = given > 0 ? given : usual;
+    history->due = flush_clock(history) + interval;
+    history->next_look = clock_seconds() + interval;
+}
+
 static void free_history(history *history)
 {
     series_free(&history->times);
@@ -45,8 +61,8 @@ history *history_create(const history_layout *layout, evl_error *error)
     }
     history *history = xcalloc(1, sizeof *history);
     history->file = file;
-    history->next_flush = clock_seconds() + (layout->flush_interval > 0 ? layout->flush_interval : first_flush);
     history_plan(history, layout);
+    plan_flush(history, first_flush);
     return history;
 }
 
@@ -87,6 +103,7 @@ static bool write_series(history *history)
 static bool start_growing(history *history)
 {
     history->grows = true;
+    plan_flush(history, flush_interval);
     return begin_file(history) && put_first_attributes(history) && series_begin(&history->times, history->netcdf.id) &&
            (!history->has_events || series_begin(&history->events, history->events_group)) && write_series(history) &&
            history_finish(history) && netcdf_flush(&history->netcdf) &&
@@ -100,15 +117,21 @@ static bool flush_in_place(history *history)
            netcdf_flush(&history->netcdf) && is_had(history, output_file_show(&history->file));
 }
 
-/** From time to time, so that most of a killed run can be read. */
+/** From time to time, so that most of a killed run can be read. The processor's clock is dear, and never before the other. */
 static bool flush_if_due(history *history)
 {
-    const double now = clock_seconds(), given = history->layout.flush_interval;
-    if (now < history->next_flush) {
+    const double now = clock_seconds();
+    if (now < history->next_look) {
         return true;
     }
-    history->next_flush = now + (given > 0 ? given : flush_interval);
-    return history->grows ? flush_in_place(history) : put_snapshot(history);
+    const double left = history->due - flush_clock(history);
+    if (left > 0) {
+        history->next_look = now + left;
+        return true;
+    }
+    const bool good = history->grows ? flush_in_place(history) : put_snapshot(history);
+    plan_flush(history, flush_interval);
+    return good;
 }
 
 /* ---- rows ---- */

@@ -26,7 +26,8 @@ struct history {
     double *statics;   /**< [n_values] */
     double *event_row; /**< [EVENT_STATES + 2 n_states] */
     long long n_events;
-    double next_flush; /**< clock [s] */
+    double due;       /**< of the next flush, by its clock [s] */
+    double next_look; /**< at that clock, by the usual one [s] */
 };
 
 /** Keep the layout, and plan the series. */
