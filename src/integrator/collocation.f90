@@ -86,17 +86,23 @@ contains
       real(wp), intent(in) :: tau(lanes)
       real(wp), intent(out) :: matrix(lanes, lanes)
       real(wp) :: product(lanes)
-      integer :: k
+      integer :: k, l
 
       product = 1
       do k = 1, lanes
-         matrix(:, k) = product*barycentric(k)
-         product = product*(tau - node(k))
+         !$omp simd
+         do l = 1, lanes
+            matrix(l, k) = product(l)*barycentric(k)
+            product(l) = product(l)*(tau(l) - node(k))
+         end do
       end do
       product = 1
       do k = lanes, 1, -1
-         matrix(:, k) = matrix(:, k)*product
-         product = product*(tau - node(k))
+         !$omp simd
+         do l = 1, lanes
+            matrix(l, k) = matrix(l, k)*product(l)
+            product(l) = product(l)*(tau(l) - node(k))
+         end do
       end do
    end subroutine lagrange_matrix
 

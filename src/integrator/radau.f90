@@ -95,6 +95,7 @@ module evl_radau
       logical, private :: matrix_may_stay = .false. !! and so are the factors, if the step is the same
       logical, private :: restarted = .true.  !! nothing is known of the step from here on
       logical, private :: rejected = .true.   !! the step is repeated, or is the first one
+      type(status_t), private :: refusal      !! of the last try that the model had no answer for: to make one anew takes long
       type(radau_counts), private :: counts
    end type radau_t
 
@@ -300,7 +301,6 @@ contains
       integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
       type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model has no answer for any step, in its words;
                                               !! `code_no_solution`: the step became too small; else the model's
-      type(status_t) :: why
       type(step_control_t) :: failed
       real(wp) :: h, h_wanted, h_most, error
       logical :: to_stop, done, refused
@@ -343,7 +343,7 @@ contains
             if (status%code /= code_out_of_domain) return
             self%h = h/4
             refused = .true.
-            why = status
+            self%refusal = status
             call clear(status)
          end if
          self%rejected = .true.
@@ -352,7 +352,7 @@ contains
          self%counts%rejections = self%counts%rejections + 1
       end do
       if (refused) then
-         status = why
+         status = self%refusal
          return
       end if
       call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &

@@ -10,7 +10,7 @@
 !> polynomial's is, and one iteration is often enough. In a linear model with constant coefficients it is exact.
 submodule(evl_stage_solver) evl_stage_predictions
    use evl_collocation, only: lagrange_matrix
-   use evl_stage_transforms, only: continue_polynomial, linear_residual, start_stages
+   use evl_stage_transforms, only: begin_with_change, continue_polynomial, linear_residual, start_stages
    implicit none (type, external)
 
 contains
@@ -48,13 +48,10 @@ contains
 
    !> Start Newton from the linear model z' = f(start) + J z: an iteration from nothing, with the same f at all stages.
    module procedure predict_linearly
-      real(wp) :: square
-
-      call predict_nothing(self, y)
       call linear_residual(self%integrals%n_coupled, self%start, self%change)
       call solve_systems(self)
-      call add_change(self%integrals%n_coupled, shift_re/h, shift_im/h, y, self%weight, self%change, self%shifted, self%z, &
-                      self%y, square)
+      call begin_with_change(self%n, self%integrals%n_coupled, shift_re/h, shift_im/h, y, self%change, self%shifted, self%z, &
+                             self%y)
       self%linear%is_used = .true.
    end procedure predict_linearly
 

@@ -8,7 +8,7 @@ module evl_stage_transforms
    implicit none (type, external)
    private
 
-   public :: continue_polynomial, linear_residual, start_stages
+   public :: begin_with_change, continue_polynomial, linear_residual, start_stages
    public :: residual, add_change, change_of_stages, integrate, of_stages
 
    real(wp), parameter :: re(n_systems, lanes) = spread(shift_re, 2, lanes), im(n_systems, lanes) = spread(shift_im, 2, lanes)
@@ -124,6 +124,33 @@ contains
       end do
       square = ((total(1) + total(2)) + (total(3) + total(4))) + ((total(5) + total(6)) + (total(7) + total(8)))
    end subroutine add_change
+
+   !> The same where nothing was predicted before: the change is all there is.
+   pure subroutine begin_with_change(n, n_coupled, re, im, y, dw, shifted, z, stage_y)
+      integer, intent(in) :: n, n_coupled
+      real(wp), intent(in) :: re(n_systems), im(n_systems) !! eigenvalues over h
+      real(wp), intent(in) :: y(n)
+      real(wp), intent(in) :: dw(lanes, n_coupled)
+      real(wp), intent(out) :: shifted(lanes, n_coupled), z(lanes, n_coupled)
+      real(wp), intent(out) :: stage_y(lanes, n) !! integrals count as constant until the others are known
+      integer :: i, l
+
+      do i = 1, n_coupled
+         !$omp simd
+         do l = 1, lanes
+            z(l, i) = of_systems(to_stage, l, dw(:, i))
+            stage_y(l, i) = y(i) + z(l, i)
+         end do
+         !$omp simd
+         do l = 1, n_systems
+            shifted(l, i) = re(l)*dw(l, i) - im(l)*dw(l + n_systems, i)
+            shifted(l + n_systems, i) = im(l)*dw(l, i) + re(l)*dw(l + n_systems, i)
+         end do
+      end do
+      do i = n_coupled + 1, n
+         stage_y(:, i) = y(i)
+      end do
+   end subroutine begin_with_change
 
    !> Change of the increments, from that of what is transformed.
    pure subroutine change_of_stages(n, dw, dz)
