@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = h5py.string_dtype()
+SEAL = b"evolvent-seal"
 TIMINGS = ("cpu_time", "at")  # what differs between two runs of one case
 
 
@@ -41,26 +42,21 @@ def write_design(
     every: int = 1,
     **attributes: object,
 ) -> Path:
-    """Write a design as `evolvent-sweep plan` does; `attributes` replace its own, None: none."""
+    """Write a design as another program than `evolvent-sweep` does; `attributes` replace its own, None: none."""
     n = len(next(iter(columns.values())))
     case = paper_case() if case is None else case
-    key = repr((case, dict(columns), window, histories, every))
     all_attributes: dict[str, object] = {
         "evolvent_design_format": 1,
         "evolvent_version": version(),
         "title": "a test",
         "case": case,
-        "hash": hashlib.sha256(key.encode()).hexdigest(),
         "window": np.array(window),
         "history_variables": histories,
         "history_every": every,
         "n_cases": np.int64(n),
-        "plan": "lists",
-        "method": "list",
-        "seed": 0,
         **attributes,
     }
-    with h5py.File(path, "w") as file:
+    with h5py.File(path, "w", userblock_size=512) as file:
         for name, value in all_attributes.items():
             if value is not None:
                 file.attrs[name] = value
@@ -73,7 +69,20 @@ def write_design(
                 dtype=TEXT if is_text else None,
             )
             column.attrs.update({"path": where, "name": f"x{i}", "units": "1"})
+    seal(path)
     return path
+
+
+def seal(path: Path, at_end: bool = False) -> None:
+    """Write the check sum of a file as docs/result_format.md describes it, anew if it has one."""
+    content = path.read_bytes()
+    if at_end:
+        content = content[:-64] if content[-64:].startswith(SEAL) else content
+    else:
+        content = content[64:]
+    line = SEAL + f" 1 crc32 {zlib.crc32(content):08x} of {len(content)} bytes".encode()
+    line = line.ljust(63) + b"\n"
+    path.write_bytes(content + line if at_end else line + content)
 
 
 @dataclass(frozen=True)

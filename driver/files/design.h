@@ -23,7 +23,8 @@ typedef struct {
 
 typedef struct {
     memory_pool pool; /**< of all but texts in columns */
-    char *file, *hash;
+    char *file;
+    char *hash;              /**< identity of its results, of all that decides them */
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */
     char *numbers;           /**< over whole periods that are wanted, separated by blanks; "" if none are */

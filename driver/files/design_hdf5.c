@@ -1,7 +1,10 @@
 #include "files/design.h"
 
+#include "base/log.h"
 #include "base/number.h"
+#include "files/design_hash.h"
 #include "files/netcdf_hdf5.h"
+#include "files/seal.h"
 
 #include <errno.h>
 #include <evolvent_version.h>
@@ -59,7 +62,6 @@ static bool read_head(const reader *reader, design *design)
 {
     long long n_cases = 0, every = 1, rows = 0;
     if (!check_maker(reader) || !need_text(reader, "case", &design->pool, &design->base_case) ||
-        !need_text(reader, "hash", &design->pool, &design->hash) ||
         !need_text(reader, "history_variables", &design->pool, &design->history_variables)) {
         return false;
     }
@@ -87,9 +89,6 @@ static bool read_head(const reader *reader, design *design)
         (!netcdf_get_numbers(reader->file, "history_rows", H5T_NATIVE_LLONG, 1, &rows) || rows < 0 ||
          rows > 1000000000)) {
         return refuse(reader, "history_rows", "this attribute of the design is no count");
-    }
-    if (design->hash[0] == '\0' || strpbrk(design->hash, "\n\"\\") != NULL) {
-        return refuse(reader, "hash", "is no hash");
     }
     design->n_cases = (long)n_cases;
     design->history_every = (long)every;
@@ -158,6 +157,38 @@ static bool read_columns(const reader *reader, design *design)
 
 /* ---- the file ---- */
 
+/** Before the library sees it: it takes what is damaged at its word. */
+static bool check_seal(const reader *reader)
+{
+    switch (seal_check(reader->path)) {
+    case SEAL_HOLDS:
+        return true;
+    case SEAL_NONE:
+        log_warning("%s: has no check sum, so that damage would not be noticed; evolvent-sweep plan writes one",
+                    reader->path);
+        return true;
+    case SEAL_BROKEN:
+        return refuse(
+            reader, "",
+            "is damaged, or was changed: its check sum is wrong; take a copy that is whole, or plan it again");
+    case SEAL_UNREADABLE:
+        break;
+    }
+    return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
+}
+
+/** The name that results are known by; evolvent-sweep wrote down what it was. */
+static bool find_hash(const reader *reader, design *design)
+{
+    char *plan = netcdf_get_text(reader->file, "plan", &design->pool);
+    char *given = netcdf_get_text(reader->file, "hash", &design->pool);
+    const bool is_ours = plan != NULL && plan[0] != '\0';
+    design->hash = pool_calloc(&design->pool, SHA256_TEXT, 1);
+    design_hash(design, is_ours || given == NULL ? "" : given, design->hash);
+    return !is_ours || (given != NULL && strcmp(given, design->hash) == 0) ||
+           refuse(reader, "", "its values do not fit its hash; it was changed: plan it again");
+}
+
 design *design_read(const char *path, evl_error *error)
 {
     memset(error, 0, sizeof *error);
@@ -165,12 +196,16 @@ design *design_read(const char *path, evl_error *error)
         (void)evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
         return NULL;
     }
+    reader reader = {.path = path, .error = error};
+    if (!check_seal(&reader)) {
+        return NULL;
+    }
     CLOSED const hid_t file = netcdf_open(path);
-    const reader reader = {.path = path, .file = file, .error = error};
+    reader.file = file;
     design *design = xcalloc(1, sizeof *design);
     design->file = pool_copy(&design->pool, path);
     const bool is_open = file >= 0 || refuse(&reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
-    if (!is_open || !read_head(&reader, design) || !read_columns(&reader, design)) {
+    if (!is_open || !read_head(&reader, design) || !read_columns(&reader, design) || !find_hash(&reader, design)) {
         design_delete(&design);
     }
     return design;

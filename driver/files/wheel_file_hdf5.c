@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "files/netcdf_hdf5.h"
+#include "files/seal.h"
 
 #include <errno.h>
 #include <evolvent_version.h>
@@ -15,25 +16,15 @@ enum { FORMAT = 1 };
 
 /* ---- what a file is recognised by ---- */
 
-/** FNV-1a over the bits of numbers, on from a hash. */
-static unsigned long long hash_on(unsigned long long hash, int n, const double *numbers)
+/** FNV-1a over the bits of numbers. */
+unsigned long long wheel_file_hash(const wheel_numbers *wheel)
 {
-    const unsigned char *bytes = (const unsigned char *)numbers;
-    for (size_t i = 0; i < (size_t)n * sizeof *numbers; i++) {
+    unsigned long long hash = 0xcbf29ce484222325ULL;
+    const unsigned char *bytes = (const unsigned char *)wheel->key;
+    for (size_t i = 0; i < (size_t)wheel->n_key * sizeof *wheel->key; i++) {
         hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
     }
     return hash;
-}
-
-unsigned long long wheel_file_hash(const wheel_numbers *wheel)
-{
-    return hash_on(0xcbf29ce484222325ULL, wheel->n_key, wheel->key);
-}
-
-/** Of all numbers: the library has no check sum of them. */
-static long long check_sum(const wheel_numbers *wheel)
-{
-    return (long long)hash_on(wheel_file_hash(wheel), wheel->n, wheel->numbers);
 }
 
 /* ---- writing ---- */
@@ -47,7 +38,6 @@ static bool put_numbers(netcdf_file *file, const char *name, int n, const double
 static bool fill_file(netcdf_file *file, const wheel_numbers *wheel)
 {
     return netcdf_put_integer(file, file->id, "evolvent_wheel_format", FORMAT) &&
-           netcdf_put_integer(file, file->id, "check", check_sum(wheel)) &&
            netcdf_put_text(file, file->id, "evolvent_version", EVOLVENT_VERSION) &&
            put_numbers(file, "key", wheel->n_key, wheel->key) && put_numbers(file, "numbers", wheel->n, wheel->numbers);
 }
@@ -71,7 +61,7 @@ static bool write_partial(const char *partial, int descriptor, const wheel_numbe
         return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s; make room, then go on with --resume",
                              file.reason);
     }
-    return (open_to_others(descriptor) && (fsync(descriptor) == 0 || errno == EINVAL)) ||
+    return (seal_put(descriptor) && open_to_others(descriptor) && (fsync(descriptor) == 0 || errno == EINVAL)) ||
            evl_error_set_unwritten(error, path);
 }
 
@@ -117,14 +107,10 @@ static const char *find_fault(hid_t file, const wheel_numbers *wheel)
 {
     OWNED double *key = xcalloc((size_t)wheel->n_key, sizeof *key);
     if (!has_integer(file, "evolvent_wheel_format", FORMAT)) {
-        return "is no compliance of a wheel, or damaged";
+        return "is no compliance of a wheel";
     }
     if (!get_numbers(file, "key", wheel->n_key, key) || !get_numbers(file, "numbers", wheel->n, wheel->numbers)) {
-        return "is damaged, or has not as many numbers as a compliance of a wheel";
-    }
-    const wheel_numbers stored = {.n_key = wheel->n_key, .key = key, .n = wheel->n, .numbers = wheel->numbers};
-    if (!has_integer(file, "check", check_sum(&stored))) {
-        return "is damaged: its check sum is wrong";
+        return "has not as many numbers as a compliance of a wheel";
     }
     return memcmp(key, wheel->key, (size_t)wheel->n_key * sizeof *key) == 0 ? NULL : "is that of another wheel";
 }
@@ -134,8 +120,11 @@ wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, 
     if (access(path, F_OK) != 0) {
         return WHEEL_FILE_MISSING;
     }
-    CLOSED const hid_t file = netcdf_open(path);
-    const char *fault = file < 0 ? "cannot be read, or is damaged" : find_fault(file, wheel);
+    const bool is_whole = seal_check(path) == SEAL_HOLDS; /* the library takes what is damaged at its word */
+    CLOSED const hid_t file = is_whole ? netcdf_open(path) : -1;
+    const char *fault = !is_whole  ? "is damaged: its check sum is wrong"
+                        : file < 0 ? "cannot be read"
+                                   : find_fault(file, wheel);
     if (fault == NULL) {
         return WHEEL_FILE_READ;
     }

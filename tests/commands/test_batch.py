@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from designs import TIMINGS, paper_case, read_folder, read_journal, write_design
+from designs import TIMINGS, paper_case, read_folder, read_journal, seal, write_design
 from processes import running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
@@ -536,7 +536,6 @@ def test_numbers_of_no_case_are_refused(evolvent: Evolvent, design: Path, line: 
         ({TORQUE: [-1.0]}, {"evolvent_design_format": None}, "is no design"),
         ({TORQUE: [-1.0]}, {"case": "format: ["}, "base case:2:1: not valid YAML"),
         ({TORQUE: [-1.0]}, {"case": ""}, "base case: is empty"),
-        ({TORQUE: [-1.0]}, {"hash": None}, "hash: this attribute of the design is missing"),
         ({TORQUE: [-1.0]}, {"window": [1.0]}, "window: this attribute of the design is missing"),
         ({TORQUE: [-1.0]}, {"window": [2.0, 1.0]}, "window: from 2 to 1 s is no span of time"),
         ({TORQUE: [-1.0]}, {"n_cases": 2}, "p0: has not one value for each of the 2 cases"),
@@ -572,6 +571,7 @@ def test_a_column_without_path_changes_nothing(evolvent: Evolvent, tmp_path: Pat
     design = write_design(tmp_path / "design.h5", {TORQUE: [-1.0], "other": [3.0]})
     with h5py.File(design, "a") as file:
         file["parameters/p1"].attrs["path"] = ""
+    seal(design)
     assert evolvent("batch", design, "-o", "r").returncode == 0
 
 
@@ -581,6 +581,37 @@ def test_what_is_no_design_is_refused(evolvent: Evolvent, tmp_path: Path, text: 
     result = evolvent("batch", "design.h5", "-o", "r")
     assert result.returncode == 3
     assert "is no HDF5 file; evolvent-sweep plan writes a design" in result.stderr
+
+
+def test_a_design_that_was_edited_is_none_of_its_folder_whatever_it_says_of_its_hash(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    design = write_design(tmp_path / "design.h5", {TORQUE: [-1.0]}, hash="the same")
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    with h5py.File(design, "a") as file:
+        file["parameters/p0"][0] = -1.0000000000000002
+    broken = evolvent("batch", design, "-o", "r", "--resume")
+    seal(design)
+    edited = evolvent("batch", design, "-o", "r", "--resume")
+    assert (broken.returncode, edited.returncode) == (3, 3)
+    assert "is damaged, or was changed: its check sum is wrong; take a copy" in broken.stderr
+    assert "this folder holds the results of another design" in edited.stderr
+
+
+def test_a_design_without_a_check_sum_is_taken_with_a_warning(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    design = write_design(tmp_path / "design.h5", {TORQUE: [-1.0]})
+    sealed = evolvent("batch", design, "--check")
+    with design.open("r+b") as file:
+        file.write(bytes(64))
+    bare = evolvent("batch", design, "--check")
+    assert (sealed.returncode, bare.returncode) == (0, 0)
+    assert sealed.stderr == ""
+    assert bare.stderr == (
+        f"evolvent: warning: {design}: has no check sum, so that damage would not be noticed; "
+        "evolvent-sweep plan writes one\n"
+    )
 
 
 def test_a_folder_of_another_design_is_refused(evolvent: Evolvent, design: Path) -> None:

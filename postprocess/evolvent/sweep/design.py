@@ -18,6 +18,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,10 @@ import h5py
 import numpy as np
 
 from evolvent.errors import SweepError, reason_of, replacing
+from evolvent.seals import BROKEN, ROOM, check, seal_front
 
 FORMAT = 1
+IDENTITY = "evolvent design 1"  # what the hash begins with
 LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TEXT = h5py.string_dtype("utf-8")
@@ -71,34 +74,43 @@ class Design:
     sampling: dict[str, Any] = field(default_factory=dict)
 
     history_rows: int = 0  # kept of outputs by position; 0 where outputs go by time
-    given_hash: str = ""  # of a design that another program made
+    maker: str = ""  # what another program named the design by
 
-    @property
+    @cached_property
     def hash(self) -> str:
-        """Identity of the results."""
-        return self.given_hash or self.recomputed_hash
+        """Identity of the results: SHA-256 over all that decides them.
 
-    @property
-    def recomputed_hash(self) -> str:
-        """SHA-256 over all that decides the results: case, paths, values, window, histories."""
-        digest = hashlib.sha256()
-        head = [self.case, list(self.window), list(self.history_variables), self.history_every]
-        if self.numbers:  # designs from before there were any keep their hash
-            head.append(list(self.numbers))
-        head += [self.history_rows] if self.history_rows else []
-        digest.update(json.dumps(head).encode())
-        for p in self.parameters:
-            digest.update(json.dumps([p.path, p.name, str(p.values.dtype), p.values.size]).encode())
+        The program finds the same (driver/files/design_hash.c); docs/batch.md describes it.
+        """
+        columns = [p for p in self.parameters if p.path]
+        digest = hashlib.sha256(b"".join(_text(t) for t in (IDENTITY, self.maker, self.case)))
+        digest.update(np.array(self.window, dtype="<f8").tobytes())
+        for words in (self.numbers, self.history_variables):
+            digest.update(_integer(len(words)) + b"".join(map(_text, words)))
+        for number in (self.history_every, self.history_rows, self.n_cases, len(columns)):
+            digest.update(_integer(number))
+        for p in columns:
+            kind = "text" if p.is_text else "real" if p.values.dtype.kind == "f" else "integer"
+            digest.update(_text(p.path) + _text(kind))
             if p.is_text:
-                digest.update(json.dumps(p.values.tolist()).encode())
+                digest.update(b"".join(map(_text, p.values)))
             else:
-                digest.update(p.values.astype(p.values.dtype.newbyteorder("<")).tobytes())
+                digest.update(p.values.astype("<f8" if kind == "real" else "<i8").tobytes())
         return digest.hexdigest()
 
     @property
     def sampling_text(self) -> str:
         """`sampling` as JSON."""
         return json.dumps(self.sampling)
+
+
+def _integer(number: int) -> bytes:
+    return number.to_bytes(8, "little", signed=True)
+
+
+def _text(text: str) -> bytes:
+    """With its length in front: two texts are never another two."""
+    return _integer(len(text.encode())) + text.encode()
 
 
 def identifier(path: str) -> str:
@@ -111,7 +123,7 @@ def take(design: Design, cases: Sequence[int]) -> Design:
     """Make a design of some cases of another."""
     chosen = np.asarray(cases, dtype=np.int64)
     parameters = tuple(dataclasses.replace(p, values=p.values[chosen]) for p in design.parameters)
-    return dataclasses.replace(design, parameters=parameters, n_cases=chosen.size, given_hash="")
+    return dataclasses.replace(design, parameters=parameters, n_cases=chosen.size)
 
 
 def write_design(design: Design, path: Path) -> None:
@@ -122,8 +134,10 @@ def write_design(design: Design, path: Path) -> None:
     SweepError
         It could not be written.
     """
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
-        _write(design, file)
+    with replacing(path) as temporary:
+        with h5py.File(temporary, "w", userblock_size=ROOM) as file:
+            _write(design, file)
+        seal_front(temporary)
 
 
 def read_design(path: Path) -> Design:
@@ -137,14 +151,21 @@ def read_design(path: Path) -> Design:
     if not path.exists():
         raise SweepError(f"{path}: no such file; make it with `evolvent-sweep plan`")
     try:
+        if (
+            check(path) == BROKEN
+        ):  # before the library sees it: it takes what is damaged at its word
+            raise SweepError(
+                f"{path}: is damaged, or was changed: its check sum is wrong; take a copy that is "
+                "whole, or plan it anew"
+            )
         with h5py.File(path, "r") as file:
             _check_format(path, file)
-            design = _read(file)
+            design, given = _read(file)
     except OSError as error:
         raise SweepError(f"{path}: is not a readable HDF5 file ({reason_of(error)})") from error
     except (KeyError, TypeError, ValueError) as error:
         raise SweepError(f"{path}: is no complete design ({error}); plan it anew") from error
-    if design.plan and design.given_hash != design.recomputed_hash:
+    if design.plan and design.hash != given:
         raise SweepError(f"{path}: its values do not fit its hash; it was changed: plan it anew")
     return design
 
@@ -167,7 +188,8 @@ def _write(design: Design, file: h5py.File) -> None:
         column.attrs["derived"] = np.int8(parameter.derived)
 
 
-def _read(file: h5py.File) -> Design:
+def _read(file: h5py.File) -> tuple[Design, str]:
+    """Read the design, and the hash that it had when it was made."""
     group = file["parameters"]
     parameters = []
     for number in range(len(group)):
@@ -179,7 +201,7 @@ def _read(file: h5py.File) -> Design:
         derived = bool(column.attrs.get("derived", 0))
         parameters.append(Parameter(name, path, units, values, derived))
     # Designs of other programs have only what a batch needs.
-    absent = {"plan": "", "method": "list", "seed": 0, "sampling": "{}", "numbers": ""}
+    absent = {"hash": "", "plan": "", "method": "list", "seed": 0, "sampling": "{}", "numbers": ""}
     attrs = {**absent, "history_rows": 0, **file.attrs}
     begin, end = (float(t) for t in attrs["window"])
     texts: dict[str, Any] = {name: str(attrs[name]) for name in TEXTS}
@@ -193,11 +215,11 @@ def _read(file: h5py.File) -> Design:
         history_variables=tuple(str(attrs["history_variables"]).split()),
         version=str(attrs["evolvent_version"]),
         sampling=json.loads(str(attrs["sampling"])),
-        given_hash=str(attrs["hash"]),
+        maker="" if attrs["plan"] else str(attrs["hash"]),
     )
     if design.n_cases < 1 or any(p.values.shape != (design.n_cases,) for p in parameters):
         raise ValueError("its columns have not the length n_cases")
-    return design
+    return design, str(attrs["hash"])
 
 
 def _check_format(path: Path, file: h5py.File) -> None:

@@ -9,6 +9,7 @@ import fcntl
 import os
 import shutil
 import struct
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from evolvent.errors import SweepError, replacing, writing
+from evolvent.seals import NONE, check
 from evolvent.sweep.design import Design, read_design
 
 HASH = "design.txt"
@@ -70,6 +72,12 @@ def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
         A design of another version of evolvent, or a folder of another design.
     """
     design = read_design(design_path)
+    if check(design_path) == NONE:
+        print(
+            f"evolvent-sweep: warning: {design_path}: has no check sum, so that damage would not "
+            "be noticed",
+            file=sys.stderr,
+        )
     if design.version != version:
         raise SweepError(
             f"{design_path}: was made by evolvent {design.version}, but the program is {version}; "

@@ -1,0 +1,154 @@
+/* Check sums and hashes against published values, and seals of files. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/crc32.h"
+#include "base/sha256.h"
+#include "files/seal.h"
+
+static void the_crc_is_that_of_the_catalogue_wherever_a_text_is_parted(void **state)
+{
+    (void)state;
+    static const char digits[] = "123456789"; /* "check" of CRC-32/ISO-HDLC in the catalogue of parametrised CRCs */
+    static const char dog[] = "The quick brown fox jumps over the lazy dog"; /* as often quoted */
+    assert_int_equal(crc32_on(0, "", 0), 0);
+    assert_int_equal(crc32_on(0, digits, strlen(digits)), 0xcbf43926U);
+    for (size_t cut = 0; cut <= strlen(dog); cut++) {
+        assert_int_equal(crc32_on(crc32_on(0, dog, cut), dog + cut, strlen(dog) - cut), 0x414fa339U);
+    }
+}
+
+static void assert_sha256(const char *text, size_t times, size_t piece, const char *expected)
+{
+    sha256 hash;
+    char found[SHA256_TEXT];
+    sha256_start(&hash);
+    for (size_t i = 0; i < times; i++) {
+        for (size_t k = 0; k < strlen(text); k += piece) {
+            const size_t rest = strlen(text) - k;
+            sha256_add(&hash, text + k, rest < piece ? rest : piece);
+        }
+    }
+    sha256_finish(&hash, found);
+    assert_string_equal(found, expected);
+}
+
+static void the_sha_is_that_of_the_examples_of_its_standard_wherever_a_text_is_parted(void **state)
+{
+    (void)state;
+    static const char two_blocks[] = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";
+    assert_sha256("", 1, 1, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    for (size_t piece = 1; piece < 60; piece++) {
+        assert_sha256("abc", 1, piece, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        assert_sha256(two_blocks, 1, piece, "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+    }
+    assert_sha256("aaaaaaaaaa", 100000, 7, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+/* ---- seals ---- */
+
+static const char path[] = "test_checks.tmp";
+
+static void write_file(const char *bytes, size_t n)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, n, file), n);
+    assert_int_equal(fclose(file), 0);
+}
+
+static size_t read_file(char *bytes, size_t room)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    const size_t n = fread(bytes, 1, room, file);
+    assert_int_equal(fclose(file), 0);
+    return n;
+}
+
+static void seal_file(void)
+{
+    const int descriptor = open(path, O_RDWR);
+    assert_true(descriptor >= 0);
+    assert_true(seal_put(descriptor));
+    assert_int_equal(close(descriptor), 0);
+}
+
+static const char seal_of_digits[] = "evolvent-seal 1 crc32 cbf43926 of 9 bytes";
+
+static void a_seal_is_a_line_that_another_program_can_check(void **state)
+{
+    (void)state;
+    char text[200] = "", expected[200];
+    write_file("123456789", 9);
+    seal_file();
+    assert_int_equal(read_file(text, sizeof text - 1), 9 + 64);
+    (void)snprintf(expected, sizeof expected, "123456789%-63s\n", seal_of_digits);
+    assert_string_equal(text, expected);
+    assert_int_equal(seal_check(path), SEAL_HOLDS);
+}
+
+static void a_seal_holds_at_the_front_too(void **state)
+{
+    (void)state;
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_true(fprintf(file, "%-63s\n123456789", seal_of_digits) > 0);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(seal_check(path), SEAL_HOLDS);
+}
+
+static void every_flip_and_cut_breaks_the_seal_or_leaves_none(void **state)
+{
+    (void)state;
+    char bytes[200];
+    write_file("what is in it", 13);
+    assert_int_equal(seal_check(path), SEAL_NONE);
+    seal_file();
+    const size_t n = read_file(bytes, sizeof bytes), mark = 13 + strlen("evolvent-seal 1 crc32 ");
+    for (size_t i = 0; i < n; i++) {
+        for (int bit = 0; bit < 8; bit++) {
+            bytes[i] = (char)(bytes[i] ^ (1 << bit));
+            write_file(bytes, n);
+            bytes[i] = (char)(bytes[i] ^ (1 << bit));
+            assert_int_equal(seal_check(path), i < 13 || i >= mark ? SEAL_BROKEN : SEAL_NONE);
+        }
+        write_file(bytes, i);
+        assert_int_equal(seal_check(path), SEAL_NONE);
+    }
+}
+
+static void what_is_not_there_cannot_be_read(void **state)
+{
+    (void)state;
+    assert_int_equal(seal_check("no/such/file"), SEAL_UNREADABLE);
+    assert_int_equal(seal_check("."), SEAL_UNREADABLE);
+}
+
+static int remove_file(void **state)
+{
+    (void)state;
+    return unlink(path) == 0 || access(path, F_OK) != 0 ? 0 : -1;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_crc_is_that_of_the_catalogue_wherever_a_text_is_parted),
+        cmocka_unit_test(the_sha_is_that_of_the_examples_of_its_standard_wherever_a_text_is_parted),
+        cmocka_unit_test_teardown(a_seal_is_a_line_that_another_program_can_check, remove_file),
+        cmocka_unit_test_teardown(a_seal_holds_at_the_front_too, remove_file),
+        cmocka_unit_test_teardown(every_flip_and_cut_breaks_the_seal_or_leaves_none, remove_file),
+        cmocka_unit_test(what_is_not_there_cannot_be_read),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
