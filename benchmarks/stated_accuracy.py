@@ -67,7 +67,7 @@ SWEEPS = {
     "tutorial-sweep.yaml": (20, None, 5e-5),
 }
 TURNS = 3
-OF_THE_RUN = ("steps", "cpu_time", "energy_residual")  # numbers that are no results
+OF_THE_RUN = ("steps", "cpu_time", "energy_residual", "check")  # numbers that are no results
 
 
 def example(name: str) -> dict[str, Any]:

@@ -19,8 +19,10 @@ import resource
 import subprocess
 import sys
 import tempfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TextIO
 
 ROOT = Path(__file__).resolve().parents[1]
 SHARDS = 4
@@ -75,10 +77,10 @@ def write_journals(folder: Path) -> None:
     scalars = [{"name": name, "units": "1", "long_name": name} for name in results]
     (folder / "d" / "design.txt").write_text(design.hash)
     for shard in range(1, SHARDS + 1):
-        head = {"journal": 1, "design": design.hash, "shard": shard, "of": SHARDS}
+        head = {"journal": 2, "design": design.hash, "shard": shard, "of": SHARDS}
         head |= {"n_cases": design.n_cases, "evolvent": design.version, "scalars": scalars}
         with (folder / "d" / f"shard-{shard}-of-{SHARDS}.jsonl").open("w") as journal:
-            journal.write(json.dumps(head, separators=(",", ":")) + "\n")
+            begin = write_line(journal, head, 0)
             for case in range(shard - 1, design.n_cases, SHARDS):
                 if case % 5003 == 7:
                     continue
@@ -87,7 +89,15 @@ def write_journals(folder: Path) -> None:
                 row["message"] = f"contact was lost at t = {case:g} s" if bad else ""
                 row |= dict.fromkeys(results, None if bad else 1.0 / (case + 3.0))
                 row["at"] = 1.7e9 + 0.01 * case
-                journal.write(json.dumps(row, separators=(",", ":")) + "\n")
+                write_line(journal, row, begin)
+
+
+def write_line(journal: TextIO, row: dict[str, Any], head: int) -> int:
+    """Write a line with its check, which goes on from that of the head; give the check."""
+    line = json.dumps(row, separators=(",", ":"))[:-1]
+    check = zlib.crc32(line.encode(), head)
+    journal.write(f'{line},"check":"{check:08x}"}}\n')
+    return check
 
 
 def measured(step: Callable[[Path], None], folder: Path) -> tuple[float, float, float]:

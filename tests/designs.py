@@ -16,7 +16,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = h5py.string_dtype()
 SEAL = b"evolvent-seal"
-TIMINGS = ("cpu_time", "at")  # what differs between two runs of one case
+TIMINGS = ("cpu_time", "at", "check")  # what differs between two runs of one case
 
 
 def paper_case(duration: float = 0.02, name: str = "paper-friction.yaml") -> str:
@@ -42,7 +42,7 @@ def write_design(
     every: int = 1,
     **attributes: object,
 ) -> Path:
-    """Write a design as another program than `evolvent-sweep` does; `attributes` replace its own, None: none."""
+    """Write a design as another program does; `attributes` replace its own, None: none."""
     n = len(next(iter(columns.values())))
     case = paper_case() if case is None else case
     all_attributes: dict[str, object] = {

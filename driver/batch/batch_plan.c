@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "base/words.h"
-#include "batch/journal.h"
+#include "batch/journal_line.h"
 
 #include <evolvent_version.h>
 #include <stdlib.h>

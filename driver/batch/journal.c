@@ -1,7 +1,9 @@
 #include "batch/journal.h"
 
+#include "base/log.h"
 #include "base/memory.h"
 #include "base/write_bytes.h"
+#include "batch/journal_line.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -26,20 +28,17 @@ static bool fail(const journal *journal, evl_error *error)
                          "cannot be written: %s; what is recorded stays, go on with --resume", strerror(errno));
 }
 
-/** Where the end of a row begins, ",\"at\":TIME}"; NULL if it is torn. No text inside a row can look like that: its quotes
+/** Where the time of a row begins, ",\"at\":TIME"; NULL if there is none. No text inside a row can look like that: its quotes
  *  are escaped. */
 static const char *find_end(const char *line, size_t length)
 {
     static const char mark[] = ",\"at\":";
     const char *end = line + length;
-    if (length == 0 || *--end != '}') {
-        return NULL;
-    }
     while (end > line && (strchr("0123456789.", end[-1]) != NULL)) {
         end--;
     }
     const size_t n = sizeof mark - 1;
-    return (size_t)(end - line) > n && end[0] != '}' && memcmp(end - n, mark, n) == 0 ? end - n : NULL;
+    return (size_t)(end - line) > n && end < line + length && memcmp(end - n, mark, n) == 0 ? end - n : NULL;
 }
 
 /** What comes after `start` in a text that begins with it; NULL if it does not. */
@@ -49,12 +48,13 @@ static const char *after(const char *text, const char *start)
     return strncmp(text, start, length) == 0 ? text + length : NULL;
 }
 
-bool journal_read_row(const char *line, size_t length, journal_row *row)
+bool journal_read_row(const char *line, size_t length, uint32_t head, journal_row *row)
 {
     const char *number = after(line, "{\"case\":");
     char *end = NULL;
-    *row = (journal_row){.end = find_end(line, length)};
-    if (number == NULL || row->end == NULL) {
+    *row = (journal_row){.length = number == NULL ? 0 : journal_line_read(line, length, head)};
+    row->end = row->length == 0 ? NULL : find_end(line, row->length);
+    if (row->end == NULL) {
         return false;
     }
     row->index = strtol(number, &end, 10);
@@ -79,11 +79,11 @@ const char *journal_numbers(const journal_row *row)
     return text < row->end ? text + 1 : row->end;
 }
 
-static void take_line(const char *line, size_t length, long n_cases, journal_case *cases, long *n_rows,
+static void take_line(const char *line, size_t length, uint32_t head, long n_cases, journal_case *cases, long *n_rows,
                       long *n_recorded)
 {
     journal_row row;
-    if (!journal_read_row(line, length, &row)) {
+    if (!journal_read_row(line, length, head, &row)) {
         return;
     }
     ++*n_rows;
@@ -110,53 +110,71 @@ static bool write_all(const journal *journal, const char *text, size_t length, e
     return fail(journal, error);
 }
 
-/** The whole file but for the head, line by line. @return the head without its newline; NULL if it has none */
-static char *read_lines(FILE *file, long n_cases, journal_case *cases, long *n_recorded, bool *is_torn)
+/** What a journal has beside its rows. */
+typedef struct {
+    bool has_line;  /**< one that is complete */
+    bool has_head;  /**< this one */
+    bool has_other; /**< another head comes first */
+    bool is_torn;   /**< the last line */
+} journal_state;
+
+/** The whole file, line by line: rows count under `head`, a line without its newline, wherever that stands. */
+static journal_state read_lines(FILE *file, const journal *journal, const char *head, long n_cases, journal_case *cases,
+                                long *n_recorded)
 {
-    char *line = NULL, *head = NULL;
+    journal_state state = {.has_line = false};
+    char *line = NULL;
     size_t room = 0;
-    long n_rows = 0;
-    *is_torn = false;
+    long n_rows = 0, format = 0;
     for (ssize_t length = getline(&line, &room, file); length > 0; length = getline(&line, &room, file)) {
-        *is_torn = line[length - 1] != '\n';
-        if (!*is_torn) {
+        state.is_torn = line[length - 1] != '\n';
+        if (!state.is_torn) {
             line[--length] = '\0';
+            state.has_line = true;
         }
-        if (head != NULL) {
-            take_line(line, (size_t)length, n_cases, cases, &n_rows, n_recorded);
-        } else if (!*is_torn) {
-            head = xstrdup(line);
+        if (journal_line_is_head(line, (size_t)length, &format) != JOURNAL_NO_HEAD) {
+            const bool is_this = strcmp(line, head) == 0 && !state.is_torn;
+            state.has_other = state.has_other || (!is_this && !state.has_head);
+            state.has_head = state.has_head || is_this;
+        } else {
+            take_line(line, (size_t)length, journal->head, n_cases, cases, &n_rows, n_recorded);
         }
     }
     free(line);
-    return head;
+    return state;
 }
 
-/** Read what is there, and make the end ready for the next line. */
-static bool take_over(journal *journal, const char *head, long n_cases, journal_case *cases, long *n_recorded,
+/** Read what is there, and make the end ready for the next line.
+ *  @param head  with its check and newline, `n` bytes */
+static bool take_over(journal *journal, const char *head, size_t n, long n_cases, journal_case *cases, long *n_recorded,
                       evl_error *error)
 {
     FILE *file = fopen(journal->path, "rb");
     if (file == NULL) {
         return fail(journal, error);
     }
-    bool is_torn = false;
-    OWNED char *found = read_lines(file, n_cases, cases, n_recorded, &is_torn);
+    OWNED char *wanted = xasprintf("%.*s", (int)n - 1, head);
+    const journal_state state = read_lines(file, journal, wanted, n_cases, cases, n_recorded);
     const bool was_read = ferror(file) == 0;
     (void)fclose(file);
     if (!was_read) {
         return fail(journal, error);
     }
-    if (found == NULL) { /* nothing was ever recorded */
-        OWNED char *line = xasprintf("%s\n", head);
-        return (ftruncate(journal->descriptor, 0) == 0 || fail(journal, error)) &&
-               write_all(journal, line, strlen(line), error);
-    }
-    if (strcmp(found, head) != 0) {
+    if (state.has_other) {
         return evl_error_set(error, EVL_EXIT_CASE, journal->path,
                              "belongs to another design, or was begun by another version; choose another folder");
     }
-    return !is_torn || write_all(journal, "\n", 1, error);
+    if (!state.has_line) { /* nothing was ever recorded */
+        return (ftruncate(journal->descriptor, 0) == 0 || fail(journal, error)) && write_all(journal, head, n, error);
+    }
+    if (state.is_torn && !write_all(journal, "\n", 1, error)) {
+        return false;
+    }
+    if (!state.has_head) {
+        log_warning("%s: its first line is damaged and is written anew; %ld cases are recorded", journal->path,
+                    *n_recorded);
+    }
+    return state.has_head || write_all(journal, head, n, error);
 }
 
 bool journal_open(journal *journal, const char *path, const char *head, long n_cases, journal_case *cases,
@@ -164,12 +182,15 @@ bool journal_open(journal *journal, const char *path, const char *head, long n_c
 {
     *journal = (struct journal){.path = xstrdup(path), .is_dirty = true};
     *n_recorded = 0;
+    size_t n = 0;
+    OWNED char *line = journal_line_make(head, strlen(head), 0, &n);
+    journal->head = journal_line_check(line, n - 1);
     for (long i = 0; i < n_cases; i++) {
         cases[i] = (journal_case){.status = JOURNAL_MISSING};
     }
     journal->descriptor = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (journal->descriptor < 0 ? !fail(journal, error)
-                                : !take_over(journal, head, n_cases, cases, n_recorded, error)) {
+                                : !take_over(journal, line, n, n_cases, cases, n_recorded, error)) {
         journal_close(journal);
         return false;
     }
@@ -178,8 +199,10 @@ bool journal_open(journal *journal, const char *path, const char *head, long n_c
 
 bool journal_append(journal *journal, const char *line, size_t length, evl_error *error)
 {
+    size_t n = 0;
+    OWNED char *checked = journal_line_make(line, length, journal->head, &n);
     journal->is_dirty = true;
-    return write_all(journal, line, length, error);
+    return write_all(journal, checked, n, error);
 }
 
 bool journal_sync(journal *journal, evl_error *error)

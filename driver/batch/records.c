@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "batch/journal.h"
+#include "batch/journal_line.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -12,8 +13,10 @@
 typedef struct {
     int index, of;
     char *path;
-    char *head;  /**< the journal's first line; NULL if that was torn */
-    long n_rows; /**< lines that count, behind it */
+    char *
+        head; /**< the line that describes the others, the first; NULL if that was torn or damaged, and not written anew */
+    uint32_t check; /**< of the head */
+    long n_rows;    /**< lines that count, behind it */
     FILE *file;
 } shard_journal;
 
@@ -32,7 +35,7 @@ typedef struct {
     shard_journal *shards; /**< ordered by `of`, then by `index` */
     long n_cases;
     record *records; /**< [n_cases] */
-    long torn;       /**< lines */
+    long torn;       /**< lines, also damaged ones */
 } collection;
 
 static int by_split(const void *a, const void *b)
@@ -80,18 +83,19 @@ static bool find_journals(collection *found, const char *folder, evl_error *erro
     return true;
 }
 
-static bool take_head(collection *found, shard_journal *journal, const char *line, evl_error *error)
+/** A head that is damaged is none: then no row of the journal counts until a batch has written it anew. */
+static bool take_head(collection *found, shard_journal *journal, const char *line, size_t length, evl_error *error)
 {
-    static const char mark[] = "{\"journal\":";
-    if (strncmp(line, mark, sizeof mark - 1) != 0) {
-        return evl_error_set(error, EVL_EXIT_CASE, journal->path, "is no journal (its first line says nothing of it)");
-    }
-    const long format = strtol(line + sizeof mark - 1, NULL, 10);
-    if (format != JOURNAL_FORMAT) {
+    long format = 0;
+    const journal_head_kind kind = journal_line_is_head(line, length, &format);
+    if (kind == JOURNAL_OTHER_FORMAT) {
         return evl_error_set(
             error, EVL_EXIT_CASE, journal->path,
             "has journal format %ld, but this evolvent reads format %d; use the evolvent that wrote it", format,
             JOURNAL_FORMAT);
+    }
+    if (kind == JOURNAL_NO_HEAD) {
+        return true;
     }
     const char *count = strstr(line, "\"n_cases\":");
     const long n_cases = count != NULL ? strtol(count + strlen("\"n_cases\":"), NULL, 10) : 0;
@@ -102,7 +106,27 @@ static bool take_head(collection *found, shard_journal *journal, const char *lin
         }
     }
     journal->head = xstrdup(line);
+    journal->check = journal_line_check(line, length);
     return true;
+}
+
+/** Usually the first line. */
+static bool find_head(collection *found, shard_journal *journal, evl_error *error)
+{
+    char *line = NULL;
+    size_t room = 0;
+    bool good = true;
+    for (ssize_t n = 0; good && journal->head == NULL && (n = getline(&line, &room, journal->file)) > 0;) {
+        if (line[n - 1] == '\n') {
+            line[n - 1] = '\0';
+            good = take_head(found, journal, line, (size_t)n - 1, error);
+        }
+    }
+    free(line);
+    if (good && fseek(journal->file, 0, SEEK_SET) != 0) {
+        good = evl_error_set(error, EVL_EXIT_CASE, journal->path, "cannot be read: %s", strerror(errno));
+    }
+    return good;
 }
 
 /** In one journal the later line counts, whatever the clock said; of two journals the later time. */
@@ -122,8 +146,9 @@ static bool take_line(collection *found, int shard, const char *line, size_t len
 {
     const shard_journal *journal = &found->shards[shard];
     journal_row row;
-    if (!journal_read_row(line, length, &row)) {
-        found->torn++;
+    long format = 0;
+    if (journal->head == NULL || !journal_read_row(line, length, journal->check, &row)) {
+        found->torn += journal_line_is_head(line, length, &format) == JOURNAL_NO_HEAD ? 1 : 0;
         return true;
     }
     if (row.index < 0 || row.index >= found->n_cases) {
@@ -147,14 +172,12 @@ static bool read_journal(collection *found, int shard, evl_error *error)
     char *line = NULL;
     size_t room = 0;
     long offset = 0;
-    bool good = journal->file != NULL;
+    bool good = journal->file != NULL && find_head(found, journal, error);
     for (ssize_t n = 0; good && (n = getline(&line, &room, journal->file)) > 0; offset += n) {
         const bool is_whole = line[n - 1] == '\n';
         line[n - (is_whole ? 1 : 0)] = '\0';
         if (!is_whole) {
             found->torn++;
-        } else if (journal->head == NULL) {
-            good = take_head(found, journal, line, error);
         } else if (n > 1) {
             good = take_line(found, shard, line, (size_t)n - 1, offset, error);
         }
@@ -211,11 +234,12 @@ static bool print_record(FILE *stream, const collection *found, const record *re
     journal_row row;
     if (fseek(journal->file, record->offset, SEEK_SET) != 0 ||
         fread(line, 1, record->length, journal->file) != record->length ||
-        !journal_read_row(line, record->length, &row)) {
+        !journal_read_row(line, record->length, journal->check, &row)) {
         return evl_error_set(error, EVL_EXIT_CASE, journal->path, "changed while it was read");
     }
-    const char *end = brief ? journal_numbers(&row) : line + record->length;
-    fprintf(stream, "{\"journal\":%d,%.*s%s\n", record->shard, (int)(end - line - 1), line + 1, brief ? row.end : "");
+    const char *const behind = line + row.length, *const end = brief ? journal_numbers(&row) : behind;
+    fprintf(stream, "{\"journal\":%d,%.*s%.*s}\n", record->shard, (int)(end - line - 1), line + 1,
+            brief ? (int)(behind - row.end) : 0, row.end);
     return true;
 }
 

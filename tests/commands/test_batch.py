@@ -8,6 +8,7 @@ import pty
 import re
 import socket
 import subprocess
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -127,12 +128,12 @@ def test_the_first_line_describes_every_number(evolvent: Evolvent, design: Path)
     assert evolvent("batch", design, "-o", "r").returncode == 0
     journal = read_journal(design.parent / JOURNAL)
     head = journal.head
-    assert (head["journal"], head["shard"], head["of"], head["n_cases"]) == (1, 1, 1, 6)
+    assert (head["journal"], head["shard"], head["of"], head["n_cases"]) == (2, 1, 1, 6)
     names = [scalar["name"] for scalar in head["scalars"]]
     assert len(set(names)) == len(names)
     assert all(scalar["units"] and scalar["long_name"] for scalar in head["scalars"])
     for row in journal.rows:
-        assert list(row) == ["case", "status", "exit", "message", *names, "at"]
+        assert list(row) == ["case", "status", "exit", "message", *names, "at", "check"]
 
 
 def test_numbers_are_those_of_the_case_s_history(evolvent: Evolvent, tmp_path: Path) -> None:
@@ -436,6 +437,30 @@ def test_a_torn_last_line_is_closed_and_its_case_run_again(
     assert again.torn == (0 if cut in (1, "head") else 1)  # only the newline was missing
 
 
+def test_a_damaged_line_is_run_again_and_a_damaged_head_written_anew(
+    evolvent: Evolvent, design: Path
+) -> None:
+    journal = design.parent / JOURNAL
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    whole = read_journal(journal)
+    lines = journal.read_bytes().splitlines(keepends=True)
+    lines[0] = lines[0].replace(b'"shard":1', b'"shard":3')
+    lines[2] = lines[2].replace(b'"steps":', b'"steps":1')
+    journal.write_bytes(b"".join(lines))
+    lost = json.loads(evolvent("records", "r").stdout)
+    assert (lost["torn"], lost["rows"], lost["journals"][0]["head"]) == (7, 0, None)
+    again = evolvent("batch", design, "-o", "r", "--resume")
+    assert again.returncode == 0
+    assert (
+        f"{JOURNAL}: its first line is damaged and is written anew; 5 cases are re" in again.stderr
+    )
+    told = [json.loads(line) for line in evolvent("records", "r").stdout.splitlines()]
+    assert (told[0]["torn"], told[0]["rows"], told[0]["journals"][0]["head"]) == (2, 6, whole.head)
+    for row in told[1:]:
+        expected = whole.results[row["case"]]
+        assert {key: row[key] for key in expected} == expected
+
+
 def test_named_cases_are_run_again_and_the_later_line_counts(
     evolvent: Evolvent, design: Path
 ) -> None:
@@ -625,8 +650,10 @@ def test_a_folder_of_another_design_is_refused(evolvent: Evolvent, design: Path)
 def test_a_journal_of_another_version_is_refused(evolvent: Evolvent, design: Path) -> None:
     journal = design.parent / JOURNAL
     assert evolvent("batch", design, "-o", "r").returncode == 0
-    text = journal.read_text()
-    journal.write_text(text.replace('"evolvent":"', '"evolvent":"9.', 1))
+    head, *rows = journal.read_bytes().splitlines(keepends=True)
+    other = head[:-21].replace(b'"evolvent":"', b'"evolvent":"9.')
+    other += b',"check":"%08x"}\n' % zlib.crc32(other)
+    journal.write_bytes(b"".join([other, *rows]))
     result = evolvent("batch", design, "-o", "r", "--resume")
     assert result.returncode == 3
     assert "was begun by another version" in result.stderr

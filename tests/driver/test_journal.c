@@ -16,15 +16,34 @@
 #include <unistd.h>
 
 #include "base/lock.h"
+#include "base/memory.h"
 #include "batch/journal.h"
+#include "batch/journal_line.h"
 
 enum { N_CASES = 4 };
 static const char path[] = "test_journal.tmp.jsonl";
-static const char head[] = "{\"journal\":1}";
+static const char head[] = "{\"journal\":2}";
+static const char whole_head[] = "{\"journal\":2,\"check\":\"1b4e34a2\"}\n"; /* by zlib.crc32 of Python */
 #define ROW(index, status) "{\"case\":" #index ",\"status\":\"" status "\",\"message\":\"{a: 1}\",\"at\":1.5}"
 
 static journal_case cases[N_CASES];
 static long n_recorded;
+
+/** A head and lines, each closed by a newline but perhaps the last, with their checks. */
+static char *checked(const char *under, const char *lines)
+{
+    char *next = NULL;
+    size_t n = 0;
+    char *text = journal_line_make(under, strlen(under), 0, &n);
+    const uint32_t check = journal_line_check(text, n - 1);
+    for (const char *line = lines; *line != '\0'; text = next) {
+        const size_t length = strcspn(line, "\n");
+        OWNED char *before = text, *made = journal_line_make(line, length, check, &n);
+        next = xasprintf("%s%.*s", before, (int)(line[length] == '\n' ? n : n - 1), made);
+        line += length + (line[length] == '\n' ? 1 : 0);
+    }
+    return text;
+}
 
 static void write_file(const char *text)
 {
@@ -67,7 +86,7 @@ static void a_new_journal_has_its_head_only(void **state)
     }
     assert_true(journal_sync(&journal, &error));
     journal_close(&journal);
-    assert_file("{\"journal\":1}\n");
+    assert_file(whole_head);
 }
 
 static void what_was_appended_is_read_with_its_row_and_the_later_line_counts(void **state)
@@ -96,10 +115,11 @@ static void what_was_appended_is_read_with_its_row_and_the_later_line_counts(voi
 static void every_cut_of_the_last_line_leaves_the_others_and_is_closed(void **state)
 {
     (void)state;
-    static const char whole[] = "{\"journal\":1}\n" ROW(1, "done") "\n" ROW(2, "failed") "\n";
-    const size_t start = strlen("{\"journal\":1}\n" ROW(1, "done") "\n"), length = sizeof whole - 1;
+    OWNED char *one = checked(head, ROW(1, "done") "\n");
+    OWNED char *whole = checked(head, ROW(1, "done") "\n" ROW(2, "failed") "\n");
+    const size_t start = strlen(one), length = strlen(whole);
     for (size_t cut = start; cut <= length; cut++) {
-        char text[sizeof whole], closed[sizeof whole + 1];
+        char text[1024], closed[1024];
         journal journal;
         evl_error error;
         (void)snprintf(text, sizeof text, "%.*s", (int)cut, whole);
@@ -120,8 +140,9 @@ static void every_cut_of_the_last_line_leaves_the_others_and_is_closed(void **st
 static void lines_that_are_none_of_ours_do_not_count(void **state)
 {
     (void)state;
-    write_file(
-        "{\"journal\":1}\n" ROW(4, "done") "\n" ROW(-1, "done") "\n" ROW(1, "lost") "\nhello\n\n" ROW(0, "done") " \n");
+    OWNED char *text = checked(head, ROW(4, "done") "\n" ROW(-1, "done") "\n" ROW(1, "lost") "\nhello\n");
+    OWNED char *bare = xasprintf("%s" ROW(0, "done") "\nhello\n\n", text);
+    write_file(bare);
     journal journal;
     evl_error error;
     assert_true(open_file(&journal, &error));
@@ -137,13 +158,83 @@ static void a_torn_head_is_written_anew(void **state)
     write_file("{\"jour");
     assert_true(open_file(&journal, &error));
     journal_close(&journal);
-    assert_file("{\"journal\":1}\n");
+    assert_file(whole_head);
+}
+
+static void every_changed_bit_loses_the_line_that_has_it_and_no_other(void **state)
+{
+    (void)state;
+    OWNED char *whole = checked(head, ROW(1, "done") "\n" ROW(2, "failed") "\n" ROW(3, "done") "\n");
+    const size_t length = strlen(whole);
+    int line = 0, n_refused = 0;
+    for (size_t i = 0; i < length; i++) {
+        const char before = whole[i];
+        whole[i] = (char)(before ^ 1 << i % 7);
+        write_file(whole);
+        whole[i] = before;
+        journal journal;
+        evl_error error;
+        if (!open_file(&journal, &error)) { /* the number of the format, without which nothing is known */
+            n_refused++;
+            continue;
+        }
+        journal_close(&journal);
+        static const journal_status all[] = {JOURNAL_MISSING, JOURNAL_DONE, JOURNAL_FAILED, JOURNAL_DONE};
+        for (int k = 1; k < N_CASES; k++) {
+            const bool is_hit = k == line || (before == '\n' && k == line + 1);
+            assert_int_equal(cases[k].status, is_hit ? JOURNAL_MISSING : all[k]);
+        }
+        line += before == '\n' ? 1 : 0;
+    }
+    assert_int_equal(n_refused, 0);
+}
+
+static void a_damaged_head_is_written_anew_and_the_lines_before_it_count(void **state)
+{
+    (void)state;
+    OWNED char *whole = checked(head, ROW(1, "done") "\n");
+    whole[3] = 'X';
+    write_file(whole);
+    OWNED char *expected = xasprintf("%s%s", whole, whole_head);
+    journal journal;
+    evl_error error;
+    for (int times = 0; times < 2; times++) {
+        assert_true(open_file(&journal, &error));
+        journal_close(&journal);
+        assert_int_equal(cases[1].status, JOURNAL_DONE);
+        assert_file(expected);
+    }
+}
+
+static void rows_of_another_head_do_not_count_though_it_is_damaged(void **state)
+{
+    (void)state;
+    OWNED char *other = checked("{\"journal\":2,\"design\":\"another\"}", ROW(1, "done") "\n");
+    other[20] ^= 1;
+    write_file(other);
+    journal journal;
+    evl_error error;
+    assert_true(open_file(&journal, &error));
+    journal_close(&journal);
+    assert_int_equal(n_recorded, 0);
+}
+
+static void a_journal_of_the_first_format_is_refused(void **state)
+{
+    (void)state;
+    static const char text[] = "{\"journal\":1}\n" ROW(1, "done") "\n";
+    journal journal;
+    evl_error error;
+    write_file(text);
+    assert_false(open_file(&journal, &error));
+    assert_int_equal(error.code, EVL_EXIT_CASE);
+    assert_file(text);
 }
 
 static void a_journal_with_another_head_is_refused_and_left_alone(void **state)
 {
     (void)state;
-    static const char text[] = "{\"journal\":2}\n" ROW(1, "done");
+    OWNED char *text = checked("{\"journal\":2,\"design\":\"another\"}", ROW(1, "done"));
     journal journal;
     evl_error error;
     write_file(text);
@@ -158,7 +249,8 @@ static void a_line_that_finds_no_room_leaves_nothing_behind(void **state)
     (void)state;
     static const char row[] = ROW(1, "done") "\n";
     const struct rlimit none = {RLIM_INFINITY, RLIM_INFINITY};
-    struct rlimit size = {sizeof head + sizeof row - 2 + 10, RLIM_INFINITY}; /* one row and ten bytes */
+    OWNED char *fits = checked(head, row);
+    struct rlimit size = {strlen(fits) + 10, RLIM_INFINITY}; /* one row and ten bytes */
     journal journal;
     evl_error error;
     (void)signal(SIGXFSZ, SIG_IGN);
@@ -172,7 +264,7 @@ static void a_line_that_finds_no_room_leaves_nothing_behind(void **state)
     assert_false(second);
     assert_int_equal(error.code, EVL_EXIT_IO);
     assert_non_null(strstr(error.message, "File too large"));
-    assert_file("{\"journal\":1}\n" ROW(1, "done") "\n");
+    assert_file(fits);
 }
 
 /* ---- the lock ---- */
@@ -243,6 +335,10 @@ int main(void)
         cmocka_unit_test_teardown(every_cut_of_the_last_line_leaves_the_others_and_is_closed, remove_file),
         cmocka_unit_test_teardown(lines_that_are_none_of_ours_do_not_count, remove_file),
         cmocka_unit_test_teardown(a_torn_head_is_written_anew, remove_file),
+        cmocka_unit_test_teardown(every_changed_bit_loses_the_line_that_has_it_and_no_other, remove_file),
+        cmocka_unit_test_teardown(a_damaged_head_is_written_anew_and_the_lines_before_it_count, remove_file),
+        cmocka_unit_test_teardown(rows_of_another_head_do_not_count_though_it_is_damaged, remove_file),
+        cmocka_unit_test_teardown(a_journal_of_the_first_format_is_refused, remove_file),
         cmocka_unit_test_teardown(a_journal_with_another_head_is_refused_and_left_alone, remove_file),
         cmocka_unit_test_teardown(a_line_that_finds_no_room_leaves_nothing_behind, remove_file),
         cmocka_unit_test(a_lock_that_is_held_is_refused_naming_its_owner),

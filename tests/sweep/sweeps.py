@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -49,7 +50,7 @@ def make_design(parameters: dict[str, Any] | int = 10, **changes: Any) -> Design
 def header(design: Design, shard: int = 1, of: int = 1) -> dict[str, Any]:
     """First line of a journal."""
     return {
-        "journal": 1,
+        "journal": 2,
         "design": design.hash,
         "shard": shard,
         "of": of,
@@ -90,13 +91,16 @@ def write_journal(
         write_design(design, folder / "design.h5")
     path = folder / f"shard-{shard}-of-{of}.jsonl"
     with path.open("w") as journal:
-        journal.writelines(line_of(row) + "\n" for row in [header(design, shard, of), *rows])
+        head = line_of(header(design, shard, of))
+        journal.writelines(f"{line}\n" for line in [head, *(line_of(row, head) for row in rows)])
     return path
 
 
-def line_of(row: dict[str, Any]) -> str:
-    """A line of a journal, as the program writes it."""
-    return json.dumps(row, separators=(",", ":"))
+def line_of(row: dict[str, Any], head: str = "") -> str:
+    """A line of a journal, as the program writes it behind a head; without one: the head."""
+    line = json.dumps(row, separators=(",", ":"))[:-1]
+    check = zlib.crc32(line.encode(), int(head[-10:-2], 16) if head else 0)
+    return f'{line},"check":"{check:08x}"}}'
 
 
 def write_histories(folder: Path, design: Design, cases: list[int], shard: int, of: int) -> None:

@@ -59,13 +59,14 @@ def test_the_progress_of_a_run_is_what_the_program_counts(tmp_path):
     journal = write_journal(tmp_path, design, before)
     tally = Tally(tmp_path, read_records(tmp_path, design), again=2)
     assert (tally.total, tally.recorded, tally.unfinished) == (10, 3, 2)
+    head = journal.read_text().splitlines()[0]
     with journal.open("a") as file:
-        file.write("".join(line_of(one) + "\n" for one in (row(3), failed(4), failed(7))))
-        file.write(line_of(row(8))[:30])  # goes on
+        file.write("".join(line_of(one, head) + "\n" for one in (row(3), failed(4), failed(7))))
+        file.write(line_of(row(8), head)[:30])  # goes on
     tally.look()
     assert (tally.new, tally.recorded, tally.unfinished) == (3, 6, 2)
     with journal.open("a") as file:
-        file.write(line_of(row(8))[30:] + "\n")
+        file.write(line_of(row(8), head)[30:] + "\n")
     tally.look(at_once=True)
     assert (tally.new, tally.recorded, tally.unfinished) == (4, 7, 2)
 

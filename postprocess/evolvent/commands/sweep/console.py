@@ -97,7 +97,7 @@ def show_status(directory: Path, found: Status) -> None:
     _show_rest(found.reasons)
     say(_pace(found))
     if found.torn:
-        say(f"{found.torn} lines of the journals were cut off; they do not count")
+        say(f"{found.torn} lines of the journals were cut off or damaged; they do not count")
 
 
 def show_collected(output: Path, collected: Records) -> None:
@@ -110,7 +110,7 @@ def show_collected(output: Path, collected: Records) -> None:
     if collected.repeated.size:
         say(f"recorded more than once, the latest counts: {listed(collected.repeated)}")
     if collected.torn:
-        say(f"{collected.torn} lines of the journals were cut off; they do not count")
+        say(f"{collected.torn} lines of the journals were cut off or damaged; they do not count")
     if len(collected.versions) > 1:
         complain(f"the cases are of several versions of evolvent: {', '.join(collected.versions)}")
 
