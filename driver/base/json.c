@@ -1,27 +1,9 @@
 #include "base/json.h"
 
 #include "base/number.h"
+#include "base/utf8.h"
 
 #include <math.h>
-
-/** Bytes of the UTF-8 character at the start of a text; 0 if there is none. */
-static int character_length(const char *text)
-{
-    const unsigned char first = (unsigned char)text[0], second = (unsigned char)text[1];
-    const int length = first < 0x80                     ? 1
-                       : first >= 0xc2 && first <= 0xdf ? 2
-                       : first >= 0xe0 && first <= 0xef ? 3
-                       : first >= 0xf0 && first <= 0xf4 ? 4
-                                                        : 0;
-    const bool is_odd = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
-                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
-    for (int i = 1; i < length; i++) {
-        if (((unsigned char)text[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-    }
-    return is_odd ? 0 : length;
-}
 
 /** Length of the start of a text that stands for itself between quotes. */
 static size_t ordinary_length(const char *text)
@@ -44,7 +26,7 @@ static void write_text(FILE *stream, const char *text)
         if (*c == '\0') {
             break;
         }
-        const int length = character_length(c);
+        const int length = utf8_length(c);
         if (length == 0) {
             fputs("\xef\xbf\xbd", stream);
         } else if (length > 1) {

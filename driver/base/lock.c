@@ -38,7 +38,7 @@ bool file_lock_take(file_lock *lock, const char *path, evl_error *error)
 {
     /* Of the POSIX kind: it works across the machines that share a folder, and worker processes do not inherit it. */
     struct flock region = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    lock->descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    lock->descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (lock->descriptor < 0) {
         return evl_error_set_unwritten(error, path);
     }

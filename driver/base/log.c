@@ -1,5 +1,7 @@
 #include "base/log.h"
 
+#include "base/utf8.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -14,6 +16,7 @@ static void write_line(const char *kind, const char *format, va_list arguments)
 {
     char text[2048];
     (void)vsnprintf(text, sizeof text, format, arguments);
+    utf8_make_line(text);
     fprintf(stderr, "evolvent: %s%s\n", kind, text);
 }
 

@@ -1,6 +1,7 @@
 #include "base/status.h"
 
 #include "base/memory.h"
+#include "base/utf8.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -13,16 +14,6 @@ void evl_exit_print_table(FILE *stream)
 #undef EVL_EXIT_LINE
 }
 
-static void keep_one_line(char *text)
-{
-    for (; *text != '\0'; text++) {
-        const unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == 0x7f) {
-            *text = ' ';
-        }
-    }
-}
-
 bool evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...)
 {
     error->code = code;
@@ -31,8 +22,8 @@ bool evl_error_set(evl_error *error, evl_exit code, const char *place, const cha
     va_start(arguments, format);
     (void)vsnprintf(error->message, sizeof error->message, format, arguments);
     va_end(arguments);
-    keep_one_line(error->place);
-    keep_one_line(error->message);
+    utf8_make_line(error->place);
+    utf8_make_line(error->message);
     return false;
 }
 

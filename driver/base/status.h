@@ -30,7 +30,7 @@ typedef struct {
     char message[EVL_ERROR_MESSAGE_LENGTH]; /**< what is wrong and what to do, one line without its newline */
 } evl_error;
 
-/** Fill an error; control characters of foreign text become blanks, so that the message stays one line of valid text.
+/** Fill an error; foreign text in it becomes one line that can be printed (utf8_make_line).
  *  @param place  "" if there is none
  *  @return false, for who refuses */
 __attribute__((format(printf, 4, 5))) bool evl_error_set(evl_error *error, evl_exit code, const char *place,

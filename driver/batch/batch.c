@@ -3,6 +3,7 @@
 #include "base/lock.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/parent.h"
 #include "base/progress.h"
 #include "batch/batch_check.h"
 #include "batch/batch_pool.h"
@@ -80,7 +81,9 @@ static char *read_line(const char *path)
 static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 {
     OWNED char *partial = xasprintf("%s.%ld", mark, (long)getpid());
-    FILE *file = fopen(partial, "wb");
+    (void)unlink(partial); /* of a process of that number that was killed; or a link, which is not followed */
+    const int descriptor = open(partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     bool good = file != NULL && fprintf(file, "%s\n", hash) > 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
     good = (file == NULL || fclose(file) == 0) && good;
     good = (good && (link(partial, mark) == 0 || errno == EEXIST || rename(partial, mark) == 0)) ||
@@ -217,8 +220,8 @@ evl_exit batch(const char *design, const batch_options *options, evl_error *erro
 {
     shard_run run = {.options = options};
     bool is_partial = false;
-    if (read_share(options, &run.share, error) && (run.design = design_read(design, error)) != NULL &&
-        batch_plan_init(&run.plan, run.design, error)) {
+    if (parent_follow(error) && read_share(options, &run.share, error) &&
+        (run.design = design_read(design, error)) != NULL && batch_plan_init(&run.plan, run.design, error)) {
         run.plan.first_case = run.share.shard - 1;
         run.plan.stride = run.share.n_shards;
         is_partial = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);

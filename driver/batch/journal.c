@@ -188,7 +188,7 @@ bool journal_open(journal *journal, const char *path, const char *head, long n_c
     for (long i = 0; i < n_cases; i++) {
         cases[i] = (journal_case){.status = JOURNAL_MISSING};
     }
-    journal->descriptor = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    journal->descriptor = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (journal->descriptor < 0 ? !fail(journal, error)
                                 : !take_over(journal, line, n, n_cases, cases, n_recorded, error)) {
         journal_close(journal);

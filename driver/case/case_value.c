@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/suggest.h"
+#include "base/utf8.h"
 #include "base/words.h"
 #include "case/case_check.h"
 
@@ -140,6 +141,11 @@ bool check_name(const checker *checker, case_place place, const char *name)
             return checker_refuse(checker, place,
                                   "the name '%s' has a '%c' in it; blanks, '.', '=' and '/' are not allowed", name,
                                   (unsigned char)*c < ' ' ? ' ' : *c);
+        }
+        if (utf8_is_control(c)) {
+            return checker_refuse(checker, place,
+                                  "the name '%s' has a character in it that cannot be seen, such as the end of a line",
+                                  name);
         }
     }
     return true;

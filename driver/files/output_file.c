@@ -1,6 +1,7 @@
 #include "files/output_file.h"
 
 #include "base/memory.h"
+#include "files/seal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -28,6 +29,8 @@ static const char *remedy(int system_error)
         return "write to a folder where you may create files";
     case EISDIR:
         return "name a file";
+    case ELOOP:
+        return "remove it or choose another name";
     case EWOULDBLOCK:
         return "another run is writing it: wait for it or choose another name";
     default:
@@ -45,12 +48,16 @@ bool output_file_refuse(const char *path, int system_error, const char *reason, 
                          remedy(system_error));
 }
 
-/** 0, or why a file cannot get this name: only a regular file is ever replaced. */
-static int check_name(const char *path)
+/** 0, or why a file cannot get this name: only a regular file is ever replaced.
+ *  @param is_derived  nobody has chosen the name: a link of that name would lead to what nobody has named */
+static int check_name(const char *path, bool is_derived)
 {
     struct stat status;
-    if (stat(path, &status) != 0) {
+    if ((is_derived ? lstat(path, &status) : stat(path, &status)) != 0) {
         return 0;
+    }
+    if (is_derived && S_ISLNK(status.st_mode)) {
+        return ELOOP;
     }
     return S_ISREG(status.st_mode) ? 0 : S_ISDIR(status.st_mode) ? EISDIR : EEXIST;
 }
@@ -83,21 +90,25 @@ bool output_file_open(output_file *file, const char *path, evl_error *error)
                           .fresh_path = xasprintf("%s.partial.new", path),
                           .descriptor = -1,
                           .fresh_descriptor = -1};
-    int reason = check_name(path);
+    int reason = check_name(path, false);
     const char *about = path;
     if (reason == 0) {
         about = file->partial_path;
-        reason = check_name(about);
+        reason = check_name(about, true);
     }
     if (reason == 0) {
-        file->descriptor = open(file->partial_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        file->descriptor = open(file->partial_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
         reason = file->descriptor < 0 ? errno : take_lock(file);
     }
     if (reason == 0 && ftruncate(file->descriptor, 0) != 0) { /* what an earlier run left is not of this one */
         reason = errno;
     }
     if (reason != 0) {
-        output_file_refuse(about, reason, reason == EEXIST ? "not a regular file" : NULL, error);
+        output_file_refuse(about, reason,
+                           reason == EEXIST  ? "not a regular file"
+                           : reason == ELOOP ? "a symbolic link, which is not followed"
+                                             : NULL,
+                           error);
         output_file_drop(file, false);
     }
     return reason == 0;
@@ -150,8 +161,10 @@ static void sync_folder(const char *path)
 
 bool output_file_close(output_file *file, bool commit, evl_error *error)
 {
-    bool good =
-        fsync(file->descriptor) == 0 || errno == EINVAL || output_file_refuse(file->partial_path, errno, NULL, error);
+    bool good = !commit || file->is_open_end || seal_put(file->descriptor) ||
+                output_file_refuse(file->partial_path, errno, NULL, error);
+    good = good && (fsync(file->descriptor) == 0 || errno == EINVAL ||
+                    output_file_refuse(file->partial_path, errno, NULL, error));
     if (good && commit) {
         good = has_name(file) || output_file_refuse(file->partial_path, EWOULDBLOCK, NULL, error);
     }

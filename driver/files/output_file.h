@@ -8,6 +8,7 @@ typedef struct {
     int descriptor;       /**< holds the lock; -1 if none is open */
     int fresh_descriptor; /**< the same of what is to become NAME.partial */
     bool is_hidden;
+    bool is_open_end; /**< it is written on when it has its name: no seal */
 } output_file;
 
 /** Open NAME.partial, creating it if it is not there, lock it, and empty it.
@@ -21,7 +22,7 @@ int output_file_begin_fresh(output_file *file);
 int output_file_hide(output_file *file);
 /** Let what was begun, or hidden, be NAME.partial. @return 0, or the system error */
 int output_file_show(output_file *file);
-/** Bring NAME.partial to the disk; if `commit`, let it replace NAME. Frees the file's memory in any case. */
+/** Bring NAME.partial to the disk; if `commit`, seal it (files/seal.h) and let it replace NAME. Frees the file's memory in any case. */
 bool output_file_close(output_file *file, bool commit, evl_error *error);
 /** Let go of the lock and the memory; `remove` deletes NAME.partial as well. */
 void output_file_drop(output_file *file, bool remove);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/write_bytes.h"
 #include "files/dimensions_hdf5.h"
+#include "files/output_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -62,34 +63,23 @@ static bool fill_file(builder *b, const stack_layout *layout)
     return good;
 }
 
-static bool sync_file(const char *path)
-{
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    const bool good = descriptor >= 0 && (fsync(descriptor) == 0 || errno == EINVAL);
-    if (descriptor >= 0) {
-        (void)close(descriptor);
-    }
-    return good;
-}
-
 /** The file gets its name when it is complete. */
 static bool make_file(const stack_layout *layout, evl_error *error)
 {
-    OWNED char *partial = xasprintf("%s.partial", layout->path);
+    output_file file;
+    if (!output_file_open(&file, layout->path, error)) {
+        return false;
+    }
     builder b = {0};
-    bool good = netcdf_create(&b.netcdf, partial) && fill_file(&b, layout);
+    bool good = netcdf_create(&b.netcdf, file.partial_path) && fill_file(&b, layout);
     good = netcdf_close(&b.netcdf) && good;
-    if (!good) {
-        evl_error_set(error, EVL_EXIT_IO, layout->path, "cannot be written: %s; ask for fewer histories, or make room",
-                      b.netcdf.reason);
-    } else if (!sync_file(partial) || rename(partial, layout->path) != 0) {
-        evl_error_set_unwritten(error, layout->path);
-        good = false;
+    if (good) {
+        file.is_open_end = true;
+        return output_file_close(&file, true, error);
     }
-    if (!good) {
-        (void)unlink(partial);
-    }
-    return good;
+    output_file_drop(&file, true);
+    return evl_error_set(error, EVL_EXIT_IO, layout->path,
+                         "cannot be written: %s; ask for fewer histories, or make room", b.netcdf.reason);
 }
 
 /* ---- finding the rows ---- */
@@ -130,7 +120,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
                           "does not hold the histories of this shard and design; remove it, or choose another folder");
     }
     if (good) {
-        stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC);
+        stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
         good = stack->descriptor >= 0 || evl_error_set_unwritten(error, layout->path);
     }
     if (!good) {

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 FAILED_CASES, USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 1, 2, 3, 74, 75
@@ -80,17 +81,29 @@ def writing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give the name of a file that replaces an older one when it is whole.
+    """Give the name of a file that replaces an older one when it is whole, and on the disk.
+
+    Nobody can know the name before, and a symbolic link of the older one's name is replaced, not
+    followed. What is no regular file, such as a pipe, is written as it is.
 
     Raises
     ------
     EvolventError
         It cannot be written.
     """
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    if path.exists() and not path.is_file() and not path.is_dir():
+        with writing(path):
+            yield path
+        return
+    temporary = path.with_name(f"{path.stem[:40]}.{secrets.token_hex(8)}.tmp{path.suffix[:40]}")
+    new = os.O_WRONLY | os.O_CREAT | os.O_EXCL
     try:
         with writing(path):
+            os.close(os.open(temporary, new, 0o666))
             yield temporary
+            with temporary.open("rb") as whole:
+                os.fsync(whole.fileno())
             temporary.replace(path)
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink()

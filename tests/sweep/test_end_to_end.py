@@ -24,6 +24,7 @@ from evolvent.sweep.folder import open_for_run, remaining_shards
 from evolvent.sweep.journal import read_records
 from evolvent.sweep.pool import run_with_executor, task_count
 from evolvent.sweep.program import program_version
+from processes import children, is_alive, wait_for
 
 # 24 cases of 20 ms of model time; those with a tolerance that no step can keep fail.
 PLAN = f"""
@@ -216,6 +217,28 @@ def test_a_run_that_is_interrupted_goes_on(sweep, design, reference, summary):
     assert sweep("run", design, "-o", "d", "--jobs", "1")[0] == 0
     assert journal.read_bytes().count(b'"case":') == N_CASES  # none was repeated
     xr.testing.assert_identical(summary("d"), reference)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="nothing tells a process of its parent's end")
+def test_a_run_that_is_killed_leaves_nobody_and_the_same_command_goes_on(sweep, tmp_path):
+    Path("slow.yaml").write_text(PLAN.replace("value: 0.02}", "value: 1}"))
+    assert sweep("plan", "slow.yaml", "-o", "slow.h5")[0] == 0
+    journal = Path("d/shard-1-of-1.jsonl")
+
+    def rows() -> int:
+        return journal.read_bytes().count(b'"case":') if journal.exists() else 0
+
+    with evolvent_sweep("run", "slow.h5", "-o", "d", "--jobs", "2") as process:
+        wait_for(lambda: rows() >= 2)
+        (batch,) = children(process.pid)
+        workers = children(batch)
+        process.kill()
+    wait_for(lambda: not any(map(is_alive, [batch, *workers])), 5.0)
+    before = rows()
+    assert len(workers) == 2
+    assert before < N_CASES
+    assert sweep("run", "slow.h5", "-o", "d", "--jobs", "2")[0] == 0
+    assert rows() == N_CASES  # none was repeated
 
 
 def test_a_folder_that_was_begun_in_four_shards_is_finished_in_four(sweep, design, executable):

@@ -182,8 +182,11 @@ def complain(name: str, message: str) -> None:
 
 
 def say(text: object, err: bool = False) -> None:
-    """Print a line at once, for whoever reads along."""
-    print(text, file=sys.stderr if err else sys.stdout, flush=True)
+    """Print at once, for whoever reads along; to stderr one line, whatever names are in it."""
+    shown = str(text).encode(errors="backslashreplace").decode()  # names may be no UTF-8
+    if err:
+        shown = "".join(c if c.isprintable() else " " for c in shown)
+    print(shown, file=sys.stderr if err else sys.stdout, flush=True)
 
 
 def new_console() -> Console:

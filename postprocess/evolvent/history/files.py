@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from evolvent.errors import HistoryError
+from evolvent.seals import BROKEN, check
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,6 +111,21 @@ def open_recording(path: str | Path) -> Iterator[Recording]:
         _check_format(path, recording.attrs)
         _check_kind(path, recording.attrs, recording.sizes, (HISTORY,))
         yield recording
+
+
+def check_seal(path: Path) -> None:
+    """Hold a file against its check sum, which reads all of it; one without is taken as it is.
+
+    Raises
+    ------
+    HistoryError
+        It is damaged.
+    """
+    _check_file(path)
+    with _readable(path):
+        answer = check(path)
+    if answer == BROKEN:
+        raise HistoryError(f"{path}: is damaged, or was changed: its check sum is wrong")
 
 
 def result_kind(result: xr.Dataset) -> str:

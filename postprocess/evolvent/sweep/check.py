@@ -58,7 +58,7 @@ def check_design(design: Design, program: Path, case_name: str, name: str) -> Ch
     for answer in answers:
         if answer.returncode not in (0, FAILED_CASES):
             raise SweepError(named(last_message(answer.stderr)))
-    rows = [json.loads(line) for answer in answers for line in answer.stdout.splitlines()]
+    rows = [json.loads(line) for answer in answers for line in answer.stdout.split("\n") if line]
     refused = {int(row["case"]): named(row["message"]) for row in rows if "case" in row}
     durations = [float(row["shortest"]) for row in rows if row.get("shortest") is not None]
     return Checked(

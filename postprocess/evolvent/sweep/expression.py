@@ -72,7 +72,7 @@ def evaluate(text: str, columns: Mapping[str, np.ndarray], length: int) -> np.nd
             result = _Evaluation(columns).of(tree.body)
     except SyntaxError as error:
         raise SweepError(f"'{text}' is no formula ({error.msg})") from error
-    except (RecursionError, MemoryError, ValueError) as error:
+    except (RecursionError, MemoryError, OverflowError, ValueError) as error:
         raise SweepError(f"'{text[:40]}' is no formula that can be worked off") from error
     values = np.array(np.broadcast_to(np.asarray(result, dtype=float), (length,)))
     bad = np.flatnonzero(~np.isfinite(values))

@@ -87,13 +87,14 @@ def started(
 
 def last_message(messages: str) -> str:
     """What the program said last, without its name."""
-    lines = [line for line in messages.splitlines() if line.strip()]
+    lines = [line for line in messages.split("\n") if line.strip()]
     return lines[-1].removeprefix("evolvent: ") if lines else "it ended without a message"
 
 
 def environment() -> dict[str, str]:
-    """Variables for the program: one thread a process, whatever libraries think of the cores."""
-    return {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    """Variables for the program: one thread a process, and a batch ends when this process does."""
+    alone = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    return {**os.environ, **alone, "EVOLVENT_PARENT": str(os.getpid())}
 
 
 def cores() -> int:

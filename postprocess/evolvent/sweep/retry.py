@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from evolvent.errors import writing
+from evolvent.errors import replacing, writing
 from evolvent.sweep.folder import COPY, Shard
 from evolvent.sweep.journal import Records
 from evolvent.sweep.run import Tally, Work, run_shards
@@ -33,7 +33,8 @@ def write_lists(records: Records, cases: list[int], place: Path) -> dict[Shard, 
     with writing(place):
         for shard, path in files.items():
             lines = [f"after {records.rows.get(shard, 0)}", *map(str, lists[shard])]
-            path.write_text("\n".join([*lines, ""]), encoding="ascii")
+            with replacing(path) as temporary:
+                temporary.write_text("\n".join([*lines, ""]), encoding="ascii")
     return files
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from evolvent.errors import SweepError, writing
+from evolvent.errors import USAGE, SweepError, replacing, writing
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.status import joined, runs
 
@@ -22,6 +22,7 @@ MOST = 5000  # shards, unless more are asked for
 USUAL_TASKS = 1000  # of an array, that Slurm allows unless its site says otherwise
 SCRIPTS = "slurm"  # folder of the scripts and logs, in that of the sweep
 MOST_REQUEUES = 50
+QUOTES = "\"'`\\"
 TASK = "SLURM_ARRAY_TASK_ID"
 
 
@@ -45,12 +46,21 @@ class Site:
     lines: tuple[str, ...] = ()  # shell, such as "module load hdf5"
 
     def head(self, with_time: bool = True) -> str:
-        """The #SBATCH lines."""
+        """The #SBATCH lines.
+
+        Raises
+        ------
+        SweepError
+            A value would end its line.
+        """
         given = [("account", self.account), ("partition", self.partition)]
         if with_time:
             given.append(("time", self.time))
         options = [f"{key}={value}" for key, value in given if value]
         options += [option.lstrip("-") for option in self.options]
+        for option in options:
+            if not option.isprintable():
+                raise SweepError(f"--{option}: has a character that cannot be printed", USAGE)
         return "".join(f"#SBATCH --{option}\n" for option in options)
 
 
@@ -86,6 +96,21 @@ def split_arrays(shards: Sequence[Shard], most: int) -> list[Array]:
     return [Array(of, offset, tuple(tasks)) for (of, offset), tasks in blocks.items()]
 
 
+def check_place(path: Path) -> None:
+    """Refuse a path that the head of a script cannot have, which Slurm reads its own way.
+
+    Raises
+    ------
+    SweepError
+        It has a quote, a backslash or a character that cannot be printed.
+    """
+    bad = next((c for c in str(path) if c in QUOTES or not c.isprintable()), None)
+    if bad is not None:
+        raise SweepError(
+            f"{path}: a path for Slurm cannot have the character {bad!a}; choose another name"
+        )
+
+
 def write_scripts(
     program: Path,
     design: Path,
@@ -106,12 +131,14 @@ def write_scripts(
     Raises
     ------
     SweepError
-        They cannot be written.
+        They cannot be written, or a path cannot stand in them.
     """
-    folder = folder.absolute()
+    folder, design = folder.absolute(), design.absolute()
+    for path in (folder, design, program, Path(sys.executable)):
+        check_place(path)
     place = folder / SCRIPTS
     python = [sys.executable, "-m", "evolvent.commands.sweep"]
-    batch = [str(program), "batch", str(design.absolute()), "-o", str(folder), "--resume"]
+    batch = [str(program), "batch", str(design), "-o", str(folder), "--resume"]
     collect = [*python, "collect", str(folder), "-o", str(folder / "summary.h5")]
     templates = Environment(
         loader=PackageLoader("evolvent.sweep"),
@@ -151,8 +178,9 @@ def write_scripts(
         for old in place.glob(f"{kind}*.sh"):  # of a command that made other arrays
             old.unlink()
         for name, text in {**texts, "collect": collector}.items():
-            (place / f"{name}.sh").write_text(text, encoding="utf-8")
-            (place / f"{name}.sh").chmod(0o755)
+            with replacing(place / f"{name}.sh") as temporary:
+                temporary.write_text(text, encoding="utf-8")
+                temporary.chmod(0o755)
     return [place / f"{name}.sh" for name in texts], place / "collect.sh"
 
 

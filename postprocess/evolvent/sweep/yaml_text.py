@@ -13,6 +13,7 @@ import yaml
 
 from evolvent.errors import SweepError
 
+MOST_DIGITS = 300
 WIDEST = 2**31  # columns: one line, however long
 BREAKS = re.compile("[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line
 RESOLVED = (
@@ -62,10 +63,19 @@ def _one_line(dumper: _Dumper, text: str) -> Any:
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
 
 
+def _whole(_: _Loader, node: Any) -> int:
+    """Read a whole number; doubles have no more digits than `MOST_DIGITS` in front of the point."""
+    if len(node.value) > MOST_DIGITS:
+        raise yaml.constructor.ConstructorError(
+            None, None, f"a number of {len(node.value)} digits is too large", node.start_mark
+        )
+    return int(node.value)
+
+
 for tag, pattern, first in RESOLVED:
     for reader_or_writer in (_Loader, _Dumper):
         reader_or_writer.add_implicit_resolver(tag, re.compile(pattern), first)
-_Loader.add_constructor("tag:yaml.org,2002:int", lambda _, node: int(node.value))
+_Loader.add_constructor("tag:yaml.org,2002:int", _whole)
 _Dumper.add_representer(str, _one_line)
 
 
@@ -83,6 +93,8 @@ def read_yaml(text: str, source: str) -> Any:
         mark = error.problem_mark or error.context_mark
         place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
         raise SweepError(f"{source}{place}: {error.problem or error.context}") from error
+    except RecursionError as error:
+        raise SweepError(f"{source}: is nested too deep") from error
     except yaml.YAMLError as error:
         raise SweepError(f"{source}: {' '.join(str(error).split())}") from error
 

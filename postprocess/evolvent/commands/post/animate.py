@@ -8,7 +8,7 @@ from typing import Annotated
 from evolvent.commands.command_line import WrongUsageError, argument, option
 from evolvent.commands.post.common import complain, open_with_warning
 from evolvent.commands.program import say
-from evolvent.errors import USAGE, HistoryError, writing
+from evolvent.errors import USAGE, HistoryError, replacing
 from evolvent.history import file_label
 
 
@@ -70,7 +70,7 @@ def animate(
     if speed is not None and not 0.0 < speed < float("inf"):
         raise WrongUsageError(f"{speed} is not greater than 0", "--speed")
     animation.check_format(path)
-    with writing(path), open_with_warning(file) as history:
+    with replacing(path) as temporary, open_with_warning(file) as history:
         names = [str(name) for name in history["mesh"].values]
         if mesh is not None and mesh not in names:
             raise HistoryError(f"{file}: has no mesh `{mesh}`; there is {', '.join(names)}", USAGE)
@@ -81,5 +81,5 @@ def animate(
                 "seem to jump; choose a smaller --speed, or write outputs more often"
             )
         number = None if mesh is None else names.index(mesh)
-        animation.animate(history, path, clip, number, dpi, exaggerate)
+        animation.animate(history, temporary, clip, number, dpi, exaggerate)
     say(path)

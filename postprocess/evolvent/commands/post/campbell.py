@@ -11,7 +11,7 @@ from evolvent.commands.command_line import WrongUsageError, argument, option
 from evolvent.commands.post.gearbox import Gearbox
 from evolvent.commands.post.signal_options import RPM, check_outputs, write_outputs
 from evolvent.commands.program import new_console, right, say
-from evolvent.errors import writing
+from evolvent.errors import replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,8 +75,8 @@ def campbell(
     result.attrs["title"] = str(gearbox.told["case"].get("title", ""))
     for path in output or ():
         if path.suffix.lower() == ".csv":
-            with writing(path):
-                path.write_text(_csv(result), encoding="utf-8")
+            with replacing(path) as temporary:
+                temporary.write_text(_csv(result), encoding="utf-8")
     write_outputs(
         [p for p in output or () if p.suffix.lower() != ".csv"], [("", result)], "campbell"
     )

@@ -13,7 +13,7 @@ from evolvent.commands.command_line import WrongUsageError, argument, option
 from evolvent.commands.post.common import complain, labels, open_with_warning
 from evolvent.commands.post.signal_options import WHOLE_TIME, OptionFrom, OptionTo
 from evolvent.commands.program import new_console, say
-from evolvent.errors import USAGE, HistoryError, writing
+from evolvent.errors import USAGE, HistoryError, replacing, writing
 from evolvent.figures.formats import Format
 from evolvent.history import DRAWN, HISTORY, WHAT, open_events, result_kind, rows_between
 from evolvent.units import displayed
@@ -154,9 +154,10 @@ def plot(
         name = next(iter(drawn))
         figure = drawn.pop(name)
         target = output / f"{name.replace('/', '-')}.{file_format}"
-        with writing(target):
+        with writing(output):
             output.mkdir(parents=True, exist_ok=True)
-            save(figure, target)
+        with replacing(target) as temporary:
+            save(figure, temporary)
         say(target)
         del figure  # it is large, and refers to itself
         gc.collect()

@@ -8,7 +8,7 @@ from typing import Annotated
 from evolvent.commands.command_line import option
 from evolvent.commands.post.common import File, open_with_warning
 from evolvent.commands.program import say
-from evolvent.errors import writing
+from evolvent.errors import replacing
 from evolvent.history import file_label, open_events
 
 
@@ -43,6 +43,6 @@ def report(
     path = output if output is not None else Path(f"{file_label(file)}.html")
     with open_with_warning(file) as history, open_events(file) as events:
         page = make_report(history, events, interactive, (begin, end))
-    with writing(path):
-        path.write_text(page, encoding="utf-8")
+    with replacing(path) as temporary:
+        temporary.write_text(page, encoding="utf-8", errors="replace")
     say(path)

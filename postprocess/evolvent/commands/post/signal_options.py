@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from evolvent.commands.command_line import WrongUsageError, option
 from evolvent.commands.post.common import open_with_warning
-from evolvent.errors import USAGE, EvolventError, replacing, writing
+from evolvent.errors import USAGE, EvolventError, replacing
 from evolvent.figures.formats import Format
 from evolvent.history import HISTORY
 from evolvent.signals.window_names import WINDOWS
@@ -146,6 +146,6 @@ def write_outputs(
         from evolvent.figures.table import FIGURES, Run
 
         figure = FIGURES[row](*(Run(result, label=label) for label, result in results), **options)
-        with writing(path):
-            save(figure, path)
+        with replacing(path) as temporary:
+            save(figure, temporary)
     return list(outputs or ())

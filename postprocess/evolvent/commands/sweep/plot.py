@@ -8,7 +8,7 @@ from typing import Annotated
 from evolvent.commands.command_line import WrongUsageError, argument, option
 from evolvent.commands.program import say
 from evolvent.commands.sweep import console
-from evolvent.errors import SweepError, writing
+from evolvent.errors import SweepError, replacing
 
 
 def plot(
@@ -52,6 +52,6 @@ def plot(
     path = output or Path(f"{file.stem}-{name}{'-indices' if indices else ''}.png")
     if path.suffix.lstrip(".").lower() not in list(Format):
         raise WrongUsageError(f"{path} must end in .png, .svg or .pdf", "--output")
-    with writing(path):
-        save(figure, path)
+    with replacing(path) as temporary:
+        save(figure, temporary)
     say(path)
