@@ -13,6 +13,7 @@ from kernel.gearbox_description import (
     DIFFERENTIAL,
     SPEED,
     SPEEDS,
+    TORQUE,
     load,
     mesh,
     wheel,
@@ -118,6 +119,25 @@ def test_an_impact_between_a_prescribed_and_a_free_wheel_moves_the_free_one(
     assert speeds[0] - first == pytest.approx(change, rel=1e-9)  # 1e-3 of the speed
 
 
+@pytest.mark.parametrize("rest_velocity", [1e-6, 1e-3])
+@pytest.mark.parametrize("share", [0.5, 1 - 1e-6, 1 + 1e-6, 2.0])
+def test_an_approach_rebounds_if_it_is_faster_than_the_rest_velocity(
+    kernel: Kernel, rest_velocity: float, share: float
+):
+    random = np.random.default_rng(10)
+    fields = {"friction": 0.0, **rigid(kernel, 0.5, rest_velocity)}
+    gearbox = PAIRS["tilted"].gearbox(kernel, **fields)
+    state = approaching(gearbox, random, [share * rest_velocity])
+    after, events = close(gearbox, state, 0)
+    names = [event.name for event in events]
+    assert ("impact" in names) == (share > 1)
+    assert ("impacts_ended" in names) == (share < 1)
+    rate = gearbox.outputs(after)["gap_rate"][0]
+    # the flanks part at half the approach, or not at all; rounding of speeds of 0.1 m/s
+    expected = 0.5 * share * rest_velocity if share > 1 else 0.0
+    assert rate == pytest.approx(expected, rel=1e-6, abs=1e-16)
+
+
 # ---- several contacts
 
 
@@ -194,6 +214,40 @@ def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
     np.testing.assert_allclose(moved, change, rtol=0, atol=1e-10 * abs(change).max())
     assert gearbox.mode(after, 0)[1] == OPEN
     assert after.y[gearbox.place("multiplier_0")] == 0
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_flank_that_its_load_presses_stays_closed_if_it_parts_slower_than_the_rest_velocity(
+    kernel: Kernel, share: float
+):
+    """As above, now with a torque that would close the gap again."""
+
+    def struck(rest_velocity: float) -> tuple[float, int, list[str]]:
+        options = {"outer_drive": True, "friction": 0.0, "rest_velocity": rest_velocity}
+        sense = rigid_train(kernel, 3, restitutions=(0.0, 0.5), outer_drive=True).mesh_geometry()
+        gearbox = rigid_train(
+            *(kernel, 3),
+            **{"restitutions": (0.0, 0.5), "loads": (load(0, TORQUE, -50.0 * sense.sigma),)},
+            **options,
+        )
+        state = approaching(gearbox, np.random.default_rng(5), [0.0, 1e-3])
+        gearbox.mode(state, 0)[1] = LOADED
+        state.y[gearbox.place("multiplier_0")] = 1.0
+        after, events = close(gearbox, state, 1)
+        names = [event.name for event in events if event.mesh == 0]
+        return float(gearbox.outputs(after)["gap_rate"][0]), int(gearbox.mode(after, 0)[1]), names
+
+    parting, mode, _ = struck(1e-12)
+    assert mode == OPEN
+    assert 1e-6 < parting < 0.9e-3  # below the approach in the other mesh, which rebounds
+    rate, mode, names = struck(parting / share)
+    if share < 1:
+        assert mode == LOADED
+        assert abs(rate) <= 1e-17
+        assert names[-1] == "contact_closed"
+    else:
+        assert mode == OPEN
+        assert rate == pytest.approx(parting, rel=1e-12)
 
 
 def test_of_two_contacts_that_close_at_once_none_pulls(kernel: Kernel):

@@ -240,6 +240,29 @@ def test_backlash_lets_a_loop_close_with_a_gap(kernel: Kernel):
     assert max(gaps) > 0
 
 
+@pytest.mark.parametrize("backlash", [2e-4, 0.75 * np.pi * MODULE * np.cos(ALPHA)])
+def test_the_teeth_of_a_pair_with_a_gap_are_those_that_stand_there(kernel: Kernel, backlash: float):
+    """However wide the gap: of teeth as thin as the second backlash leaves, most of a pitch."""
+    teeth = (20, 30, 50)
+    angle = closing_angle(teeth, 0.55)
+    wide = backlash / (np.pi * MODULE * np.cos(ALPHA))  # in pitches; a radian opens some 30
+    shares = []
+    for offset in np.linspace(-1, 1, 25) * wide / 30:
+        train = split(teeth, angle + offset, backlash)
+        code, phases, _ = train.phases(kernel)
+        if code != OK:
+            continue
+        shares.append(phases[3].gap / train.descriptions()[3].base_pitch)
+        middles = train.middles(phases)
+        for wheel, first, side in ((2, 2, 0), (3, 1, 1)):  # which mesh has placed it; its side
+            apart = middles[3][side] - middles[first][1]
+            count = apart / (2 * np.pi / train.teeth[wheel])
+            assert count == pytest.approx(round(count), abs=1e-9)
+            tooth = (phases[3].tooth_a, phases[3].tooth_b)[side]
+            assert tooth == round(count) % train.teeth[wheel]
+    assert max(shares) > 0.8 * wide
+
+
 def test_unknown_teeth_start_at_the_start_of_contact(kernel: Kernel):
     train = row()
     n = len(train.teeth)

@@ -26,9 +26,10 @@ KNEE = 1e-3
 FRICTION = (0.3, KNEE)
 
 
-def rigid(kernel: Kernel, restitution: float = 0.0) -> dict[str, Any]:
+def rigid(kernel: Kernel, restitution: float = 0.0, rest_velocity: float = 1e-6) -> dict[str, Any]:
     """Fields of a mesh with rigid contact."""
-    return {"contact": kernel.law(CONTACT, "rigid", restitution=restitution), "damping": None}
+    law = kernel.law(CONTACT, "rigid", restitution=restitution, rest_velocity=rest_velocity)
+    return {"contact": law, "damping": None}
 
 
 def rigid_train(
@@ -40,6 +41,7 @@ def rigid_train(
     outer_drive: bool = False,
     loads: tuple[Any, ...] = (),
     friction: Any = FRICTION,
+    rest_velocity: float = 1e-6,
 ) -> Gearbox:
     """Train of wheels that differ in everything, on bearings; a restitution of None: elastic.
 
@@ -62,7 +64,9 @@ def rigid_train(
     meshes = []
     for m in range(n - 1):
         back = outer_drive and m == 1
-        fields = {"damping": 3e3} if restitutions[m] is None else rigid(kernel, restitutions[m])
+        fields = {"damping": 3e3}
+        if restitutions[m] is not None:
+            fields = rigid(kernel, restitutions[m], rest_velocity)
         meshes.append(
             mesh(
                 kernel,

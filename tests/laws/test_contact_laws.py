@@ -143,6 +143,15 @@ def test_coulomb_friction_in_its_own_mode_is_the_clamped_line(kernel: Kernel):
     assert kernel.law_friction_knee(law) == delta
 
 
+def test_the_knee_itself_belongs_to_the_line(kernel: Kernel):
+    """As |v_t| <= delta in docs/laws.md says; the slope there is that of the line."""
+    delta = 1e-4
+    law = kernel.law(FRICTION, "coulomb", coefficient=0.3, regularisation_velocity=delta)
+    beyond = np.nextafter(delta, 1.0)
+    modes = kernel.law_friction_mode(law, [-beyond, -delta, 0.0, delta, beyond])
+    np.testing.assert_array_equal(modes, [-1, 0, 0, 0, 1])
+
+
 def test_coulomb_branches_are_continued_smoothly_past_their_ends(kernel: Kernel):
     """Inside a mode nothing bends: the event is located on a smooth function."""
     law = kernel.law(FRICTION, "coulomb", coefficient=0.3)

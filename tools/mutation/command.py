@@ -1,0 +1,182 @@
+"""The command: which mutants are run, where, and what is told of them."""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import random
+import signal
+import sys
+import time
+from pathlib import Path
+from queue import Empty
+
+from mutation.entries import ROOT, ListError, Mutant, read_list, stale
+from mutation.ground import Ground
+from mutation.records import (
+    KILLED,
+    SURVIVED,
+    WRONG,
+    Record,
+    append_record,
+    read_records,
+    summary,
+)
+from mutation.trial import adopt_orphans, run_tests
+
+FOLDER = ROOT / "build" / "mutate"
+RECORDS = FOLDER / "records.jsonl"
+REST = ("tests",)  # what --all asks when the named tests have passed
+
+
+def _options() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="tools/mutate",
+        description="Make each change that tools/mutants lists, in a copy of the tree under"
+        " build/mutate, and run tests on it: they should fail. What has a verdict is not run"
+        " again.",
+        epilog="Example: tools/mutate --only johnson",
+    )
+    parser.add_argument(
+        "--only",
+        metavar="TEXT",
+        action="append",
+        help="those whose line holds this text, or another",
+    )
+    parser.add_argument("--sample", type=int, metavar="N", help="N of them, drawn by chance")
+    parser.add_argument("--seed", type=int, default=0, help="of the sample")
+    parser.add_argument(
+        "--survivors", action="store_true", help="those that survived or were wrong, again"
+    )
+    parser.add_argument("--again", action="store_true", help="also what has a verdict")
+    parser.add_argument(
+        "--all", action="store_true", help="ask the whole suite where the named tests pass"
+    )
+    parser.add_argument("-j", type=int, default=1, metavar="N", help="N copies at a time")
+    parser.add_argument("--list", action="store_true", help="only list them")
+    parser.add_argument("--report", action="store_true", help="only tell what came out so far")
+    return parser
+
+
+def chosen(
+    mutants: list[Mutant], records: dict[str, Record], options: argparse.Namespace
+) -> list[Mutant]:
+    """Tell which mutants are to be run: not those that are known to be equivalent."""
+    some = [m for m in mutants if not m.equivalent]
+    if options.only:
+        some = [m for m in some if any(text in str(m) or text == m.key for text in options.only)]
+    if options.survivors:
+        some = [m for m in some if m.key in records and records[m.key].verdict != KILLED]
+    elif not options.again:
+        some = [m for m in some if m.key not in records]
+    if options.sample is not None and options.sample < len(some):
+        drawn = set(random.Random(options.seed).sample(range(len(some)), options.sample))
+        some = [m for i, m in enumerate(some) if i in drawn]
+    return some
+
+
+def judge(
+    ground: Ground, mutant: Mutant, sound: dict[tuple[str, ...], str], ask_all: bool
+) -> Record:
+    """Run the tests of one mutant; first, once, without it, where they have to pass."""
+    start = time.monotonic()
+    folder = ground.tree.parent
+    if mutant.tests not in sound:
+        ground.put(None)
+        if not ground.make(mutant.tests):
+            raise ListError(f"the tree does not build: {ground.log}")
+        outcome = run_tests(ground, mutant.tests, folder)
+        sound[mutant.tests] = "" if outcome.passed else f"fails without any mutant: {outcome.by}"
+    verdict, by, left = WRONG, sound[mutant.tests], 0
+    if not by:
+        ground.put(mutant)
+        if not ground.make(mutant.tests):
+            by = "does not compile"
+        else:
+            outcome = run_tests(ground, mutant.tests, folder)
+            if outcome.passed and ask_all:
+                outcome = run_tests(ground, REST, folder)
+            verdict = SURVIVED if outcome.passed else KILLED
+            by, left = outcome.by, outcome.left_behind
+    return Record(mutant.key, verdict, by, round(time.monotonic() - start, 1), left)
+
+
+def _work(
+    number: int, files: multiprocessing.Queue[list[Mutant]], ask_all: bool, jobs: int
+) -> None:
+    """Run the mutants of one file after another in a copy of its own."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # what it started ends with it
+    os.nice(10)
+    adopt_orphans()
+    ground = Ground(FOLDER / str(number), jobs)
+    ground.prepare()
+    sound: dict[tuple[str, ...], str] = {}
+    while True:
+        try:
+            group = files.get(timeout=1)
+        except Empty:
+            break
+        for mutant in group:
+            record = judge(ground, mutant, sound, ask_all)
+            append_record(RECORDS, record)
+            print(f"{record.verdict:<10}{record.seconds:>7.1f} s  {mutant}", flush=True)
+            if record.by:
+                print(f"{'':<20}by {record.by}", flush=True)
+            if record.left_behind:
+                print(f"{'':<20}{record.left_behind} processes were left behind", flush=True)
+
+
+def _run(mutants: list[Mutant], copies: int, ask_all: bool) -> bool:
+    by_file: dict[str, list[Mutant]] = {}
+    for mutant in mutants:
+        by_file.setdefault(mutant.path, []).append(mutant)
+    groups = list(by_file.values())
+    random.Random(0).shuffle(groups)  # a run that is stopped has looked into all rooms
+    files: multiprocessing.Queue[list[Mutant]] = multiprocessing.Queue()
+    for group in groups:
+        files.put(group)
+    jobs = max(1, (os.cpu_count() or 1) // copies)
+    arguments = [
+        (number, files, ask_all, jobs) for number in range(1, min(copies, len(groups)) + 1)
+    ]
+    workers = [multiprocessing.Process(target=_work, args=row) for row in arguments]
+    for worker in workers:
+        worker.start()
+    try:
+        for worker in workers:
+            worker.join()
+    except BaseException:
+        for worker in workers:
+            worker.terminate()
+        raise
+    return all(worker.exitcode == 0 for worker in workers)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Exit code: 0 if all that were run are killed, 1 if one survived, 2 if the list is wrong."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    options = _options().parse_args(arguments)
+    try:
+        mutants = read_list()
+    except ListError as error:
+        print(f"tools/mutate: {error}", file=sys.stderr)
+        return 2
+    if complaints := stale(mutants):
+        print("\n".join(f"tools/mutate: {text}" for text in complaints), file=sys.stderr)
+        return 2
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    wanted = chosen(mutants, read_records(RECORDS), options)
+    if options.list:
+        print("\n".join(f"{mutant.key}  {mutant}" for mutant in wanted))
+        return 0
+    ended = options.report or not wanted or _run(wanted, options.j, options.all)
+    records = read_records(RECORDS)
+    print(summary(mutants, records))
+    bad = [m for m in wanted if m.key in records and records[m.key].verdict != KILLED]
+    return 0 if ended and not bad else 1
+
+
+def paths() -> tuple[Path, Path]:
+    """Tell where the copies and the records are, for tests."""
+    return FOLDER, RECORDS

@@ -1,0 +1,142 @@
+"""Where mutants live: a copy of the tree with a build of its own, under build/mutate."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from mutation.entries import ROOT, Mutant
+
+OPTIONS = {
+    "CMAKE_BUILD_TYPE": "Release",
+    "EVOLVENT_TESTS": "ON",
+    "EVOLVENT_LTO": "OFF",
+    "EVOLVENT_VARIANTS": "OFF",
+}
+INCLUDE = re.compile(r'^\s*include "(.+)"', re.MULTILINE)
+
+SCAN = re.compile(r"^(rule Fortran_SCAN\w*\n)  depfile = .*\n", re.MULTILINE)
+
+
+class Ground:
+    """One copy of the tree, and what is built from it."""
+
+    def __init__(self, folder: Path, jobs: int) -> None:
+        self.tree = folder / "tree"
+        self.build = folder / "build"
+        self.log = folder / "build.log"
+        self.jobs = jobs
+        self._sources: dict[str, str] = {}
+        self._mutated: str | None = None
+        self._is_dirty = True  # something that is compiled has changed since it was built
+        self._made: set[str] = set()  # C tests as the tree is
+
+    def prepare(self) -> None:
+        """Make the copy as the tree is now, and configure its build."""
+        names = subprocess.run(
+            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+            cwd=ROOT, check=True, capture_output=True, text=True,
+        ).stdout.split("\0")  # fmt: skip
+        wanted = {name for name in names if name and (ROOT / name).is_file()}
+        for name in wanted:
+            self._write(name, self._as_copied(name, (ROOT / name).read_bytes()))
+            (self.tree / name).chmod((ROOT / name).stat().st_mode)
+        for path in [path for path in self.tree.rglob("*") if path.is_file()]:
+            if str(path.relative_to(self.tree)) not in wanted:
+                path.unlink()
+        if not (self.build / "build.ninja").is_file():
+            options = [f"-D{key}={value}" for key, value in OPTIONS.items()]
+            command = [
+                "cmake",
+                "-S",
+                str(self.tree),
+                "-B",
+                str(self.build),
+                "-G",
+                "Ninja",
+                *options,
+            ]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+    def put(self, mutant: Mutant | None) -> None:
+        """Bring the tree into the state of one mutant, or into its own."""
+        if self._mutated is not None and (mutant is None or mutant.path != self._mutated):
+            self._change(self._mutated, self._sources[self._mutated])
+            self._mutated = None
+        if mutant is not None:
+            source = self._sources.setdefault(mutant.path, (self.tree / mutant.path).read_text())
+            self._mutated = mutant.path
+            self._change(mutant.path, mutant.applied(source))
+
+    def make(self, tests: tuple[str, ...]) -> bool:
+        """Build the program, the libraries and the C tests that are named."""
+        named = {Path(test).stem for test in tests if test.endswith(".c")}
+        if not self._is_dirty and named <= self._made:
+            return True
+        targets = ["evolvent", "evolvent_kernel_shared", "kernel_test", *named]
+        self._quicken()
+        command = ["ninja", "-C", str(self.build), f"-j{self.jobs}", *targets]
+        with self.log.open("w") as log:
+            done = subprocess.run(command, stdout=log, stderr=log, check=False).returncode == 0
+        self._made = named | (set() if self._is_dirty else self._made)
+        self._is_dirty = not done
+        return done
+
+    def environment(self) -> dict[str, str]:
+        """Give tests this build, and Python this tree; no compiled Python, which could be stale."""
+        python = [self.tree / "postprocess", ROOT / "tools", ROOT / "tools" / "mutation" / "site"]
+        return {
+            **os.environ,
+            "EVOLVENT_EXECUTABLE": str(self.build / "evolvent"),
+            "EVOLVENT_KERNEL_LIBRARY": str(self.build / "libevolvent_kernel.so"),
+            "EVOLVENT_TEST_LIBRARY": str(self.build / "tests" / "libkernel_test.so"),
+            "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+            "PYTHONPATH": ":".join(map(str, python)),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+
+    def _quicken(self) -> None:
+        """Scan only what changed: CMake 3.25 tells Ninja of a scan by the name of another file."""
+        rules = self.build / "CMakeFiles" / "rules.ninja"
+        text = rules.read_text()
+        if SCAN.search(text):
+            rules.write_text(SCAN.sub(r"\1", text))
+
+    def _as_copied(self, name: str, content: bytes) -> bytes:
+        """Drop what recompiles too much: interfaces stay, and `_change` sees to includes."""
+        if Path(name).name != "CMakeLists.txt":
+            return content
+        lines = content.decode().splitlines(keepends=True)
+        return "".join(line for line in lines if "OBJECT_DEPENDS" not in line).encode()
+
+    def _write(self, name: str, content: bytes) -> None:
+        path = self.tree / name
+        if path.is_file() and path.read_bytes() == content:
+            return
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+
+    def _change(self, name: str, text: str) -> None:
+        self._write(name, text.encode())
+        self._is_dirty = self._is_dirty or not name.endswith(".py")
+        if name.endswith(".inc") and name.startswith("src/"):
+            for file in self._includers(name.removeprefix("src/")):
+                (self.tree / file).touch()
+
+    def _includers(self, included: str) -> set[str]:
+        """Fortran files that include a file, also through others: CMake does not follow them."""
+        found: set[str] = set()
+        names = {included}
+        files = [*self.tree.glob("src/*/*"), *self.tree.glob("tests/*/*.f90")]
+        texts = {str(f.relative_to(self.tree)): f.read_text() for f in files if f.is_file()}
+        size = -1
+        while size != len(names | found):
+            size = len(names | found)
+            for name, text in texts.items():
+                if names & set(INCLUDE.findall(text)):
+                    found.add(name)
+                    names.add(name.removeprefix("src/"))
+        return {name for name in found if name.endswith(".f90")}

@@ -1,0 +1,115 @@
+"""Tests that are run on a mutant: each within its time, and no process of theirs left behind."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mutation import limit
+from mutation.ground import Ground
+
+SECONDS = 60
+PR_SET_CHILD_SUBREAPER = 36
+FIRST = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Whether all tests passed; if not, which of them noticed, and how."""
+
+    passed: bool
+    by: str = ""
+    left_behind: int = 0
+
+
+def adopt_orphans() -> None:
+    """Become the parent of what tests leave behind."""
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def end_what_is_left() -> int:
+    """Kill all children of this process and theirs; tell how many there were."""
+    count = 0
+    while pids := _children(os.getpid()):
+        for pid in pids:
+            os.kill(pid, signal.SIGKILL)
+            os.waitpid(pid, 0)
+            count += 1
+    return count
+
+
+def _children(parent: int) -> list[int]:
+    tasks = Path(f"/proc/{parent}/task").glob("*/children")
+    return [int(pid) for task in tasks for pid in task.read_text().split()]
+
+
+def run_tests(ground: Ground, tests: tuple[str, ...], folder: Path) -> Outcome:
+    """Run tests until one fails: Python files by pytest, C files as the programs they are."""
+    for test in [test for test in tests if test.endswith(".c")]:
+        outcome = _program(ground, test)
+        if not outcome.passed:
+            return outcome
+    python = [test for test in tests if not test.endswith(".c")]
+    return _pytest(ground, python, folder) if python else Outcome(passed=True)
+
+
+def _program(ground: Ground, test: str) -> Outcome:
+    command = [ground.build / "tests" / Path(test).stem]
+    code, _ = _run(command, ground, ground.environment(), SECONDS)
+    left = end_what_is_left()
+    return Outcome(code == 0, "" if code == 0 else _how(test, code), left)
+
+
+def _pytest(ground: Ground, tests: list[str], folder: Path) -> Outcome:
+    running = folder / "running"
+    running.write_text("collection")
+    environment = {**ground.environment(), limit.SECONDS: str(SECONDS), limit.RUNNING: str(running)}
+    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "mutation.limit", "--no-header"]
+    options += [f"--basetemp={folder / 'pytest'}", "--ignore=tests/tools"]  # they hold the list
+    command = [sys.executable, "-m", "pytest", *options, *tests]
+    code, output = _run(command, ground, environment, 20 * SECONDS)
+    (folder / "pytest.log").write_text(output)
+    left = end_what_is_left()
+    if code == 0:
+        return Outcome(passed=True, left_behind=left)
+    if code in (1, 2) and (found := FIRST.search(output)):
+        return Outcome(passed=False, by=found[1], left_behind=left)
+    return Outcome(passed=False, by=_how(running.read_text(), code), left_behind=left)
+
+
+def _how(test: str, code: int) -> str:
+    """Name a test that did not simply fail."""
+    if code == -signal.SIGALRM:
+        return f"{test} (not within {SECONDS} s)"
+    return f"{test} ({signal.Signals(-code).name})" if code < 0 else test
+
+
+def _run(
+    command: Sequence[str | Path], ground: Ground, environment: dict[str, str], seconds: float
+) -> tuple[int, str]:
+    """Exit code and output of a command; one that takes too long ends as by an alarm."""
+    log = ground.log.with_name("test.log")
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            command, cwd=ground.tree, env=environment, stdin=subprocess.DEVNULL,
+            stdout=output, stderr=output, start_new_session=True,
+        )  # fmt: skip
+        try:
+            code = process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            code = -signal.SIGALRM
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
+    time.sleep(0.01)  # what ends with its parent has ended
+    return code, log.read_text(errors="replace")
