@@ -11,6 +11,11 @@ from pathlib import Path
 import pytest
 
 from kernel.kernel import Kernel
+from leftovers import (  # noqa: F401 - hooks
+    pytest_runtest_call,
+    pytest_runtest_teardown,
+    pytest_sessionstart,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none

@@ -202,29 +202,26 @@ def test_without_loads_the_angular_momentum_of_two_discs_on_a_shaft_does_not_cha
     assert abs(momentum) <= 1e-14 * abs(outputs["shaft_torque"][0])
 
 
-@pytest.mark.parametrize("rigid", [(1, 2), (2, 1)], ids=["near", "far"])
-@pytest.mark.parametrize("ends", [(2, 3), (3, 2)], ids=["away", "towards"])
-def test_a_rigid_shaft_hands_on_what_the_elastic_ones_beside_it_bring(
-    kernel: Kernel, rigid: tuple[int, int], ends: tuple[int, int]
-):
-    """By hand, of discs 0 ~ 1 = 2 ~ 3: (J_1 + J_2) phi'' = T_01 - T_23; the torque on disc 2 is
-    J_2 phi'' + T_23. Each shaft named from either end.
+@pytest.mark.parametrize("turned", [False, True], ids=["forth", "back"])
+def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(kernel: Kernel, turned: bool):
+    """By hand, of discs 0 ~ 1 = 2 = 3 ~ 4: (J_1 + J_2 + J_3) phi'' = T_01 - T_34, and a rigid shaft
+    carries the inertia behind it and T_34. Each shaft named from either end.
     """
-    inertia = np.array([0.5, 0.3, 0.2, 0.7])
+    inertia = np.array([0.5, 0.3, 0.2, 0.4, 0.7])
     discs = [wheel(teeth=0, inertia=j, mass=4.0) for j in inertia]
-    shafts = [shaft(0, 1, 1e3, 2.0), shaft(*rigid), shaft(*ends, 5e2, 3.0)]
+    sense = -1 if turned else 1
+    ends = [(i, i + 1)[::sense] for i in range(4)]
+    laws: list[tuple[float, ...]] = [(1e3, 2.0), (), (), (5e2, 3.0)]
+    shafts = [shaft(*wheels, *law) for wheels, law in zip(ends, laws, strict=True)]
     gearbox = Gearbox(kernel, discs, [], [], shafts=shafts)
-    speeds = np.array([3.0, -1.0, -1.0, 2.0])
-    state = gearbox.start(SPEEDS, speeds=speeds)
-    outputs = gearbox.outputs(state)
-    before, behind = outputs["shaft_torque"][0], outputs["shaft_torque"][2]
-    behind = behind if ends == (2, 3) else -behind
-    assert before == pytest.approx(2.0 * (speeds[0] - speeds[1]), rel=1e-14)
-    assert behind == pytest.approx(3.0 * (speeds[2] - speeds[3]), rel=1e-14)
-    acceleration = (before - behind) / (inertia[1] + inertia[2])
-    carried = inertia[2] * acceleration + behind
-    sense = 1 if rigid == (1, 2) else -1
-    assert outputs["shaft_torque"][1] == pytest.approx(sense * carried, rel=1e-13)
+    speeds = np.array([3.0, -1.0, -1.0, -1.0, 2.0])
+    outputs = gearbox.outputs(gearbox.start(SPEEDS, speeds=speeds))
+    first, last = 2.0 * (speeds[0] - speeds[1]), 3.0 * (speeds[3] - speeds[4])
+    acceleration = (first - last) / inertia[1:4].sum()
+    far = inertia[3] * acceleration + last
+    near = inertia[2] * acceleration + far
+    expected = sense * np.array([first, near, far, last])
+    np.testing.assert_allclose(outputs["shaft_torque"], expected, rtol=1e-13)
 
 
 def test_a_steady_train_has_the_speeds_and_torques_of_its_teeth(kernel: Kernel):

@@ -132,8 +132,8 @@ def options(**given: object) -> argparse.Namespace:
 def test_what_has_a_verdict_is_not_run_again_unless_asked(tmp_path: Path) -> None:
     mutants = read_list(written(tmp_path, LIST))
     records = {
-        mutants[0].key: Record(mutants[0].key, KILLED, "tests/test_a.py::test_x", 1.0),
-        mutants[1].key: Record(mutants[1].key, SURVIVED, "", 1.0),
+        mutants[0].key: Record(mutants[0].key, KILLED, "tests/test_a.py::test_x", "", 1.0),
+        mutants[1].key: Record(mutants[1].key, SURVIVED, "", "", 1.0),
     }
     assert command.chosen(mutants, {}, options()) == mutants[:2]  # not the equivalent one
     assert command.chosen(mutants, records, options()) == []
@@ -148,11 +148,11 @@ def test_what_has_a_verdict_is_not_run_again_unless_asked(tmp_path: Path) -> Non
 def test_records_outlast_a_line_that_was_cut_off(tmp_path: Path) -> None:
     file = tmp_path / "records.jsonl"
     assert read_records(file) == {}
-    append_record(file, Record("a", SURVIVED, "", 1.0))
-    append_record(file, Record("b", KILLED, "test", 2.0))
+    append_record(file, Record("a", SURVIVED, "", "", 1.0))
+    append_record(file, Record("b", KILLED, "test", "", 2.0))
     with file.open("a") as out:
         out.write('{"key": "c", "verd\n')
-    append_record(file, Record("a", KILLED, "test", 3.0))
+    append_record(file, Record("a", KILLED, "test", "", 3.0))
     found = read_records(file)
     assert {key: record.verdict for key, record in found.items()} == {"a": KILLED, "b": KILLED}
 
@@ -160,7 +160,7 @@ def test_records_outlast_a_line_that_was_cut_off(tmp_path: Path) -> None:
 def test_the_summary_counts_and_names_survivors(tmp_path: Path) -> None:
     mutants = read_list(written(tmp_path, LIST))
     verdicts = zip(mutants, (KILLED, SURVIVED), strict=False)
-    records = {mutant.key: Record(mutant.key, verdict, "", 1.0) for mutant, verdict in verdicts}
+    records = {mutant.key: Record(mutant.key, verdict, "", "", 1.0) for mutant, verdict in verdicts}
     text = summary(mutants, records)
     assert "2 run, 1 killed, 50.0 %" in text
     assert "survived    src/a.f90: two lines -> nothing  (why)" in text
@@ -186,28 +186,28 @@ trial.SECONDS = 1
 trial.adopt_orphans()
 folder = Path({folder!r})
 outcome = trial.run_tests(Ground(folder, 1), ("tests/test_one.py",), folder)
-print(outcome.passed, outcome.by, outcome.left_behind, sep="|")
+print(outcome.passed, outcome.by, outcome.how, outcome.left_behind, sep="|")
 """
 
 
 @pytest.mark.parametrize(
     ("body", "told"),
     [
-        ("def test_good():\n    pass\n", "True||0"),
-        ("def test_bad():\n    assert False\n", "False|tests/test_one.py::test_bad|0"),
+        ("def test_good():\n    pass\n", "True|||0"),
+        ("def test_bad():\n    assert False\n", "False|tests/test_one.py::test_bad||0"),
         (
             "def test_endless():\n    while True:\n        pass\n",
-            "False|tests/test_one.py::test_endless (not within 1 s)|0",
+            "False|tests/test_one.py::test_endless|not within 1 s|0",
         ),
         (
             "import os\ndef test_dies():\n    os.kill(os.getpid(), 11)\n",
-            "False|tests/test_one.py::test_dies (SIGSEGV)|0",
+            "False|tests/test_one.py::test_dies|SIGSEGV|0",
         ),
         (
             "import subprocess\ndef test_leaves():\n    subprocess.Popen(['sleep', '60'])\n",
-            "True||1",
+            "True|||1",
         ),
-        ("def test_broken(:\n", "False|tests/test_one.py|0"),
+        ("def test_broken(:\n", "False|tests/test_one.py||0"),
     ],
 )
 def test_a_trial_tells_which_test_noticed_and_ends_what_is_left(

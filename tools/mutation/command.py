@@ -9,6 +9,7 @@ import random
 import signal
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from queue import Empty
 
@@ -76,30 +77,36 @@ def chosen(
     return some
 
 
-def judge(
-    ground: Ground, mutant: Mutant, sound: dict[tuple[str, ...], str], ask_all: bool
-) -> Record:
-    """Run the tests of one mutant; first, once, without it, where they have to pass."""
+def judge(ground: Ground, mutant: Mutant, ask_all: bool) -> Record:
+    """Run the tests of one mutant."""
     start = time.monotonic()
-    folder = ground.tree.parent
-    if mutant.tests not in sound:
-        ground.put(None)
-        if not ground.make(mutant.tests):
-            raise ListError(f"the tree does not build: {ground.log}")
-        outcome = run_tests(ground, mutant.tests, folder)
-        sound[mutant.tests] = "" if outcome.passed else f"fails without any mutant: {outcome.by}"
-    verdict, by, left = WRONG, sound[mutant.tests], 0
-    if not by:
-        ground.put(mutant)
-        if not ground.make(mutant.tests):
-            by = "does not compile"
-        else:
-            outcome = run_tests(ground, mutant.tests, folder)
-            if outcome.passed and ask_all:
-                outcome = run_tests(ground, REST, folder)
-            verdict = SURVIVED if outcome.passed else KILLED
-            by, left = outcome.by, outcome.left_behind
-    return Record(mutant.key, verdict, by, round(time.monotonic() - start, 1), left)
+    ground.put(mutant)
+    if not ground.make(mutant.tests):
+        return Record(mutant.key, WRONG, "it does not compile", "", time.monotonic() - start)
+    outcome = run_tests(ground, mutant.tests, ground.folder)
+    if outcome.passed and ask_all:
+        outcome = run_tests(ground, REST, ground.folder)
+    verdict = SURVIVED if outcome.passed else KILLED
+    seconds = round(time.monotonic() - start, 1)
+    return Record(mutant.key, verdict, outcome.by, outcome.how, seconds, outcome.left_behind)
+
+
+def doubted(ground: Ground, records: list[Record]) -> list[Record]:
+    """Ask the tests that noticed without a mutant: one that fails all the same says nothing."""
+    killers = sorted({record.by for record in records if record.verdict == KILLED})
+    if not killers:
+        return []
+    ground.put(None)
+    if not ground.make(tuple(killers)):
+        raise ListError(f"the tree does not build: {ground.log}")
+    if run_tests(ground, tuple(killers), ground.folder).passed:
+        return []
+    failing = {k for k in killers if not run_tests(ground, (k,), ground.folder).passed}
+    return [
+        replace(record, verdict=WRONG, by=f"fails without any mutant: {record.by}")
+        for record in records
+        if record.by in failing
+    ]
 
 
 def _work(
@@ -111,20 +118,26 @@ def _work(
     adopt_orphans()
     ground = Ground(FOLDER / str(number), jobs)
     ground.prepare()
-    sound: dict[tuple[str, ...], str] = {}
     while True:
         try:
             group = files.get(timeout=1)
         except Empty:
             break
+        records = []
         for mutant in group:
-            record = judge(ground, mutant, sound, ask_all)
+            records.append(judge(ground, mutant, ask_all))
+            append_record(RECORDS, records[-1])
+            _tell(records[-1], str(mutant))
+        for record in doubted(ground, records):
             append_record(RECORDS, record)
-            print(f"{record.verdict:<10}{record.seconds:>7.1f} s  {mutant}", flush=True)
-            if record.by:
-                print(f"{'':<20}by {record.by}", flush=True)
-            if record.left_behind:
-                print(f"{'':<20}{record.left_behind} processes were left behind", flush=True)
+            _tell(record, group[0].path)
+
+
+def _tell(record: Record, what: str) -> None:
+    how = f" ({record.how})" if record.how else ""
+    by = f"\n{'':<20}{record.by}{how}" if record.by else ""
+    left = f"\n{'':<20}{record.left_behind} processes were left behind" * bool(record.left_behind)
+    print(f"{record.verdict:<10}{record.seconds:>7.1f} s  {what}{by}{left}", flush=True)
 
 
 def _run(mutants: list[Mutant], copies: int, ask_all: bool) -> bool:

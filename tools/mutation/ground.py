@@ -25,6 +25,7 @@ class Ground:
     """One copy of the tree, and what is built from it."""
 
     def __init__(self, folder: Path, jobs: int) -> None:
+        self.folder = folder
         self.tree = folder / "tree"
         self.build = folder / "build"
         self.log = folder / "build.log"

@@ -18,7 +18,8 @@ class Record:
 
     key: str
     verdict: str
-    by: str
+    by: str  # which test noticed, or what is wrong
+    how: str  # if it did not simply fail
     seconds: float
     left_behind: int = 0
 

@@ -13,12 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
+
 from mutation import limit
 from mutation.ground import Ground
 
 SECONDS = 60
 PR_SET_CHILD_SUBREAPER = 36
-FIRST = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+BROKEN = re.compile(r"^ERROR (\S+)", re.MULTILINE)  # a file that is not even collected
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,7 @@ class Outcome:
 
     passed: bool
     by: str = ""
+    how: str = ""  # if it did not simply fail
     left_behind: int = 0
 
 
@@ -65,7 +68,7 @@ def _program(ground: Ground, test: str) -> Outcome:
     command = [ground.build / "tests" / Path(test).stem]
     code, _ = _run(command, ground, ground.environment(), SECONDS)
     left = end_what_is_left()
-    return Outcome(code == 0, "" if code == 0 else _how(test, code), left)
+    return Outcome(code == 0, "" if code == 0 else test, _how(code), left)
 
 
 def _pytest(ground: Ground, tests: list[str], folder: Path) -> Outcome:
@@ -80,16 +83,16 @@ def _pytest(ground: Ground, tests: list[str], folder: Path) -> Outcome:
     left = end_what_is_left()
     if code == 0:
         return Outcome(passed=True, left_behind=left)
-    if code in (1, 2) and (found := FIRST.search(output)):
-        return Outcome(passed=False, by=found[1], left_behind=left)
-    return Outcome(passed=False, by=_how(running.read_text(), code), left_behind=left)
+    broken = BROKEN.search(output) if code == pytest.ExitCode.INTERRUPTED else None
+    by = broken[1] if broken else running.read_text()
+    return Outcome(passed=False, by=by, how=_how(code), left_behind=left)
 
 
-def _how(test: str, code: int) -> str:
-    """Name a test that did not simply fail."""
+def _how(code: int) -> str:
+    """Tell how a process ended that had no time to say so."""
     if code == -signal.SIGALRM:
-        return f"{test} (not within {SECONDS} s)"
-    return f"{test} ({signal.Signals(-code).name})" if code < 0 else test
+        return f"not within {SECONDS} s"
+    return signal.Signals(-code).name if code < 0 else ""
 
 
 def _run(
