@@ -22,7 +22,7 @@ from kernel.gearbox_description import (
     wheel,
 )
 from kernel.housing_cases import HOUSINGS
-from kernel.housing_description import HARMONIC, PRESCRIBED, X, Y, housing, term
+from kernel.housing_description import HARMONIC, HOUSING_FIXED, PRESCRIBED, X, Y, housing, term
 from kernel.jacobian import check_jacobian
 from kernel.kernel import Kernel
 
@@ -121,3 +121,13 @@ def test_jacobian_is_the_residuals_where_supports_move_in_a_housing(
 ):
     gearbox = shaken(make(kernel, HOUSINGS[body], tracking))
     check_jacobian(gearbox, moving(gearbox))
+
+
+def test_axles_in_a_housing_at_rest_fall_with_gravity_as_far_as_they_are_free(kernel: Kernel):
+    """At the start, where no spring is stretched and no force acts: by g, or its part along a slider."""
+    gravity = np.array([1.0, -9.0, 2.0])
+    gearbox = make(kernel, housing(HOUSING_FIXED, gravity=list(gravity)))
+    found = gearbox.outputs(gearbox.start(gaps=[1e-6]))["centre_acceleration"]
+    along = np.array([math.cos(0.3), math.sin(0.3)])
+    expected = [gravity[:2], (gravity[:2] @ along) * along]
+    np.testing.assert_allclose(found, expected, rtol=1e-14)

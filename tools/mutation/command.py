@@ -94,18 +94,19 @@ def judge(ground: Ground, mutant: Mutant, ask_all: bool) -> Record:
 def doubted(ground: Ground, records: list[Record]) -> list[Record]:
     """Ask the tests that noticed without a mutant: one that fails all the same says nothing."""
     killers = sorted({record.by for record in records if record.verdict == KILLED})
-    if not killers:
-        return []
+    failing = set()
     ground.put(None)
     if not ground.make(tuple(killers)):
         raise ListError(f"the tree does not build: {ground.log}")
-    if run_tests(ground, tuple(killers), ground.folder).passed:
-        return []
-    failing = {k for k in killers if not run_tests(ground, (k,), ground.folder).passed}
+    while left := tuple(killer for killer in killers if killer not in failing):
+        outcome = run_tests(ground, left, ground.folder)
+        if outcome.passed:
+            break
+        failing |= {outcome.by} if outcome.by in left else set(left)
     return [
         replace(record, verdict=WRONG, by=f"fails without any mutant: {record.by}")
         for record in records
-        if record.by in failing
+        if record.verdict == KILLED and record.by in failing
     ]
 
 
@@ -123,14 +124,20 @@ def _work(
             group = files.get(timeout=1)
         except Empty:
             break
-        records = []
         for mutant in group:
-            records.append(judge(ground, mutant, ask_all))
-            append_record(RECORDS, records[-1])
-            _tell(records[-1], str(mutant))
-        for record in doubted(ground, records):
+            record = judge(ground, mutant, ask_all)
             append_record(RECORDS, record)
-            _tell(record, group[0].path)
+            _tell(record, str(mutant))
+
+
+def _doubt(mutants: list[Mutant], jobs: int) -> None:
+    """Look again at all that was killed, with the tree as it is."""
+    records = read_records(RECORDS)
+    ground = Ground(FOLDER / "1", jobs)
+    ground.prepare()
+    for record in doubted(ground, [records[m.key] for m in mutants if m.key in records]):
+        append_record(RECORDS, record)
+        _tell(record, next(str(m) for m in mutants if m.key == record.key))
 
 
 def _tell(record: Record, what: str) -> None:
@@ -169,6 +176,7 @@ def _run(mutants: list[Mutant], copies: int, ask_all: bool) -> bool:
 def main(arguments: list[str] | None = None) -> int:
     """Exit code: 0 if all that were run are killed, 1 if one survived, 2 if the list is wrong."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    adopt_orphans()
     options = _options().parse_args(arguments)
     try:
         mutants = read_list()
@@ -184,6 +192,8 @@ def main(arguments: list[str] | None = None) -> int:
         print("\n".join(f"{mutant.key}  {mutant}" for mutant in wanted))
         return 0
     ended = options.report or not wanted or _run(wanted, options.j, options.all)
+    if wanted and not options.report:
+        _doubt(mutants, os.cpu_count() or 1)
     records = read_records(RECORDS)
     print(summary(mutants, records))
     bad = [m for m in wanted if m.key in records and records[m.key].verdict != KILLED]
