@@ -124,7 +124,7 @@ def test_jacobian_is_the_residuals_where_supports_move_in_a_housing(
 
 
 def test_axles_in_a_housing_at_rest_fall_with_gravity_as_far_as_they_are_free(kernel: Kernel):
-    """At the start, where no spring is stretched and no force acts: by g, or its part along a slider."""
+    """At the start, where no spring is stretched and no force acts: by g, or by its part along."""
     gravity = np.array([1.0, -9.0, 2.0])
     gearbox = make(kernel, housing(HOUSING_FIXED, gravity=list(gravity)))
     found = gearbox.outputs(gearbox.start(gaps=[1e-6]))["centre_acceleration"]

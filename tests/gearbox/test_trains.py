@@ -202,15 +202,18 @@ def test_without_loads_the_angular_momentum_of_two_discs_on_a_shaft_does_not_cha
     assert abs(momentum) <= 1e-14 * abs(outputs["shaft_torque"][0])
 
 
-@pytest.mark.parametrize("turned", [False, True], ids=["forth", "back"])
-def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(kernel: Kernel, turned: bool):
+@pytest.mark.parametrize("rigid", [1, -1])
+@pytest.mark.parametrize("elastic", [1, -1])
+def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(
+    kernel: Kernel, elastic: int, rigid: int
+):
     """By hand, of discs 0 ~ 1 = 2 = 3 ~ 4: (J_1 + J_2 + J_3) phi'' = T_01 - T_34, and a rigid shaft
     carries the inertia behind it and T_34. Each shaft named from either end.
     """
     inertia = np.array([0.5, 0.3, 0.2, 0.4, 0.7])
     discs = [wheel(teeth=0, inertia=j, mass=4.0) for j in inertia]
-    sense = -1 if turned else 1
-    ends = [(i, i + 1)[::sense] for i in range(4)]
+    senses = np.array([elastic, rigid, rigid, elastic])
+    ends = [(i, i + 1)[::sense] for i, sense in enumerate(senses)]
     laws: list[tuple[float, ...]] = [(1e3, 2.0), (), (), (5e2, 3.0)]
     shafts = [shaft(*wheels, *law) for wheels, law in zip(ends, laws, strict=True)]
     gearbox = Gearbox(kernel, discs, [], [], shafts=shafts)
@@ -220,7 +223,7 @@ def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(kernel: Ke
     acceleration = (first - last) / inertia[1:4].sum()
     far = inertia[3] * acceleration + last
     near = inertia[2] * acceleration + far
-    expected = sense * np.array([first, near, far, last])
+    expected = senses * [first, near, far, last]
     np.testing.assert_allclose(outputs["shaft_torque"], expected, rtol=1e-13)
 
 
