@@ -2,8 +2,9 @@
  *  history*_hdf5.c do.
  *
  *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. As long as its rows fit into a
- *  few megabytes they are kept, and each flush writes a new file that takes the place of NAME.partial; longer ones grow in place. Every function that can fail returns false with
- *  the reason in `error`, EVL_EXIT_IO; after a failure only history_abandon may follow. */
+ *  few megabytes they are kept, and each flush writes a new file that takes the place of NAME.partial; longer ones grow in place.
+ *  Every function that can fail returns false with the reason in `error`, EVL_EXIT_IO; after a failure only history_abandon may
+ *  follow. */
 #pragma once
 
 #include "base/status.h"

@@ -43,8 +43,10 @@ static bool prepare_files(void)
     kept->file_access = H5Pcreate(H5P_FILE_ACCESS);
     kept->file_create = H5Pcreate(H5P_FILE_CREATE);
     kept->group_create = H5Pcreate(H5P_GROUP_CREATE);
-    /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. A sieve would
-     * be 64 kilobytes, zeroed, for each variable, which is written all at once. */
+    /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. That is so with a
+     * single writer and many readers (SWMR) as well: only who asks for that mode can open the file, as long as nobody has cleared
+     * the mark, and each variable has another length. A sieve would be 64 kilobytes, zeroed, for each variable, which is written
+     * all at once. */
     return kept->file_access >= 0 && kept->file_create >= 0 && kept->group_create >= 0 &&
            H5Pset_libver_bounds(kept->file_access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
            H5Pset_fclose_degree(kept->file_access, H5F_CLOSE_STRONG) >= 0 &&
@@ -92,14 +94,13 @@ static bool prepare_types(void)
 
 bool netcdf_prepare(void)
 {
-    const int kilobytes = 64 * 1024; /* of a kind of memory that the library may hoard */
+    const int bytes = 64 * 1024; /* of a kind of memory that the library may hoard */
     if (netcdf_kept.is_ready) {
         return true;
     }
     netcdf_prepare_library();
-    netcdf_kept.is_ready =
-        H5open() >= 0 && H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0 &&
-        H5set_free_list_limits(kilobytes, kilobytes, kilobytes, kilobytes, kilobytes, kilobytes) >= 0 &&
-        prepare_types() && prepare_files() && prepare_stores();
+    netcdf_kept.is_ready = H5open() >= 0 && H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0 &&
+                           H5set_free_list_limits(bytes, bytes, bytes, bytes, bytes, bytes) >= 0 && prepare_types() &&
+                           prepare_files() && prepare_stores();
     return netcdf_kept.is_ready;
 }
