@@ -85,7 +85,9 @@ int gather_find(gather *gather, bool check, output_block *block, char message[DA
                             .t = gather->t,
                             .values = gather->values,
                             .marks = gather->has_marks ? gather->marks : NULL};
-    fill_up(gather);
+    if (model_sampler_in_lanes(gather->sampler)) {
+        fill_up(gather);
+    }
     gather->n = 0;
     return model_sampler_lanes(gather->sampler, block->n, check, gather->t, gather->y, &gather->last, gather->values,
                                message);

@@ -1,5 +1,5 @@
 !> Some outputs of a gearbox, asked for at many states: eight at once where the lanes of the rates serve it, else one by one as
-!> `wanted_outputs` tells them. An output that the lanes do not tell is told one by one beside the others. A sampler keeps what the
+!> `needed_outputs` tells them. An output that the lanes do not tell is told one by one beside the others. A sampler keeps what the
 !> lanes need from one call to the next.
 module evl_output_sampler
    use evl_force_lanes, only: lane_slot
@@ -10,7 +10,7 @@ module evl_output_sampler
    use evl_lane_columns, only: never_changes, none, not_in_lanes
    use evl_lane_outputs, only: columns_create, lane_columns, tell_in_lanes
    use evl_mode_check, only: modes_agree
-   use evl_outputs, only: wanted_outputs
+   use evl_outputs, only: needed_outputs
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
@@ -31,7 +31,9 @@ module evl_output_sampler
       type(lane_slot), allocatable, private :: slots(:), aside(:)
       real(wp), allocatable, private :: f(:, :)     !! (lanes, states)
       real(wp), allocatable, private :: roots(:, :) !! (lanes, root functions)
-      real(wp), allocatable, private :: all(:, :)   !! (values of the gearbox, 1)
+      real(wp), allocatable, private :: state(:), all(:) !! of one state: itself, all values of the gearbox
+      integer, allocatable, private :: place(:)     !! of each value among these
+      integer, allocatable, private :: every(:)     !! 1, 2, ... of the outputs that are asked for
    end type output_sampler
 
 contains
@@ -41,7 +43,7 @@ contains
       type(output_sampler), intent(out) :: self
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: wanted(:) !! places in the table
-      integer :: i, n, n_constant
+      integer :: i, k, n, n_constant
 
       self%wanted = wanted
       self%before = [(sum(gearbox%output_counts(wanted(:i - 1))), i=1, size(wanted) + 1)]
@@ -65,8 +67,10 @@ contains
       self%constant = self%constant(:n_constant)
       self%in_lanes = lanes_serve(gearbox) .and. any(self%columns%of /= none)
       call columns_create(self%columns, gearbox)
+      self%every = [(i, i=1, size(wanted))]
+      self%place = [((gearbox%output_offsets(wanted(i)) + k, k=1, gearbox%output_counts(wanted(i))), i=1, size(wanted))]
       n = merge(size(gearbox%contacts), 0, self%in_lanes)
-      allocate (self%slots(n), self%aside(n), self%all(gearbox%n_values, 1))
+      allocate (self%slots(n), self%aside(n), self%all(gearbox%n_values), self%state(gearbox%n_states))
       allocate (self%f(lanes, gearbox%n_states), self%roots(lanes, gearbox%n_roots))
    end subroutine sampler_create
 
@@ -82,10 +86,9 @@ contains
       real(wp), intent(out), contiguous :: values(:, :) !! (states, wanted values)
       type(status_t), intent(inout) :: status
       logical :: agrees
-      integer :: i
 
       if (.not. (self%in_lanes .and. size(t) == lanes)) then
-         call tell_one_by_one(self, gearbox, [(i, i=1, size(self%wanted))], n, t, y, integers, reals, check, values, status)
+         call tell_one_by_one(self, gearbox, self%every, n, t, y, integers, reals, check, values, status)
          return
       end if
       call settle(self, gearbox, integers, reals)
@@ -128,19 +131,37 @@ contains
       logical, intent(in) :: check
       real(wp), intent(inout), contiguous :: values(:, :)
       type(status_t), intent(inout) :: status
-      integer :: i, s
+      integer :: i, needed, s
 
+      needed = iany(gearbox%output_needs(self%wanted(which)))
       do s = 1, n
-         call wanted_outputs(gearbox, t(s:s), transpose(y(s:s, :)), integers, reals, self%wanted(which), check, self%all, status)
+         self%state = y(s, :)
+         call needed_outputs(gearbox, t(s), self%state, integers, reals, needed, check, self%all, status)
          if (has_failed(status)) return
+         if (size(which) == size(self%wanted)) then
+            call take(size(self%place), self%place, self%all, size(values, 1), s, 0, values)
+            cycle
+         end if
          do i = 1, size(which)
-            associate (first => self%before(which(i)) + 1, last => self%before(which(i) + 1), &
-                       offset => gearbox%output_offsets(self%wanted(which(i))))
-               values(s, first:last) = self%all(offset + 1:offset + last + 1 - first, 1)
+            associate (before => self%before(which(i)), behind => self%before(which(i) + 1))
+               call take(behind - before, self%place(before + 1:behind), self%all, size(values, 1), s, before, values)
             end associate
          end do
       end do
    end subroutine tell_one_by_one
+
+   !> Take the values of one state to their places.
+   pure subroutine take(n, place, all, stride, state, before, values)
+      integer, intent(in) :: n, place(n), stride, state
+      real(wp), intent(in) :: all(*)
+      integer, intent(in) :: before !! values of others
+      real(wp), intent(inout) :: values(stride, *)
+      integer :: k
+
+      do k = 1, n
+         values(state, before + k) = all(place(k))
+      end do
+   end subroutine take
 
    !> Settle the slots, unless they are.
    subroutine settle(self, gearbox, integers, reals)

@@ -20,7 +20,7 @@ module evl_outputs
    implicit none (type, external)
    private
 
-   public :: gearbox_outputs, wanted_outputs
+   public :: gearbox_outputs, needed_outputs
 
 contains
 
@@ -33,41 +33,16 @@ contains
       real(wp), intent(out), target :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
 
-      call tell_state(gearbox, t, y, integers, reals, needs_all, check, values, status)
+      call needed_outputs(gearbox, t, y, integers, reals, needs_all, check, values, status)
    end subroutine gearbox_outputs
 
-   !> The values of some outputs at states that share their discrete state, as in a step; the other values stay as they are. What
-   !> only other outputs need is not found.
-   subroutine wanted_outputs(gearbox, t, y, integers, reals, wanted, check, values, status)
-      type(gearbox_t), intent(in), target :: gearbox
-      real(wp), intent(in) :: t(:), y(:, :), reals(size(gearbox%contacts)) !! y: (n_states, states)
-      integer, intent(in) :: integers(gearbox%n_integers)
-      integer, intent(in) :: wanted(:)                !! their places in the table
-      logical, intent(in) :: check                    !! as of `gearbox_outputs`
-      real(wp), intent(inout) :: values(:, :)         !! (n_values, states)
-      type(status_t), intent(inout) :: status
-      real(wp), target :: told(gearbox%n_values)
-      integer :: i, needed, s
-
-      needed = ior(iany(gearbox%output_needs(wanted)), merge(needs_meshes, needs_nothing, check))
-      do s = 1, size(t)
-         call tell_state(gearbox, t(s), y(:, s), integers, reals, needed, check, told, status)
-         if (has_failed(status)) return
-         do i = 1, size(wanted)
-            associate (first => gearbox%output_offsets(wanted(i)) + 1, &
-                       last => gearbox%output_offsets(wanted(i)) + gearbox%output_counts(wanted(i)))
-               values(first:last, s) = told(first:last)
-            end associate
-         end do
-      end do
-   end subroutine wanted_outputs
-
-   !> The values that need no more than what is found.
-   subroutine tell_state(gearbox, t, y, integers, reals, needed, check, values, status)
+   !> The values at a state that need no more than what is found; the others are of no meaning.
+   subroutine needed_outputs(gearbox, t, y, integers, reals, wanted, check, values, status)
       type(gearbox_t), intent(in), target :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
-      integer, intent(in) :: integers(gearbox%n_integers), needed
-      logical, intent(in) :: check
+      integer, intent(in) :: integers(gearbox%n_integers)
+      integer, intent(in) :: wanted !! needs of the outputs that are asked for
+      logical, intent(in) :: check  !! as of `gearbox_outputs`
       real(wp), intent(out), target :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
       type(teller_t) :: teller
@@ -76,8 +51,9 @@ contains
       type(frame_t) :: frame
       type(contact_state) :: contacts(size(gearbox%contacts))
       type(wheel_motion) :: wheel
-      integer :: i
+      integer :: i, needed
 
+      needed = ior(wanted, merge(needs_meshes, needs_nothing, check))
       call copy(gearbox%n_values, gearbox%constants, values)
       call fill(teller, gearbox%output_sections, values)
       f = 0
@@ -119,7 +95,7 @@ contains
       do i = 1, size(gearbox%shafts)
          call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y, 0), shaft_loss(gearbox%shafts(i), y))
       end do
-   end subroutine tell_state
+   end subroutine needed_outputs
 
    !> The housing, if it moves.
    subroutine tell_housing(teller, housing, frame)

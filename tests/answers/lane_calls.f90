@@ -11,8 +11,8 @@ module lane_calls
 
 contains
 
-   !> How many outputs the lanes tell, and how many of these the table has; of each row of the table 1 if states are asked for it one
-   !> by one.
+   !> How many outputs the lanes tell, and how many of these the table has; of each row of the table 1 if states are asked
+   !> for it one by one.
    subroutine test_lane_outputs(n, n_found, one_by_one) bind(c)
       integer(c_int), intent(out) :: n, n_found, one_by_one(*)
       type(output_t), allocatable :: table(:)
