@@ -1,18 +1,58 @@
 #include "base/memory.h"
 
+#include "base/status.h"
+
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/** One line and the end, without a signal; nothing is tidied up, for which memory may be missing, too. */
+static _Noreturn void run_out(size_t count, size_t size)
+{
+    char text[128];
+    const int n =
+        snprintf(text, sizeof text, "evolvent: out of memory: %zu x %zu bytes are not available\n", count, size);
+    (void)!write(STDERR_FILENO, text, (size_t)n);
+    _exit(EVL_EXIT_MEMORY);
+}
 
 static void *checked(void *memory, size_t count, size_t size)
 {
     if (memory == NULL) {
-        fprintf(stderr, "evolvent: out of memory: %zu x %zu bytes are not available\n", count, size);
-        abort();
+        run_out(count, size);
     }
     return memory;
+}
+
+void memory_need(size_t size)
+{
+    free(checked(malloc(size), 1, size));
+}
+
+/* gfortran's library ends the program by these where an `allocate` fails, with several lines and exit code 1; the kernel calls the
+ * first definition that is found, which is this one; weak, for the library to have its own where it is linked statically. */
+_Noreturn void _gfortran_os_error(const char *message); /* NOLINT(bugprone-reserved-identifier) */
+_Noreturn void _gfortran_os_error_at(const char *where, const char *format,
+                                     ...); /* NOLINT(bugprone-reserved-identifier) */
+
+__attribute__((weak)) _Noreturn void _gfortran_os_error(const char *message) /* NOLINT(bugprone-reserved-identifier) */
+{
+    (void)message;
+    run_out(1, 1);
+}
+
+__attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, const char *format,
+                                                           ...) /* NOLINT(bugprone-reserved-identifier) */
+{
+    (void)where;
+    va_list arguments;
+    va_start(arguments, format); /* "Error allocating %lu bytes" */
+    const unsigned long size = strstr(format, "%lu") != NULL ? va_arg(arguments, unsigned long) : 1;
+    va_end(arguments);
+    run_out(1, size);
 }
 
 void *xcalloc(size_t count, size_t size)

@@ -1,4 +1,4 @@
-/** Memory that is there, or the program ends with a message: nothing sensible can be done without it. A leaf. */
+/** Memory that is there, or the program ends with a message and EVL_EXIT_MEMORY: nothing sensible can be done without it. */
 #pragma once
 
 #include <stddef.h>
@@ -14,6 +14,8 @@ static inline void free_owned(void *pointer)
 
 /** count * size bytes, zeroed; never NULL. */
 void *xcalloc(size_t count, size_t size);
+/** See that so many bytes can be had: for who calls what would crash without them. */
+void memory_need(size_t size);
 /** count * size bytes with the old content; never NULL. */
 void *xrealloc(void *old, size_t count, size_t size);
 

@@ -11,6 +11,7 @@
     X(EVL_EXIT_USAGE, 2, "wrong usage of the command line, also a malformed --set")                                    \
     X(EVL_EXIT_CASE, 3, "bad case, also a refused --set path or value")                                                \
     X(EVL_EXIT_INTEGRATION, 4, "the integration failed")                                                               \
+    X(EVL_EXIT_MEMORY, 71, "not enough memory")                                                                        \
     X(EVL_EXIT_IO, 74, "output could not be written")                                                                  \
     X(EVL_EXIT_INTERRUPTED, 75, "interrupted by a signal")
 

@@ -1,3 +1,4 @@
+#include "base/memory.h"
 #include "base/status.h"
 #include "commands/cli.h"
 #include "commands/help.h"
@@ -7,8 +8,12 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Bytes without which no command gets far: the tables of the kernel, which are made before anything can be refused. */
+enum { NEEDED = 8 * 1024 * 1024 };
+
 int main(int argc, char **argv)
 {
+    memory_need(NEEDED);
     evl_error error = {.code = EVL_EXIT_OK};
     errno = 0;
     evl_exit code = cli_run(&program_command, argc, argv, &error);

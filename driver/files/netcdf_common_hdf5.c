@@ -1,5 +1,7 @@
 #include "files/netcdf_common_hdf5.h"
 
+#include "base/memory.h"
+
 #include "files/scales_hdf5.h"
 
 #include <math.h>
@@ -7,12 +9,16 @@
 
 netcdf_common netcdf_kept;
 
+/* Bytes that the library takes for a file and some variables; where it gets none it may crash. */
+enum { NEEDED = 24 * 1024 * 1024 };
+
 /* After a failed write the library could not clean up at exit, and would crash; and a lock of its own would meet that of the
  * caller, who holds one before the file is emptied. */
 void netcdf_prepare_library(void)
 {
     (void)H5dont_atexit();
     (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+    memory_need(NEEDED);
 }
 
 /** Reproducible files: members in order of creation, as netCDF wants them, and no times. */

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from evolvent.errors import HistoryError
-from evolvent.seals import BROKEN, check
+from evolvent.seals import BROKEN, NONE, check
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,8 +113,12 @@ def open_recording(path: str | Path) -> Iterator[Recording]:
         yield recording
 
 
-def check_seal(path: Path) -> None:
-    """Hold a file against its check sum, which reads all of it; one without is taken as it is.
+def check_seal(path: Path) -> str | None:
+    """Hold a file against its check sum, which reads all of it.
+
+    Returns
+    -------
+    What has to be known of a complete file that has none.
 
     Raises
     ------
@@ -126,6 +130,9 @@ def check_seal(path: Path) -> None:
         answer = check(path)
     if answer == BROKEN:
         raise HistoryError(f"{path}: is damaged, or was changed: its check sum is wrong")
+    if answer == NONE and not path.name.endswith(".partial"):
+        return "has no check sum, so that damage would not be noticed"
+    return None
 
 
 def result_kind(result: xr.Dataset) -> str:

@@ -30,7 +30,9 @@ def check(files: Files, as_json: AsJson = False) -> None:
     unreadable = False
     for path in files:
         try:
-            check_seal(path)
+            missing = check_seal(path)
+            if missing is not None:
+                complain(f"{path}: {missing}")
             with open_recording(path) as history:
                 checked.append((path, run_warning(history), check_history(history)))
         except HistoryError as error:

@@ -1,0 +1,75 @@
+"""Lack of memory: one line and one exit code, wherever it comes."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from designs import write_design
+
+NO_MEMORY, NOT_LOADED = 71, 127
+PLENTY = 2**32  # bytes
+RUN = ("--set", "simulation.duration=0.002", "-o", "m.h5", "-q")
+
+
+@pytest.fixture
+def ended(executable: Path, tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Run the program with so many bytes of address space."""
+
+    def run(limit: int, *words: object) -> subprocess.CompletedProcess[str]:
+        def limited() -> None:
+            resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+        return subprocess.run(
+            [str(executable), *map(str, words)], cwd=tmp_path, preexec_fn=limited,
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+
+    if run(PLENTY, "--version").returncode != 0:
+        pytest.skip("this build needs an address space without a limit, as sanitizers do")
+    return run
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("validate", "spur-pair.yaml"),
+        ("run", "spur-pair.yaml", *RUN),
+        ("run", "paper.yaml", *RUN),
+        ("show", "compliant-pair.yaml"),
+        ("batch", "design.h5", "-o", "r", "--resume", "-q"),
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_whatever_memory_there_is_a_command_is_done_or_says_so(
+    ended: Callable[..., subprocess.CompletedProcess[str]],
+    examples: Path,
+    tmp_path: Path,
+    words: tuple[str, ...],
+) -> None:
+    for name in {"spur-pair.yaml", "paper.yaml", "compliant-pair.yaml"} & set(words):
+        (tmp_path / name).write_text((examples / name).read_text())
+    write_design(
+        tmp_path / "design.h5", {"wheels.pinion.loads.0.value": [-1.0]}, histories="normal_force"
+    )
+    low, high = 2**22, PLENTY  # where the program is loaded: 27 halvings, to a few bytes
+    while high - low > 2**16:
+        middle = (low + high) // 2
+        low, high = (
+            (middle, high)
+            if ended(middle, "--version").returncode in (NOT_LOADED, -11)
+            else (low, middle)
+        )
+    codes = set()
+    for more in range(0, 2**25, 2**20 + 7919):  # 32 steps of a megabyte and a bit
+        done = ended(high + more, *words)
+        codes.add(done.returncode)
+        assert done.returncode in (0, NO_MEMORY), (more, done)
+        if done.returncode == NO_MEMORY:
+            assert done.stderr.startswith("evolvent: out of memory: ")
+            assert done.stderr.count("\n") == 1
+    assert NO_MEMORY in codes
