@@ -2,6 +2,7 @@
  *  Nothing here knows what is being modelled. */
 #pragma once
 
+#include "base/archive.h"
 #include "base/memory.h"
 
 #include <stdbool.h>
@@ -89,6 +90,9 @@ typedef struct {
     void (*redo)(void *stepper, dae_state *state);
     /** what its steps cost; of the modes that grow the one that did so fastest, if steps were made shorter for one */
     void (*counts)(const void *stepper, integrate_counts *counts);
+    /** Keep all that changes between two steps: a stepper that was created alike and reads it instead of a start goes on with the same
+     *  bits. */
+    void (*keep)(void *stepper, archive *archive);
 } dae_stepper;
 
 /** The Jacobian of a model by the entries that may differ from zero. */

@@ -23,12 +23,15 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .t_start = state->t,
                        .t_event = -DBL_MAX,
                        .t_unwatched = state->t,
-                       .t_missed = -DBL_MAX};
+                       .t_missed = -DBL_MAX,
+                       .t_rest = state->t};
     const double cpu_start = cpu_now();
     reason[0] = '\0';
     *counts = (integrate_counts){0};
     integration_begin(&run);
-    integration_watch_state(&run);
+    if (observer->resume == NULL) {
+        integration_watch_state(&run);
+    }
     const integrate_code code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
     pool_free(&run.pool);
     counts->cpu_seconds = cpu_now() - cpu_start;

@@ -18,7 +18,7 @@ static const double first_step = 1e-8;        /* [s] from touching flanks, where
 static const double restart_step = 1e-7;      /* [s] after an event */
 static const long steps_between_looks = 1000; /* after which the observer hears of it, however far the next output is */
 
-static bool set_up(ida_session *s)
+static bool set_up(ida_session *s, double step)
 {
     const dae *m = s->run->model;
     ida_session_to_scaled(s, s->run->state->y, s->y);
@@ -31,7 +31,7 @@ static bool set_up(ida_session *s)
     good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;
     good = good && IDASetMaxNumSteps(s->ida, steps_between_looks) == IDA_SUCCESS;
     good = good && IDASetMaxStep(s->ida, s->run->options->max_step) == IDA_SUCCESS;
-    good = good && IDASetInitStep(s->ida, first_step) == IDA_SUCCESS;
+    good = good && IDASetInitStep(s->ida, step) == IDA_SUCCESS;
     if (good && m->n_roots > 0) {
         m->root_directions(m->self, s->run->state->integers, s->directions);
         good = IDARootInit(s->ida, m->n_roots, ida_roots) == IDA_SUCCESS &&
@@ -203,16 +203,43 @@ static void watch(void *self)
     ida_watch_to(s, s->run->state->t, s->y);
 }
 
+/* A session from the present state. */
+static integrate_code open_session(ida_session *s, integration *run, double step)
+{
+    *s = (ida_session){
+        .run = run, .before = *run->counts, .t_refused = -INFINITY, .t_watched = run->state->t, .t_channels = NAN};
+    if (!ida_session_open(s)) {
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
+        return INTEGRATE_FAILED;
+    }
+    if (!set_up(s, step)) {
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "the integrator refused its options");
+        return INTEGRATE_FAILED;
+    }
+    return INTEGRATE_DONE;
+}
+
+/* IDA's own memory is out of reach: it is given up, and all goes on from the present state, here and where it was kept. */
+static integrate_code settle(void *self)
+{
+    ida_session *s = self;
+    integration *run = s->run;
+    ida_watch_to(s, run->state->t, s->y);
+    ida_session_count(s);
+    ida_session_close(s);
+    return open_session(s, run, restart_step);
+}
+
 integrate_code integrate_by_ida(integration *run)
 {
-    static const integration_ways ways = {.advance = advance, .redo = take_back, .watch = watch};
-    ida_session s = {.run = run, .t_refused = -INFINITY, .t_watched = run->state->t, .t_channels = NAN};
+    static const integration_ways ways = {.advance = advance, .redo = take_back, .watch = watch, .settle = settle};
+    ida_session s = {.run = run};
+    const bool resumes = run->observer->resume != NULL;
     integrate_code code = INTEGRATE_FAILED;
-    if (!ida_session_open(&s)) {
-        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
-    } else if (!set_up(&s)) {
-        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "the integrator refused its options");
-    } else {
+    if (!resumes || integration_keep(run, run->observer->resume)) {
+        code = open_session(&s, run, resumes ? restart_step : first_step);
+    }
+    if (code == INTEGRATE_DONE) {
         code = integration_to_the_end(run, &ways, &s);
         ida_session_count(&s);
     }

@@ -152,7 +152,10 @@ integrate_code integrate_by_stepper(integration *run)
     if (run->stepper == NULL) {
         return code;
     }
-    if (m->stepper->start(run->stepper, run->state, run->reason) == DAE_OK) {
+    const bool has_begun = run->observer->resume != NULL
+                               ? integration_keep(run, run->observer->resume)
+                               : m->stepper->start(run->stepper, run->state, run->reason) == DAE_OK;
+    if (has_begun) {
         code = integration_to_the_end(run, &ways, run);
         m->stepper->counts(run->stepper, run->counts);
     }

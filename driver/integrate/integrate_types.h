@@ -70,6 +70,13 @@ typedef struct {
     int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */
     /** every step, in order of time: what happens between the outputs; NULL: nobody watches. Always goes on. */
     void (*watch)(void *self, const integrate_step *step);
+    /** Between two steps, once at a time: whether the integration is to be kept here, so that it can go on later; NULL: never */
+    bool (*is_due)(void *self, double t);
+    /** If so: add to the archive, or read from it, what the observer has to know then */
+    void (*keep)(void *self, archive *archive);
+    /** And then: put it away */
+    int (*kept)(void *self, double t, const archive *archive);
+    archive *resume; /**< go on from what was kept; NULL: begin */
     const double
         *highest; /**< of who watches: [n_watched] largest of each channel so far, as of dae.roots_and_watched */
 } integrate_observer;

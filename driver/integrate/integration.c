@@ -134,16 +134,69 @@ integrate_code integration_apply_event(integration *run, bool time_event)
     return INTEGRATE_DONE;
 }
 
+bool integration_keep(integration *run, archive *archive)
+{
+    KEEP(archive, run->state->t);
+    KEEP_ARRAY(archive, run->state->y, run->model->n);
+    KEEP_ARRAY(archive, run->state->yp, run->model->n);
+    KEEP_ARRAY(archive, run->state->integers, run->model->n_integers);
+    KEEP_ARRAY(archive, run->state->reals, run->model->n_reals);
+    KEEP(archive, *run->counts);
+    KEEP(archive, run->t_start);
+    output_grid_keep(&run->grid, archive);
+    KEEP(archive, run->t_event);
+    KEEP(archive, run->t_unwatched);
+    KEEP(archive, run->events_at_once);
+    KEEP(archive, run->t_missed);
+    KEEP(archive, run->times_missed);
+    KEEP(archive, run->t_rest);
+    if (run->stepper != NULL) {
+        run->model->stepper->keep(run->stepper, archive);
+    }
+    if (run->observer->keep != NULL) {
+        run->observer->keep(run->observer->self, archive);
+    }
+    const bool good = archive->is_reading ? archive_is_read(archive) : !archive->has_failed;
+    if (!good && archive->is_reading) {
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "what was kept is not of this case and program");
+    }
+    return good;
+}
+
+/** Keep it if that is due: always at a step's end, and once at a time, so that the time says where. */
+static integrate_code rest(integration *run, const integration_ways *ways, void *self)
+{
+    const integrate_observer *observer = run->observer;
+    if (observer->is_due == NULL || !(run->state->t > run->t_rest)) {
+        return INTEGRATE_DONE;
+    }
+    run->t_rest = run->state->t;
+    if (!observer->is_due(observer->self, run->state->t)) {
+        return INTEGRATE_DONE;
+    }
+    const integrate_code code = ways->settle == NULL ? INTEGRATE_DONE : ways->settle(self);
+    if (code != INTEGRATE_DONE) {
+        return code;
+    }
+    archive archive = {0};
+    const bool goes_on =
+        integration_keep(run, &archive) && observer->kept(observer->self, run->state->t, &archive) == 0;
+    archive_free(&archive);
+    return goes_on ? INTEGRATE_DONE : INTEGRATE_STOPPED;
+}
+
 integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self)
 {
-    bool missed;
-    integrate_code code = integration_give_output(run, run->state, NULL, &missed);
+    bool missed = false;
+    integrate_code code =
+        run->observer->resume != NULL ? INTEGRATE_DONE : integration_give_output(run, run->state, NULL, &missed);
     if (missed) {
         return INTEGRATE_FAILED;
     }
     do {
         while (code == INTEGRATE_DONE && run->state->t < run->options->t_end) {
-            code = ways->advance(self);
+            code = rest(run, ways, self);
+            code = code == INTEGRATE_DONE ? ways->advance(self) : code;
         }
         if (code == INTEGRATE_DONE) {
             code = integration_give_output(run, run->state, NULL, &missed);

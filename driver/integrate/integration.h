@@ -27,6 +27,7 @@ typedef struct {
     double
         t_missed; /**< of the output at which an event was found to be missed; the steps are made anew until past it */
     int times_missed; /**< how often, without coming past it */
+    double t_rest;    /**< latest time at which it could have been kept */
 } integration;
 
 /** Take memory from its pool. */
@@ -55,8 +56,12 @@ typedef struct {
     integrate_code (*advance)(void *self); /**< to the next step, output or event */
     integrate_code (*redo)(void *self);    /**< take the last step back, for a smaller one */
     void (*watch)(void *self);             /**< let the observer look at what it has not seen yet */
+    /** before it is kept: be as one that goes on from there will be; NULL: nothing to do */
+    integrate_code (*settle)(void *self);
 } integration_ways;
-/** From the first output to the last. */
+/** Keep all that changes between two steps, its observer's part too. @return false if what was read does not fit, with a reason */
+bool integration_keep(integration *run, archive *archive);
+/** From the first output, or from where it was kept, to the last. */
 integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self);
 
 /* To the end, by SUNDIALS IDA or by the stepper that the model brings along. The run's `reason` is empty and its counts are zero. */

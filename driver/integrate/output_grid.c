@@ -66,3 +66,10 @@ void output_grid_given(output_grid *grid, const output_due *due)
         grid->next++;
     }
 }
+
+void output_grid_keep(output_grid *grid, archive *archive)
+{
+    KEEP(archive, grid->t_start);
+    KEEP(archive, grid->next);
+    position_grid_keep(&grid->positions, archive);
+}

@@ -28,5 +28,7 @@ double output_grid_next(const output_grid *grid);
 bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *room, output_due *due);
 /** How many outputs by time are due in a step, DAE_LANES at most, and when; what is left of t has the last of these times. */
 int output_grid_ahead(const output_grid *grid, const integrate_step *step, double t[DAE_LANES]);
+/** Keep how far it is. */
+void output_grid_keep(output_grid *grid, archive *archive);
 /** That output was given: go on behind it. */
 void output_grid_given(output_grid *grid, const output_due *due);

@@ -237,3 +237,10 @@ void position_grid_given(position_grid *grid, double t, const output_mark *mark)
     grid->t = t;
     grid->place = round(mark->position * grid->per_unit);
 }
+
+void position_grid_keep(position_grid *grid, archive *archive)
+{
+    KEEP(archive, grid->t);
+    KEEP(archive, grid->place);
+    KEEP(archive, grid->speed);
+}

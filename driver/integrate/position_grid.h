@@ -20,5 +20,7 @@ void position_grid_begin(position_grid *grid, const dae *model, const integrate_
                          const dae_state *start);
 /** The next position on the grid that a step passes before t_end, as of output_grid_due. */
 bool position_grid_next(position_grid *grid, const integrate_step *step, dae_state *room, double *t, output_mark *mark);
+/** Keep how far it is. */
+void position_grid_keep(position_grid *grid, archive *archive);
 /** It was given. */
 void position_grid_given(position_grid *grid, double t, const output_mark *mark);

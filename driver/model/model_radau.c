@@ -119,6 +119,17 @@ static void counts(const void *stepper, integrate_counts *counts)
     counts->growth = (dae_growth){.t = now.growth_t, .rate = now.growth_rate, .frequency = now.growth_frequency};
 }
 
+static void keep(void *stepper, archive *archive)
+{
+    const radau_stepper *s = stepper;
+    int64_t n = archive->is_reading ? 0 : evl_radau_keep(s->radau, EVL_KEEP_MEASURE, 0, NULL);
+    KEEP(archive, n);
+    const bool is_sensible = n > 0 && (uint64_t)n < SIZE_MAX / sizeof n;
+    int64_t *words = is_sensible ? archive_take(archive, (size_t)n * sizeof n) : NULL;
+    archive->has_failed =
+        words == NULL || evl_radau_keep(s->radau, archive->is_reading ? EVL_KEEP_READ : EVL_KEEP_WRITE, n, words) != n;
+}
+
 const dae_stepper *model_radau(const model *model)
 {
     static const dae_stepper radau = {.create = create,
@@ -132,6 +143,7 @@ const dae_stepper *model_radau(const model *model)
                                       .candidate = candidate,
                                       .restart = restart,
                                       .redo = redo,
-                                      .counts = counts};
+                                      .counts = counts,
+                                      .keep = keep};
     return evl_radau_serves(model->gearbox, NULL) == EVL_OK ? &radau : NULL;
 }

@@ -33,6 +33,11 @@ void contact_watch_init(contact_watch *watch, wanted_outputs *wanted, int n_mesh
                              .meshes = xcalloc((size_t)n_meshes, sizeof *watch->meshes)};
 }
 
+void contact_watch_keep(contact_watch *watch, archive *archive)
+{
+    KEEP_ARRAY(archive, watch->meshes, watch->n_meshes);
+}
+
 void contact_watch_outputs(contact_watch *watch, const output_block *block)
 {
     for (int i = 0; i < watch->n_meshes; i++) {

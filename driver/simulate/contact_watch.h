@@ -20,6 +20,8 @@ typedef struct {
 
 /** Wants what it looks at. */
 void contact_watch_init(contact_watch *watch, wanted_outputs *wanted, int n_meshes);
+/** Keep what was seen. */
+void contact_watch_keep(contact_watch *watch, archive *archive);
 void contact_watch_outputs(contact_watch *watch, const output_block *block);
 void contact_watch_event(contact_watch *watch, const event_record *record);
 /** Say of the first mesh that is apart for good at t_end how that came; mesh_names [n_meshes].

@@ -56,6 +56,18 @@ void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_po
     init_groups(channels);
 }
 
+void extreme_channels_keep(extreme_channels *channels, archive *archive)
+{
+    KEEP(archive, channels->has_begun);
+    KEEP_ARRAY(archive, channels->high, channels->n_padded);
+    KEEP_ARRAY(archive, channels->low, channels->n_padded);
+    KEEP_ARRAY(archive, channels->high_time, channels->n_padded);
+    KEEP_ARRAY(archive, channels->low_time, channels->n_padded);
+    KEEP_ARRAY(archive, channels->values, channels->n_padded);
+    KEEP(archive, channels->t_values);
+    KEEP(archive, channels->group);
+}
+
 void extreme_channels_take(extreme_channels *channels, int channel, double value, double t)
 {
     if (value > channels->high[channel]) {

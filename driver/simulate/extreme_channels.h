@@ -23,6 +23,9 @@ typedef struct {
 /** Nobody asks for anything yet. @param pool  in which the channels last */
 void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_pool *pool);
 
+/** Keep what was found. */
+void extreme_channels_keep(extreme_channels *channels, archive *archive);
+
 /** Room for a number of each channel, 0 at first. */
 double *extreme_channels_array(const extreme_channels *channels);
 

@@ -49,6 +49,12 @@ void extremes_delete(extremes **pointer)
     free(extremes);
 }
 
+void extremes_keep(extremes *extremes, archive *archive)
+{
+    extreme_channels_keep(&extremes->channels, archive);
+    channel_past_keep(&extremes->past, &extremes->channels, archive);
+}
+
 const double *extremes_highest(const extremes *extremes)
 {
     return extremes->channels.high;

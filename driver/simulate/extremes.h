@@ -14,6 +14,9 @@ void extremes_delete(extremes **extremes);
 /** What observer.watch hears. */
 void extremes_watch(extremes *extremes, const integrate_step *step);
 
+/** Keep what was found. */
+void extremes_keep(extremes *extremes, archive *archive);
+
 /** What observer.highest is: [n_watched] the largest of each channel so far; infinite where nobody asks. */
 const double *extremes_highest(const extremes *extremes);
 

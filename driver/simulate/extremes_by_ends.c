@@ -14,6 +14,17 @@ void channel_past_init(channel_past *past, const extreme_channels *channels)
                            .middle = extreme_channels_array(channels)};
 }
 
+void channel_past_keep(channel_past *past, const extreme_channels *channels, archive *archive)
+{
+    KEEP(archive, past->n_known);
+    KEEP(archive, past->t);
+    KEEP(archive, past->t_older);
+    KEEP_ARRAY(archive, past->values, channels->n_padded);
+    KEEP_ARRAY(archive, past->older, channels->n_padded);
+    KEEP_ARRAY(archive, past->ends, channels->n_padded);
+    KEEP_ARRAY(archive, past->middle, channels->n_padded);
+}
+
 /** How far a channel may go from the mean of both ends of a step, judged by its moves in it and in the step before: as far beyond
  *  the ends as the mean of both moves. */
 static double reach_of(double older, double a, double b, double half_ratio)

@@ -14,6 +14,9 @@ typedef struct {
 
 void channel_past_init(channel_past *past, const extreme_channels *channels);
 
+/** Keep it. */
+void channel_past_keep(channel_past *past, const extreme_channels *channels, archive *archive);
+
 /** Look at a step, from and to times in it. */
 void extremes_by_ends(extreme_channels *channels, channel_past *past, const integrate_step *step, double from,
                       double to);

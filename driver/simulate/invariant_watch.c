@@ -111,6 +111,22 @@ invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, in
     return watch;
 }
 
+void invariant_watch_keep(invariant_watch *watch, archive *archive)
+{
+    KEEP(archive, watch->has_begun);
+    KEEP(archive, watch->t);
+    KEEP(archive, watch->power);
+    KEEP(archive, watch->start);
+    KEEP(archive, watch->stored);
+    KEEP(archive, watch->drift);
+    KEEP(archive, watch->gross);
+    KEEP(archive, watch->largest);
+    KEEP(archive, watch->unit);
+    KEEP(archive, watch->ratio);
+    KEEP_ARRAY(archive, watch->wheels, watch->n_wheels);
+    KEEP_ARRAY(archive, watch->meshes, watch->n_meshes);
+}
+
 void invariant_watch_delete(invariant_watch **watch)
 {
     if (*watch != NULL) {

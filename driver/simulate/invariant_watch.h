@@ -12,6 +12,8 @@ typedef struct invariant_watch invariant_watch;
 /** Wants what it looks at. @param tolerance  of the case, to which the bounds relate */
 invariant_watch *invariant_watch_create(wanted_outputs *wanted, int n_wheels, int n_meshes, double tolerance);
 void invariant_watch_delete(invariant_watch **watch);
+/** Keep what was seen. */
+void invariant_watch_keep(invariant_watch *watch, archive *archive);
 /** The blocks come in order of time. */
 void invariant_watch_outputs(invariant_watch *watch, const output_block *block);
 /** Largest error of the energy balance over the energy that was put in, or that was there if that is more; NaN if there was

@@ -127,6 +127,28 @@ void numbers_delete(numbers **pointer)
     }
 }
 
+void numbers_keep(numbers *self, archive *archive)
+{
+    KEEP_ARRAY(archive, self->meshes, self->n_meshes);
+    for (int i = 0; i < self->n_channels; i++) {
+        channel *one = &self->channels[i];
+        KEEP(archive, one->mesh);
+        KEEP(archive, one->sums);
+    }
+    KEEP_ARRAY(archive, self->waves, self->n_meshes);
+    KEEP(archive, self->is_set_up);
+    KEEP(archive, self->has_started);
+    KEEP(archive, self->sense);
+    KEEP(archive, self->start_position);
+    KEEP(archive, self->first);
+    KEEP(archive, self->next);
+    KEEP(archive, self->t_first);
+    KEEP(archive, self->t_last);
+    KEEP(archive, self->position);
+    KEEP(archive, self->first_seen);
+    KEEP(archive, self->periods);
+}
+
 /* ---- positions ---- */
 
 static double constant(const numbers *self, const char *name, int index)

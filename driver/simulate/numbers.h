@@ -20,6 +20,8 @@ numbers *numbers_create(const model *model, const number_window *window, const b
 void numbers_delete(numbers **numbers);
 /** Every step of the integration, in order of time, as observer.watch hears it. */
 void numbers_watch(numbers *numbers, const integrate_step *step);
+/** Keep what was found so far. */
+void numbers_keep(numbers *numbers, archive *archive);
 void numbers_event(numbers *numbers, const event_record *record);
 
 /** What the window came to. */

@@ -57,6 +57,15 @@ bool positions_check_start(const prepared_case *prepared, const dae_state *start
     return case_refuse(prepared->file, field, message, error);
 }
 
+void positions_keep(positions_watch *watch, archive *archive)
+{
+    KEEP(archive, watch->forwards);
+    KEEP(archive, watch->backwards);
+    KEEP(archive, watch->first);
+    KEEP(archive, watch->last);
+    KEEP(archive, watch->has_started);
+}
+
 void positions_take(positions_watch *watch, const output_mark *mark)
 {
     if (!watch->has_started) {

@@ -32,6 +32,8 @@ typedef struct {
     bool has_started;
 } positions_watch;
 
+/** Keep what happened. */
+void positions_keep(positions_watch *watch, archive *archive);
 /** Take an output. */
 void positions_take(positions_watch *watch, const output_mark *mark);
 /** Say how far it came, if that is less than a pitch or turn; else "". */

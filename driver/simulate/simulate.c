@@ -16,7 +16,7 @@
 static const double two_pi = 6.283185307179586;
 
 /** Why the observer ended an integration. */
-typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_MODEL, STOP_MISSED, STOP_SINK } stop_reason;
+typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_KEPT, STOP_MODEL, STOP_MISSED, STOP_SINK } stop_reason;
 
 typedef struct {
     const prepared_case *prepared;
@@ -117,11 +117,46 @@ static int on_step(void *self, double t)
     if (s->sink->step != NULL) {
         s->sink->step(s->sink->self, t);
     }
-    if (interrupt_signal != 0) {
+    if (interrupt_signal != 0 && s->sink->is_due == NULL) {
         s->stop = STOP_INTERRUPTED;
         return 1;
     }
     return 0;
+}
+
+static bool is_due(void *self, double t)
+{
+    const simulation *s = self;
+    return s->sink->is_due(s->sink->self, t);
+}
+
+/** Of the outputs none are left then. */
+static void keep(void *self, archive *archive)
+{
+    simulation *s = self;
+    if (!archive->is_reading) {
+        archive->has_failed = archive->has_failed || give_gathered(s, s->reason) != 0;
+    }
+    KEEP(archive, s->t_given);
+    contact_watch_keep(&s->contact, archive);
+    invariant_watch_keep(s->invariants, archive);
+    positions_keep(&s->positions, archive);
+    if (s->sink->extremes != NULL) {
+        extremes_keep(s->sink->extremes, archive);
+    }
+    if (s->sink->numbers != NULL) {
+        numbers_keep(s->sink->numbers, archive);
+    }
+    s->sink->keep(s->sink->self, archive);
+}
+
+static int kept(void *self, double t, const archive *archive)
+{
+    static const stop_reason reasons[] = {
+        [SIMULATE_GOES_ON] = STOP_NONE, [SIMULATE_STOPS] = STOP_KEPT, [SIMULATE_FAILS] = STOP_SINK};
+    simulation *s = self;
+    s->stop = reasons[s->sink->kept(s->sink->self, t, archive)];
+    return s->stop != STOP_NONE;
 }
 
 /** A run that ends early ends with its last good state, if its outputs exist and were not given yet. */
@@ -217,11 +252,9 @@ integrate_options simulate_options(const prepared_case *prepared)
 
 static simulate_end end_of(const simulation *s, integrate_code code)
 {
-    static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,
-                                        [STOP_INTERRUPTED] = SIMULATE_INTERRUPTED,
-                                        [STOP_MODEL] = SIMULATE_FAILED,
-                                        [STOP_MISSED] = SIMULATE_MISSED,
-                                        [STOP_SINK] = SIMULATE_SINK_FAILED};
+    static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,      [STOP_INTERRUPTED] = SIMULATE_INTERRUPTED,
+                                        [STOP_KEPT] = SIMULATE_INTERRUPTED, [STOP_MODEL] = SIMULATE_FAILED,
+                                        [STOP_MISSED] = SIMULATE_MISSED,    [STOP_SINK] = SIMULATE_SINK_FAILED};
     return code == INTEGRATE_DONE ? SIMULATE_DONE : ends[s->stop];
 }
 
@@ -246,7 +279,11 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                                          .event = on_event,
                                          .step = on_step,
                                          .watch = sink->extremes == NULL ? NULL : on_watch,
-                                         .highest = sink->extremes == NULL ? NULL : extremes_highest(sink->extremes)};
+                                         .highest = sink->extremes == NULL ? NULL : extremes_highest(sink->extremes),
+                                         .is_due = sink->is_due == NULL ? NULL : is_due,
+                                         .keep = sink->keep == NULL ? NULL : keep,
+                                         .kept = kept,
+                                         .resume = sink->resume};
     integrate_code code =
         integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
     code = give_rest(&s, code, result->message);

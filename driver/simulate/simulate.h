@@ -7,6 +7,9 @@
 #include "simulate/prepare.h"
 #include "simulate/wanted.h"
 
+/** What is to come after a simulation was kept: SIMULATE_INTERRUPTED, or SIMULATE_SINK_FAILED. */
+typedef enum { SIMULATE_GOES_ON, SIMULATE_STOPS, SIMULATE_FAILS } simulate_kept;
+
 /** Where the outputs of a simulation go. A procedure that returns false ends the simulation with SIMULATE_SINK_FAILED. */
 typedef struct {
     void *self;
@@ -17,12 +20,17 @@ typedef struct {
     void (*step)(void *self, double t); /**< now and then, between steps: how far it is; NULL: nobody asks */
     extremes *extremes;                 /**< to be found between the outputs; NULL: none */
     numbers *numbers;                   /**< the same; NULL: none. With them there are extremes */
+    /** As of integrate_observer: a simulation that can go on later. NULL: it cannot. Then a signal does not end it: it makes it due */
+    bool (*is_due)(void *self, double t);
+    void (*keep)(void *self, archive *archive);
+    simulate_kept (*kept)(void *self, double t, const archive *archive);
+    archive *resume;
 } simulate_sink;
 
 typedef enum {
     SIMULATE_DONE,
     SIMULATE_FAILED,      /**< the integration or the model; the message says why */
-    SIMULATE_INTERRUPTED, /**< by a signal */
+    SIMULATE_INTERRUPTED, /**< by a signal, or by a sink that kept it */
     SIMULATE_MISSED, /**< an output that came late shows that an event was missed: simulate again without waiting */
     SIMULATE_SINK_FAILED
 } simulate_end;

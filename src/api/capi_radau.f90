@@ -3,13 +3,14 @@
 !> The header's section "integration" documents each procedure; here is only the passage from C to Fortran. A handle is the
 !> address of a model and its integrator.
 module evl_capi_radau
-   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int64_t, c_loc, c_null_ptr, c_ptr
+   use evl_archive, only: archive_fits, archive_measures, archive_t
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_extreme_finder, only: candidate_t, most_candidates
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_serves, gearbox_ode_set
+   use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_serves, gearbox_ode_set, keep_gearbox_ode
    use evl_kinds, only: lanes, wp
-   use evl_radau, only: radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
+   use evl_radau, only: keep_radau, radau_advance, radau_counts, radau_create, radau_get_counts, radau_get_growth, radau_growth, &
                         radau_interpolate, radau_interpolate_lanes, radau_interpolate_some, radau_look, radau_options, &
                         radau_redo, radau_restart, radau_start, radau_step, radau_t
    use evl_radau_coefficients, only: n_stages
@@ -19,7 +20,7 @@ module evl_capi_radau
 
    public :: evl_radau_serves, evl_radau_create, evl_radau_delete, evl_radau_start, evl_radau_advance, evl_radau_interpolate, &
              evl_radau_candidate, evl_radau_interpolate_lanes, evl_radau_interpolate_some, evl_radau_look, evl_radau_restart, &
-             evl_radau_redo, evl_radau_get_counts
+             evl_radau_redo, evl_radau_get_counts, evl_radau_keep
 
    !> evl_radau
    type :: integration_t
@@ -221,5 +222,21 @@ contains
       counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%iterations, c%iterations, c%jacobians, &
                         c%factorisations, c%root_evaluations, g%t, g%re, g%im)
    end subroutine evl_radau_get_counts
+
+   integer(c_int64_t) function evl_radau_keep(handle, direction, n, words) result(kept) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: direction
+      integer(c_int64_t), intent(in), value :: n
+      integer(c_int64_t), intent(inout), target, optional :: words(n)
+      type(integration_t), pointer :: self
+      type(archive_t) :: archive
+
+      call c_f_pointer(handle, self)
+      archive%direction = direction
+      if (direction /= archive_measures) archive%words => words
+      call keep_gearbox_ode(archive, self%model)
+      call keep_radau(archive, self%solver)
+      kept = merge(archive%n, -1_c_int64_t, archive_fits(archive))
+   end function evl_radau_keep
 
 end module evl_capi_radau

@@ -3,6 +3,7 @@
 !> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
+   use evl_archive, only: archive_t
    use evl_contact_roots, only: contact_root_directions
    use evl_discrete_state, only: take_mode
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern
@@ -25,7 +26,7 @@ module evl_gearbox_ode
    implicit none (type, external)
    private
 
-   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set
+   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set, keep_gearbox_ode
    public :: settle_aside, settle_slots
 
    !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
@@ -55,6 +56,15 @@ module evl_gearbox_ode
       procedure :: root_directions
       procedure :: time_in_sight
    end type gearbox_ode
+
+   interface
+      !> Keep what changes: the discrete state, and what the last evaluation in lanes left.
+      module subroutine keep_gearbox_ode(archive, self)
+         implicit none (type, external)
+         type(archive_t), intent(inout) :: archive
+         type(gearbox_ode), intent(inout), target :: self
+      end subroutine keep_gearbox_ode
+   end interface
 
 contains
 

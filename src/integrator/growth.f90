@@ -9,6 +9,7 @@
 !> of which it is known that nothing grows. In a large system they are sought in pieces of neighbouring states, the others at rest,
 !> which takes time in proportion to its size.
 module evl_growth
+   use evl_archive, only: archive_t, keep, keep_reals
    use evl_eigenvalues, only: find_eigenvalues
    use evl_jacobian_entries, only: apply_entries
    use evl_kinds, only: wp
@@ -16,7 +17,7 @@ module evl_growth
    implicit none (type, external)
    private
 
-   public :: growth_t, growth_create, growth_forget, limit_step, may_be_out_of_reach, judge_growth, follows_growth
+   public :: growth_t, growth_create, growth_forget, limit_step, may_be_out_of_reach, judge_growth, follows_growth, keep_growth
 
    real(wp), parameter :: reach = 5.5_wp           !! |h lambda| up to which the method follows a mode that grows
    real(wp), parameter :: aim = 5                  !! what a step is cut to: the frequency changes a little along the motion
@@ -256,5 +257,38 @@ contains
       piece%known_change(piece%next) = share*decay
       piece%next = mod(piece%next, n_known) + 1
    end subroutine remember
+
+   !> Keep what is known of the modes that grow.
+   subroutine keep_growth(archive, self)
+      type(archive_t), intent(inout) :: archive
+      type(growth_t), intent(inout) :: self
+      integer :: i
+
+      call keep(archive, self%longest)
+      call keep(archive, self%re)
+      call keep(archive, self%im)
+      call keep(archive, self%steps)
+      call keep(archive, self%shortens)
+      call keep(archive, self%wants_jacobian)
+      call keep(archive, self%jacobians)
+      call keep(archive, self%bound)
+      call keep(archive, self%bound_jacobians)
+      if (.not. allocated(self%pieces)) return ! of a model in which nothing can grow
+      call keep_reals(archive, size(self%x), self%x)
+      do i = 1, size(self%pieces)
+         call keep_piece(archive, self%pieces(i))
+      end do
+   end subroutine keep_growth
+
+   !> The matrices of a piece.
+   subroutine keep_piece(archive, self)
+      type(archive_t), intent(inout) :: archive
+      type(known_piece_t), intent(inout) :: self
+
+      call keep_reals(archive, size(self%known), self%known)
+      call keep_reals(archive, size(self%known_change), self%known_change)
+      call keep_reals(archive, size(self%known_step), self%known_step)
+      call keep(archive, self%next)
+   end subroutine keep_piece
 
 end module evl_growth

@@ -17,6 +17,7 @@
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau
+   use evl_archive, only: archive_t
    use evl_collocation, only: interpolate, lagrange_at, lagrange_matrix, weighted_sum
    use evl_elementary, only: real_power
    use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
@@ -34,7 +35,7 @@ module evl_radau
 
    public :: radau_t, radau_options, radau_counts, radau_growth
    public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts, &
-             radau_get_growth, radau_interpolate_lanes, radau_interpolate_some, radau_look, radau_step
+             radau_get_growth, radau_interpolate_lanes, radau_interpolate_some, radau_look, radau_step, keep_radau
    public :: outcome_step, outcome_event, outcome_stop
 
    integer, parameter :: outcome_step = 0  !! a step was made
@@ -190,6 +191,13 @@ module evl_radau
          type(radau_t), intent(inout) :: self
          real(wp), intent(in) :: h, error !! the step and its error, < 1
       end subroutine remember_step
+
+      !> Keep an integration, or take one from an archive into one that was created for the same model and options.
+      module subroutine keep_radau(archive, self)
+         implicit none (type, external)
+         type(archive_t), intent(inout) :: archive
+         type(radau_t), intent(inout) :: self
+      end subroutine keep_radau
    end interface
 
 contains

@@ -18,6 +18,7 @@
 #include <evolvent/description.h>
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -257,6 +258,18 @@ EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, cons
 /** Take the last step back: go on from its start (t, y), which are set, in smaller ones. */
 EVL_API void evl_radau_redo(evl_radau *radau, double *t, double *y);
 EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
+
+/** What evl_radau_keep does. */
+typedef enum {
+    EVL_KEEP_MEASURE = 0, /**< nothing but count */
+    EVL_KEEP_WRITE = 1,   /**< put all that changes in an integration into words */
+    EVL_KEEP_READ = 2     /**< take it from there, into one created for the same gearbox, scales, tolerance and max_step */
+} evl_keep;
+/** Keep an integration between two calls of evl_radau_advance: one that reads it goes on with the same bits, also in another process
+ *  with the same kernel. An integration that reads need not have been started.
+ *  @param words  [n] of the kernel's own meaning; NULL to measure
+ *  @return the words that it takes; -1 if they are not n, or of another gearbox: then it is to be deleted */
+EVL_API int64_t evl_radau_keep(evl_radau *radau, int direction, int64_t n, int64_t *words);
 /** A place in a step where a channel may exceed the extreme so far. */
 typedef struct {
     int channel;        /**< as of evl_gearbox_watched */

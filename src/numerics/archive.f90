@@ -1,0 +1,180 @@
+!> A state in a row of words of 64 bits, so that a computation can go on elsewhere with the same bits.
+!>
+!> One procedure of a type names its components once; which way the numbers go is the archive's business:
+!>
+!>     call keep(archive, self%h)
+!>     call keep_reals(archive, size(self%y), self%y)
+!>
+!> Measured, written and read in that way, what is kept cannot drift apart. Arrays are as long as they were made: with another
+!> length an archive does not fit, and what was read of it is of no use.
+module evl_archive
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_ptr
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_kinds, only: wp
+   implicit none (type, external)
+   private
+
+   public :: archive_t, archive_fits, keep, keep_complex, keep_integers, keep_logicals, keep_plain, keep_reals
+   public :: archive_measures, archive_writes, archive_reads
+
+   integer, parameter :: archive_measures = 0 !! nothing moves, the words are counted
+   integer, parameter :: archive_writes = 1   !! from the components to the words
+   integer, parameter :: archive_reads = 2    !! from the words to the components
+
+   integer, parameter :: bits_of_word = 64
+
+   type :: archive_t
+      integer :: direction = archive_measures
+      integer(int64) :: n = 0                         !! words so far
+      integer(int64), pointer :: words(:) => null()   !! room, if they are written or read
+      logical, private :: is_good = .true.
+   end type archive_t
+
+   !> Keep one number.
+   interface keep
+      module procedure keep_real, keep_integer, keep_logical
+   end interface keep
+
+contains
+
+   !> Whether there was room for all, and all arrays had their lengths.
+   pure logical function archive_fits(self) result(fits)
+      type(archive_t), intent(in) :: self
+
+      fits = self%is_good
+   end function archive_fits
+
+   !> Count the next word. Its place, or 0: it is neither written nor read.
+   pure subroutine next(self, place)
+      type(archive_t), intent(inout) :: self
+      integer(int64), intent(out) :: place
+
+      place = 0
+      self%n = self%n + 1
+      if (self%direction == archive_measures .or. .not. self%is_good) return
+      self%is_good = self%n <= size(self%words, kind=int64)
+      if (self%is_good) place = self%n
+   end subroutine next
+
+   !> One real.
+   pure subroutine keep_real(self, value)
+      type(archive_t), intent(inout) :: self
+      real(wp), intent(inout) :: value
+      integer(int64) :: place
+
+      call next(self, place)
+      if (place == 0) return
+      if (self%direction == archive_writes) self%words(place) = transfer(value, place)
+      if (self%direction == archive_reads) value = transfer(self%words(place), value)
+   end subroutine keep_real
+
+   !> One integer.
+   pure subroutine keep_integer(self, value)
+      type(archive_t), intent(inout) :: self
+      integer, intent(inout) :: value
+      integer(int64) :: place
+
+      call next(self, place)
+      if (place == 0) return
+      if (self%direction == archive_writes) self%words(place) = value
+      if (self%direction == archive_reads) value = int(self%words(place))
+   end subroutine keep_integer
+
+   !> One logical.
+   pure subroutine keep_logical(self, value)
+      type(archive_t), intent(inout) :: self
+      logical, intent(inout) :: value
+      integer :: number
+
+      number = merge(1, 0, value)
+      call keep_integer(self, number)
+      if (self%direction == archive_reads) value = number /= 0
+   end subroutine keep_logical
+
+   !> The length of an array, which has to be the same when it is read.
+   pure subroutine keep_length(self, n)
+      type(archive_t), intent(inout) :: self
+      integer, intent(in) :: n
+      integer :: length
+
+      length = n
+      call keep_integer(self, length)
+      self%is_good = self%is_good .and. length == n
+   end subroutine keep_length
+
+   !> Reals, of an array of any rank.
+   pure subroutine keep_reals(self, n, values)
+      type(archive_t), intent(inout) :: self
+      integer, intent(in) :: n
+      real(wp), intent(inout) :: values(*)
+      integer :: i
+
+      call keep_length(self, n)
+      do i = 1, n
+         call keep_real(self, values(i))
+      end do
+   end subroutine keep_reals
+
+   !> Integers, of an array of any rank.
+   pure subroutine keep_integers(self, n, values)
+      type(archive_t), intent(inout) :: self
+      integer, intent(in) :: n
+      integer, intent(inout) :: values(*)
+      integer :: i
+
+      call keep_length(self, n)
+      do i = 1, n
+         call keep_integer(self, values(i))
+      end do
+   end subroutine keep_integers
+
+   !> Logicals, of an array of any rank.
+   pure subroutine keep_logicals(self, n, values)
+      type(archive_t), intent(inout) :: self
+      integer, intent(in) :: n
+      logical, intent(inout) :: values(*)
+      integer :: i
+
+      call keep_length(self, n)
+      do i = 1, n
+         call keep_logical(self, values(i))
+      end do
+   end subroutine keep_logicals
+
+   !> Complex numbers, of an array of any rank.
+   pure subroutine keep_complex(self, n, values)
+      type(archive_t), intent(inout) :: self
+      integer, intent(in) :: n
+      complex(wp), intent(inout) :: values(*)
+      real(wp) :: re, im
+      integer :: i
+
+      call keep_length(self, n)
+      do i = 1, n
+         re = real(values(i), wp)
+         im = aimag(values(i))
+         call keep_real(self, re)
+         call keep_real(self, im)
+         if (self%direction == archive_reads) values(i) = cmplx(re, im, wp)
+      end do
+   end subroutine keep_complex
+
+   !> Things of a type whose components are numbers alone, as they lie in memory: whole words of it.
+   subroutine keep_plain(self, bits, things)
+      type(archive_t), intent(inout) :: self
+      integer(int64), intent(in) :: bits !! storage_size of one, times how many
+      type(c_ptr), intent(in) :: things  !! the first of them
+      integer(int64), pointer :: words(:)
+      integer(int64) :: i, place
+
+      self%is_good = self%is_good .and. mod(bits, int(bits_of_word, int64)) == 0
+      call c_f_pointer(things, words, [bits/bits_of_word])
+      do i = 1, bits/bits_of_word
+         call next(self, place)
+         if (place == 0) cycle
+         if (self%direction == archive_writes) self%words(place) = words(i)
+         if (self%direction == archive_reads) words(i) = self%words(place)
+      end do
+   end subroutine keep_plain
+
+end module evl_archive
