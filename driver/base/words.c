@@ -68,3 +68,21 @@ int words_cut(const char *text, int most)
     }
     return shown;
 }
+
+char *words_quoted(const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%",
+                      quote[] = "'\\''";
+    if (word[0] != '\0' && strspn(word, plain) == strlen(word)) {
+        return xstrdup(word);
+    }
+    char *quoted = xcalloc((sizeof quote - 1) * strlen(word) + 3, 1), *to = quoted;
+    *to++ = '\'';
+    for (; *word != '\0'; word++) {
+        const size_t n = *word == '\'' ? sizeof quote - 1 : 1;
+        memcpy(to, n > 1 ? quote : word, n);
+        to += n;
+    }
+    *to = '\'';
+    return quoted;
+}

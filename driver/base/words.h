@@ -15,3 +15,5 @@ int words_width(int width, const char *text);
 char *words_join(int n, const char *const *words, const char *separator);
 /** Bytes of the start of a text that is to be shown: at most so many, and no part of a UTF-8 character. */
 int words_cut(const char *text, int most);
+/** A word as a shell takes it: in quotes if it needs some, as a new string. */
+char *words_quoted(const char *word);

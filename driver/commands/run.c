@@ -2,6 +2,8 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/progress.h"
+#include "base/words.h"
+#include "commands/checkpoints.h"
 #include "commands/command.h"
 #include "commands/result.h"
 #include "commands/run_history.h"
@@ -20,15 +22,17 @@
 typedef struct {
     const char *output;  /**< NULL: the case's name with .h5 in the current folder */
     const char *outputs; /**< names of variables and groups; NULL: as the case says */
+    checkpoint_options checkpoint;
     option_values set;
     bool quiet;
 } run_options;
 
 typedef struct {
     prepared_case prepared;
-    run_history history;
+    run_history history; /**< or the present part of it */
     extremes *extremes;
-    numbers *numbers; /**< NULL: the case does not ask for them */
+    numbers *numbers;         /**< NULL: the case does not ask for them */
+    checkpoints *checkpoints; /**< NULL: it cannot go on once it was stopped */
     progress progress;
     double t_shown; /**< how far it came [s] */
     evl_error *error;
@@ -36,16 +40,27 @@ typedef struct {
 
 /* What the simulation tells. */
 
+/** The part to which something is to be added. */
+static bool has_part(run *run, int n_rows, int n_events)
+{
+    if (run->checkpoints == NULL) {
+        return true;
+    }
+    checkpoints_count(run->checkpoints, n_rows, n_events);
+    return run->history.history != NULL ||
+           run_history_open(&run->history, checkpoints_part(run->checkpoints), run->error);
+}
+
 static bool on_outputs(void *self, const output_block *block)
 {
     run *run = self;
-    return run_history_outputs(&run->history, block, run->error);
+    return has_part(run, block->n, 0) && run_history_outputs(&run->history, block, run->error);
 }
 
 static bool on_event(void *self, const event_record *record)
 {
     run *run = self;
-    return run_history_event(&run->history, record, run->error);
+    return has_part(run, 0, 1) && run_history_event(&run->history, record, run->error);
 }
 
 static void on_step(void *self, double t)
@@ -53,6 +68,24 @@ static void on_step(void *self, double t)
     run *run = self;
     run->t_shown = fmax(t, run->t_shown);
     progress_step(&run->progress, run->t_shown);
+}
+
+static bool is_due(void *self, double t)
+{
+    const run *run = self;
+    return checkpoints_is_due(run->checkpoints, t);
+}
+
+static void keep(void *self, archive *archive)
+{
+    const run *run = self;
+    checkpoints_keep(run->checkpoints, archive);
+}
+
+static simulate_kept kept(void *self, double t, const archive *archive)
+{
+    run *run = self;
+    return checkpoints_kept(run->checkpoints, &run->history.history, t, archive, run->error);
 }
 
 /* The run itself. */
@@ -115,13 +148,49 @@ static void conclude(run *run, const simulate_result *result, const char *path)
                       result->message, partial);
     }
     const bool is_done = result->end == SIMULATE_DONE;
-    if (run_history_close(&run->history, status, is_done ? remark : reason, result, run->error) && is_done) {
+    const char *times = run->checkpoints != NULL ? checkpoints_times(run->checkpoints) : "";
+    if (run_history_close(&run->history, status, is_done ? remark : reason, result, times, run->error) && is_done) {
         summarise(&result->counts, path);
         warn_of_invariants(run, result);
     }
 }
 
-/** Simulate from the start. */
+/** The run was kept, and ends here: its parts stay as they are. */
+static void conclude_stopped(const run *run, const simulate_result *result)
+{
+    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    checkpoints_explain(run->checkpoints, place, run->error);
+}
+
+/** The history of all parts, to which the end can be put. */
+static bool join_parts(run *run, const char *path)
+{
+    run_history *history = &run->history;
+    return checkpoints_close_part(run->checkpoints, &history->history, run->error) &&
+           run_history_open(history, path, run->error) &&
+           checkpoints_append(run->checkpoints, &history->layout, history->history, run->error);
+}
+
+/** The simulation ended: what is told at its end, and the end of the history. */
+static void conclude_all(run *run, const simulate_result *result, const char *path)
+{
+    const bool is_kept = run->checkpoints != NULL;
+    if (is_kept && result->end == SIMULATE_INTERRUPTED) {
+        conclude_stopped(run, result);
+    } else if (result->end == SIMULATE_SINK_FAILED || (is_kept && !join_parts(run, path)) ||
+               !run_history_put(&run->history, run->extremes, run->numbers, run->error)) {
+        run_history_abandon(&run->history);
+    } else {
+        conclude(run, result, path);
+    }
+    if (is_kept && run->error->code == EVL_EXIT_IO) {
+        checkpoints_remind(run->checkpoints, run->error);
+    } else if (is_kept && result->end != SIMULATE_INTERRUPTED) {
+        checkpoints_remove(run->checkpoints);
+    }
+}
+
+/** Simulate from the start, or the last checkpoint. */
 static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
 {
     const description *description = case_description(run->prepared.file);
@@ -144,7 +213,11 @@ static void simulate_from(run *run, const dae_state *start, bool waits, simulate
                                 .event = on_event,
                                 .step = on_step,
                                 .extremes = run->extremes,
-                                .numbers = run->numbers};
+                                .numbers = run->numbers,
+                                .is_due = run->checkpoints == NULL ? NULL : is_due,
+                                .keep = run->checkpoints == NULL ? NULL : keep,
+                                .kept = kept,
+                                .resume = run->checkpoints == NULL ? NULL : checkpoints_resume(run->checkpoints)};
     simulate(&run->prepared, &sink, &state, result);
 }
 
@@ -154,28 +227,63 @@ static void forget(run *run)
     numbers_delete(&run->numbers);
 }
 
-/** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. That
- *  tells what it told before, and goes on from there. */
+/** What was told since the last checkpoint, or the start, is told once more. */
+static bool tell_again(run *run)
+{
+    if (run->checkpoints == NULL) {
+        run_history_again(&run->history);
+        return true;
+    }
+    run_history_abandon(&run->history);
+    return checkpoints_again(run->checkpoints, run->error);
+}
+
+/** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. */
 static void simulate_case(run *run, const char *path, const dae_state *start)
 {
     simulate_result result;
     simulate_from(run, start, true, &result);
     if (result.end == SIMULATE_MISSED) {
         forget(run);
-        run_history_again(&run->history);
-        simulate_from(run, start, false, &result);
+        if (tell_again(run)) {
+            simulate_from(run, start, false, &result);
+        } else {
+            result.end = SIMULATE_SINK_FAILED;
+        }
     }
     progress_end(&run->progress);
-    if (result.end == SIMULATE_SINK_FAILED ||
-        !run_history_put(&run->history, run->extremes, run->numbers, run->error)) {
-        run_history_abandon(&run->history);
-    } else {
-        conclude(run, &result, path);
-    }
+    conclude_all(run, &result, path);
     forget(run);
 }
 
-static void run_prepared(run *run, const run_options *options, const char *path)
+/** The command by which the run goes on. */
+static const char *command_of(memory_pool *pool, const char *file, const run_options *options, const char *path)
+{
+    OWNED char *quoted_file = words_quoted(file), *quoted_path = words_quoted(path);
+    const char *text = pool_printf(pool, "evolvent run %s -o %s", quoted_file, quoted_path);
+    if (options->outputs != NULL) {
+        OWNED char *outputs = words_quoted(options->outputs);
+        text = pool_printf(pool, "%s --outputs %s", text, outputs);
+    }
+    for (int i = 0; i < options->set.n; i++) {
+        OWNED char *set = words_quoted(options->set.values[i]);
+        text = pool_printf(pool, "%s --set %s", text, set);
+    }
+    return pool_printf(pool, "%s --continue", text);
+}
+
+/** Be ready to go on later, if that is asked for. */
+static bool open_checkpoints(run *run, const char *file, const run_options *options, const char *path)
+{
+    POOLED memory_pool pool = {NULL};
+    if (checkpoint_options_any(&options->checkpoint)) {
+        const char *command = command_of(&pool, file, options, path);
+        run->checkpoints = checkpoints_open(&options->checkpoint, path, command, &run->prepared, run->error);
+    }
+    return run->error->code == EVL_EXIT_OK;
+}
+
+static void run_prepared(run *run, const char *file, const run_options *options, const char *path)
 {
     dae_state state;
     if (!prepare_start(&run->prepared, &state, run->error)) {
@@ -183,11 +291,16 @@ static void run_prepared(run *run, const run_options *options, const char *path)
     }
     warn_of_case(&run->prepared);
     tell_vibrations(run);
-    progress_start(&run->progress, !options->quiet, state.t, case_description(run->prepared.file)->simulation.duration);
-    if (run_history_create(&run->history, &run->prepared, path, run->error)) {
-        simulate_case(run, path, &state);
+    if (open_checkpoints(run, file, options, path)) {
+        const double t = run->checkpoints == NULL ? state.t : checkpoints_time(run->checkpoints);
+        progress_start(&run->progress, !options->quiet, t, case_description(run->prepared.file)->simulation.duration);
+        run_history_init(&run->history, &run->prepared);
+        if (run->checkpoints != NULL || run_history_open(&run->history, path, run->error)) {
+            simulate_case(run, path, &state);
+        }
+        run_history_free(&run->history);
     }
-    run_history_free(&run->history);
+    checkpoints_close(&run->checkpoints);
     dae_state_free(&state);
 }
 
@@ -206,10 +319,16 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
         set[i] = i < options->set.n ? options->set.values[i] : outputs;
     }
     if (path != NULL && prepare_case(&run.prepared, file, n_set, set, error)) {
-        run_prepared(&run, options, path);
+        run_prepared(&run, file, options, path);
     }
     prepared_case_free(&run.prepared);
     return error->code;
+}
+
+static const char *check_options(const void *given)
+{
+    const run_options *options = given;
+    return checkpoint_options_check(&options->checkpoint);
 }
 
 static const option_row rows[] = {
@@ -217,6 +336,14 @@ static const option_row rows[] = {
      "file to write; the case's name with .h5 in the current folder if not given"},
     {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(run_options, outputs),
      "variables over time and groups of them, with commas, that the history has, as of simulation.outputs"},
+    {OPTION_TEXT, 0, "--checkpoint", "MINUTES", offsetof(run_options, checkpoint.minutes),
+     "put the run's state away every so many minutes, and when it is interrupted, so that it can go on"},
+    {OPTION_TEXT, 0, "--checkpoint-at", "T1,T2", offsetof(run_options, checkpoint.at),
+     "the same where model time has come to T1, T2 and so on [s]"},
+    {OPTION_TEXT, 0, "--max-time", "MINUTES", offsetof(run_options, checkpoint.max_minutes),
+     "stop after so many minutes at most, with a checkpoint"},
+    {OPTION_FLAG, 0, "--continue", NULL, offsetof(run_options, checkpoint.continues),
+     "go on from the last checkpoint: the same command as before with this behind it"},
     OPTION_ROW_SET(run_options),
     OPTION_ROW_QUIET(run_options),
     OPTION_ROW_HELP,
@@ -224,7 +351,8 @@ static const option_row rows[] = {
 
 const command run_command = {
     .name = "run",
-    .synopsis = "CASE.yaml [-o HISTORY.h5] [--outputs NAMES] [--set PATH=VALUE]... [-q]",
+    .synopsis =
+        "CASE.yaml [-o HISTORY.h5] [--outputs NAMES] [--set PATH=VALUE]... [--checkpoint MINUTES] [--continue] [-q]",
     .summary = "integrate a case, write its history",
     .text =
         "Integrates the case and writes its time history, an HDF5 file that netCDF-4 readers open. It grows as\n"
@@ -233,12 +361,19 @@ const command run_command = {
         "interrupted leaves the .partial, readable, with the reason in its attributes. Where stderr is no terminal,\n"
         "a line a minute tells how far it is. CASE.yaml may be -, standard input.\n"
         "\n"
+        "With --checkpoint or --max-time the history grows in closed parts, in the folder HISTORY.h5.parts, with the\n"
+        "run's state beside them. Whatever ends the run, the same command with --continue goes on from there; the\n"
+        "history is then that of a run that was never stopped. With IDA it is that of a run with checkpoints at the\n"
+        "same model times: the history's attribute `checkpoints`, for --checkpoint-at.\n"
+        "\n"
         "Examples:\n"
         "  evolvent run examples/paper.yaml\n"
         "  evolvent run examples/paper.yaml -o f03.h5 --set meshes.0.friction.coefficient=0.3\n"
-        "  evolvent run examples/paper.yaml --outputs energies,transmission_error\n",
+        "  evolvent run examples/paper.yaml --outputs energies,transmission_error\n"
+        "  evolvent run examples/paper.yaml -o long.h5 --checkpoint 10 --max-time 600\n",
     .file = "case file",
     .size = sizeof(run_options),
+    .check = check_options,
     OPTION_ROWS(rows),
     .run = run_case,
 };

@@ -8,6 +8,7 @@
 #include "simulate/positions.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Its head. */
 
@@ -34,8 +35,9 @@ static void want_outputs(run_history *self)
 }
 
 /** The outputs that are told, those of a grid of positions, and the constants, with their places in a row. */
-static int list_outputs(run_history *self, const positions_rule *rule, const model_output **outputs)
+static void list_outputs(run_history *self)
 {
+    const positions_rule rule = positions_of(self->prepared);
     const model_facts *about = model_about(self->prepared->model);
     model_output *all = pool_calloc(&self->pool, (size_t)about->n_outputs + POSITIONS_OUTPUTS, sizeof *all);
     int n = 0;
@@ -47,59 +49,66 @@ static int list_outputs(run_history *self, const positions_rule *rule, const mod
                 is_static ? self->n_told + POSITIONS_OUTPUTS + about->outputs[i].offset : self->wanted.places[i];
         }
     }
-    if (rule->per != NULL) {
-        positions_describe(rule, self->n_told, &self->pool, all + n);
+    if (rule.per != NULL) {
+        positions_describe(&rule, self->n_told, &self->pool, all + n);
         n += POSITIONS_OUTPUTS;
     }
-    *outputs = all;
-    return n;
+    self->layout.n_outputs = n;
+    self->layout.outputs = all;
 }
 
-bool run_history_create(run_history *self, const prepared_case *prepared, const char *path, evl_error *error)
+void run_history_init(run_history *self, const prepared_case *prepared)
 {
+    const model *model = prepared->model;
+    const model_facts *about = model_about(model);
+    const integrate_options options = simulate_options(prepared);
     *self = (run_history){.prepared = prepared};
     want_outputs(self);
-    const model *model = prepared->model;
-    const description *description = case_description(prepared->file);
-    const integrate_options options = simulate_options(prepared);
-    const positions_rule rule = positions_of(prepared);
-    const model_output *outputs = NULL;
-    const int n_outputs = list_outputs(self, &rule, &outputs);
     OWNED model_state *states = model_states(model);
+    model_state *own_states = pool_calloc(&self->pool, (size_t)about->dae.n, sizeof *own_states);
+    memcpy(own_states, states, (size_t)about->dae.n * sizeof *own_states);
+    self->layout = (history_layout){
+        .kind = "history",
+        .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
+        .names = &about->names,
+        .n_harmonics = case_description(prepared->file)->simulation.numbers.is_given ? NUMBER_HARMONICS : 0,
+        .n_all = about->n_outputs,
+        .all = about->outputs,
+        .n_states = about->dae.n,
+        .states = own_states,
+        .n_event_kinds = model_tables()->n_event_kinds,
+        .event_kinds = model_tables()->event_kinds,
+        .max_rows = output_grid_size(&options, 0),
+    };
+    list_outputs(self);
+}
+
+bool run_history_open(run_history *self, const char *path, evl_error *error)
+{
+    const prepared_case *prepared = self->prepared;
+    const positions_rule rule = positions_of(prepared);
     OWNED char *warnings = prepare_warnings(prepared, "\n");
     OWNED char *versions = result_versions();
     const history_attribute attributes[] = {
-        {"title", .text = description->title},
+        {"title", .text = case_description(prepared->file)->title},
         {"case", .text = case_text(prepared->file)},
         {"versions", .text = versions},
         {"warnings", .text = warnings},
         {"status", .text = "running"},
         {"status_message", .text = ""},
-        {"integrator_tolerance", .number = options.tolerance},
+        {"integrator_tolerance", .number = simulate_options(prepared).tolerance},
         {"output_per", .text = rule.per},
         {"output_number", .integer = rule.number},
         {"output_of", .text = rule.of},
     };
-    const int n_attributes = (int)(sizeof attributes / sizeof *attributes) - (rule.per == NULL ? 3 : 0);
-    const history_layout layout = {
-        .path = path,
-        .kind = "history",
-        .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
-        .names = &model_about(model)->names,
-        .n_harmonics = description->simulation.numbers.is_given ? NUMBER_HARMONICS : 0,
-        .n_outputs = n_outputs,
-        .outputs = outputs,
-        .n_all = model_about(model)->n_outputs,
-        .all = model_about(model)->outputs,
-        .n_states = model_about(model)->dae.n,
-        .states = states,
-        .n_event_kinds = model_tables()->n_event_kinds,
-        .event_kinds = model_tables()->event_kinds,
-        .max_rows = output_grid_size(&options, 0),
-        .n_attributes = n_attributes,
-        .attributes = attributes,
-    };
+    history_layout layout = self->layout;
+    layout.path = path;
+    layout.n_attributes = (int)(sizeof attributes / sizeof *attributes) - (rule.per == NULL ? 3 : 0);
+    layout.attributes = attributes;
     self->history = history_create(&layout, error);
+    if (self->history != NULL) {
+        history_put_statics(self->history, self->row);
+    }
     return self->history != NULL;
 }
 
@@ -137,6 +146,10 @@ static const double *row_of(const run_history *self, const output_block *block, 
 
 bool run_history_outputs(run_history *self, const output_block *block, evl_error *error)
 {
+    if (block->marks == NULL && self->rows.to_come == 0) { /* as they come */
+        self->rows.written += block->n;
+        return history_append_rows(self->history, block->n, block->t, block->values, block->stride, error);
+    }
     bool good = true;
     for (int k = 0; k < block->n && good; k++) {
         good = is_written(&self->rows) || history_append(self->history, block->t[k], row_of(self, block, k), error);
@@ -208,7 +221,7 @@ bool run_history_put(const run_history *self, const extremes *extremes, numbers 
 }
 
 bool run_history_close(run_history *self, const char *status, const char *message, const simulate_result *result,
-                       evl_error *error)
+                       const char *checkpoints, evl_error *error)
 {
     const integrate_counts *counts = &result->counts;
     const bool by_stepper = simulate_options(self->prepared).by_stepper;
@@ -226,8 +239,9 @@ bool run_history_close(run_history *self, const char *status, const char *messag
         by_stepper ? (history_attribute){"integrator_rejections", .integer = counts->rejections}
                    : (history_attribute){"integrator_error_test_failures", .integer = counts->error_test_failures},
         {"integrator_convergence_failures", .integer = counts->convergence_failures},
+        {"checkpoints", .text = checkpoints},
     };
-    const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 1 : 0);
+    const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 2 : checkpoints[0] != '\0' ? 0 : 1);
     return history_close(&self->history, result->end == SIMULATE_DONE, n, attributes, error);
 }
 

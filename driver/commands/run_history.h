@@ -13,14 +13,17 @@ typedef struct {
     const prepared_case *prepared;
     memory_pool pool; /**< of the outputs */
     wanted_outputs wanted;
-    int n_told;  /**< values of the outputs */
-    double *row; /**< values of the outputs, of those of a grid of positions, and the constants */
-    history *history;
+    int n_told;            /**< values of the outputs */
+    double *row;           /**< values of the outputs, of those of a grid of positions, and the constants */
+    history_layout layout; /**< outputs and states, with their places in a row */
+    history *history;      /**< NULL: none is open */
     run_history_count rows, events;
 } run_history;
 
-/** Create it with all that is known at the start. @return false with the reason in `error`, as the others do */
-bool run_history_create(run_history *self, const prepared_case *prepared, const char *path, evl_error *error);
+/** Find what it is to hold. */
+void run_history_init(run_history *self, const prepared_case *prepared);
+/** Create a file with all that is known at the start. @return false with the reason in `error`, as the others do */
+bool run_history_open(run_history *self, const char *path, evl_error *error);
 
 /** Take what the simulation tells. */
 bool run_history_outputs(run_history *self, const output_block *block, evl_error *error);
@@ -30,9 +33,10 @@ void run_history_again(run_history *self);
 
 /** Put what is known at the end, the numbers also in words. @param numbers  NULL: the case does not ask for them */
 bool run_history_put(const run_history *self, const extremes *extremes, numbers *numbers, evl_error *error);
-/** Say how the run ended, and give the file its name if it came to its end. */
+/** Say how the run ended, and give the file its name if it came to its end.
+ *  @param checkpoints  model times at which it may have started anew; "" if there are none */
 bool run_history_close(run_history *self, const char *status, const char *message, const simulate_result *result,
-                       evl_error *error);
+                       const char *checkpoints, evl_error *error);
 /** Drop what cannot be written. */
 void run_history_abandon(run_history *self);
 /** Where it is until then. */

@@ -145,7 +145,7 @@ int output_file_show(output_file *file)
 }
 
 /** A rename is safe on disk only when its folder is. Not all file systems can do that, and the file itself is safe. */
-static void sync_folder(const char *path)
+void output_file_sync_folder(const char *path)
 {
     OWNED char *folder = xstrdup(path);
     char *slash = strrchr(folder, '/');
@@ -172,7 +172,7 @@ bool output_file_close(output_file *file, bool commit, evl_error *error)
         good = rename(file->partial_path, file->path) == 0 || output_file_refuse(file->path, errno, NULL, error);
     }
     if (good && commit) {
-        sync_folder(file->path);
+        output_file_sync_folder(file->path);
     }
     output_file_drop(file, false);
     return good;

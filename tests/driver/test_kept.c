@@ -116,6 +116,17 @@ static void tell_end(listener *l, const prepared_case *prepared, simulate_result
     tell(l, result->invariants, strlen(result->invariants));
 }
 
+static void want_all(wanted_outputs *wanted, const model *model, memory_pool *pool)
+{
+    const model_facts *about = model_about(model);
+    wanted_init(wanted, model, pool);
+    for (int i = 0; i < about->n_outputs; i++) {
+        if (!about->outputs[i].is_static) {
+            (void)wanted_add(wanted, about->outputs[i].name);
+        }
+    }
+}
+
 /* From the start, or from what was kept; it is kept every so many rests, or never. */
 static void listen(const prepared_case *prepared, long every, archive *from, listener *l)
 {
@@ -129,7 +140,7 @@ static void listen(const prepared_case *prepared, long every, archive *from, lis
         dae_state_free(&state);
         assert_true(prepare_start(prepared, &state, &error));
     }
-    wanted_init(&l->wanted, prepared->model, true, &l->pool);
+    want_all(&l->wanted, prepared->model, &l->pool);
     l->extremes = extremes_create(prepared->model, case_description(prepared->file)->n_meshes, -INFINITY, INFINITY);
     if (asked->is_given) {
         bool all[N_NUMBER_ROWS];
@@ -188,7 +199,7 @@ static long rests_of(const prepared_case *prepared)
     dae_state state;
     simulate_result result;
     listener l = {.every = 1};
-    wanted_init(&l.wanted, prepared->model, true, &l.pool);
+    want_all(&l.wanted, prepared->model, &l.pool);
     assert_true(prepare_start(prepared, &state, &error));
     const simulate_sink sink = {.self = &l,
                                 .wanted = &l.wanted,
@@ -256,7 +267,7 @@ static void refuse(const prepared_case *prepared, keepsake one)
     simulate_result result;
     archive from = {.is_reading = true, .bytes = one.bytes, .n = one.n};
     dae_state state = dae_state_create(&model_about(prepared->model)->dae, NULL);
-    wanted_init(&l.wanted, prepared->model, true, &l.pool);
+    want_all(&l.wanted, prepared->model, &l.pool);
     l.extremes = extremes_create(prepared->model, case_description(prepared->file)->n_meshes, -INFINITY, INFINITY);
     const simulate_sink sink = {.self = &l,
                                 .wanted = &l.wanted,

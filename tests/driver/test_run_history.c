@@ -58,7 +58,8 @@ static char *write_history(const char *folder, int n_first, size_t *size)
     writer w = {.n_left = 0};
     OWNED char *path = xasprintf("%s/x.h5", folder);
     assert_true(prepare_case(&prepared, "examples/paper-friction.yaml", 2, set, &w.error));
-    assert_true(run_history_create(&w.history, &prepared, path, &w.error));
+    run_history_init(&w.history, &prepared);
+    assert_true(run_history_open(&w.history, path, &w.error));
     if (n_first > 0) {
         simulate_to(&w, &prepared, true, n_first, &result);
         assert_int_equal(result.end, SIMULATE_SINK_FAILED);
@@ -68,7 +69,7 @@ static char *write_history(const char *folder, int n_first, size_t *size)
     simulate_to(&w, &prepared, n_first == 0, all, &result);
     assert_int_equal(result.end, SIMULATE_DONE);
     assert_int_equal(w.history.rows.written, 91);
-    assert_true(run_history_close(&w.history, "done", "", &result, &w.error));
+    assert_true(run_history_close(&w.history, "done", "", &result, "", &w.error));
     run_history_free(&w.history);
     prepared_case_free(&prepared);
     enum { MOST = 10000000 };

@@ -1,0 +1,418 @@
+#include "commands/checkpoints.h"
+
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/progress.h"
+#include "files/checkpoint.h"
+#include "integrate/integrate.h"
+
+#include <evolvent_version.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct checkpoints {
+    parts parts;
+    char *command, *part; /**< part: name of the next one */
+    checkpoint from;      /**< what it goes on from, and what all checkpoints are of */
+    bool resumes;
+    double interval, max_time; /**< clock [s], INFINITY: never */
+    int n_at, next_at;
+    double *at;                    /**< [n_at] model times, in their order; those from next_at on are to come */
+    double started, last, longest; /**< clock [s]: of the start, of the last checkpoint; how long one took */
+    bool out_of_time;
+    double t, t_due;            /**< model time of the last one, and of the one that is being made */
+    long long n_rows, n_events; /**< until now */
+    size_t n_times;             /**< bytes of: */
+    char *times;
+};
+
+/* ---- options ---- */
+
+static bool read_minutes(const char *text, double *seconds)
+{
+    double minutes = 0;
+    const bool good = number_read(text, &minutes) == NUMBER_FINITE && minutes > 0;
+    *seconds = 60 * minutes;
+    return good;
+}
+
+/** @param at  room for as many numbers as there are commas, and one more; NULL: they are only read. @return how many; -1: no times */
+static int read_times(const char *text, double *at)
+{
+    int n = 0;
+    double before = 0;
+    OWNED char *copy = xstrdup(text);
+    char *rest = NULL;
+    for (const char *word = strtok_r(copy, ",", &rest); word != NULL; word = strtok_r(NULL, ",", &rest), n++) {
+        double t = 0;
+        if (number_read(word, &t) != NUMBER_FINITE || !(t > before)) {
+            return -1;
+        }
+        before = t;
+        if (at != NULL) {
+            at[n] = t;
+        }
+    }
+    return n > 0 ? n : -1;
+}
+
+bool checkpoint_options_any(const checkpoint_options *options)
+{
+    return options->continues || options->minutes != NULL || options->at != NULL || options->max_minutes != NULL;
+}
+
+const char *checkpoint_options_check(const checkpoint_options *options)
+{
+    double seconds = 0;
+    if (options->minutes != NULL && !read_minutes(options->minutes, &seconds)) {
+        return "--checkpoint takes minutes, a number above 0";
+    }
+    if (options->max_minutes != NULL && !read_minutes(options->max_minutes, &seconds)) {
+        return "--max-time takes minutes, a number above 0";
+    }
+    if (options->at != NULL && read_times(options->at, NULL) < 0) {
+        return "--checkpoint-at takes model times above 0 in seconds, rising, with commas";
+    }
+    return NULL;
+}
+
+/* ---- from what to go on ---- */
+
+/** What this run's checkpoints are of. */
+static void identify(checkpoint *own, const prepared_case *prepared)
+{
+    const bool by_stepper = simulate_options(prepared).by_stepper;
+    const char *processor = model_tables()->processor;
+    own->texts[CHECKPOINT_PROGRAM] = xstrdup("evolvent " EVOLVENT_VERSION);
+    own->texts[CHECKPOINT_INTEGRATOR] = xstrdup(by_stepper ? "radau" : integrate_version());
+    own->texts[CHECKPOINT_KERNEL] = xasprintf("%s, compiled for %s", model_tables()->compiler,
+                                              processor[0] != '\0' ? processor : "the compiler's usual processor");
+    own->texts[CHECKPOINT_CASE] = xstrdup(case_text(prepared->file));
+}
+
+/** The first line in which two texts differ, as long as a message takes. */
+static void find_difference(const char *a, const char *b, char line_a[80], char line_b[80])
+{
+    for (;;) {
+        const size_t n_a = strcspn(a, "\n"), n_b = strcspn(b, "\n");
+        if (n_a != n_b || strncmp(a, b, n_a) != 0 || a[n_a] != b[n_b]) {
+            a += strspn(a, " ");
+            b += strspn(b, " ");
+            (void)snprintf(line_a, 80, "%.*s", (int)strcspn(a, "\n"), a);
+            (void)snprintf(line_b, 80, "%.*s", (int)strcspn(b, "\n"), b);
+            return;
+        }
+        if (a[n_a] == '\0') {
+            return;
+        }
+        a += n_a + 1;
+        b += n_b + 1;
+    }
+}
+
+/** Whether a checkpoint is of this case and program. */
+static bool compare(const checkpoints *self, const checkpoint *found, evl_error *error)
+{
+    static const char *const remedies[N_CHECKPOINT_TEXTS] = {"go on with that program", "go on with that library",
+                                                             "go on where that kernel runs", "go on with that case"};
+    for (int i = 0; i < N_CHECKPOINT_TEXTS; i++) {
+        const char *theirs = found->texts[i], *ours = self->from.texts[i];
+        char line_theirs[80] = "", line_ours[80] = "";
+        if (strcmp(theirs, ours) == 0) {
+            continue;
+        }
+        find_difference(theirs, ours, line_theirs, line_ours);
+        return evl_error_set(error, EVL_EXIT_CASE, self->parts.folder,
+                             "the checkpoint is of another %s: '%s' there, '%s' here; %s, or begin anew without "
+                             "--continue",
+                             i == CHECKPOINT_CASE         ? "case"
+                             : i == CHECKPOINT_PROGRAM    ? "version"
+                             : i == CHECKPOINT_INTEGRATOR ? "integrator"
+                                                          : "kernel",
+                             line_theirs, line_ours, remedies[i]);
+    }
+    return true;
+}
+
+/** How many parts a checkpoint stands behind, what they hold, and how often checkpoints were made. */
+typedef struct {
+    int n_parts;
+    long long n_rows, n_events;
+    double interval;
+} head;
+
+static void keep_head(head *head, archive *state)
+{
+    KEEP(state, head->n_parts);
+    KEEP(state, head->n_rows);
+    KEEP(state, head->n_events);
+    KEEP(state, head->interval);
+}
+
+static bool check_parts(const checkpoints *self, const head *head, evl_error *error)
+{
+    part_size total = {0, 0}, size;
+    for (int i = 1; i <= head->n_parts; i++) {
+        OWNED char *path = parts_path(&self->parts, i);
+        if (!part_size_of(path, &size)) {
+            return evl_error_set(error, EVL_EXIT_CASE, path,
+                                 "the part is missing, or damaged; begin anew without --continue");
+        }
+        total.rows += size.rows;
+        total.events += size.events;
+    }
+    return (total.rows == head->n_rows && total.events == head->n_events) ||
+           evl_error_set(error, EVL_EXIT_CASE, self->parts.folder,
+                         "its parts hold %lld outputs and %lld events, and its checkpoint says %lld and %lld; begin "
+                         "anew without --continue",
+                         total.rows, total.events, head->n_rows, head->n_events);
+}
+
+static bool find_checkpoint(checkpoints *self, const char *path, evl_error *error)
+{
+    checkpoint found;
+    char doubt[EVL_ERROR_MESSAGE_LENGTH];
+    head head = {0};
+    bool good = checkpoint_read(self->parts.folder, &found, doubt, error) && compare(self, &found, error);
+    keep_head(&head, &found.state);
+    good = good && check_parts(self, &head, error) && parts_keep(&self->parts, head.n_parts, error);
+    if (good && doubt[0] != '\0') {
+        log_warning("%s: the run goes on from the checkpoint before it", doubt);
+    }
+    if (good) {
+        archive_free(&self->from.state);
+        self->from.state = found.state;
+        self->from.t = self->t = found.t;
+        self->resumes = true;
+        self->interval = head.interval;
+        found.state = (archive){.n = 0};
+        log_note("%s goes on from its checkpoint at t = %.9g s", path, self->t);
+    }
+    checkpoint_free(&found);
+    return good;
+}
+
+/** A folder that an earlier run left is taken only if nothing is lost by that. */
+static bool begin_anew(checkpoints *self, evl_error *error)
+{
+    if (checkpoint_exists(self->parts.folder)) {
+        return evl_error_set(error, EVL_EXIT_CASE, self->parts.folder,
+                             "a run that was stopped can go on from here: add --continue, or delete the folder");
+    }
+    (void)checkpoint_remove(self->parts.folder); /* an incomplete one */
+    return parts_keep(&self->parts, 0, error);
+}
+
+/** @return whether one of the model times has come */
+static bool pass_times(checkpoints *self, double t)
+{
+    const int before = self->next_at;
+    while (self->next_at < self->n_at && t >= self->at[self->next_at]) {
+        self->next_at++;
+    }
+    return self->next_at > before;
+}
+
+checkpoints *checkpoints_open(const checkpoint_options *options, const char *path, const char *command,
+                              const prepared_case *prepared, evl_error *error)
+{
+    OWNED char *folder = parts_folder(path);
+    if (options->continues && !checkpoint_exists(folder)) {
+        (void)evl_error_set(error, EVL_EXIT_CASE, "",
+                            "there is no checkpoint to go on from in '%s'; begin without --continue", folder);
+        return NULL;
+    }
+    checkpoints *self = xcalloc(1, sizeof *self);
+    *self = (checkpoints){.interval = INFINITY, .max_time = INFINITY, .started = clock_seconds()};
+    self->last = self->started;
+    self->command = xstrdup(command);
+    self->times = xstrdup("");
+    (void)(options->max_minutes != NULL && read_minutes(options->max_minutes, &self->max_time));
+    identify(&self->from, prepared);
+    if (!parts_open(&self->parts, path, error) ||
+        !(options->continues ? find_checkpoint(self, path, error) : begin_anew(self, error))) {
+        OWNED char *text = error->place[0] != '\0' ? evl_error_text(error) : xstrdup(error->message);
+        evl_error_set(error, error->code, "", "%s", text); /* none of them is of the case */
+        checkpoints_close(&self);
+        return NULL;
+    }
+    (void)(options->minutes != NULL && read_minutes(options->minutes, &self->interval));
+    if (options->at != NULL) {
+        self->at = xcalloc(strlen(options->at) + 1, sizeof *self->at);
+        self->n_at = read_times(options->at, self->at);
+        (void)pass_times(self, self->t);
+    }
+    return self;
+}
+
+void checkpoints_close(checkpoints **pointer)
+{
+    checkpoints *self = *pointer;
+    *pointer = NULL;
+    if (self != NULL) {
+        parts_close(&self->parts);
+        checkpoint_free(&self->from);
+        free(self->command);
+        free(self->part);
+        free(self->at);
+        free(self->times);
+        free(self);
+    }
+}
+
+archive *checkpoints_resume(checkpoints *self)
+{
+    return self->resumes ? &self->from.state : NULL;
+}
+
+double checkpoints_time(const checkpoints *self)
+{
+    return self->t;
+}
+
+bool checkpoints_again(checkpoints *self, evl_error *error)
+{
+    self->next_at = 0;
+    if (checkpoint_exists(self->parts.folder)) {
+        const double interval = self->interval;
+        const bool good = find_checkpoint(self, self->parts.folder, error);
+        self->interval = interval;
+        (void)pass_times(self, self->t);
+        return good;
+    }
+    self->n_rows = self->n_events = 0;
+    return parts_keep(&self->parts, 0, error);
+}
+
+/* ---- parts ---- */
+
+const char *checkpoints_part(checkpoints *self)
+{
+    free(self->part);
+    self->part = parts_path(&self->parts, self->parts.n + 1);
+    return self->part;
+}
+
+void checkpoints_count(checkpoints *self, int n_rows, int n_events)
+{
+    self->n_rows += n_rows;
+    self->n_events += n_events;
+}
+
+bool checkpoints_close_part(checkpoints *self, history **part, evl_error *error)
+{
+    static const history_attribute attributes[] = {
+        {"status", .text = "part"},
+        {"status_message", .text = "a part of a run that is not complete: the next part goes on"}};
+    if (*part == NULL) {
+        return true;
+    }
+    self->parts.n++;
+    return history_close(part, true, 2, attributes, error);
+}
+
+bool checkpoints_append(const checkpoints *self, const history_layout *layout, history *to, evl_error *error)
+{
+    bool good = true;
+    for (int i = 1; i <= self->parts.n && good; i++) {
+        OWNED char *path = parts_path(&self->parts, i);
+        good = part_append(path, layout, to, error);
+    }
+    return good;
+}
+
+void checkpoints_remove(checkpoints *self)
+{
+    parts_remove(&self->parts);
+}
+
+/* ---- checkpoints ---- */
+
+bool checkpoints_is_due(checkpoints *self, double t)
+{
+    static const double margin = 2; /* times the longest checkpoint: it is to be complete by then */
+    const double now = clock_seconds();
+    self->t_due = t;
+    self->out_of_time = now - self->started + margin * self->longest >= self->max_time;
+    if (pass_times(self, t)) {
+        return true;
+    }
+    return interrupt_signal != 0 || self->out_of_time || now - self->last >= self->interval;
+}
+
+/** The times of all, with that of the one that is being made. */
+static void note_time(checkpoints *self)
+{
+    char number[NUMBER_TEXT_LENGTH];
+    number_write(number, self->t_due);
+    char *longer = xasprintf("%s%s%s", self->times, self->n_times > 0 ? "," : "", number);
+    free(self->times);
+    self->times = longer;
+    self->n_times = strlen(longer);
+}
+
+void checkpoints_keep(checkpoints *self, archive *archive)
+{
+    if (!archive->is_reading) {
+        note_time(self);
+    }
+    KEEP(archive, self->n_rows);
+    KEEP(archive, self->n_events);
+    KEEP(archive, self->n_times);
+    if (archive->is_reading) {
+        archive->has_failed = archive->has_failed || self->n_times > archive->n;
+        free(self->times);
+        self->times = xcalloc(archive->has_failed ? 1 : self->n_times + 1, 1);
+    }
+    KEEP_ARRAY(archive, self->times, archive->has_failed ? 0 : self->n_times);
+}
+
+simulate_kept checkpoints_kept(checkpoints *self, history **part, double t, const archive *state, evl_error *error)
+{
+    const double begun = clock_seconds();
+    checkpoint next = self->from;
+    next.t = t;
+    next.state = (archive){.n = 0};
+    bool good = checkpoints_close_part(self, part, error);
+    head head = {self->parts.n, self->n_rows, self->n_events, self->interval};
+    keep_head(&head, &next.state);
+    memcpy(archive_take(&next.state, state->n), state->bytes, state->n);
+    good = good && checkpoint_write(self->parts.folder, &next, error);
+    archive_free(&next.state);
+    if (!good) {
+        return SIMULATE_FAILS;
+    }
+    self->t = t;
+    self->last = clock_seconds();
+    self->longest = fmax(self->longest, self->last - begun);
+    return interrupt_signal != 0 || self->out_of_time ? SIMULATE_STOPS : SIMULATE_GOES_ON;
+}
+
+const char *checkpoints_times(const checkpoints *self)
+{
+    return self->times;
+}
+
+void checkpoints_explain(const checkpoints *self, const char *place, evl_error *error)
+{
+    if (interrupt_signal != 0) {
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; go on from here with: %s",
+                      interrupt_name((int)interrupt_signal), self->command);
+    } else {
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "stopped by --max-time; go on from here with: %s",
+                      self->command);
+    }
+}
+
+void checkpoints_remind(const checkpoints *self, evl_error *error)
+{
+    if (checkpoint_exists(self->parts.folder)) {
+        OWNED char *message = xstrdup(error->message), *place = xstrdup(error->place);
+        evl_error_set(error, error->code, place, "%s; then go on from t = %.9g s with: %s", message, self->t,
+                      self->command);
+    }
+}

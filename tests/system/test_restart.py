@@ -1,0 +1,109 @@
+"""A run that is stopped at random moments, and goes on, writes the history of one that was not.
+
+Every value and attribute is the same to the bit. With IDA that of a run with checkpoints at the
+same model times, which the history tells.
+"""
+
+from __future__ import annotations
+
+import random
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import pytest
+
+from histories import contents
+from processes import running
+from system.random_sets import seeds
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+CLOSED, IDA, RADAU = (
+    "meshes.0.tracking=closed_form",
+    "simulation.integrator=ida",
+    "simulation.integrator=radau",
+)
+
+#: Some tenths of a second each: every tracking, both integrators, contacts that rattle, stick and
+#: are rigid, trains, wheels that yield, outputs by position, numbers.
+SAMPLES = {
+    "rattle": ("rattle.yaml", RADAU, "simulation.duration=4"),
+    "rattle-ida": ("rattle.yaml", IDA, "simulation.duration=0.5"),
+    "friction": ("paper-friction.yaml", CLOSED, RADAU, "simulation.duration=40"),
+    "friction-ida": ("paper-friction.yaml", IDA, "simulation.duration=20"),
+    "differential": ("paper.yaml", "meshes.0.tracking=differential", "simulation.duration=40"),
+    "algebraic": ("paper.yaml", "meshes.0.tracking=algebraic", "simulation.duration=40"),
+    "rigid": ("paper-rigid-friction.yaml", IDA, "simulation.duration=40"),
+    "gears": ("spur-pair.yaml", RADAU, "simulation.duration=0.8"),
+    "gears-ida": ("spur-pair.yaml", IDA, "simulation.duration=0.2"),
+    "train": ("two-stage-gears.yaml", RADAU, "simulation.duration=0.6"),
+    "train-ida": ("two-stage-gears.yaml", IDA, "simulation.duration=0.1"),
+    "relief": ("tip-relief.yaml", RADAU),
+    "yielding": ("compliant-pair.yaml", RADAU),
+    "numbers": ("tutorial-pair.yaml", RADAU, "simulation.outputs=meshes"),
+    "motor": ("motor-driven.yaml", RADAU),
+}
+WAYS = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGUSR1, "--max-time")
+STOPS = 6  # of a run at most: 40 seeds make more than 200
+N_SEEDS = 40
+
+
+def go_on(
+    executable: Path, words: list[str], folder: Path, way: signal.Signals | str, seconds: float
+) -> int:
+    """Run, or go on, for some time; the exit code, negative after a signal that kills."""
+    limit = ["--max-time", str(seconds / 60)] if way == "--max-time" else []
+    with running(
+        [executable, *words, *limit], folder, stderr=subprocess.PIPE, text=True
+    ) as process:
+        if isinstance(way, signal.Signals):
+            try:
+                process.wait(timeout=seconds)
+            except subprocess.TimeoutExpired:
+                process.send_signal(way)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode in (0, 75, -way if isinstance(way, signal.Signals) else 75), errors
+    return int(process.returncode)
+
+
+@pytest.mark.parametrize("seed", seeds(range(8), N_SEEDS))
+def test_a_run_stopped_at_random_has_the_bits_of_one_that_was_not(
+    executable: Path, evolvent: Evolvent, examples: Path, tmp_path: Path, seed: int
+) -> None:
+    rng = random.Random(seed)
+    name, *sets = SAMPLES[sorted(SAMPLES)[seed % len(SAMPLES)]]
+    words = ["run", str(examples / name), *(w for s in sets for w in ("--set", s)), "-q"]
+    begun = time.monotonic()
+    whole = evolvent(*words, "-o", "whole.h5")
+    length = time.monotonic() - begun
+    assert whole.returncode == 0, whole.stderr
+    stopped = [*words, "-o", "stopped.h5"]
+    codes = []
+    for _ in range(STOPS):
+        folder = tmp_path / "stopped.h5.parts"
+        again = ["--continue"] if (folder / "checkpoint.h5").exists() else []
+        code = go_on(
+            executable,
+            [*stopped, "--checkpoint", str(length / 20 / 60), *again],
+            tmp_path,
+            rng.choice(WAYS),
+            length * rng.uniform(0.1, 0.7),
+        )
+        codes.append(code)
+        if code == 0:
+            break
+    if codes[-1] != 0:
+        again = ["--continue"] if (folder / "checkpoint.h5").exists() else ["--checkpoint", "1"]
+        result = evolvent(*stopped, *again)
+        assert result.returncode == 0, result.stderr
+    assert not folder.exists()
+    with h5py.File(tmp_path / "stopped.h5") as file:
+        times = file.attrs.get("checkpoints", "")
+    if times:
+        assert RADAU not in sets
+        result = evolvent(*words, "-o", "whole.h5", "--checkpoint-at", times)
+        assert result.returncode == 0, result.stderr
+    assert contents(tmp_path / "stopped.h5") == contents(tmp_path / "whole.h5")
