@@ -22,7 +22,9 @@ bool parts_open(parts *parts, const char *path, evl_error *error)
 {
     *parts = (struct parts){.folder = parts_folder(path), .lock = {-1}};
     OWNED char *lock = xasprintf("%s/lock", parts->folder);
-    if (mkdir(parts->folder, 0777) != 0 && errno != EEXIST) {
+    if (mkdir(parts->folder, 0777) == 0) {
+        output_file_sync_folder(parts->folder);
+    } else if (errno != EEXIST) {
         return output_file_refuse(parts->folder, errno, NULL, error);
     }
     return file_lock_take(&parts->lock, lock, error);

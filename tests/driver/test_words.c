@@ -10,9 +10,11 @@
 
 #include <cmocka.h>
 
+#include "base/memory.h"
 #include "base/number.h"
 #include "base/status.h"
 #include "base/suggest.h"
+#include "base/words.h"
 
 static void numbers_are_those_of_yaml_1_2(void **state)
 {
@@ -165,6 +167,27 @@ static void every_exit_code_has_a_meaning(void **state)
     free(table);
 }
 
+static void a_quoted_word_is_one_word_to_a_shell(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"plain-1.yaml", "a=b,c", "",  "two words", "$(x) `y` \\ \"",
+                                        "it's",         "''",    "~", "*"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        char *quoted = words_quoted(words[i]), heard[80] = "";
+        char *command = xasprintf("printf %%s %s", quoted);
+        FILE *shell = popen(command, "r");
+        assert_non_null(shell);
+        (void)fgets(heard, sizeof heard, shell);
+        assert_int_equal(pclose(shell), 0);
+        assert_string_equal(heard, words[i]);
+        free(command);
+        free(quoted);
+    }
+    char *plain = words_quoted("plain-1.yaml");
+    assert_string_equal(plain, "plain-1.yaml");
+    free(plain);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -175,6 +198,7 @@ int main(void)
         cmocka_unit_test(the_nearest_word_is_suggested_and_a_far_one_is_not),
         cmocka_unit_test(an_error_is_one_line),
         cmocka_unit_test(every_exit_code_has_a_meaning),
+        cmocka_unit_test(a_quoted_word_is_one_word_to_a_shell),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
