@@ -10,7 +10,6 @@
 
 #include <cmocka.h>
 
-#include "base/memory.h"
 #include "base/number.h"
 #include "base/status.h"
 #include "base/suggest.h"
@@ -167,25 +166,23 @@ static void every_exit_code_has_a_meaning(void **state)
     free(table);
 }
 
-static void a_quoted_word_is_one_word_to_a_shell(void **state)
+static void a_word_is_quoted_if_a_shell_would_see_more_than_one_plain_word(void **state)
 {
     (void)state;
-    static const char *const words[] = {"plain-1.yaml", "a=b,c", "",  "two words", "$(x) `y` \\ \"",
-                                        "it's",         "''",    "~", "*"};
+    static const char *const words[][2] = {{"plain-1.yaml", "plain-1.yaml"},
+                                           {"a=b,c/d:e@%+", "a=b,c/d:e@%+"},
+                                           {"", "''"},
+                                           {"two words", "'two words'"},
+                                           {"$(x) `y` \\ \"", "'$(x) `y` \\ \"'"},
+                                           {"it's", "'it'\\''s'"},
+                                           {"''", "''\\'''\\'''"},
+                                           {"~", "'~'"},
+                                           {"a\nb", "'a\nb'"}};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        char *quoted = words_quoted(words[i]), heard[80] = "";
-        char *command = xasprintf("printf %%s %s", quoted);
-        FILE *shell = popen(command, "r");
-        assert_non_null(shell);
-        (void)fgets(heard, sizeof heard, shell);
-        assert_int_equal(pclose(shell), 0);
-        assert_string_equal(heard, words[i]);
-        free(command);
+        char *quoted = words_quoted(words[i][0]);
+        assert_string_equal(quoted, words[i][1]);
         free(quoted);
     }
-    char *plain = words_quoted("plain-1.yaml");
-    assert_string_equal(plain, "plain-1.yaml");
-    free(plain);
 }
 
 int main(void)
@@ -198,7 +195,7 @@ int main(void)
         cmocka_unit_test(the_nearest_word_is_suggested_and_a_far_one_is_not),
         cmocka_unit_test(an_error_is_one_line),
         cmocka_unit_test(every_exit_code_has_a_meaning),
-        cmocka_unit_test(a_quoted_word_is_one_word_to_a_shell),
+        cmocka_unit_test(a_word_is_quoted_if_a_shell_would_see_more_than_one_plain_word),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
