@@ -339,3 +339,17 @@ def test_where_no_room_is_left_the_checkpoint_before_stands_and_the_run_goes_on_
     assert go_on(evolvent, case).returncode == 0
     assert evolvent("run", case, "-o", "plain.h5", "-q").returncode == 0
     assert contents(tmp_path / "a.h5") == contents(tmp_path / "plain.h5")
+
+
+def test_a_run_that_fails_leaves_what_it_leaves_without_checkpoints(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    torque = "wheels.pinion.loads.0.value=-1e9"  # the teeth are pressed through each other
+    words: list[str | Path] = ["run", examples / "paper.yaml", "-q", "--set", torque]
+    words += ["--set", "meshes.0.tracking=closed_form", "--set", "simulation.integrator=radau"]
+    for name, more in (("plain.h5", []), ("a.h5", ["--checkpoint", "0.0001"])):
+        result = evolvent(*words, "-o", name, *more)
+        assert result.returncode == 4, result.stderr
+        assert f"the history up to there is in '{name}.partial'" in result.stderr
+    assert contents(tmp_path / "a.h5.partial") == contents(tmp_path / "plain.h5.partial")
+    assert not (tmp_path / "a.h5.parts").exists()
