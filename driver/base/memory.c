@@ -32,20 +32,19 @@ void memory_need(size_t size)
     free(checked(malloc(size), 1, size));
 }
 
-/* gfortran's library ends the program by these where an `allocate` fails, with several lines and exit code 1; the kernel calls the
+/* gfortran's library ends the program by these where an `allocate` fails, with several lines and exit code 1. The kernel calls the
  * first definition that is found, which is this one; weak, for the library to have its own where it is linked statically. */
-_Noreturn void _gfortran_os_error(const char *message); /* NOLINT(bugprone-reserved-identifier) */
-_Noreturn void _gfortran_os_error_at(const char *where, const char *format,
-                                     ...); /* NOLINT(bugprone-reserved-identifier) */
+/* NOLINTBEGIN(bugprone-reserved-identifier) */
+__attribute__((weak)) _Noreturn void _gfortran_os_error(const char *message);
+__attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...);
 
-__attribute__((weak)) _Noreturn void _gfortran_os_error(const char *message) /* NOLINT(bugprone-reserved-identifier) */
+_Noreturn void _gfortran_os_error(const char *message)
 {
     (void)message;
     run_out(1, 1);
 }
 
-__attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, const char *format,
-                                                           ...) /* NOLINT(bugprone-reserved-identifier) */
+_Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...)
 {
     (void)where;
     va_list arguments;
@@ -54,6 +53,7 @@ __attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, co
     va_end(arguments);
     run_out(1, size);
 }
+/* NOLINTEND(bugprone-reserved-identifier) */
 
 void *xcalloc(size_t count, size_t size)
 {

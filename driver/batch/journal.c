@@ -132,8 +132,8 @@ static journal_state read_lines(FILE *file, const journal *journal, const char *
             line[--length] = '\0';
             state.has_line = true;
         }
-        if (journal_line_is_head(line, (size_t)length, &format) != JOURNAL_NO_HEAD) {
-            const bool is_this = strcmp(line, head) == 0 && !state.is_torn;
+        if (!state.is_torn && journal_line_is_head(line, (size_t)length, &format) != JOURNAL_NO_HEAD) {
+            const bool is_this = strcmp(line, head) == 0;
             state.has_other = state.has_other || (!is_this && !state.has_head);
             state.has_head = state.has_head || is_this;
         } else {
