@@ -31,9 +31,9 @@ def check(files: Files, as_json: AsJson = False) -> None:
     for path in files:
         try:
             missing = check_seal(path)
-            if missing is not None:
-                complain(f"{path}: {missing}")
             with open_recording(path) as history:
+                if missing is not None:
+                    complain(f"{path}: {missing}")
                 checked.append((path, run_warning(history), check_history(history)))
         except HistoryError as error:
             complain(str(error))
