@@ -1,10 +1,10 @@
 """Cost of the paper's case in lanes: of f and its Jacobian, and of the integration alone.
 
 5 s with 1001 outputs, without and with friction, in closed form. Printed are nanoseconds an
-evaluation, of f for eight states at once and for one, and of the Jacobian for one; then for some
-tolerances the largest error of the penetration over all outputs (against a tolerance of 1e-12,
-relative to the 3e-9 m of the paper's figure 4), CPU time of the fastest of many runs, and the
-counts.
+evaluation, of f for eight states at once, the same where each waits for the one before, for one
+state, and of the Jacobian for one; then for some tolerances the largest error of the penetration
+over all outputs (against a tolerance of 1e-12, relative to the 3e-9 m of the paper's figure 4), CPU
+time of the fastest of many runs, and the counts.
 
 Run it as ``python benchmarks/lanes.py [libkernel_test.so]`` after a build with -DEVOLVENT_TESTS=ON;
 the library is that of build/ci unless given. -DEVOLVENT_MARCH=x86-64-v3 or -v4 says how much wider
@@ -53,24 +53,25 @@ def fastest(call: Callable[[], object], runs: int) -> float:
     return float(best)
 
 
-def evaluation(gearbox: Gearbox) -> tuple[float, float, float]:
-    """Nanoseconds of f for eight states at once, for one, and of the Jacobian of one."""
+def evaluation(gearbox: Gearbox) -> tuple[float, ...]:
+    """Nanoseconds of f for eight states, freely and in turn, for one, and of its Jacobian."""
     state = gearbox.start()
     state.y[gearbox.place("angle_deviation_1")] -= 1e-8
     gearbox.mode(state)[:] = 0, 1, 1
     y = np.repeat(state.y[:, None], LANES, axis=1).copy()
-    f, t = np.empty_like(y), np.zeros(LANES)
+    f, t = np.zeros_like(y), np.zeros(LANES)
     lanes, scalar = gearbox.library.lanes_rates, gearbox.library.lanes_scalar
+    in_turn = gearbox.library.lanes_rates_in_turn
     jacobian = gearbox.library.lanes_jacobian
     modes = (_at(state.integers), _at(state.reals))
     one = (ctypes.c_double(0.0), _at(state.y))
     calls = (
         lambda: lanes(gearbox.handle, EVALUATIONS, _at(t), _at(y), *modes, _at(f)),
+        lambda: in_turn(gearbox.handle, EVALUATIONS, _at(t), _at(y), *modes, _at(f)),
         lambda: scalar(gearbox.handle, EVALUATIONS, *one, *modes, _at(f)),
         lambda: jacobian(gearbox.handle, EVALUATIONS, *one, *modes),
     )
-    several, single, derivatives = (1e9 * fastest(call, 5) / EVALUATIONS for call in calls)
-    return several, single, derivatives
+    return tuple(1e9 * fastest(call, 5) / EVALUATIONS for call in calls)
 
 
 def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray, float, list[int]]:
@@ -113,8 +114,9 @@ def main() -> None:
     kernel = Kernel(Path(named))
     for friction in (0.0, 0.3):
         gearbox = paper_gearbox(kernel, friction=friction)
-        lanes, scalar, jacobian = evaluation(gearbox)
-        print(f"f = {friction}: {lanes:.0f} ns for eight states, {scalar:.0f} ns for one,", end="")
+        lanes, waiting, scalar, jacobian = evaluation(gearbox)
+        print(f"f = {friction}: {lanes:.0f} ns for eight states, ", end="")
+        print(f"{waiting:.0f} ns if it waits for the one before, {scalar:.0f} ns for one,", end="")
         print(f" {jacobian:.0f} ns for the Jacobian")
         exact = penetration(gearbox, integrate(gearbox, 1e-12, 1)[0])
         for tolerance in TOLERANCES:

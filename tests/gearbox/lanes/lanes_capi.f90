@@ -89,8 +89,32 @@ contains
       real(c_double), intent(in) :: t(lanes), y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: f(*)
+
+      code = evaluate(handle, turns, 0.0_c_double, t, y, integers, reals, f)
+   end function lanes_rates
+
+   !> The same, where each evaluation waits for the one before, as in Newton's iteration.
+   integer(c_int) function lanes_rates_in_turn(handle, turns, t, y, integers, reals, f) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: turns
+      real(c_double), intent(in) :: t(lanes), y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(inout) :: f(*)
+      real(c_double), parameter :: unseen = 1.0e-200_c_double !! times f: a sum of ordinary numbers does not show it
+
+      code = evaluate(handle, turns, unseen, t, y, integers, reals, f)
+   end function lanes_rates_in_turn
+
+   !> f at the states that are `step` times the f before further on each time.
+   integer function evaluate(handle, turns, step, t, y, integers, reals, f) result(code)
+      type(c_ptr), intent(in) :: handle
+      integer, intent(in) :: turns
+      real(c_double), intent(in) :: step, t(lanes), y(*), reals(*)
+      integer, intent(in) :: integers(*)
+      real(c_double), intent(inout) :: f(*)
       type(gearbox_t), pointer :: gearbox
       type(lane_slot), allocatable :: slots(:)
+      real(c_double), allocatable :: moved(:)
       type(status_t) :: status
       integer :: i
 
@@ -98,13 +122,15 @@ contains
       allocate (slots(size(gearbox%contacts)))
       call settle_slots(gearbox, integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), slots)
       associate (n => gearbox%n_states)
+         moved = y(:lanes*n)
          do i = 1, turns
-            call rates_in_lanes(gearbox, t, y(:lanes*n), integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), &
-                                slots, f(:lanes*n), status)
+            if (step > 0) moved = moved + step*f(:lanes*n)
+            call rates_in_lanes(gearbox, t, moved, integers(:gearbox%n_integers), reals(:size(gearbox%contacts)), slots, &
+                                f(:lanes*n), status)
          end do
       end associate
       code = status%code
-   end function lanes_rates
+   end function evaluate
 
    !> Root functions of eight states; the code of the status.
    integer(c_int) function lanes_roots(handle, y, integers, reals, roots) result(code) bind(c)
