@@ -1,6 +1,7 @@
 #include "base/lock.h"
 
 #include "base/log.h"
+#include "base/write_bytes.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -29,9 +30,7 @@ static void write_owner(int descriptor)
         (void)strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%SZ", &utc);
     }
     const int length = snprintf(text, sizeof text, "pid %ld on %s since %s\n", (long)getpid(), host, when);
-    if (ftruncate(descriptor, 0) != 0 || pwrite(descriptor, text, (size_t)length, 0) != length) {
-        log_warning("the lock file could not be filled in: %s", strerror(errno));
-    }
+    (void)(ftruncate(descriptor, 0) == 0 && write_bytes(descriptor, 0, text, (size_t)length) > 0);
 }
 
 bool file_lock_take(file_lock *lock, const char *path, evl_error *error)

@@ -1,6 +1,10 @@
 #include "base/write_bytes.h"
 
+#include "base/memory.h"
+
 #include <errno.h>
+#include <fcntl.h>
+#include <string.h>
 #include <unistd.h>
 
 size_t write_bytes(int descriptor, off_t offset, const void *bytes, size_t n)
@@ -18,4 +22,26 @@ size_t write_bytes(int descriptor, off_t offset, const void *bytes, size_t n)
         }
     }
     return done;
+}
+
+bool sync_bytes(int descriptor)
+{
+    return fsync(descriptor) == 0 || errno == EINVAL;
+}
+
+bool sync_name(const char *path)
+{
+    OWNED char *folder = xstrdup(path);
+    char *slash = strrchr(folder, '/');
+    if (slash != NULL) {
+        slash[slash == folder ? 1 : 0] = '\0';
+    }
+    const int descriptor = open(slash != NULL ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const bool good = descriptor < 0 || sync_bytes(descriptor) || (errno != EIO && errno != ENOSPC && errno != EDQUOT);
+    const int reason = errno;
+    if (descriptor >= 0) {
+        (void)close(descriptor);
+    }
+    errno = reason;
+    return good;
 }

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/parent.h"
 #include "base/progress.h"
+#include "base/write_bytes.h"
 #include "batch/batch_check.h"
 #include "batch/batch_pool.h"
 #include "batch/batch_todo.h"
@@ -80,12 +81,16 @@ static char *read_line(const char *path)
 /** Write the mark under another name first: shards that start together find all of it or nothing. */
 static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 {
-    OWNED char *partial = xasprintf("%s.%ld", mark, (long)getpid());
+    OWNED char *partial = xasprintf("%s.%ld", mark, (long)getpid()), *line = xasprintf("%s\n", hash);
+    const size_t length = strlen(line);
     (void)unlink(partial); /* of a process of that number that was killed; or a link, which is not followed */
     const int descriptor = open(partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
-    bool good = file != NULL && fprintf(file, "%s\n", hash) > 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
-    good = (file == NULL || fclose(file) == 0) && good;
+    bool good = descriptor >= 0 && write_bytes(descriptor, -1, line, length) == length && sync_bytes(descriptor);
+    if (descriptor >= 0) {
+        const int reason = errno;
+        good = close(descriptor) == 0 && good;
+        errno = good ? errno : reason;
+    }
     good = (good && (link(partial, mark) == 0 || errno == EEXIST || rename(partial, mark) == 0)) ||
            evl_error_set_unwritten(error, mark);
     (void)unlink(partial);
@@ -164,6 +169,14 @@ static bool open_journal(shard_run *run, evl_error *error)
                          run->n_recorded);
 }
 
+/** A row is recorded only where its file has its name, whatever happens to the machine: the journal's, that of the histories, and
+ *  the folder's own. */
+static bool sync_names(const shard_run *run, evl_error *error)
+{
+    return (sync_name(run->stem) && sync_name(run->options->folder)) ||
+           evl_error_set_unwritten(error, run->options->folder);
+}
+
 /** @return whether cases did not finish */
 static bool summarise(const shard_run *run, double seconds)
 {
@@ -189,7 +202,7 @@ static bool run_locked(shard_run *run, evl_error *error)
     bool is_partial = false;
     if (open_journal(run, error) &&
         batch_todo(&run->plan, run->options->cases, state->cases, &state->todo, &state->n_todo, error) &&
-        (state->n_todo == 0 || open_histories(run, error))) {
+        (state->n_todo == 0 || (open_histories(run, error) && sync_names(run, error)))) {
         const double start = clock_seconds();
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
         is_partial = error->code == EVL_EXIT_OK && summarise(run, clock_seconds() - start);

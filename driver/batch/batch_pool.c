@@ -71,15 +71,18 @@ static bool sync_all(pool *pool)
 static bool look_at_clock(pool *pool)
 {
     const double now = clock_seconds();
-    if (pool->show_progress && now - pool->shown >= pool->progress_interval) {
+    const bool is_shown = pool->show_progress && now - pool->shown >= pool->progress_interval;
+    if (is_shown || now - pool->synced >= sync_interval) {
+        pool->synced = now;
+        if (!sync_all(pool)) {
+            return false;
+        }
+    }
+    if (is_shown) { /* what is told to be done is on the disk */
         show_progress(pool, now);
         pool->shown = now;
     }
-    if (now - pool->synced < sync_interval) {
-        return true;
-    }
-    pool->synced = now;
-    return sync_all(pool);
+    return true;
 }
 
 /* ---- rows ---- */

@@ -211,7 +211,7 @@ bool journal_sync(journal *journal, evl_error *error)
         return true;
     }
     journal->is_dirty = false;
-    return fsync(journal->descriptor) == 0 || errno == EINVAL || fail(journal, error);
+    return sync_bytes(journal->descriptor) || fail(journal, error);
 }
 
 void journal_close(journal *journal)

@@ -137,8 +137,7 @@ static bool take_image(size_t n, void *image, checkpoint *to)
 static bool write_image(const char *path, size_t n, const unsigned char *image, evl_error *error)
 {
     const int descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
-    bool good =
-        descriptor >= 0 && write_bytes(descriptor, 0, image, n) == n && (fsync(descriptor) == 0 || errno == EINVAL);
+    bool good = descriptor >= 0 && write_bytes(descriptor, 0, image, n) == n && sync_bytes(descriptor);
     const int reason = errno;
     good = (descriptor < 0 || close(descriptor) == 0) && good;
     return good || output_file_refuse(path, reason, NULL, error);
@@ -150,11 +149,7 @@ static bool name_image(const char *folder, const char *path, evl_error *error)
     OWNED char *newer = xasprintf("%s/%s", folder, names[0]), *older = xasprintf("%s/%s", folder, names[1]);
     (void)unlink(older);
     const bool is_safe = link(newer, older) == 0 || errno == ENOENT || rename(newer, older) == 0;
-    if (!is_safe || rename(path, newer) != 0) {
-        return output_file_refuse(newer, errno, NULL, error);
-    }
-    output_file_sync_folder(newer);
-    return true;
+    return (is_safe && rename(path, newer) == 0 && sync_name(newer)) || output_file_refuse(newer, errno, NULL, error);
 }
 
 bool checkpoint_write(const char *folder, const checkpoint *checkpoint, evl_error *error)

@@ -204,7 +204,8 @@ design *design_read(const char *path, evl_error *error)
     reader.file = file;
     design *design = xcalloc(1, sizeof *design);
     design->file = pool_copy(&design->pool, path);
-    const bool is_open = file >= 0 || refuse(&reader, "", "is no HDF5 file; evolvent-sweep plan writes a design");
+    const bool is_open =
+        file >= 0 || refuse(&reader, "", netcdf_open_failure("is no HDF5 file; evolvent-sweep plan writes a design"));
     if (!is_open || !read_head(&reader, design) || !read_columns(&reader, design) || !find_hash(&reader, design)) {
         design_delete(&design);
     }

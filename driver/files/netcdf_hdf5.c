@@ -31,6 +31,26 @@ static herr_t collect_reason(unsigned index, const H5E_error2_t *error, void *da
     return 0;
 }
 
+/** Why an identifier could not be closed, which its holder does not hear of. */
+static netcdf_file lost;
+
+void netcdf_let_go(const hid_t *identifier)
+{
+    if (*identifier > 0 && H5Idec_ref(*identifier) < 0) {
+        (void)netcdf_fail(&lost);
+    }
+}
+
+/** Whether a call has failed: then the library is left alone, since it may crash over what it could not write. */
+static bool is_broken(netcdf_file *file)
+{
+    if (file->reason[0] == '\0' && lost.reason[0] != '\0') {
+        file->system_error = lost.system_error;
+        (void)snprintf(file->reason, sizeof file->reason, "%s", lost.reason);
+    }
+    return file->reason[0] != '\0';
+}
+
 bool netcdf_fail(netcdf_file *file)
 {
     if (file->reason[0] == '\0') {
@@ -64,13 +84,13 @@ bool netcdf_create(netcdf_file *file, const char *path)
 
 bool netcdf_flush(netcdf_file *file)
 {
-    return H5Fflush(file->id, H5F_SCOPE_GLOBAL) >= 0 || netcdf_fail(file);
+    return !is_broken(file) && (H5Fflush(file->id, H5F_SCOPE_GLOBAL) >= 0 || netcdf_fail(file));
 }
 
 bool netcdf_close(netcdf_file *file)
 {
     pool_free(&file->pool);
-    return H5Fclose(file->id) >= 0 || netcdf_fail(file);
+    return !is_broken(file) && (H5Fclose(file->id) >= 0 || netcdf_fail(file));
 }
 
 hid_t netcdf_create_group(netcdf_file *file, const char *name)
@@ -83,6 +103,14 @@ hid_t netcdf_open(const char *path)
     netcdf_prepare_library();
     (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     return H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+}
+
+const char *netcdf_open_failure(const char *otherwise)
+{
+    static netcdf_file failed; /* its text outlives the call */
+    failed = (netcdf_file){0};
+    (void)netcdf_fail(&failed);
+    return failed.system_error != 0 ? failed.reason : otherwise;
 }
 
 /** The CF attributes by which a reader turns numbers into words. */

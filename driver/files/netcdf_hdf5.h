@@ -16,11 +16,9 @@
 enum { NETCDF_MAX_RANK = 4, NETCDF_REASON_LENGTH = 200 };
 
 /** For a local identifier, which is closed where its block ends, however that is left; 0 and less: there is nothing to close. */
-#define CLOSED __attribute__((cleanup(close_identifier)))
-static inline void close_identifier(const hid_t *identifier)
-{
-    (void)(*identifier > 0 && H5Idec_ref(*identifier));
-}
+#define CLOSED __attribute__((cleanup(netcdf_let_go)))
+/** A failure is kept for netcdf_flush and netcdf_close: the library puts writes off until a dataset is closed. */
+void netcdf_let_go(const hid_t *identifier);
 
 typedef struct netcdf_file {
     memory_pool pool; /**< of who uses the scales, and of what else lasts as long as the file is open */
@@ -59,7 +57,7 @@ void netcdf_library_version(unsigned version[3]);
 /** Create the file, or empty the one that is there. */
 bool netcdf_create(netcdf_file *file, const char *path);
 bool netcdf_flush(netcdf_file *file);
-/** Close the file with everything in it that is still open; free its pool. */
+/** Close the file with everything in it that is still open; free its pool. After a failure the file is only abandoned. */
 bool netcdf_close(netcdf_file *file);
 /** Keep the reason of a failed HDF5 call, unless there is an earlier one. @return false */
 bool netcdf_fail(netcdf_file *file);
@@ -67,6 +65,8 @@ bool netcdf_fail(netcdf_file *file);
 /** Open a file of anyone's to read it, without locks: shards do at one time, from folders that may not lock. Negative if it is
  *  no HDF5 file. */
 hid_t netcdf_open(const char *path);
+/** Right after netcdf_open has failed: the reason if it is the system's, else what the caller says. */
+const char *netcdf_open_failure(const char *otherwise);
 /** A text attribute, of variable or fixed length, in a pool. NULL if there is none. */
 char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool);
 /** The numbers of an attribute, converted. @return false if it is not there or holds another number of them */

@@ -1,6 +1,7 @@
 #include "files/output_file.h"
 
 #include "base/memory.h"
+#include "base/write_bytes.h"
 #include "files/seal.h"
 
 #include <errno.h>
@@ -144,35 +145,19 @@ int output_file_show(output_file *file)
     return 0;
 }
 
-/** A rename is safe on disk only when its folder is. Not all file systems can do that, and the file itself is safe. */
-void output_file_sync_folder(const char *path)
-{
-    OWNED char *folder = xstrdup(path);
-    char *slash = strrchr(folder, '/');
-    if (slash != NULL) {
-        slash[slash == folder ? 1 : 0] = '\0';
-    }
-    const int descriptor = open(slash != NULL ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor >= 0) {
-        (void)fsync(descriptor);
-        (void)close(descriptor);
-    }
-}
-
 bool output_file_close(output_file *file, bool commit, evl_error *error)
 {
     bool good = !commit || file->is_open_end || seal_put(file->descriptor) ||
                 output_file_refuse(file->partial_path, errno, NULL, error);
-    good = good && (fsync(file->descriptor) == 0 || errno == EINVAL ||
-                    output_file_refuse(file->partial_path, errno, NULL, error));
+    good = good && (sync_bytes(file->descriptor) || output_file_refuse(file->partial_path, errno, NULL, error));
     if (good && commit) {
         good = has_name(file) || output_file_refuse(file->partial_path, EWOULDBLOCK, NULL, error);
     }
     if (good && commit) {
         good = rename(file->partial_path, file->path) == 0 || output_file_refuse(file->path, errno, NULL, error);
     }
-    if (good && commit) {
-        output_file_sync_folder(file->path);
+    if (good && commit) { /* a rename is safe on disk only when its folder is */
+        good = sync_name(file->path) || output_file_refuse(file->path, errno, NULL, error);
     }
     output_file_drop(file, false);
     return good;

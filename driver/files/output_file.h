@@ -27,8 +27,5 @@ bool output_file_close(output_file *file, bool commit, evl_error *error);
 /** Let go of the lock and the memory; `remove` deletes NAME.partial as well. */
 void output_file_drop(output_file *file, bool remove);
 
-/** Bring to the disk which names the folder of a file holds, where the file system can do that. */
-void output_file_sync_folder(const char *path);
-
 /** EVL_EXIT_IO: the path, the reason, and what to do. `reason` NULL: that of the system error. @return false */
 bool output_file_refuse(const char *path, int system_error, const char *reason, evl_error *error);

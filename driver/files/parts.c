@@ -1,6 +1,7 @@
 #include "files/parts.h"
 
 #include "base/memory.h"
+#include "base/write_bytes.h"
 #include "files/checkpoint.h"
 #include "files/output_file.h"
 
@@ -22,9 +23,7 @@ bool parts_open(parts *parts, const char *path, evl_error *error)
 {
     *parts = (struct parts){.folder = parts_folder(path), .lock = {-1}};
     OWNED char *lock = xasprintf("%s/lock", parts->folder);
-    if (mkdir(parts->folder, 0777) == 0) {
-        output_file_sync_folder(parts->folder);
-    } else if (errno != EEXIST) {
+    if ((mkdir(parts->folder, 0777) != 0 && errno != EEXIST) || !sync_name(parts->folder)) {
         return output_file_refuse(parts->folder, errno, NULL, error);
     }
     return file_lock_take(&parts->lock, lock, error);
@@ -82,6 +81,6 @@ void parts_remove(parts *parts)
     if (checkpoint_remove(parts->folder) && parts_keep(parts, 0, &error)) {
         (void)unlink(lock);
         (void)rmdir(parts->folder);
-        output_file_sync_folder(parts->folder);
+        (void)sync_name(parts->folder); /* what is left after a loss of power is removed next time */
     }
 }

@@ -114,10 +114,10 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
     bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
     if (good) {
         CLOSED const hid_t file = netcdf_open(layout->path);
-        good =
-            (file >= 0 && find_rows(stack, file, layout)) ||
-            evl_error_set(error, EVL_EXIT_CASE, layout->path,
-                          "does not hold the histories of this shard and design; remove it, or choose another folder");
+        const char *fault = "does not hold the histories of this shard and design, or cannot be read: see to that, or "
+                            "choose another folder";
+        good = (file >= 0 && find_rows(stack, file, layout)) ||
+               evl_error_set(error, EVL_EXIT_CASE, layout->path, "%s", file < 0 ? netcdf_open_failure(fault) : fault);
     }
     if (good) {
         stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW);

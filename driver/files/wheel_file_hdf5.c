@@ -1,6 +1,7 @@
 #include "files/wheel_file.h"
 
 #include "base/memory.h"
+#include "base/write_bytes.h"
 #include "files/netcdf_hdf5.h"
 #include "files/seal.h"
 
@@ -61,7 +62,7 @@ static bool write_partial(const char *partial, int descriptor, const wheel_numbe
         return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s; make room, then go on with --resume",
                              file.reason);
     }
-    return (seal_put(descriptor) && open_to_others(descriptor) && (fsync(descriptor) == 0 || errno == EINVAL)) ||
+    return (seal_put(descriptor) && open_to_others(descriptor) && sync_bytes(descriptor)) ||
            evl_error_set_unwritten(error, path);
 }
 
@@ -123,7 +124,7 @@ wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, 
     const bool is_whole = seal_check(path) == SEAL_HOLDS; /* the library takes what is damaged at its word */
     CLOSED const hid_t file = is_whole ? netcdf_open(path) : -1;
     const char *fault = !is_whole  ? "is damaged: its check sum is wrong"
-                        : file < 0 ? "cannot be read"
+                        : file < 0 ? netcdf_open_failure("cannot be read")
                                    : find_fault(file, wheel);
     if (fault == NULL) {
         return WHEEL_FILE_READ;

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import re
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+OF_SYSTEM = re.compile(r"errno = \d+, error message = '([^']*)'")  # in what HDF5 says
 FAILED_CASES, USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 1, 2, 3, 74, 75
 
 
@@ -42,7 +45,14 @@ class SweepError(EvolventError):
 
 def reason_of(error: Exception) -> str:
     """What an error of the system or a library says, in one line."""
-    return getattr(error, "strerror", None) or " ".join(str(error).split())
+    text = str(getattr(error, "strerror", None) or error)
+    by_hdf5 = OF_SYSTEM.search(text)
+    return by_hdf5[1] if by_hdf5 else " ".join(text.split())
+
+
+def is_of_system(error: Exception) -> bool:
+    """Whether the system refused something; HDF5 tells it in errors of all kinds."""
+    return isinstance(error, OSError) or OF_SYSTEM.search(str(error)) is not None
 
 
 @contextmanager
@@ -73,7 +83,9 @@ def writing(path: Path) -> Iterator[None]:
     """
     try:
         yield
-    except OSError as error:
+    except Exception as error:
+        if not is_of_system(error):
+            raise
         raise EvolventError(
             f"{path}: cannot be written ({reason_of(error)})", NOT_WRITTEN
         ) from error
@@ -101,9 +113,21 @@ def replacing(path: Path) -> Iterator[Path]:
         with writing(path):
             os.close(os.open(temporary, new, 0o666))
             yield temporary
-            with temporary.open("rb") as whole:
-                os.fsync(whole.fileno())
+            _sync(temporary)
             temporary.replace(path)
+            _sync(path.parent)
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def _sync(path: Path) -> None:
+    """Bring a file, or the names in a folder, to the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno != errno.EINVAL:  # not all file systems can do that
+            raise
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,67 @@
+"""Make every call of a command fail, one after the other, and tell what came of it.
+
+    python tests/faults/every_call.py                    all commands, every call
+    python tests/faults/every_call.py batch resume -k write -k fsync --step 3
+
+Prints for each command how many faults were tried, in how many something that was recorded or a
+file under its final name was lost, how many ended with a wrong code or without their one line, and
+how many were not made good by the same command, or --resume, afterwards.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "postprocess")]
+
+from faults.commands import commands  # noqa: E402
+from faults.trial import KINDS, Command, Workshop  # noqa: E402
+
+VERDICTS = ("tried", "lost", "code", "line", "again", "missed")
+
+
+def try_all(
+    command: Command, layer: Path, kinds: tuple[str, ...] = KINDS, step: int = 1
+) -> tuple[Counter[str], list[str]]:
+    """Try every so many faults of a command; count them, and tell what is wrong."""
+    counts: Counter[str] = Counter()
+    told: list[str] = []
+    with tempfile.TemporaryDirectory() as place:
+        workshop = Workshop(command, layer, Path(place).resolve() / "trials")
+        chosen = [kind for kind in kinds if kind in command.kinds]
+        for fault in workshop.faults(chosen, step):
+            wrong = workshop.judge(fault)
+            counts["tried"] += 1
+            counts.update({one.split(":")[0] for one in wrong})
+            told += wrong
+    return counts, told
+
+
+def main() -> int:
+    """Try what is named; 0 if nothing is wrong."""
+    build = Path(os.environ.get("EVOLVENT_EXECUTABLE", ROOT / "build" / "ci" / "evolvent"))
+    known = commands(build)
+    parser = argparse.ArgumentParser(description="Make every call of a command fail.")
+    parser.add_argument("commands", nargs="*", metavar="COMMAND", help=", ".join(known))
+    parser.add_argument("-k", "--kind", action="append", choices=KINDS)
+    parser.add_argument("--step", type=int, default=1, help="try one of so many calls")
+    given = parser.parse_args()
+    layer = build.parent / "tests" / "libfaults.so"
+    is_good = True
+    for name in given.commands or known:
+        counts, told = try_all(known[name], layer, tuple(given.kind or KINDS), given.step)
+        for line in told:
+            print(f"  {name}: {line}", flush=True)
+        print(name, *(f"{verdict} {counts[verdict]}" for verdict in VERDICTS), flush=True)
+        is_good &= not told
+    return 0 if is_good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
