@@ -96,6 +96,25 @@ def kernel_library() -> Path:
     return _built("EVOLVENT_KERNEL_LIBRARY", "libevolvent_kernel.so")
 
 
+def _layer(executable: Path, name: str) -> Path:
+    path = executable.resolve().parent / "tests" / name
+    if not path.is_file():
+        pytest.skip(f"this build has no {name}: only Linux has it, and no build with sanitizers")
+    return path
+
+
+@pytest.fixture(scope="session")
+def faults_layer(executable: Path) -> Path:
+    """What makes the k-th call of a program fail, to be preloaded."""
+    return _layer(executable, "libfaults.so")
+
+
+@pytest.fixture(scope="session")
+def power_layer(executable: Path) -> Path:
+    """What keeps only that which a program has synced, to be preloaded."""
+    return _layer(executable, "libpower_loss.so")
+
+
 @pytest.fixture
 def evolvent(executable: Path, tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the program in an empty folder: ``evolvent("run", case, "-o", "x.h5")``.

@@ -1,7 +1,7 @@
 """Make every call of a command fail, one after the other, and tell what came of it.
 
     python tests/faults/every_call.py                    all commands, every call
-    python tests/faults/every_call.py batch resume -k write -k fsync --step 3
+    python tests/faults/every_call.py batch resume -k write -k fsync --most 9
 
 Prints for each command how many faults were tried, in how many something that was recorded or a
 file under its final name was lost, how many ended with a wrong code or without their one line, and
@@ -27,19 +27,21 @@ VERDICTS = ("tried", "lost", "code", "line", "again", "missed")
 
 
 def try_all(
-    command: Command, layer: Path, kinds: tuple[str, ...] = KINDS, step: int = 1
+    command: Command,
+    layer: Path,
+    place: Path,
+    kinds: tuple[str, ...] = KINDS,
+    most: int | None = None,
 ) -> tuple[Counter[str], list[str]]:
-    """Try every so many faults of a command; count them, and tell what is wrong."""
+    """Try the faults of a command, all or so many of each kind; count them, and tell what is wrong."""
     counts: Counter[str] = Counter()
     told: list[str] = []
-    with tempfile.TemporaryDirectory() as place:
-        workshop = Workshop(command, layer, Path(place).resolve() / "trials")
-        chosen = [kind for kind in kinds if kind in command.kinds]
-        for fault in workshop.faults(chosen, step):
-            wrong = workshop.judge(fault)
-            counts["tried"] += 1
-            counts.update({one.split(":")[0] for one in wrong})
-            told += wrong
+    workshop = Workshop(command, layer, place.resolve() / "trials")
+    for fault in workshop.faults([kind for kind in kinds if kind in command.kinds], most):
+        wrong = workshop.judge(fault)
+        counts["tried"] += 1
+        counts.update({one.split(":")[0] for one in wrong})
+        told += wrong
     return counts, told
 
 
@@ -50,12 +52,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Make every call of a command fail.")
     parser.add_argument("commands", nargs="*", metavar="COMMAND", help=", ".join(known))
     parser.add_argument("-k", "--kind", action="append", choices=KINDS)
-    parser.add_argument("--step", type=int, default=1, help="try one of so many calls")
+    parser.add_argument("--most", type=int, help="try so many of each kind in each process")
     given = parser.parse_args()
     layer = build.parent / "tests" / "libfaults.so"
     is_good = True
     for name in given.commands or known:
-        counts, told = try_all(known[name], layer, tuple(given.kind or KINDS), given.step)
+        kinds = tuple(given.kind or KINDS)
+        with tempfile.TemporaryDirectory() as place:
+            counts, told = try_all(known[name], layer, Path(place), kinds, given.most)
         for line in told:
             print(f"  {name}: {line}", flush=True)
         print(name, *(f"{verdict} {counts[verdict]}" for verdict in VERDICTS), flush=True)

@@ -6,26 +6,30 @@
  *   FAULTS_PROCESS  its number: 0 is the first, children count on as they are made
  *   FAULTS_AT       number of the call of this kind in this process, from 1
  *   FAULTS_ERROR    number of the error; 0: half is written, and what follows finds the disk full; -1: half is written once
- *   FAULTS_ON       all calls from there on fail, also those of processes that are made later */
+ *   FAULTS_ON       all calls from there on fail, also those of processes that are made later
+ *   FAULTS_ORPHAN   the parent is killed before a process asks to die with it */
 #define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier)
 #include "layer.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 /** The runner reads the counts in this order. */
-enum { WRITE, FSYNC, RENAME, OPEN, CLOSE, TRUNCATE, MMAP, MALLOC, READ, LINK, FORK, N_KINDS };
+enum { WRITE, FSYNC, RENAME, OPEN, CLOSE, TRUNCATE, MMAP, MALLOC, READ, LINK, FORK, LOCK, N_KINDS };
 static const char *const kinds[N_KINDS] = {"write", "fsync", "rename", "open", "close", "truncate",
-                                           "mmap",  "malloc", "read",  "link", "fork"};
+                                           "mmap",  "malloc", "read",  "link", "fork", "lock"};
 enum { MOST_PROCESSES = 64, STATE_BYTES = 65536 };
 
 typedef struct {
@@ -71,9 +75,7 @@ void layer_begin(void)
     wanted.at = number_of("FAULTS_AT");
     wanted.error = (int)number_of("FAULTS_ERROR");
     wanted.is_lasting = number_of("FAULTS_ON") != 0;
-    if (layer_owns(STDOUT_FILENO)) {
-        stdout = layer_stream(STDOUT_FILENO, "w");
-    }
+    layer_take_streams();
 }
 
 /** Count a call. @return whether it is to fail; errno says how */
@@ -275,6 +277,33 @@ int mkdir(const char *path, mode_t mode)
     return is_path_ours(AT_FDCWD, path) && fails(LINK) ? -1 : (int)syscall(SYS_mkdirat, AT_FDCWD, path, mode);
 }
 
+/* ---- locks ---- */
+
+int flock(int descriptor, int operation)
+{
+    return is_ours(descriptor) && fails(LOCK) ? -1 : (int)syscall(SYS_flock, descriptor, operation);
+}
+
+int fcntl(int descriptor, int command, ...)
+{
+    va_list arguments;
+    va_start(arguments, command);
+    void *const argument = va_arg(arguments, void *);
+    va_end(arguments);
+    return command == F_SETLK && is_ours(descriptor) && fails(LOCK)
+               ? -1
+               : (int)syscall(SYS_fcntl, descriptor, command, argument);
+}
+
+int fcntl64(int descriptor, int command, ...)
+{
+    va_list arguments;
+    va_start(arguments, command);
+    void *const argument = va_arg(arguments, void *);
+    va_end(arguments);
+    return fcntl(descriptor, command, argument);
+}
+
 /* ---- processes ---- */
 
 pid_t fork(void)
@@ -290,6 +319,23 @@ pid_t fork(void)
         new_process(child);
     }
     return pid;
+}
+
+/** Asked for in time, a process dies with its parent; here the parent is dead by then. */
+int prctl(int option, ...)
+{
+    va_list arguments;
+    va_start(arguments, option);
+    const unsigned long argument = va_arg(arguments, unsigned long);
+    va_end(arguments);
+    const pid_t parent = getppid();
+    if (option == PR_SET_PDEATHSIG && layer_setting("FAULTS_ORPHAN") != NULL) {
+        (void)kill(parent, SIGKILL);
+        while (getppid() == parent) {
+            (void)usleep(1000);
+        }
+    }
+    return (int)syscall(SYS_prctl, option, argument, 0, 0, 0);
 }
 
 int socketpair(int domain, int type, int protocol, int ends[2])

@@ -2,6 +2,7 @@
 #include "layer.h"
 
 #include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <stdint.h>
@@ -104,6 +105,15 @@ FILE *layer_stream(int descriptor, const char *mode)
 {
     const cookie_io_functions_t calls = {stream_read, stream_write, stream_seek, stream_close};
     return fopencookie((void *)(intptr_t)descriptor, mode, calls); // NOLINT(performance-no-int-to-ptr)
+}
+
+void layer_take_streams(void)
+{
+    if (strncmp(program_invocation_short_name, "python", strlen("python")) != 0) {
+        stdout = layer_stream(STDOUT_FILENO, "w");
+        stderr = layer_stream(STDERR_FILENO, "w");
+        (void)setvbuf(stderr, NULL, _IONBF, 0);
+    }
 }
 
 /* ---- main ---- */

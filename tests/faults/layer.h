@@ -25,3 +25,5 @@ bool layer_is_socket(int descriptor);
 
 /** A stream whose reads and writes go through the layer's read, write and close: those of the C library call the system past it. */
 FILE *layer_stream(int descriptor, const char *mode);
+/** Make standard output and error such streams; Python, which writes to the descriptors, wants them as they are. */
+void layer_take_streams(void);

@@ -13,7 +13,7 @@ from pathlib import Path
 
 KINDS = (
     *("write", "fsync", "rename", "open", "close", "truncate"),
-    *("mmap", "malloc", "read", "link", "fork"),
+    *("mmap", "malloc", "read", "link", "fork", "lock"),
 )  # in the order of faults.c
 STATE_BYTES, MOST_PROCESSES = 65536, 64
 HALF_THEN_FULL, HALF = 0, -1  # instead of an error: half is written, then the disk is full or not
@@ -33,6 +33,7 @@ EFFECTS: dict[str, tuple[tuple[int, bool], ...]] = {  # errors of each kind, and
     "read": ((errno.EIO, False), (errno.EINTR, False)),
     "link": ((errno.ENOSPC, False), (errno.EPERM, False)),
     "fork": ((errno.EAGAIN, False),),
+    "lock": ((errno.EAGAIN, False), (errno.EACCES, False), (errno.ENOLCK, False)),
 }
 DONE, BAD_INPUT, NO_MEMORY, NOT_WRITTEN, NOT_STARTED = 0, 3, 71, 74, 75
 PROMISED: dict[str, set[int]] = {kind: {DONE, NOT_WRITTEN} for kind in KINDS} | {
@@ -42,6 +43,7 @@ PROMISED: dict[str, set[int]] = {kind: {DONE, NOT_WRITTEN} for kind in KINDS} | 
     "mmap": {DONE, NOT_STARTED, NO_MEMORY},
     "malloc": {DONE, NO_MEMORY},
     "fork": {DONE, NOT_STARTED},
+    "lock": {DONE, BAD_INPUT, NOT_WRITTEN},
 }
 NAMELESS = ("mmap", "malloc", "fork")  # these happen to no file
 
@@ -135,18 +137,30 @@ class Workshop:
         self.names = self._names()
         self.known = {Path(name).name for name in self.names} | {"standard output"}
 
-    def faults(self, kinds: Sequence[str], step: int = 1) -> Iterator[Fault]:
-        """All calls that fail, or every so many of each kind."""
+    def faults(self, kinds: Sequence[str], most: int | None = None) -> Iterator[Fault]:
+        """All calls that can fail, in all ways.
+
+        Parameters
+        ----------
+        most : of each kind in each process only so many, from the first to the last one, whose
+            ways to fail take turns.
+        """
         for kind in kinds:
+            ways = EFFECTS[kind]
             for process, calls in enumerate(self.whole.calls):
-                for at in range(1, calls[kind] + 1, step):
-                    for error, lasts in EFFECTS[kind]:
-                        yield Fault(kind, process, at, error, lasts)
+                n = calls[kind]
+                if most is None or n * len(ways) <= most:
+                    chosen = [(at, way) for at in range(1, n + 1) for way in ways]
+                else:
+                    places = [1 + round(i * (n - 1) / max(most - 1, 1)) for i in range(most)]
+                    chosen = [(at, ways[i % len(ways)]) for i, at in enumerate(places)]
+                for at, (error, lasts) in chosen:
+                    yield Fault(kind, process, at, error, lasts)
 
     def judge(self, fault: Fault) -> list[str]:
         """Try it. Return what is wrong: each begins with "lost", "code", "line" or "again"."""
         self._begin()
-        ended = self._run(self.command.words, fault)
+        ended = self.last = self._run(self.command.words, fault)
         if not ended.has_failed:
             return ["missed: there was no such call"]
         told = f"{fault}: code {ended.code}, said {ended.said!r}"
@@ -187,7 +201,8 @@ class Workshop:
         if fault.kind not in NAMELESS and not any(name in lines[0] for name in self.known):
             return ["line: does not tell where"]
         # What cannot be read may be taken for damaged.
-        is_told = fault.reason in lines[0] or (fault.kind == "read" and ended.code == BAD_INPUT)
+        why = "another run" if fault.kind == "lock" else fault.reason
+        is_told = why in lines[0] or (fault.kind == "read" and ended.code == BAD_INPUT)
         return [] if is_told else ["line: does not tell why"]
 
     def _read(self, wrong: list[str]) -> Mapping[str, object]:

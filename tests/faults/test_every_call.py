@@ -1,0 +1,58 @@
+"""Whichever call fails, a command ends as it promises, loses nothing, and can be made good."""
+
+from __future__ import annotations
+
+import errno
+from pathlib import Path
+
+import pytest
+
+from faults.commands import commands
+from faults.every_call import try_all
+from faults.trial import KINDS, Fault, Workshop
+
+NAMES = tuple(commands(Path()))
+PYTHON = ("plan", "collect", "report")  # a second a trial
+MEMORY = "malloc"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_some_calls_that_fail(
+    executable: Path, faults_layer: Path, tmp_path: Path, name: str
+) -> None:
+    kinds = ("rename", "write") if name in PYTHON else tuple(k for k in KINDS if k != MEMORY)
+    most = 1 if name in PYTHON else 3
+    counts, told = try_all(commands(executable)[name], faults_layer, tmp_path, kinds, most)
+    assert counts["tried"] > 1
+    assert not [line for line in told if not line.startswith("missed")]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != MEMORY])
+@pytest.mark.parametrize("name", NAMES)
+def test_every_call_that_fails(
+    executable: Path, faults_layer: Path, tmp_path: Path, name: str, kind: str
+) -> None:
+    _, told = try_all(commands(executable)[name], faults_layer, tmp_path, (kind,))
+    assert not [line for line in told if not line.startswith("missed")]
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "code"),
+    [
+        ("batch", errno.EAGAIN, 3),  # another run holds it
+        ("batch", errno.EACCES, 3),  # so it is said elsewhere
+        ("batch", errno.ENOLCK, 0),  # this folder cannot lock
+        ("run", errno.EAGAIN, 74),
+        ("run", errno.ENOLCK, 0),
+    ],
+)
+def test_who_is_refused_a_lock_stays_out_unless_there_are_none(
+    executable: Path, faults_layer: Path, tmp_path: Path, name: str, error: int, code: int
+) -> None:
+    workshop = Workshop(commands(executable)[name], faults_layer, tmp_path / "trials")
+    fault = Fault("lock", 0, 1, error)
+    assert workshop.judge(fault) == []
+    assert workshop.last.code == code
+    if code != 0:
+        assert workshop.last.said.count("another run is ") == 1
