@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import re
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any, BinaryIO, cast
 
 OF_SYSTEM = re.compile(r"errno = \d+, error message = '([^']*)'")  # in what HDF5 says
+OF_FILE = re.compile(r"filename = '([^']*)'")
 FAILED_CASES, USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 1, 2, 3, 74, 75
 
 
@@ -53,6 +56,13 @@ def reason_of(error: Exception) -> str:
 def is_of_system(error: Exception) -> bool:
     """Whether the system refused something; HDF5 tells it in errors of all kinds."""
     return isinstance(error, OSError) or OF_SYSTEM.search(str(error)) is not None
+
+
+def file_of(error: Exception) -> str:
+    """Which file it is about, with a colon behind; "" if it does not say."""
+    by_hdf5 = OF_FILE.search(str(error))
+    name = by_hdf5[1] if by_hdf5 else getattr(error, "filename", None)
+    return f"{name}: " if name else ""
 
 
 @contextmanager
@@ -134,3 +144,51 @@ def _sync(path: Path) -> None:
             raise
     finally:
         os.close(descriptor)
+
+
+class _Patient(io.FileIO):
+    """A file for HDF5, which may crash, or leave data out, over what it could not write.
+
+    It is told that all is well, and the first error is kept.
+    """
+
+    error: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write all of it, or keep the error."""
+        rest = memoryview(data).cast("B")
+        size = len(rest)
+        try:
+            while rest and self.error is None:
+                rest = rest[super().write(rest) or 0 :]
+        except OSError as error:
+            self.error = error
+        return size
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the length, or keep the error."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return self.tell() if size is None else size
+
+
+@contextmanager
+def replacing_hdf5(path: Path) -> Iterator[BinaryIO]:
+    """Give an empty file for h5py, in place of a name; it replaces an older one when it is whole.
+
+    Raises
+    ------
+    EvolventError
+        It cannot be written.
+    """
+    with replacing(path) as temporary:
+        file = _Patient(temporary, "w+")
+        try:
+            yield cast("BinaryIO", file)
+            file.close()
+        except Exception as error:  # what follows a failure may be anything
+            raise file.error or error from error  # the file stays open: h5py may still write
+        if file.error is not None:
+            raise file.error

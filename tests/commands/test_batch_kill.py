@@ -24,8 +24,8 @@ TORQUE = "wheels.pinion.loads.0.value"
 JOURNAL = "r/shard-1-of-1.jsonl"
 HISTORIES = "r/shard-1-of-1.h5"
 N_CASES = 40
-KILLS = 30  # of workers, and of parents: half of them each
-SEED = 20110
+KILLS = 30  # of workers, and of parents: half of them each, for each seed
+SEEDS = (20110, *(pytest.param(i, marks=pytest.mark.long) for i in range(34)))  # 1050 kills
 
 
 @pytest.fixture(scope="module")
@@ -80,16 +80,18 @@ def assert_undisturbed(
 # ---- kill -9 -------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("seed", SEEDS)
 def test_killed_workers_leave_no_trace(
     executable: Path,
     tmp_path: Path,
     undisturbed: tuple[Path, dict[int, dict[str, object]], np.ndarray],
+    seed: int,
 ) -> None:
     """A case whose process is killed twice has failed, and goes on in the process that follows.
 
     So only those die that began with the batch: what they run was never handed out before.
     """
-    when = random.Random(SEED)
+    when = random.Random(seed)
     killed, run = 0, 0
     while killed < KILLS // 2:
         command = [executable, "batch", undisturbed[0], "-o", "r", "--jobs", "4", "-q"]
@@ -109,12 +111,14 @@ def test_killed_workers_leave_no_trace(
         run += 1
 
 
+@pytest.mark.parametrize("seed", SEEDS)
 def test_a_killed_parent_takes_its_workers_along_and_the_rest_is_run_by_resume(
     executable: Path,
     tmp_path: Path,
     undisturbed: tuple[Path, dict[int, dict[str, object]], np.ndarray],
+    seed: int,
 ) -> None:
-    when = random.Random(SEED + 1)
+    when = random.Random(seed + 1)
     command = [executable, "batch", undisturbed[0], "-o", "r", "--jobs", "2", "--resume", "-q"]
     for _ in range(KILLS // 2):
         with running(command, tmp_path) as parent:

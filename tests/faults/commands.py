@@ -13,14 +13,14 @@ import h5py
 import numpy as np
 
 from designs import paper_case, read_journal, write_design
-from faults.trial import BAD_INPUT, NOT_STARTED, Command
+from faults.trial import BAD_INPUT, Command
 
 CASE, DESIGN, JOURNAL, STACK = "case.yaml", "design.h5", "shard-1-of-1.jsonl", "shard-1-of-1.h5"
 TORQUE = "wheels.pinion.loads.0.value"
 TIMINGS_COLLECTED = ("cpu_time", "recorded_at")
 N_CASES = 6
 WHEEL = "{hub_diameter: 0.026, order: 5}"  # whose teeth bend: cheap elements
-FILES = ("write", "fsync", "rename", "open", "close", "truncate", "read", "link")
+FILES = ("write", "fsync", "rename", "open", "close", "truncate", "link")
 START = Path(__file__).with_name("start_python.py")
 SWEEPS, POST = (sys.executable, START, "sweep"), (sys.executable, START, "post")
 SWEEP = f"""\
@@ -79,9 +79,7 @@ def _write_case(folder: Path, duration: float = 0.002, example: str = "paper.yam
     (folder / CASE).write_text(paper_case(duration, example))
 
 
-def _with_old(
-    folder: Path, program: Path, *words: str, example: str = "paper.yaml"
-) -> None:
+def _with_old(folder: Path, program: Path, *words: str, example: str = "paper.yaml") -> None:
     """A case, and what an earlier command has made of another one."""
     _write_case(folder, 0.004, example)
     subprocess.run([program, *words, "-q"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
@@ -101,7 +99,10 @@ def _write_batch(folder: Path, program: Path, recorded: bool) -> None:
 
 def _write_wheels(folder: Path) -> None:
     """A design of wheels whose teeth bend."""
-    columns = {"wheels.pinion.compliance": [WHEEL] * 2, "wheels.pinion.loads.0.value": [-40.0, -50.0]}
+    columns = {
+        "wheels.pinion.compliance": [WHEEL] * 2,
+        "wheels.pinion.loads.0.value": [-40.0, -50.0],
+    }
     write_design(folder / DESIGN, columns, paper_case(0.001, "spur-pair.yaml"))
 
 
@@ -110,7 +111,10 @@ def _write_sweep(folder: Path, is_run: bool) -> None:
     _write_case(folder)
     (folder / "sweep.yaml").write_text(SWEEP)
     if is_run:
-        for words in (["plan", "sweep.yaml", "-o", DESIGN], ["run", DESIGN, "-o", "r", "--jobs", "1"]):
+        for words in (
+            ["plan", "sweep.yaml", "-o", DESIGN],
+            ["run", DESIGN, "-o", "r", "--jobs", "1"],
+        ):
             subprocess.run([*SWEEPS, *words], cwd=folder, check=True, capture_output=True)
 
 

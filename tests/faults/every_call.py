@@ -33,7 +33,7 @@ def try_all(
     kinds: tuple[str, ...] = KINDS,
     most: int | None = None,
 ) -> tuple[Counter[str], list[str]]:
-    """Try the faults of a command, all or so many of each kind; count them, and tell what is wrong."""
+    """Try the faults of a command, all or so many of each kind; count, and tell what is wrong."""
     counts: Counter[str] = Counter()
     told: list[str] = []
     workshop = Workshop(command, layer, place.resolve() / "trials")

@@ -28,8 +28,8 @@
 
 /** The runner reads the counts in this order. */
 enum { WRITE, FSYNC, RENAME, OPEN, CLOSE, TRUNCATE, MMAP, MALLOC, READ, LINK, FORK, LOCK, N_KINDS };
-static const char *const kinds[N_KINDS] = {"write", "fsync", "rename", "open", "close", "truncate",
-                                           "mmap",  "malloc", "read",  "link", "fork", "lock"};
+static const char *const kinds[N_KINDS] = {"write", "fsync",  "rename", "open", "close", "truncate",
+                                           "mmap",  "malloc", "read",   "link", "fork",  "lock"};
 enum { MOST_PROCESSES = 64, STATE_BYTES = 65536 };
 
 typedef struct {
@@ -61,7 +61,8 @@ void layer_begin(void)
 {
     const char *path = layer_setting("FAULTS_STATE"), *kind = layer_setting("FAULTS_KIND");
     const int descriptor = path == NULL ? -1 : (int)syscall(SYS_openat, AT_FDCWD, path, O_RDWR | O_CLOEXEC);
-    void *memory = (void *)syscall(SYS_mmap, NULL, STATE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0); // NOLINT
+    void *memory =
+        (void *)syscall(SYS_mmap, NULL, STATE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0); // NOLINT
     (void)syscall(SYS_close, descriptor);
     if (memory == MAP_FAILED) {
         abort();
@@ -188,7 +189,7 @@ static int open_at(int folder, const char *path, int flags, mode_t mode)
 #define MODE_OF(flags)                                                                                                 \
     va_list arguments;                                                                                                 \
     va_start(arguments, flags);                                                                                        \
-    const mode_t mode = ((flags) & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, mode_t) : 0;                       \
+    const mode_t mode = ((flags) & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, mode_t) : 0;                        \
     va_end(arguments)
 
 int open(const char *path, int flags, ...)
@@ -345,9 +346,9 @@ int socketpair(int domain, int type, int protocol, int ends[2])
 
 /* ---- memory ---- */
 
-void *__libc_malloc(size_t size);               // NOLINT(bugprone-reserved-identifier)
-void *__libc_calloc(size_t count, size_t size); // NOLINT(bugprone-reserved-identifier)
-void *__libc_realloc(void *old, size_t size);   // NOLINT(bugprone-reserved-identifier)
+void *__libc_malloc(size_t size);                // NOLINT(bugprone-reserved-identifier)
+void *__libc_calloc(size_t count, size_t size);  // NOLINT(bugprone-reserved-identifier)
+void *__libc_realloc(void *old, size_t size);    // NOLINT(bugprone-reserved-identifier)
 void *__libc_memalign(size_t line, size_t size); // NOLINT(bugprone-reserved-identifier)
 
 static bool memory_fails(void)

@@ -37,9 +37,7 @@ class Machine:
             **more,
         }
 
-    def run(
-        self, words: Sequence[str | Path], **more: str
-    ) -> subprocess.CompletedProcess[str]:
+    def run(self, words: Sequence[str | Path], **more: str) -> subprocess.CompletedProcess[str]:
         """Run a program on it; `more`: variables of the layer."""
         return subprocess.run(
             words,
@@ -93,5 +91,3 @@ class Machine:
                 shutil.copyfile(self.store / key, target / name)
             else:
                 (target / name).touch()
-
-

@@ -90,7 +90,8 @@ static void keep_names(int descriptor, const struct statx *folder)
     for (const struct dirent *entry = readdir(names); entry != NULL; entry = readdir(names)) {
         struct statx file;
         char stored[PATH_MAX];
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0 && look(descriptor, entry->d_name, &file)) {
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0 &&
+            look(descriptor, entry->d_name, &file)) {
             name_in_store(&file, "", stored);
             fprintf(list, "%c %s %s\n", S_ISDIR(file.stx_mode) ? 'd' : 'f', strrchr(stored, '/') + 1, entry->d_name);
         }

@@ -21,7 +21,8 @@ def test_some_calls_that_fail(
     executable: Path, faults_layer: Path, tmp_path: Path, name: str
 ) -> None:
     kinds = ("rename", "write") if name in PYTHON else tuple(k for k in KINDS if k != MEMORY)
-    most = 1 if name in PYTHON else 3
+    # HDF5 crashes over some of the many writes of a history.
+    most = 1 if name in PYTHON else 12 if name == "run" else 3
     counts, told = try_all(commands(executable)[name], faults_layer, tmp_path, kinds, most)
     assert counts["tried"] > 1
     assert not [line for line in told if not line.startswith("missed")]

@@ -18,7 +18,7 @@ import pytest
 from designs import paper_case, read_folder, write_design
 from faults.commands import CASE, DESIGN, JOURNAL, POST, STACK, SWEEP, SWEEPS, TORQUE
 from faults.power import Machine
-from processes import running, wait_for
+from processes import children, running, wait_for
 
 N_CASES = 40
 Results = Mapping[int, tuple[Mapping[str, object], bytes]]
@@ -77,7 +77,11 @@ def assert_rows_are_left(
 
 @pytest.mark.parametrize("at", [1, 3])
 def test_rows_that_progress_tells_are_on_the_disk(
-    executable: Path, undisturbed: tuple[Path, Results], machine: NewMachine, tmp_path: Path, at: int
+    executable: Path,
+    undisturbed: tuple[Path, Results],
+    machine: NewMachine,
+    tmp_path: Path,
+    at: int,
 ) -> None:
     origin, expected = undisturbed
     disk = machine(origin)
@@ -128,7 +132,7 @@ def test_rows_that_an_interrupted_batch_tells_are_on_the_disk(
 def test_a_row_is_on_the_disk_a_second_after_it_was_recorded(
     executable: Path, machine: NewMachine, tmp_path: Path
 ) -> None:
-    """Nothing but the time asks for it: there is no progress, and both workers are in endless cases.
+    """Nothing but the time asks for it: no progress is told, and both workers are in endless cases.
 
     The bound of three seconds leaves two for a busy machine.
     """
@@ -149,13 +153,31 @@ def test_a_row_is_on_the_disk_a_second_after_it_was_recorded(
         parent.kill()
 
 
+def test_the_file_of_histories_is_whole_before_its_first_row(
+    executable: Path, machine: NewMachine, tmp_path: Path
+) -> None:
+    """A clock that stands still leaves no sync but those at the beginning, which name it."""
+    origin = tmp_path / "origin"
+    origin.mkdir()
+    columns = {"simulation.duration": [1e6], "simulation.output_interval": [1e3]}
+    write_design(origin / DESIGN, columns, histories="normal_force")
+    disk = machine(origin)
+    stack, environment = f"r/{STACK}", disk.environment(POWER_CLOCK="1e-6")
+    with running([*batch_words(executable), "-q"], disk.folder, env=environment) as parent:
+        wait_for(lambda: len(children(parent.pid)) == 1)  # all names are on the disk by then
+        found = disk.on_disk(stack)
+        parent.kill()
+    assert found == (disk.folder / stack).read_bytes()
+
+
 def test_a_batch_syncs_no_more_than_once_a_second(
     executable: Path, undisturbed: tuple[Path, Results], machine: NewMachine
 ) -> None:
     disk = machine(undisturbed[0])
     before, start = disk.n_syncs, time.monotonic()
     assert disk.run([*batch_words(executable), "-q"]).returncode == 0
-    # Journal and histories: once a second and at the end; names: the mark, the file of histories, two folders.
+    # Journal and histories: once a second and at the end. Once: the mark, the new file of
+    # histories, the names in two folders.
     assert disk.n_syncs - before <= 2 * (time.monotonic() - start + 1) + 4
 
 

@@ -17,6 +17,7 @@ KINDS = (
 )  # in the order of faults.c
 STATE_BYTES, MOST_PROCESSES = 65536, 64
 HALF_THEN_FULL, HALF = 0, -1  # instead of an error: half is written, then the disk is full or not
+HARMLESS = (errno.EINTR, HALF)  # the rest is written with the next call
 SECONDS = 60.0
 EFFECTS: dict[str, tuple[tuple[int, bool], ...]] = {  # errors of each kind, and whether they last
     "write": (
@@ -105,9 +106,11 @@ class Command:
     kinds: Sequence[str] = KINDS
     promised: Mapping[str, set[int]] = field(default_factory=dict)
 
-    def codes(self, kind: str) -> set[int]:
-        """Exit codes that are promised when a call of this kind fails."""
-        return PROMISED[kind] | self.promised.get(kind, set())
+    def codes(self, fault: Fault) -> set[int]:
+        """Exit codes that are promised when this happens."""
+        if fault.kind == "write" and fault.error in HARMLESS:
+            return {DONE}
+        return PROMISED[fault.kind] | self.promised.get(fault.kind, set())
 
 
 @dataclass(frozen=True)
@@ -191,7 +194,7 @@ class Workshop:
         return [f"{one} ({told})" for one in wrong]
 
     def _wrong_end(self, fault: Fault, ended: Ended) -> list[str]:
-        if ended.code not in self.command.codes(fault.kind):
+        if ended.code not in self.command.codes(fault):
             return ["code: not promised"]
         lines = ended.said.splitlines()
         if ended.code == DONE:
@@ -208,7 +211,7 @@ class Workshop:
     def _read(self, wrong: list[str]) -> Mapping[str, object]:
         try:
             return self.command.contents(self.folder)
-        except Exception as error:  # noqa: BLE001 - whatever it is, a file is not whole
+        except Exception as error:
             wrong.append(f"lost: a file is not whole ({error!r})")
             return {}
 

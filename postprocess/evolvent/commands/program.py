@@ -15,7 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
 from evolvent.commands.command_line import UnclearError, WrongUsageError, for_typer, option, read
-from evolvent.errors import USAGE, EvolventError
+from evolvent.errors import BAD_INPUT, USAGE, EvolventError, file_of, is_of_system, reason_of
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -68,6 +68,11 @@ def make_program(
         except EvolventError as error:
             complain(name, str(error))
             sys.exit(error.code)
+        except Exception as error:
+            if not is_of_system(error):
+                raise
+            complain(name, f"{file_of(error)}cannot be read ({reason_of(error)})")
+            sys.exit(BAD_INPUT)
 
     return main
 

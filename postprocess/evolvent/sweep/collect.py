@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
 
-from evolvent.errors import SweepError, needing, replacing
+from evolvent.errors import SweepError, needing, replacing, replacing_hdf5
 from evolvent.sweep.design import Design
 from evolvent.sweep.histories import add_histories, history_coordinates
 from evolvent.sweep.journal import STATUSES, Records, read_records
@@ -48,13 +49,14 @@ def collect(
     """
     records = read_records(folder, design)
     summary = _summary(design, records)
-    with replacing(output) as temporary:
+    with replacing_hdf5(output) as stream:
         whole = summary
         if design.history_variables:
             whole = summary.merge(history_coordinates(folder, records))
-        whole.to_netcdf(temporary, engine="h5netcdf")
+        with h5netcdf.File(stream, "w") as target:
+            whole.dump_to_store(xr.backends.H5NetCDFStore(target))
         if design.history_variables:
-            with h5py.File(temporary, "r+") as file:
+            with h5py.File(stream, "r+") as file:
                 add_histories(file, folder, records, output.parent, copy_histories)
     if parquet is not None:
         _write_parquet(summary, parquet)
