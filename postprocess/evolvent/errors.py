@@ -146,6 +146,9 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
+HALF_WRITTEN: list[io.FileIO] = []  # files of HDF5 that the disk did not take
+
+
 class _Patient(io.FileIO):
     """A file for HDF5, which may crash, or leave data out, over what it could not write.
 
@@ -189,6 +192,9 @@ def replacing_hdf5(path: Path) -> Iterator[BinaryIO]:
             yield cast("BinaryIO", file)
             file.close()
         except Exception as error:  # what follows a failure may be anything
-            raise file.error or error from error  # the file stays open: h5py may still write
+            if file.error is None:
+                raise
+            HALF_WRITTEN.append(file)  # it stays open: h5py may still write
+            raise file.error from error
         if file.error is not None:
             raise file.error

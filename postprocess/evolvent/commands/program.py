@@ -15,7 +15,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
 from evolvent.commands.command_line import UnclearError, WrongUsageError, for_typer, option, read
-from evolvent.errors import BAD_INPUT, USAGE, EvolventError, file_of, is_of_system, reason_of
+from evolvent.errors import (
+    BAD_INPUT,
+    HALF_WRITTEN,
+    USAGE,
+    EvolventError,
+    file_of,
+    is_of_system,
+    reason_of,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -67,6 +75,8 @@ def make_program(
             _with_typer(name, functions, text, error)
         except EvolventError as error:
             complain(name, str(error))
+            if HALF_WRITTEN:  # HDF5 would close them when Python has ended, and crash
+                os._exit(error.code)
             sys.exit(error.code)
         except Exception as error:
             if not is_of_system(error):
