@@ -86,11 +86,10 @@ static bool mark_folder(const char *mark, const char *hash, evl_error *error)
     (void)unlink(partial); /* of a process of that number that was killed; or a link, which is not followed */
     const int descriptor = open(partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     bool good = descriptor >= 0 && write_bytes(descriptor, -1, line, length) == length && sync_bytes(descriptor);
-    if (descriptor >= 0) {
-        const int reason = errno;
-        good = close(descriptor) == 0 && good;
-        errno = good ? errno : reason;
-    }
+    const int reason = errno;
+    const bool is_closed = descriptor < 0 || close(descriptor) == 0;
+    errno = good ? errno : reason;
+    good = good && is_closed;
     good = (good && (link(partial, mark) == 0 || errno == EEXIST || rename(partial, mark) == 0)) ||
            evl_error_set_unwritten(error, mark);
     (void)unlink(partial);
@@ -104,8 +103,8 @@ static bool claim_folder(const char *folder, const char *hash, evl_error *error)
         return evl_error_set_unwritten(error, folder);
     }
     OWNED char *mark = xasprintf("%s/design.txt", folder), *found = read_line(mark);
-    if (found == NULL) {
-        if (errno == ENOENT && !mark_folder(mark, hash, error)) {
+    if (found == NULL && errno == ENOENT) {
+        if (!mark_folder(mark, hash, error)) {
             return false;
         }
         found = read_line(mark);

@@ -46,7 +46,7 @@ static bool define_variable(builder *b, const model_output *output)
     variable.dimensions[1] = &b->axis;
     dimensions_append(&b->of_outputs, output, &variable);
     const hid_t dataset = netcdf_define(&b->netcdf, b->netcdf.id, &variable, 0);
-    return dataset >= 0 && H5Dclose(dataset) >= 0;
+    return dataset >= 0 && (H5Dclose(dataset) >= 0 || netcdf_fail(&b->netcdf));
 }
 
 static bool fill_file(builder *b, const stack_layout *layout)

@@ -131,8 +131,9 @@ typedef int start_function(int (*)(int, char **, char **), int, char **, void (*
                            void *);
 
 /** The C library calls main here, after all that runs before it. */
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
 int __libc_start_main(int (*main)(int, char **, char **), int n, char **words, void (*init)(void), void (*fini)(void),
-                      void (*loader_fini)(void), void *stack_end) // NOLINT(bugprone-reserved-identifier)
+                      void (*loader_fini)(void), void *stack_end)
 {
     start_function *start;
     layer_next("__libc_start_main", &start);

@@ -59,7 +59,7 @@ def undisturbed(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> t
 
 
 def batch_words(executable: Path) -> Sequence[str | Path]:
-    return [executable, "batch", DESIGN, "-o", "r", "--jobs", "2"]
+    return [executable, "batch", DESIGN, "-o", "r/", "--jobs", "2"]
 
 
 def assert_rows_are_left(
