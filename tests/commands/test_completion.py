@@ -19,7 +19,10 @@ CASES = ["a b.yaml", "case.yaml", "folder", "other.yml"]
 OFFERED = {
     **dict.fromkeys(("HISTORY.h5", "FILE.h5", "FILE"), FILES),
     **{"CASE.yaml": CASES, "DESIGN.h5": ["design.h5", "folder"], "DIR": ["folder"]},
-    **{value: [] for value in ("TIME", "X", "FROM:TO:STEPS", "SPEED", "N", "I/N", "J")},
+    **{
+        value: []
+        for value in ("TIME", "TIMES", "MINUTES", "X", "FROM:TO:STEPS", "SPEED", "N", "I/N", "J")
+    },
     **{"NAME": ["pinion-gear"], "bash": list(SHELLS)},
     "NAMES": [
         *("all", "gearbox", "wheels", "meshes", "pairs", "shafts", "bearings", "housing"),
