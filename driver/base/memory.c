@@ -9,8 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/** One line and the end, without a signal; nothing is tidied up, for which memory may be missing, too. */
-static _Noreturn void run_out(size_t count, size_t size)
+void memory_run_out(size_t count, size_t size)
 {
     char text[128];
     const int n =
@@ -22,7 +21,7 @@ static _Noreturn void run_out(size_t count, size_t size)
 static void *checked(void *memory, size_t count, size_t size)
 {
     if (memory == NULL) {
-        run_out(count, size);
+        memory_run_out(count, size);
     }
     return memory;
 }
@@ -41,7 +40,7 @@ __attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, co
 _Noreturn void _gfortran_os_error(const char *message)
 {
     (void)message;
-    run_out(1, 1);
+    memory_run_out(1, 1);
 }
 
 _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...)
@@ -51,7 +50,7 @@ _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...)
     va_start(arguments, format); /* "Error allocating %lu bytes" */
     const unsigned long size = strstr(format, "%lu") != NULL ? va_arg(arguments, unsigned long) : 1;
     va_end(arguments);
-    run_out(1, size);
+    memory_run_out(1, size);
 }
 /* NOLINTEND(bugprone-reserved-identifier) */
 

@@ -12,6 +12,8 @@ static inline void free_owned(void *pointer)
     free(*(void **)pointer);
 }
 
+/** End the program with one line, without a signal; nothing is tidied up, for which memory may be missing, too. */
+_Noreturn void memory_run_out(size_t count, size_t size);
 /** count * size bytes, zeroed; never NULL. */
 void *xcalloc(size_t count, size_t size);
 /** See that so many bytes can be had: for who calls what would crash without them. */

@@ -28,6 +28,15 @@ def test_some_calls_that_fail(
     assert not [line for line in told if not line.startswith("missed")]
 
 
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in PYTHON])
+def test_lack_of_memory_is_one_line_and_one_code(
+    executable: Path, faults_layer: Path, tmp_path: Path, name: str
+) -> None:
+    _, told = try_all(commands(executable)[name], faults_layer, tmp_path, (MEMORY,), 8)
+    # The runtime library of gfortran has a word of its own: the kernel has texts of numbers made.
+    assert not [line for line in told if "xmallocarray" not in line and "missed" not in line]
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != MEMORY])
 @pytest.mark.parametrize("name", NAMES)

@@ -1,0 +1,44 @@
+/* What the linker puts in the place of the allocator (--wrap) in the program, not in the kernel's library, which others use: where
+ * memory ends, the program does, with one line. Who asks need not look at the answer, and some do not: tables of HDF5. */
+#include "base/memory.h"
+
+#include <string.h>
+
+/* The names are the linker's. NOLINTBEGIN(bugprone-reserved-identifier) */
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *old, size_t size);
+char *__real_strdup(const char *text);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *old, size_t size);
+char *__wrap_strdup(const char *text);
+
+static void *checked(void *memory, size_t count, size_t size)
+{
+    if (memory == NULL && count > 0 && size > 0) {
+        memory_run_out(count, size);
+    }
+    return memory;
+}
+
+void *__wrap_malloc(size_t size)
+{
+    return checked(__real_malloc(size), 1, size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return checked(__real_calloc(count, size), count, size);
+}
+
+void *__wrap_realloc(void *old, size_t size)
+{
+    return checked(__real_realloc(old, size), 1, size);
+}
+
+char *__wrap_strdup(const char *text)
+{
+    return checked(__real_strdup(text), 1, strlen(text) + 1);
+}
+/* NOLINTEND(bugprone-reserved-identifier) */
