@@ -73,6 +73,9 @@ static bool read_cases(const batch_plan *plan, const char *path, case_list *list
                           length < SHOWN ? length : SHOWN, line, plan->design->n_cases - 1);
         }
     }
+    if (good && feof(file) == 0) {
+        good = evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
+    }
     free(line);
     (void)fclose(file);
     return good;

@@ -155,7 +155,7 @@ static bool take_over(journal *journal, const char *head, size_t n, long n_cases
     }
     OWNED char *wanted = xasprintf("%.*s", (int)n - 1, head);
     const journal_state state = read_lines(file, journal, wanted, n_cases, cases, n_recorded);
-    const bool was_read = ferror(file) == 0;
+    const bool was_read = feof(file) != 0; /* without memory for a line there is no error of the file */
     (void)fclose(file);
     if (!was_read) {
         return fail(journal, error);

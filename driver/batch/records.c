@@ -183,7 +183,7 @@ static bool read_journal(collection *found, int shard, evl_error *error)
         }
     }
     free(line);
-    if (error->code == EVL_EXIT_OK && (journal->file == NULL || ferror(journal->file) != 0)) {
+    if (error->code == EVL_EXIT_OK && (journal->file == NULL || feof(journal->file) == 0)) {
         evl_error_set(error, EVL_EXIT_CASE, journal->path, "cannot be read: %s", strerror(errno));
     }
     return error->code == EVL_EXIT_OK;

@@ -37,6 +37,15 @@ def test_lack_of_memory_is_one_line_and_one_code(
     assert not [line for line in told if "xmallocarray" not in line and "missed" not in line]
 
 
+def test_a_line_for_which_there_is_no_memory_is_not_the_end_of_a_journal(
+    executable: Path, faults_layer: Path, tmp_path: Path
+) -> None:
+    workshop = Workshop(commands(executable)["records"], faults_layer, tmp_path / "trials")
+    assert 0 < workshop.whole.calls[0][MEMORY] < 100
+    for fault in workshop.faults([MEMORY]):
+        assert workshop.judge(fault) == []
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != MEMORY])
 @pytest.mark.parametrize("name", NAMES)
