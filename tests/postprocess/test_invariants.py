@@ -9,6 +9,7 @@ import xarray as xr
 from evolvent import HistoryError, check_history
 from evolvent.history.recording import Part, recording_of
 from evolvent.physics.applicable import depth_scale
+from evolvent.physics.contact_invariants import agreement_of_modes
 from evolvent.physics.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict
 from evolvent.physics.wheel_torques import contact_torque
 
@@ -352,3 +353,51 @@ def test_a_friction_force_that_is_rounding_is_not_beyond_its_extreme(friction_ru
 
     assert _verdict(off_by(1e-15 * normal), "extremes").verdict == "pass"
     assert _verdict(off_by(1e-8 * normal), "extremes").verdict == "fail"
+
+
+OPEN, LOADED, UNLOADED = 0, 1, 2
+
+
+def _with_pairs(history, modes, depths, forces):
+    """The history with two tooth pairs in its mesh that stay as they are."""
+    n = history.sizes["time"]
+    dims = ("time", "mesh", "pair")
+    rows = {
+        "pair_contact_mode": modes,
+        "pair_penetration": np.array(depths) * float(history["reference_penetration"][0]),
+        "pair_normal_force": np.array(forces) * float(history["reference_force"][0]),
+    }
+    return history.assign({name: (dims, np.tile(row, (n, 1, 1))) for name, row in rows.items()})
+
+
+def _contradiction(history) -> float:
+    """Largest deviation of the modes, over the reference penetration or force."""
+    run = recording_of(history)
+    return float(np.max(agreement_of_modes(run).values(whole(history))))
+
+
+@pytest.mark.parametrize(
+    ("mode", "depth", "force", "error"),
+    [
+        (LOADED, 0.5, 0.5, 0.0),
+        (LOADED, -0.25, 0.5, 0.25),  # pushes across a gap
+        (UNLOADED, 0.5, 0.0, 0.0),
+        (UNLOADED, -0.25, 0.0, 0.25),
+        (UNLOADED, 0.5, -0.25, 0.25),  # has a force
+        (OPEN, -3.0, 0.0, 0.0),
+        (OPEN, 0.25, 0.0, 0.25),  # overlaps
+        (OPEN, -3.0, 0.25, 0.25),
+    ],
+)
+def test_a_pair_whose_gap_or_force_contradicts_its_mode_is_found(
+    smooth_run, mode, depth, force, error
+):
+    history = _with_pairs(smooth_run.history, [LOADED, mode], [1.0, depth], [1.0, force])
+    assert _contradiction(history) == pytest.approx(error, abs=1e-15)
+
+
+def test_of_coupled_pairs_one_may_overlap_and_be_open(smooth_run):
+    history = _with_pairs(smooth_run.history, [LOADED, OPEN], [1.0, 0.25], [1.0, 0.0])
+    coupled = history.assign(tooth_coupling=("mesh", np.ones(history.sizes["mesh"], int)))
+    assert _contradiction(history) > 0.2
+    assert _contradiction(coupled) == 0

@@ -102,7 +102,11 @@ def doubted(ground: Ground, records: list[Record]) -> list[Record]:
         outcome = run_tests(ground, left, ground.folder)
         if outcome.passed:
             break
-        failing |= {outcome.by} if outcome.by in left else set(left)
+        if outcome.by in left:
+            failing.add(outcome.by)
+        else:  # one of them cannot even be asked
+            failing |= {k for k in left if not run_tests(ground, (k,), ground.folder).passed}
+            break
     return [
         replace(record, verdict=WRONG, by=f"fails without any mutant: {record.by}")
         for record in records
