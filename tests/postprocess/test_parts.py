@@ -111,6 +111,10 @@ def test_parts_between_two_times_are_those_of_xarray(history: xr.Dataset) -> Non
     chosen = history.sel(time=slice(0.001, 0.002))
     assert run.n == chosen.sizes["time"] > 0
     np.testing.assert_array_equal(run["angle"], chosen["angle"])
+    short = recording_of(history).between(0.001, 0.002)
+    short.block = 3
+    rows = np.concatenate([part["angle"] for part in short.parts()])
+    np.testing.assert_array_equal(rows, chosen["angle"])
     assert history.isel(time=rows_between(history, 0.001, 0.002)).identical(chosen)
 
 

@@ -11,7 +11,7 @@ from matplotlib.path import Path as Outline
 from real_gears import ALPHA, RealPair, involute
 
 from evolvent.pages.touching import touching
-from evolvent.physics.teeth import drawn_meshes, drawn_wheels
+from evolvent.physics.teeth import Profile, drawn_meshes, drawn_wheels
 
 ROLLED = np.linspace(0.0, 1.0, 14)  # more than three pitches
 CHORD = 1e-6  # by how much a drawn chord may leave its involute [m]
@@ -39,6 +39,15 @@ def overlap(one: np.ndarray, other: np.ndarray) -> float:
         np.stack([one.real, one.imag], axis=1)
     )
     return max((distance(point, other) for point in one[inside]), default=0.0)
+
+
+def test_crowning_takes_as_much_from_both_ends_of_the_active_profile_and_nothing_between():
+    radii = {"base_radius": 0.09, "start_radius": 0.091, "active_radius": 0.093}
+    profile = Profile(20, **radii, tip_radius=0.1, root_radius=0.08, tooth_angle=0.1, crowning=5e-6)
+    begin, end = math.sqrt(0.093**2 - 0.09**2), math.sqrt(0.1**2 - 0.09**2)
+    rho = np.array([begin, (3 * begin + end) / 4, (begin + end) / 2, end])
+    taken = profile.deviation(rho)
+    np.testing.assert_allclose(taken, [5e-6, 1.25e-6, 0, 5e-6], rtol=1e-12, atol=1e-20)
 
 
 @pytest.mark.parametrize("coast", [False, True])

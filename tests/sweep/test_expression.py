@@ -26,6 +26,8 @@ COLUMNS = {"a": A, "b": B, "law": np.array(["none", "tanh", "none"], dtype=objec
         ("sqrt(a)", np.array([1.0, 2.0, 3.0])),
         ("a**2 - 1", A**2 - 1),
         ("b // 2 + b % 2", np.array([1.0, 2.0, 3.0])),
+        ("-a // 2", np.array([-1.0, -2.0, -5.0])),  # as Python rounds: down
+        ("-a % 2", np.array([1.0, 0.0, 1.0])),
         ("max(a, b, 3)", np.array([3.0, 4.0, 9.0])),
         ("min(a, b)", np.array([1.0, 3.0, 5.0])),
         ("a if a < b else b", np.array([1.0, 3.0, 5.0])),

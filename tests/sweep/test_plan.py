@@ -31,7 +31,9 @@ def sampled(tmp_path):
     def make(text: str) -> dict[str, np.ndarray]:
         path = tmp_path / "sweep.yaml"
         path.write_text(f"format: 1\ncase: case.yaml\n{text}")
-        return {p.name: p.values for p in columns(read_spec(path))[0]}
+        parameters, n_cases, _ = columns(read_spec(path))
+        assert {p.values.size for p in parameters} == {n_cases}
+        return {p.name: p.values for p in parameters}
 
     return make
 
