@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,7 +14,7 @@ from evolvent.history.recording import Part, recording_of
 from evolvent.physics.applicable import depth_scale
 from evolvent.physics.contact_invariants import agreement_of_modes
 from evolvent.physics.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict
-from evolvent.physics.wheel_torques import contact_torque
+from evolvent.physics.wheel_torques import contact_torque, rotor_inertia
 
 # A change just beyond the bound of an invariant, and one far enough below it.
 BEYOND, WITHIN = 1.1, 0.5
@@ -401,3 +404,24 @@ def test_of_coupled_pairs_one_may_overlap_and_be_open(smooth_run):
     coupled = history.assign(tooth_coupling=("mesh", np.ones(history.sizes["mesh"], int)))
     assert _contradiction(history) > 0.2
     assert _contradiction(coupled) == 0
+
+
+def test_a_run_and_check_have_the_same_bounds():
+    """What the program says at its end, and what is checked in its history: driver and package."""
+    source = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_watch.c"
+    rows = re.findall(r'= \{"([a-z ]+)", ([0-9.e-]+), ([0-9.e-]+)\}', source.read_text())
+    of_package = {i.name: (i.least_bound, i.tolerances) for i in INVARIANTS}
+    assert len(rows) == 6
+    for name, least, tolerances in rows:
+        assert of_package[name] == (float(least), float(tolerances)), name
+
+
+def test_wheels_that_rigid_shafts_join_share_their_inertia_in_whatever_order_they_are_named():
+    """0 = 1 = 2 and 3 ~ 4: the second shaft joins a wheel to two that are one already."""
+    shafts = {
+        "rigid_shaft": ("shaft", [1, 1, 0]),
+        "shaft_wheel_first": ("shaft", [1, 0, 3]),
+        "shaft_wheel_second": ("shaft", [2, 1, 4]),
+    }
+    history = xr.Dataset({"inertia": ("wheel", [1.0, 2.0, 4.0, 8.0, 16.0]), **shafts})
+    assert rotor_inertia(recording_of(history)).tolist() == [7.0, 7.0, 7.0, 8.0, 16.0]
