@@ -67,6 +67,7 @@ def test_torques_worked_out_from_vectors_balance_to_rounding(friction_run):
         ("transmission error", "transmission_error", "depth"),
         ("transmission error", "gap", "depth"),
         ("transmission error", "separation_curvature", "depth"),
+        ("transmission error", "flank_deviation", "depth"),
         ("points on flanks", "tracking_residual_driving", "depth"),
         ("points on flanks", "tracking_residual_driven", "depth"),
         ("points on line of action", "line_distance_driving", "depth"),

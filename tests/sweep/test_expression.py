@@ -31,6 +31,8 @@ COLUMNS = {"a": A, "b": B, "law": np.array(["none", "tanh", "none"], dtype=objec
         ("max(a, b, 3)", np.array([3.0, 4.0, 9.0])),
         ("min(a, b)", np.array([1.0, 3.0, 5.0])),
         ("a if a < b else b", np.array([1.0, 3.0, 5.0])),
+        ("1 if a >= 4 else 0", np.array([0.0, 1.0, 1.0])),
+        ("1 if a <= 4 else 0", np.array([1.0, 1.0, 0.0])),
         ("1 if a > 1 and b != 5 or a == 1 else 0", np.array([1.0, 1.0, 0.0])),
         ("degrees(atan2(1, 1))", np.array([45.0] * 3)),
         ("exp(log(a))", A),
