@@ -7,7 +7,7 @@ import io
 import os
 import re
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO, cast
@@ -178,8 +178,13 @@ class _Patient(io.FileIO):
 
 
 @contextmanager
-def replacing_hdf5(path: Path) -> Iterator[BinaryIO]:
+def replacing_hdf5(path: Path, finish: Callable[[Path], None] | None = None) -> Iterator[BinaryIO]:
     """Give an empty file for h5py, in place of a name; it replaces an older one when it is whole.
+
+    Parameters
+    ----------
+    finish
+        What is done to it then, before it gets its name.
 
     Raises
     ------
@@ -191,6 +196,8 @@ def replacing_hdf5(path: Path) -> Iterator[BinaryIO]:
         try:
             yield cast("BinaryIO", file)
             file.close()
+            if finish is not None and file.error is None:
+                finish(temporary)
         except Exception as error:  # what follows a failure may be anything
             if file.error is None:
                 raise

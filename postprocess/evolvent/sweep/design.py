@@ -25,7 +25,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from evolvent.errors import SweepError, reason_of, replacing
+from evolvent.errors import SweepError, reason_of, replacing_hdf5
 from evolvent.seals import BROKEN, ROOM, check, seal_front
 
 FORMAT = 1
@@ -134,10 +134,11 @@ def write_design(design: Design, path: Path) -> None:
     SweepError
         It could not be written.
     """
-    with replacing(path) as temporary:
-        with h5py.File(temporary, "w", userblock_size=ROOM) as file:
-            _write(design, file)
-        seal_front(temporary)
+    with (
+        replacing_hdf5(path, seal_front) as stream,
+        h5py.File(stream, "w", userblock_size=ROOM) as file,
+    ):
+        _write(design, file)
 
 
 def read_design(path: Path) -> Design:

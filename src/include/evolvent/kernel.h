@@ -263,7 +263,7 @@ EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *coun
 typedef enum {
     EVL_KEEP_MEASURE = 0, /**< nothing but count */
     EVL_KEEP_WRITE = 1,   /**< put all that changes in an integration into words */
-    EVL_KEEP_READ = 2     /**< take it from there, into one created for the same gearbox, scales, tolerance and max_step */
+    EVL_KEEP_READ = 2 /**< take it from there, into one created for the same gearbox, scales, tolerance and max_step */
 } evl_keep;
 /** Keep an integration between two calls of evl_radau_advance: one that reads it goes on with the same bits, also in another process
  *  with the same kernel. An integration that reads need not have been started.
