@@ -99,3 +99,10 @@ def test_any_text_gives_numbers_or_a_refusal(text):
         return
     assert values.shape == (3,)
     assert np.isfinite(values).all()
+
+
+def test_a_formula_has_at_most_a_thousand_characters():
+    long = "+".join(["a"] * 500)  # 999 characters
+    np.testing.assert_allclose(evaluate(long, COLUMNS, 3), 500 * A, rtol=1e-13)
+    with pytest.raises(SweepError, match="longer than 1000 characters"):
+        evaluate(long + "+a", COLUMNS, 3)
