@@ -153,18 +153,19 @@ static void *take_room(memory_pool *pool, size_t size, size_t alignment)
 {
     const struct memory_block *last = pool->last;
     const size_t next = last == NULL ? FIRST_BLOCK : 2 * last->size < LARGEST_BLOCK ? 2 * last->size : LARGEST_BLOCK;
-    size_t begin = last == NULL ? 0 : rounded_up(last->used, alignment);
-    if (!SHARES_BLOCKS || (size > next / PART && (last == NULL || begin + size > last->size))) {
+    const size_t begin = last == NULL ? 0 : rounded_up(last->used, alignment);
+    if (last != NULL && begin + size <= last->size) {
+        pool->last->used = begin + size;
+        return pool->last->content + begin;
+    }
+    if (size > next / PART) {
         return take_alone(pool, size);
     }
-    if (last == NULL || begin + size > last->size) {
-        struct memory_block *block = block_create(next);
-        block->before = pool->last;
-        pool->last = block;
-        begin = 0;
-    }
-    pool->last->used = begin + size;
-    return pool->last->content + begin;
+    struct memory_block *block = block_create(next);
+    block->before = pool->last;
+    block->used = size;
+    pool->last = block;
+    return block->content;
 }
 
 static void *take(memory_pool *pool, size_t count, size_t size, size_t alignment)
@@ -177,7 +178,7 @@ static void *take(memory_pool *pool, size_t count, size_t size, size_t alignment
         return xcalloc(count, size);
     }
     const size_t bytes = count * size > 0 ? count * size : 1;
-    return memset(take_room(pool, bytes, alignment), 0, bytes);
+    return memset(SHARES_BLOCKS ? take_room(pool, bytes, alignment) : take_alone(pool, bytes), 0, bytes);
 }
 
 void *pool_calloc(memory_pool *pool, size_t count, size_t size)

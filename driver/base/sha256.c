@@ -79,7 +79,8 @@ void sha256_finish(sha256 *hash, char text[SHA256_TEXT])
     for (int i = 0; i < LENGTH; i++) {
         length[i] = (unsigned char)(n_bits >> (56 - 8 * i));
     }
-    sha256_add(hash, padding, (kept < SHA256_BLOCK - LENGTH ? SHA256_BLOCK : 2 * SHA256_BLOCK) - LENGTH - kept);
+    const size_t blocks = kept < SHA256_BLOCK - LENGTH ? 1 : 2;
+    sha256_add(hash, padding, blocks * SHA256_BLOCK - LENGTH - kept);
     sha256_add(hash, length, LENGTH);
     for (int i = 0; i < 8; i++) {
         (void)snprintf(text + (size_t)(8 * i), 9, "%08x", (unsigned)hash->state[i]);

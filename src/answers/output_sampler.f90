@@ -173,8 +173,9 @@ contains
       if (allocated(self%integers)) then
          if (all(self%integers == integers) .and. .not. any(abs(self%reals - reals) > 0)) return
       end if
-      self%integers = integers
-      self%reals = reals
+      if (.not. allocated(self%integers)) allocate (self%integers(size(integers)), self%reals(size(reals)))
+      self%integers(:) = integers
+      self%reals(:) = reals
       call settle_slots(gearbox, integers, reals, self%slots)
       call settle_aside(self%slots, self%aside)
    end subroutine settle

@@ -94,7 +94,7 @@ contains
       unknown = [unknown, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
       row = [row, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
       speed = [speed, (0, i=1, count(gearbox%contacts%leads))]
-      system%speed = speed
+      allocate (system%speed, source=speed)
       allocate (system%slopes(size(speed)), source=0.0_wp)
       if (gearbox%wheels(gearbox%reference)%prescribed == 0) then
          unknown = [unknown, i_omega]
@@ -105,8 +105,8 @@ contains
          unknown = [unknown, (gearbox%housing%i_state + at_position + i, i=0, 2), (gearbox%housing%i_state + at_omega + i, i=0, 2)]
          row = [row, (gearbox%housing%i_state + at_velocity + i, i=0, 5)]
       end if
-      system%unknown = unknown
-      system%row = row
+      allocate (system%unknown, source=unknown)
+      allocate (system%row, source=row)
    end subroutine list_unknowns
 
    !> Positions to begin with: every mesh has about its static penetration, on the pair that is nearest to it.

@@ -25,6 +25,7 @@ module evl_flank
 
    public :: context_of, energy_gap, exactly_one, flank_slot, flank_t, next_pair, nominal_context, pair_on_path
 
+   real(wp), parameter :: most_pitches = 1.0e9_wp !! that integers can count; of a motion that is none there are more
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
 
    !> Its procedures are asked about some or all of its contacts, `company` says which must come together.
@@ -93,7 +94,8 @@ contains
       integer, intent(in) :: pair     !! a pair of this slot
       real(wp), intent(in) :: pitches !! how far it is on from where pairs enter
 
-      there = pair + contact%n_slots*floor(pitches/contact%n_slots)
+      there = pair
+      if (abs(pitches) < most_pitches) there = pair + contact%n_slots*floor(pitches/contact%n_slots)
    end function pair_on_path
 
    !> The contacts whose places decide about the force of one: here that one alone.

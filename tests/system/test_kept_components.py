@@ -31,7 +31,7 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
         "integrator/radau_archive.f90",
         "keep_radau",
         "self",
-        {"options": GIVEN, "limited": GIVEN},
+        {"options": GIVEN, "limited": GIVEN, "refusal": "of one step"},
     ),
     "step_control_t": (
         "integrator/step_control.f90",
@@ -198,6 +198,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
             "outputs": "none are left: they are given before",
             "reason": "of the result",
             "stop": "a run that goes on has not been stopped",
+            "is_cut": "nor cut",
         },
     ),
     "contact_watch": (
