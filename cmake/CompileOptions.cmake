@@ -46,6 +46,12 @@ target_compile_options(
 if(EVOLVENT_SANITIZE)
   set(sanitize -fsanitize=${EVOLVENT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_compile_options(evolvent_options INTERFACE ${sanitize})
+  # gfortran itself adds to the bounds of arrays that are not allocated, which may be any numbers, and our logarithm to the bits of
+  # what is no number.
+  target_compile_options(
+    evolvent_options
+    INTERFACE $<$<COMPILE_LANGUAGE:Fortran>:-fno-sanitize=signed-integer-overflow>
+  )
   target_link_options(evolvent_options INTERFACE ${sanitize})
 endif()
 

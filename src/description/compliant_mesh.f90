@@ -33,8 +33,9 @@ contains
       type(status_t), intent(inout) :: status
       type(given_t) :: contact
 
-      associate (yielding => gearbox%compliances([mesh%driving, mesh%driven]))
-         if (.not. any(yielding%exists)) then
+      ! one by one: gfortran 12 copies elements that are named by a list, and does not give them back
+      associate (a => gearbox%compliances(mesh%driving), b => gearbox%compliances(mesh%driven))
+         if (.not. (a%exists .or. b%exists)) then
             if (mesh%word("edge_contact") == "true") call check_edges()
             if (mesh%word("tooth_coupling") == "true") &
                call refuse("teeth are coupled by what their wheels yield, but none of these has a compliance: give one, or take" &
@@ -47,10 +48,11 @@ contains
                         //trim(contact%word("law")), "contact.law")
          else if (mesh%tracking /= tracking_closed_form) then
             call refuse("a wheel with compliance needs tracking: closed_form", "tracking")
-         else if (mesh%word("tooth_coupling") == "true" .and. any(yielding%exists .and. yielding%neighbours == 0)) then
+         else if (mesh%word("tooth_coupling") == "true" .and. &
+                  any([a%exists, b%exists] .and. [a%neighbours, b%neighbours] == 0)) then
             call refuse("a wheel with compliance {model: analytic}, or a table without c_1, does not know how its teeth yield to" &
                         //" their neighbours' loads: give false, or finite_elements to the wheel", "tooth_coupling")
-         else if (couples(gearbox, mesh) .and. any(yielding%neighbours == 1)) then ! of a table
+         else if (couples(gearbox, mesh) .and. any([a%neighbours, b%neighbours] == 1)) then ! of a table
             call check_tables(gearbox, wheels, mesh, index, status)
          end if
       end associate
