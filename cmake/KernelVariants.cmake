@@ -16,6 +16,14 @@ cmake_dependent_option(
   OFF
 )
 
+# Where there is no memory a target ends the program with one line, whoever asked for it.
+function(evolvent_end_without_memory target)
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT EVOLVENT_SANITIZE)
+    target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/driver/base/no_memory.c")
+    target_link_options(${target} PRIVATE LINKER:--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=strdup)
+  endif()
+endfunction()
+
 # The kernel as a shared library with the name that the loader looks for.
 function(evolvent_shared_kernel target)
   set_target_properties(
@@ -27,6 +35,7 @@ function(evolvent_shared_kernel target)
     target_link_options(${target} PRIVATE "-Wl,--version-script=${exported}")
     set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS "${exported}")
   endif()
+  evolvent_end_without_memory(${target})
   target_link_libraries(${target} PRIVATE evolvent_options LAPACK::LAPACK)
 endfunction()
 

@@ -123,7 +123,9 @@ static bool find_head(collection *found, shard_journal *journal, evl_error *erro
         }
     }
     free(line);
-    if (good && fseek(journal->file, 0, SEEK_SET) != 0) {
+    const bool was_read =
+        !good || journal->head != NULL || feof(journal->file) != 0; /* without memory for a line it was not */
+    if (!was_read || (good && fseek(journal->file, 0, SEEK_SET) != 0)) {
         good = evl_error_set(error, EVL_EXIT_CASE, journal->path, "cannot be read: %s", strerror(errno));
     }
     return good;

@@ -19,7 +19,7 @@ module evl_lane_outputs
    use evl_pair_lanes, only: tell_pairs
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: tooth_contact_t
-   use evl_torque_lanes, only: lane_torques, tell_torques, torques_create
+   use evl_torque_lanes, only: add_torque, forget_torques, lane_torques, tell_torques, torques_create
    implicit none (type, external)
    private
 
@@ -67,15 +67,15 @@ contains
       type(lane_mesh) :: mesh
       integer :: m
 
-      self%torques%mesh = 0
+      call forget_torques(self%torques)
       do m = 1, merge(size(gearbox%pairs), 0, self%has_meshes)
          call add_mesh(gearbox, m, y, integers, slots, aside, self%has_places, mesh)
          call tell_mesh(self%of, m, mesh, values)
       if (self%of(of_point_a) /= none .or. self%of(of_point_b) /= none) call tell_points(gearbox, n, m, self%of, t, y, mesh, values)
          if (.not. self%torques%has_meshes) cycle
-         associate (contact => gearbox%contacts(gearbox%first(m)), torque => self%torques%mesh)
-            torque(:, contact%wheel_a) = torque(:, contact%wheel_a) + mesh%torque_a
-            torque(:, contact%wheel_b) = torque(:, contact%wheel_b) + mesh%torque_b
+         associate (contact => gearbox%contacts(gearbox%first(m)))
+            call add_torque(self%torques, contact%wheel_a, mesh%torque_a)
+            call add_torque(self%torques, contact%wheel_b, mesh%torque_b)
          end associate
       end do
       do m = 1, merge(size(gearbox%pairs), 0, self%has_pairs)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from designs import read_journal, write_design
+from designs import read_journal, seal, write_design
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 JOURNAL = "r/shard-1-of-1.jsonl"
@@ -107,6 +107,7 @@ def rows_of(
     if words is not None:
         with h5py.File(design, "a") as file:
             file.attrs["numbers"] = words
+        seal(design)
     result = evolvent("batch", design, "-o", folder / "r")
     assert result.returncode == code, result.stderr
     return read_journal(folder / JOURNAL).cases
@@ -165,6 +166,7 @@ def test_a_batch_says_where_a_case_has_no_whole_period(
     design = write_design(tmp_path / "d.h5", {"wheels.pinion.loads.0.value": [-50.0]}, base)
     with h5py.File(design, "a") as file:
         file.attrs["numbers"] = "dynamic_factor"
+    seal(design)
     assert evolvent("batch", design, "-o", "r").returncode == 0
     row = read_journal(tmp_path / JOURNAL).cases[0]
     assert row["dynamic_factor"] is None
@@ -177,6 +179,7 @@ def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: 
     )
     with h5py.File(design, "a") as file:
         file.attrs["numbers"] = "all dynamicfactor"
+    seal(design)
     result = evolvent("batch", design, "-o", "r")
     assert result.returncode == 3
     assert "numbers: there is no number 'dynamicfactor'; there are all, contact," in result.stderr

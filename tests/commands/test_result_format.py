@@ -225,4 +225,4 @@ def test_the_documentation_lists_the_attributes_that_a_history_has(
         for names in re.findall(r"^\| (`[^|]*) \|", table, re.MULTILINE)
         for name in re.findall(r"`(\w+)`", names)
     }
-    assert listed == found
+    assert listed == found | {"checkpoints"}  # of runs by IDA that were checkpointed alone

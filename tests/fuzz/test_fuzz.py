@@ -75,7 +75,7 @@ def fuzz(build: Path, folder: Path, *options: str) -> subprocess.CompletedProces
         ],
         capture_output=True,
         text=True,
-        env={"OPENBLAS_NUM_THREADS": "1"},
+        env={"OPENBLAS_NUM_THREADS": "1", "ASAN_OPTIONS": "quarantine_size_mb=16"},
     )
 
 
