@@ -96,7 +96,7 @@ contains
       integer :: i, l
 
       call put(columns(of_lag), m, mesh%lag, values)
-      call put(columns(of_penetration), m, merge(mesh%h, 0.0_wp, mesh%h >= 0), values) ! of two zeros max takes either
+      call put(columns(of_penetration), m, mesh%penetration, values)
       call put(columns(of_gap), m, -mesh%h, values)
       call put(columns(of_curvature), m, mesh%curvature, values)
       call put(columns(of_normal), m, mesh%normal, values)

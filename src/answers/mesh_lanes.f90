@@ -16,6 +16,7 @@ module evl_mesh_lanes
 
    !> As `mesh_sum`, and of the contact that speaks for the mesh what is told of it.
    type :: lane_mesh
+      real(wp), dimension(lanes) :: penetration
       real(wp), dimension(lanes) :: normal, coast, friction, torque_a, torque_b, loss, damping_loss, curvature_loss
       real(wp), dimension(lanes) :: touching        !! 1 or 0
       integer :: loaded
@@ -199,7 +200,8 @@ contains
       mesh%l_b = at%l_b
       mesh%h_dot = at%h_dot
       mesh%omega_a = at%omega_a
-      if (mesh%h(1) > -huge(1.0_wp)) return
+      mesh%penetration = merge(mesh%h, 0.0_wp, mesh%h >= 0) ! of two zeros max takes either
+      if (mesh%h(1) > -huge(1.0_wp)) return ! else no pair is on the path: nothing overlaps, whatever the involutes would
       mesh%h = at%h
       if (contact%deviates) mesh%deviation = -gap - at%h
    end subroutine keep
