@@ -16,7 +16,7 @@ cmake_dependent_option(
   OFF
 )
 
-# Where there is no memory a target ends the program with one line, whoever asked for it.
+# Where there is no memory a target ends the program evolvent with one line, whoever asked for it.
 function(evolvent_end_without_memory target)
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT EVOLVENT_SANITIZE)
     target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/driver/base/no_memory.c")

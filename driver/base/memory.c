@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-void memory_run_out(size_t count, size_t size)
+void evl_memory_run_out(size_t count, size_t size)
 {
     char text[128];
     const int n =
@@ -21,7 +21,7 @@ void memory_run_out(size_t count, size_t size)
 static void *checked(void *memory, size_t count, size_t size)
 {
     if (memory == NULL) {
-        memory_run_out(count, size);
+        evl_memory_run_out(count, size);
     }
     return memory;
 }
@@ -40,7 +40,7 @@ __attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, co
 _Noreturn void _gfortran_os_error(const char *message)
 {
     (void)message;
-    memory_run_out(1, 1);
+    evl_memory_run_out(1, 1);
 }
 
 _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...)
@@ -50,7 +50,7 @@ _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...)
     va_start(arguments, format); /* "Error allocating %lu bytes" */
     const unsigned long size = strstr(format, "%lu") != NULL ? va_arg(arguments, unsigned long) : 1;
     va_end(arguments);
-    memory_run_out(1, size);
+    evl_memory_run_out(1, size);
 }
 /* NOLINTEND(bugprone-reserved-identifier) */
 

@@ -12,8 +12,9 @@ static inline void free_owned(void *pointer)
     free(*(void **)pointer);
 }
 
-/** End the program with one line, without a signal; nothing is tidied up, for which memory may be missing, too. */
-_Noreturn void memory_run_out(size_t count, size_t size);
+/** End the program with one line, without a signal; nothing is tidied up, for which memory may be missing, too. The kernel's library
+ *  finds it by name (no_memory.c): in another program, which has none, it goes on without memory as that program would. */
+_Noreturn void evl_memory_run_out(size_t count, size_t size);
 /** count * size bytes, zeroed; never NULL. */
 void *xcalloc(size_t count, size_t size);
 /** See that so many bytes can be had: for who calls what would crash without them. */

@@ -1,11 +1,10 @@
 /* What the linker puts in the place of the allocator (--wrap), in the program and in the kernel's library: where memory ends, the
  * program does, with one line. Who asks need not look at the answer, and some do not: temporaries of gfortran, tables of HDF5. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-enum { NO_MEMORY = 71 }; /* EVL_EXIT_MEMORY, which the kernel does not know */
+/* Of memory.h, which the kernel does not know: the program's, or none where the kernel is another program's. */
+__attribute__((weak)) void evl_memory_run_out(size_t count, size_t size);
 
 /* The names are the linker's. NOLINTBEGIN(bugprone-reserved-identifier) */
 void *__real_malloc(size_t size);
@@ -19,12 +18,8 @@ char *__wrap_strdup(const char *text);
 
 static void *checked(void *memory, size_t count, size_t size)
 {
-    if (memory == NULL && count > 0 && size > 0) {
-        char text[128];
-        const int n =
-            snprintf(text, sizeof text, "evolvent: out of memory: %zu x %zu bytes are not available\n", count, size);
-        (void)!write(STDERR_FILENO, text, (size_t)n);
-        _exit(NO_MEMORY);
+    if (memory == NULL && count > 0 && size > 0 && evl_memory_run_out != NULL) {
+        evl_memory_run_out(count, size);
     }
     return memory;
 }

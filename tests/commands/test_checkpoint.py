@@ -29,10 +29,10 @@ RADAU = ["--set", "simulation.integrator=radau"]
 
 @pytest.fixture
 def case(examples: Path, tmp_path: Path) -> Path:
-    """A case of half a second, or more, in the folder of the runs."""
+    """A case of half a second, or more, of work, in the folder of the runs."""
     text = (examples / "spur-pair.yaml").read_text()
     path = tmp_path / "case.yaml"
-    path.write_text(text.replace("duration: 50 ms", "duration: 1 s"))
+    path.write_text(text.replace("duration: 50 ms", "duration: 3 s"))
     return path
 
 
