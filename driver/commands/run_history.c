@@ -148,7 +148,7 @@ bool run_history_outputs(run_history *self, const output_block *block, evl_error
 {
     if (block->marks == NULL && self->rows.to_come == 0) { /* as they come */
         self->rows.written += block->n;
-        return history_append_rows(self->history, block->n, block->t, block->values, block->stride, error);
+        return history_append_rows(self->history, block->n, block->t, block->values, DAE_LANES, error);
     }
     bool good = true;
     for (int k = 0; k < block->n && good; k++) {

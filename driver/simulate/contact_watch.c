@@ -42,9 +42,10 @@ void contact_watch_outputs(contact_watch *watch, const output_block *block)
 {
     for (int i = 0; i < watch->n_meshes; i++) {
         const double *touching = output_values(block, watch->place + i);
-        for (int k = 0; k < block->n; k++) {
-            watch->meshes[i].is_open = !(touching[k] > 0.0);
-            watch->meshes[i].had_contact = watch->meshes[i].had_contact || !watch->meshes[i].is_open;
+        struct contact_watch_mesh *mesh = &watch->meshes[i];
+        mesh->is_open = !(touching[block->n - 1] > 0.0);
+        for (int k = 0; k < block->n && !mesh->had_contact; k++) {
+            mesh->had_contact = touching[k] > 0.0;
         }
     }
 }

@@ -81,7 +81,6 @@ static void fill_up(gather *gather)
 int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH])
 {
     *block = (output_block){.n = gather->n,
-                            .stride = DAE_LANES,
                             .t = gather->t,
                             .values = gather->values,
                             .marks = gather->has_marks ? gather->marks : NULL};

@@ -160,13 +160,10 @@ static double largest_of_lanes(double largest, const double values[DAE_LANES])
     return largest_of(two[0], two[1]);
 }
 
-/** Largest factor*value, whatever its sign, at all times of a block: times that do not count are others once more. */
+/** Largest factor*value, whatever its sign, at all times of a block. */
 static double largest_in(const output_block *block, int place, double factor, double largest)
 {
     const double *values = output_values(block, place);
-    if (block->stride < DAE_LANES) {
-        return largest_of(largest, fabs(factor * values[0]));
-    }
     double sizes[DAE_LANES];
     for (int k = 0; k < DAE_LANES; k++) {
         sizes[k] = fabs(factor * values[k]);
@@ -174,10 +171,22 @@ static double largest_in(const output_block *block, int place, double factor, do
     return largest_of_lanes(largest, sizes);
 }
 
+/** As `larger` of the first n of some numbers, one after the other. */
+static double larger_of(double largest, int n, const double values[DAE_LANES])
+{
+    double sizes[DAE_LANES];
+    bool are_numbers = true;
+    for (int k = 0; k < DAE_LANES; k++) {
+        sizes[k] = k < n ? fabs(values[k]) : 0;
+        are_numbers = are_numbers && !isnan(sizes[k]);
+    }
+    return are_numbers ? larger(largest, largest_of_lanes(0, sizes)) : NAN;
+}
+
 static void look_at_energy(invariant_watch *watch, const output_block *block)
 {
     const double *of[WORK + 1];
-    double power[DAE_LANES] = {0};
+    double power[DAE_LANES] = {0}, balance[DAE_LANES];
     for (int i = KINETIC; i <= WORK; i++) {
         of[i] = output_values(block, watch->places[i]);
         watch->largest = largest_in(block, watch->places[i], 1, watch->largest);
@@ -185,29 +194,32 @@ static void look_at_energy(invariant_watch *watch, const output_block *block)
     for (int i = 0; i < watch->n_wheels; i++) {
         const double *torque = output_values(block, watch->places[TORQUE] + i);
         const double *speed = output_values(block, watch->places[ANGULAR_VELOCITY] + i);
-        for (int k = 0; k < block->n; k++) {
-            power[k] += torque[k] * speed[k] > 0 ? torque[k] * speed[k] : 0;
+        for (int k = 0; k < DAE_LANES; k++) {
+            const double given = torque[k] * speed[k];
+            power[k] += given > 0 ? given : 0;
         }
     }
-    const bool is_first = !watch->has_begun;
-    if (is_first) {
+    if (!watch->has_begun) {
         const double stored = of[KINETIC][0] + of[POTENTIAL][0];
         watch->has_begun = true;
         watch->start = stored + of[DISSIPATED][0] - of[WORK][0];
         watch->stored = fabs(stored);
+        watch->t = block->t[0];
+        watch->power = power[0];
     }
-    double gross = watch->gross, drift = watch->drift, t = watch->t, power_before = watch->power;
+    for (int k = 0; k < DAE_LANES; k++) {
+        balance[k] = of[KINETIC][k] + of[POTENTIAL][k] + of[DISSIPATED][k] - of[WORK][k] - watch->start;
+    }
+    watch->drift = larger_of(watch->drift, block->n, balance);
+    double gross = watch->gross, t = watch->t, before = watch->power;
     for (int k = 0; k < block->n; k++) {
-        const double stored = of[KINETIC][k] + of[POTENTIAL][k], balance = stored + of[DISSIPATED][k] - of[WORK][k];
-        gross += is_first && k == 0 ? 0 : (block->t[k] - t) * (power[k] + power_before) / 2;
-        drift = larger(drift, balance - watch->start);
+        gross += (block->t[k] - t) * (power[k] + before) / 2;
         t = block->t[k];
-        power_before = power[k];
+        before = power[k];
     }
     watch->gross = gross;
-    watch->drift = drift;
     watch->t = t;
-    watch->power = power_before;
+    watch->power = before;
 }
 
 static void look_at_wheel(invariant_watch *watch, int i, const output_block *block)
@@ -249,23 +261,23 @@ static void look_at_mesh(invariant_watch *watch, int i, const output_block *bloc
     mesh->driving = (int)constant(watch, DRIVING_WHEEL, i);
     mesh->driven = (int)constant(watch, DRIVEN_WHEEL, i);
     mesh->depth = largest_of(mesh->depth, constant(watch, REFERENCE_PENETRATION, i));
-    double depth = mesh->depth, identity = mesh->identity;
-    bool was_pressed = mesh->was_pressed;
-    for (int k = 0; k < block->n; k++) {
-        const bool is_loaded = of[CONTACT_MODE][k] == mode_loaded;
-        depth = largest_of(depth, of[PENETRATION][k]);
-        was_pressed = was_pressed || of[PENETRATION][k] > 0 || is_loaded;
-        identity = larger(identity, of[LAG][k] + of[GAP][k] - of[DEVIATION][k] - of[CURVATURE][k]);
-        if (is_rigid && is_loaded) {
+    mesh->depth = largest_in(block, watch->places[PENETRATION] + i, 1, mesh->depth);
+    double identity[DAE_LANES];
+    for (int k = 0; k < DAE_LANES; k++) {
+        identity[k] = of[LAG][k] + of[GAP][k] - of[DEVIATION][k] - of[CURVATURE][k];
+    }
+    mesh->identity = larger_of(mesh->identity, block->n, identity);
+    for (int k = 0; k < block->n && !mesh->was_pressed; k++) {
+        mesh->was_pressed = of[PENETRATION][k] > 0 || of[CONTACT_MODE][k] == mode_loaded;
+    }
+    for (int k = 0; k < block->n && (is_rigid || is_tracked); k++) {
+        if (is_rigid && of[CONTACT_MODE][k] == mode_loaded) {
             mesh->closed_gap = larger(mesh->closed_gap, of[GAP][k]);
         }
         if (is_tracked && of[CONTACT_MODE][k] != mode_apart) {
             look_at_points(watch, i, of, k);
         }
     }
-    mesh->depth = depth;
-    mesh->identity = identity;
-    mesh->was_pressed = was_pressed;
     watch->unit += constant(watch, REFERENCE_FORCE, i) * constant(watch, REFERENCE_PENETRATION, i);
 }
 

@@ -23,16 +23,16 @@ int wanted_add(wanted_outputs *wanted, const char *name);
 /** Whether somebody wants an output. @param index  of the model's */
 bool wanted_has(const wanted_outputs *wanted, int index);
 
-/** Values at some times of one discrete state. */
+/** Values at up to DAE_LANES times of one discrete state. */
 typedef struct {
     int n;                    /**< times */
-    int stride;               /**< value `place` at time k is values[place * stride + k] */
-    const double *t, *values; /**< t: [n] */
+    const double *t, *values; /**< t: [n]; value `place` at time k is values[place * DAE_LANES + k]; behind the n there are others
+                                 once more, or zeros */
     const output_mark *marks; /**< [n] of outputs by position; NULL by time */
 } output_block;
 
-/** A value at all times of a block. */
+/** A value at all times of a block. @return [DAE_LANES] */
 static inline const double *output_values(const output_block *block, int place)
 {
-    return block->values + (size_t)place * (size_t)block->stride;
+    return block->values + (size_t)place * DAE_LANES;
 }

@@ -92,12 +92,19 @@ contains
       integer, intent(in) :: columns(:), m
       type(lane_mesh), intent(in) :: mesh
       real(wp), intent(inout) :: values(lanes, *)
+      real(wp), dimension(lanes) :: gap, coast_gap, gap_rate
       real(wp) :: input
       integer :: i, l
 
+      !$omp simd
+      do l = 1, lanes
+         gap(l) = -mesh%h(l)
+         coast_gap(l) = -mesh%h_coast(l)
+         gap_rate(l) = 0 - mesh%h_dot(l)
+      end do
       call put(columns(of_lag), m, mesh%lag, values)
       call put(columns(of_penetration), m, mesh%penetration, values)
-      call put(columns(of_gap), m, -mesh%h, values)
+      call put(columns(of_gap), m, gap, values)
       call put(columns(of_curvature), m, mesh%curvature, values)
       call put(columns(of_normal), m, mesh%normal, values)
       call put(columns(of_friction), m, mesh%friction, values)
@@ -110,7 +117,7 @@ contains
       call put_whole(columns(of_tooth_pair), m, mesh%mode%tooth_pair, values)
       call put(columns(of_touching), m, mesh%touching, values)
       call put_whole(columns(of_mode), m, mesh%mode%flanks, values)
-      call put(columns(of_gap_rate), m, 0 - mesh%h_dot, values)
+      call put(columns(of_gap_rate), m, gap_rate, values)
       call put(columns(of_deviation), m, mesh%deviation, values)
       call put_whole(columns(of_loaded), m, mesh%loaded, values)
       call put(columns(of_torque_a), m, mesh%torque_a, values)
@@ -118,7 +125,7 @@ contains
       call put(columns(of_friction_loss), m, mesh%loss, values)
       call put(columns(of_damping_loss), m, mesh%damping_loss, values)
       call put(columns(of_curvature_loss), m, mesh%curvature_loss, values)
-      call put(columns(of_coast_gap), m, -mesh%h_coast, values)
+      call put(columns(of_coast_gap), m, coast_gap, values)
       call put(columns(of_coast_force), m, mesh%coast, values)
       if (columns(of_efficiency) == none) return
       do l = 1, lanes

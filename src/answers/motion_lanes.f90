@@ -72,12 +72,15 @@ contains
       type(support_t), intent(in) :: support
       real(wp), intent(in) :: y(lanes, *)
       real(wp), intent(inout) :: kinetic(lanes), potential(lanes)
-      integer :: j
+      integer :: j, l
 
       do j = 1, support%n
          associate (i => support%i_state(j))
-            kinetic = kinetic + support%mass*y(:, i + 1)**2/2
-            potential = potential + support%stiffness(j)*y(:, i)**2/2
+            !$omp simd
+            do l = 1, lanes
+               kinetic(l) = kinetic(l) + support%mass*y(l, i + 1)**2/2
+               potential(l) = potential(l) + support%stiffness(j)*y(l, i)**2/2
+            end do
          end associate
       end do
    end subroutine add_support
@@ -149,14 +152,17 @@ contains
       real(wp), intent(in) :: y(lanes, *) !! as of `axle_deviation`
       integer, intent(in) :: order
       real(wp), intent(inout) :: values(lanes, *)
-      integer :: j, k, to
+      integer :: j, k, l, to
 
       if (column == none) return
       do k = 1, 2
          to = column + 2*(wheel - 1) + k
          values(:, to) = 0
          do j = 1, support%n
-            values(:, to) = values(:, to) + y(:, support%i_state(j) + order)*support%direction(k, j)
+            !$omp simd
+            do l = 1, lanes
+               values(l, to) = values(l, to) + y(l, support%i_state(j) + order)*support%direction(k, j)
+            end do
          end do
       end do
    end subroutine put_axle

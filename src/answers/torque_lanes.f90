@@ -3,7 +3,7 @@
 module evl_torque_lanes
    use evl_force_lanes, only: lane_force, lane_slot
    use evl_gearbox, only: gearbox_t, wheel_t
-   use evl_gearbox_lanes, only: housing_torque_in_lanes, loads_in_lanes
+   use evl_gearbox_lanes, only: add_row, housing_torque_in_lanes, loads_in_lanes
    use evl_kinds, only: lanes, wp
    use evl_lane_columns, only: none, of_bearing_force, of_bearing_moment, of_load_torque, of_shaft_torque, put
    use evl_line_lanes, only: turn_wheel
@@ -130,8 +130,8 @@ contains
          associate (shaft => gearbox%shafts(i))
             if (shaft%rigid) cycle
             call carry(shaft, y, carried)
-            self%needed(:, shaft%wheel_a) = self%needed(:, shaft%wheel_a) + carried
-            self%needed(:, shaft%wheel_b) = self%needed(:, shaft%wheel_b) - carried
+            call add_row(carried, self%needed(:, shaft%wheel_a))
+            call add_row(-carried, self%needed(:, shaft%wheel_b))
          end associate
       end do
    end subroutine find_needed
@@ -172,23 +172,11 @@ contains
          if (gearbox%wheels(i)%prescribed == 0 .or. gearbox%wheels(i)%leader /= i) cycle
          total = 0
          do k = 1, size(gearbox%wheels)
-            if (gearbox%wheels(k)%leader == i) call add(needed(:, k), total)
+            if (gearbox%wheels(k)%leader == i) call add_row(needed(:, k), total)
          end do
-         call add(total, load_torque(:, gearbox%loads(gearbox%wheels(i)%prescribed)%load%wheel))
+         call add_row(total, load_torque(:, gearbox%loads(gearbox%wheels(i)%prescribed)%load%wheel))
       end do
    end subroutine add_prescribed
-
-   !> Add a torque in eight states. A procedure of its own: with AVX, GCC 12 leaves out a sum of rows of an array under a condition.
-   pure subroutine add(torque, total)
-      real(wp), intent(in) :: torque(lanes)
-      real(wp), intent(inout) :: total(lanes)
-      integer :: l
-
-      !$omp simd
-      do l = 1, lanes
-         total(l) = total(l) + torque(l)
-      end do
-   end subroutine add
 
    !> Torque of a shaft, as `shaft_torques` in one state.
    pure subroutine tell_shaft(shaft, to, y, needed, values)
@@ -204,7 +192,7 @@ contains
       end if
       values(:, to) = 0
       do k = 1, size(shaft%behind)
-         call add(needed(:, shaft%behind(k)), values(:, to))
+         call add_row(needed(:, shaft%behind(k)), values(:, to))
       end do
    end subroutine tell_shaft
 

@@ -154,7 +154,7 @@ contains
       call c_f_pointer(handle, description)
       good = logical(n == size(description%entries), c_bool)
       do i = 1, n
-         if (good) good = logical(differs_in_numbers(entries(i), description%entries(i)), c_bool)
+         if (good) good = logical(same_but_for_numbers(entries(i), description%entries(i)), c_bool)
          if (.not. good) return
          call exchange_numbers(description, i, entries(i), s)
          good = logical(.not. has_failed(s), c_bool)
@@ -162,7 +162,7 @@ contains
    end function evl_description_renew
 
    !> Whether two entries say the same but for their numbers.
-   logical function differs_in_numbers(c, entry) result(good)
+   logical function same_but_for_numbers(c, entry) result(good)
       type(c_entry), intent(in) :: c
       type(entry_t), intent(in) :: entry
       character(kind=c_char), pointer :: name(:)
@@ -181,7 +181,7 @@ contains
          if (.not. good) return
       end do
       good = name(len(entry%name) + 1) == c_null_char
-   end function differs_in_numbers
+   end function same_but_for_numbers
 
    !> Take the numbers of an entry; those that are others are checked.
    subroutine exchange_numbers(description, place, c, status)

@@ -19,7 +19,7 @@ module evl_gearbox_lanes
    implicit none (type, external)
    private
 
-   public :: housing_torque_in_lanes, lanes_serve, loads_in_lanes, rates_in_lanes
+   public :: add_row, housing_torque_in_lanes, lanes_serve, loads_in_lanes, rates_in_lanes
 
 contains
 
@@ -124,17 +124,17 @@ contains
       do m = flank%first, flank%last
          if (.not. slots(m)%touches) cycle
          associate (contact => gearbox%contacts(m), force => slots(m)%force)
-            call add(force%torque_a, f(:, gearbox%wheels(contact%wheel_a)%i_speed))
-            call add(force%torque_b, f(:, gearbox%wheels(contact%wheel_b)%i_speed))
+            call add_row(force%torque_a, f(:, gearbox%wheels(contact%wheel_a)%i_speed))
+            call add_row(force%torque_b, f(:, gearbox%wheels(contact%wheel_b)%i_speed))
             call push_axle(contact%link_a, 1.0_wp, force, f)
             call push_axle(contact%link_b, -1.0_wp, force, f)
-            call add(force%dissipation, f(:, gearbox%i_dissipated))
+            call add_row(force%dissipation, f(:, gearbox%i_dissipated))
          end associate
       end do
    end subroutine push_flank
 
-   !> Add to a row of the rates.
-   pure subroutine add(x, row)
+   !> Add to a row of an array. A procedure of its own: with AVX, GCC 12 leaves out sums of rows under a condition.
+   pure subroutine add_row(x, row)
       real(wp), intent(in) :: x(lanes)
       real(wp), intent(inout) :: row(lanes)
       integer :: l
@@ -143,7 +143,7 @@ contains
       do l = 1, lanes
          row(l) = row(l) + x(l)
       end do
-   end subroutine add
+   end subroutine add_row
 
    !> Force of a tooth contact on an axle.
    pure subroutine push_axle(link, sign, force, f)
@@ -171,8 +171,8 @@ contains
       call turn_wheel(shaft%i_psi_a, y, psi_a, rate_a)
       call turn_wheel(shaft%i_psi_b, y, psi_b, rate_b)
       torque = spring_damper(shaft%stiffness, shaft%damping, psi_a - psi_b, rate_a - rate_b)
-      call add(-torque, f(:, row_a))
-      call add(torque, f(:, row_b))
+      call add_row(-torque, f(:, row_a))
+      call add_row(torque, f(:, row_b))
       f(:, row_dissipated) = f(:, row_dissipated) + damper_power(shaft%damping, rate_a - rate_b)
    end subroutine twist_shaft
 
@@ -186,8 +186,8 @@ contains
       real(wp) :: omega(lanes), torque(lanes)
 
       call loads_in_lanes(gearbox, index, t, y, integers, omega, torque)
-      call add(torque, f(:, gearbox%wheels(index)%i_speed))
-      call add(torque*omega, f(:, gearbox%i_work))
+      call add_row(torque, f(:, gearbox%wheels(index)%i_speed))
+      call add_row(torque*omega, f(:, gearbox%i_work))
    end subroutine load_wheel
 
    !> Torque that the loads of a wheel know, as `known_torques` has it in one state, and the speed of the wheel.
@@ -285,7 +285,7 @@ contains
          missing = -f(:, wheel%i_speed) + wheel%rotor_inertia*acceleration
          f(:, wheel%i_speed) = acceleration
          call speed_of(wheel, y, omega)
-         call add(missing*omega, f(:, gearbox%i_work))
+         call add_row(missing*omega, f(:, gearbox%i_work))
       end associate
    end subroutine accelerate_rotor
 
