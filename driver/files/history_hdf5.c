@@ -33,23 +33,21 @@ static bool is_had(history *history, int system_error)
  *  time counts, however busy the machine is. */
 static double flush_clock(const history *history)
 {
-    const bool is_dear = !history->grows && history->layout.flush_interval <= 0;
+    const bool is_dear = !history->grows && history->body.layout.flush_interval <= 0;
     return is_dear ? (double)clock() / CLOCKS_PER_SEC : clock_seconds();
 }
 
 static void plan_flush(history *history, double usual)
 {
-    const double given = history->layout.flush_interval, interval = given > 0 ? given : usual;
+    const double given = history->body.layout.flush_interval, interval = given > 0 ? given : usual;
     history->due = flush_clock(history) + interval;
     history->next_look = clock_seconds() + interval;
 }
 
 static void free_history(history *history)
 {
-    series_free(&history->times);
-    series_free(&history->events);
+    history_body_free(&history->body);
     pool_free(&history->netcdf.pool);
-    pool_free(&history->pool);
     free(history);
 }
 
@@ -61,7 +59,7 @@ history *history_create(const history_layout *layout, evl_error *error)
     }
     history *history = xcalloc(1, sizeof *history);
     history->file = file;
-    history_plan(history, layout);
+    history_plan(&history->body, layout, history->netcdf.reason);
     plan_flush(history, first_flush);
     return history;
 }
@@ -77,13 +75,14 @@ static bool begin_file(history *history)
 
 static bool put_rows(history *history)
 {
-    return series_put_whole(&history->times, history->netcdf.id) &&
-           (!history->has_events || series_put_whole(&history->events, history->events_group));
+    return series_put_whole(&history->body.times, &history->netcdf, history->netcdf.id) &&
+           (!history->body.has_events ||
+            series_put_whole(&history->body.events, &history->netcdf, history->events_group));
 }
 
 static bool put_first_attributes(history *history)
 {
-    return history_put_attributes(history, history->layout.n_attributes, history->layout.attributes);
+    return history_put_attributes(history, history->body.layout.n_attributes, history->body.layout.attributes);
 }
 
 /** All rows, as they are now, in a file of their own. */
@@ -96,7 +95,9 @@ static bool put_snapshot(history *history)
 
 static bool write_series(history *history)
 {
-    return series_write(&history->times) && (!history->has_events || series_write(&history->events));
+    netcdf_file *netcdf = &history->netcdf;
+    return series_write(&history->body.times, netcdf) &&
+           (!history->body.has_events || series_write(&history->body.events, netcdf));
 }
 
 /** From here on the rows are more than memory should hold. */
@@ -104,9 +105,11 @@ static bool start_growing(history *history)
 {
     history->grows = true;
     plan_flush(history, flush_interval);
-    return begin_file(history) && put_first_attributes(history) && series_begin(&history->times, history->netcdf.id) &&
-           (!history->has_events || series_begin(&history->events, history->events_group)) && write_series(history) &&
-           history_finish(history) && netcdf_flush(&history->netcdf) &&
+    return begin_file(history) && put_first_attributes(history) &&
+           series_begin(&history->body.times, &history->netcdf, history->netcdf.id) &&
+           (!history->body.has_events ||
+            series_begin(&history->body.events, &history->netcdf, history->events_group)) &&
+           write_series(history) && history_finish(history) && netcdf_flush(&history->netcdf) &&
            is_had(history, output_file_show(&history->file));
 }
 
@@ -140,7 +143,7 @@ static bool flush_if_due(history *history)
 static bool make_room(history *history, series *rows)
 {
     return rows->filled < rows->capacity ||
-           (history->grows ? series_write(rows) : series_make_room(rows) || start_growing(history));
+           (history->grows ? series_write(rows, &history->netcdf) : series_make_room(rows) || start_growing(history));
 }
 
 static bool append(history *history, series *rows, int n, const double *places, const double *values, int stride,
@@ -158,18 +161,14 @@ static bool append(history *history, series *rows, int n, const double *places, 
 
 void history_put_statics(history *history, const double *values)
 {
-    memcpy(history->statics, values, (size_t)history->n_values * sizeof *values);
-    history->has_statics = true;
+    history_keep_statics(&history->body, values);
 }
 
 bool history_append_rows(history *history, int n, const double *places, const double *values, int stride,
                          evl_error *error)
 {
-    for (int v = 0; v < history->n_values && !history->has_statics; v++) {
-        history->statics[v] = values[(size_t)v * (size_t)stride];
-    }
-    history->has_statics = true;
-    return append(history, &history->times, n, places, values, stride, error);
+    history_take_statics(&history->body, values, stride);
+    return append(history, &history->body.times, n, places, values, stride, error);
 }
 
 bool history_append(history *history, double place, const double *values, evl_error *error)
@@ -179,18 +178,8 @@ bool history_append(history *history, double place, const double *values, evl_er
 
 bool history_add_event(history *history, const history_event *event, evl_error *error)
 {
-    double *row = history->event_row;
-    const double number = (double)history->n_events++;
-    row[EVENT_TIME] = event->t;
-    row[EVENT_KIND] = event->kind;
-    row[EVENT_MESH] = event->mesh;
-    row[EVENT_FLANK] = event->flank;
-    row[EVENT_TOOTH_PAIR] = event->tooth_pair;
-    for (int i = 0; i < history->layout.n_states; i++) {
-        row[EVENT_STATES + 2 * i] = event->before[i];
-        row[EVENT_STATES + 2 * i + 1] = event->after[i];
-    }
-    return append(history, &history->events, 1, &number, row, 1, error);
+    const double number = history_event_row(&history->body, event);
+    return append(history, &history->body.events, 1, &number, history->body.event_row, 1, error);
 }
 
 /* ---- the end ---- */
@@ -211,14 +200,11 @@ bool history_put_finals(history *history, int n, const model_output *outputs, co
 /** Those of the start that have no other value at the end. */
 static bool put_kept_attributes(history *history, int n, const history_attribute *attributes)
 {
-    const history_layout *layout = &history->layout;
+    const history_layout *layout = &history->body.layout;
     bool good = true;
     for (int i = 0; i < layout->n_attributes && good; i++) {
-        int other = 0;
-        while (other < n && strcmp(attributes[other].key, layout->attributes[i].key) != 0) {
-            other++;
-        }
-        good = other < n || history_put_attributes(history, 1, &layout->attributes[i]);
+        const history_attribute *attribute = &layout->attributes[i];
+        good = !history_is_kept(attribute, n, attributes) || history_put_attributes(history, 1, attribute);
     }
     return good;
 }

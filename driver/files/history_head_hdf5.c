@@ -1,10 +1,10 @@
 /* docs/result_format.md describes what this file and the other history*_hdf5.c write. */
 #include "files/history_head_hdf5.h"
 
+#include "files/netcdf_common_hdf5.h"
+
 #include <stdio.h>
 #include <stdlib.h>
-
-enum { FORMAT = 1 };
 
 bool history_put_attributes(history *history, int n, const history_attribute *attributes)
 {
@@ -19,35 +19,22 @@ bool history_put_attributes(history *history, int n, const history_attribute *at
     return good;
 }
 
-static bool write_dimensions(history *history)
-{
-    netcdf_file *netcdf = &history->netcdf;
-    dimensions *dimensions = &history->dimensions;
-    const history_layout *layout = &history->layout;
-    const bool has_all = layout->n_all > 0;
-    const bool good =
-        history->has_events
-            ? dimensions_define(dimensions, netcdf, DIMENSIONS_OF_HISTORY, layout->names,
-                                has_all ? layout->n_all : layout->n_outputs, has_all ? layout->all : layout->outputs)
-            : dimensions_define_numbers(dimensions, netcdf, layout->n_coordinates, layout->coordinates);
-    return good && (layout->n_harmonics == 0 || dimensions_define_harmonics(dimensions, netcdf, layout->n_harmonics));
-}
-
 /** The group of events with its dimension. */
 static bool start_events(history *history)
 {
-    static const char *const sides[] = {"before", "after"};
     netcdf_file *netcdf = &history->netcdf;
+    const dimension_values *sides = &history->body.sides;
     history->events_group = netcdf_create_group(netcdf, "events");
-    return history->events_group >= 0 && netcdf_define_names(netcdf, history->events_group, &history->side, "side",
-                                                             "side of the event", &(name_list){2, sides});
+    return history->events_group >= 0 &&
+           netcdf_define_values(netcdf, history->events_group, &history->body.side, &sides->variable, sides->n,
+                                netcdf_kept.text, sides->names);
 }
 
 static bool write_static(history *history, const model_output *output, const double *values)
 {
     netcdf_file *netcdf = &history->netcdf;
-    const netcdf_variable variable = dimensions_describe(&history->dimensions, output);
-    if (output->is_integer && !netcdf_check_integers(netcdf, output->name, output->count, values)) {
+    const netcdf_variable variable = dimensions_describe(&history->body.dimensions, output);
+    if (output->is_integer && !netcdf_are_integers(netcdf->reason, output->name, output->count, values)) {
         return false; /* HDF5 would write the nearest one */
     }
     CLOSED const hid_t dataset = netcdf_define(netcdf, netcdf->id, &variable, 0);
@@ -68,17 +55,17 @@ bool history_write_statics(history *history, int n, const model_output *outputs,
 bool history_write_head(history *history, const char *path)
 {
     netcdf_file *netcdf = &history->netcdf;
-    const history_layout *layout = &history->layout;
-    return netcdf_create(netcdf, path) && netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.10") &&
-           netcdf_put_integer(netcdf, netcdf->id, "evolvent_format", FORMAT) &&
-           netcdf_put_text(netcdf, netcdf->id, "evolvent_kind", layout->kind) && write_dimensions(history) &&
-           (!history->has_events || start_events(history)) &&
-           (!history->has_statics ||
-            history_write_statics(history, layout->n_outputs, layout->outputs, history->statics));
+    history_body *body = &history->body;
+    const history_layout *layout = &body->layout;
+    history_attribute attributes[N_COMMON_ATTRIBUTES];
+    history_common_attributes(layout, attributes);
+    return netcdf_create(netcdf, path) && history_put_attributes(history, N_COMMON_ATTRIBUTES, attributes) &&
+           dimensions_define(&body->dimensions, netcdf) && (!body->has_events || start_events(history)) &&
+           (!body->has_statics || history_write_statics(history, layout->n_outputs, layout->outputs, body->statics));
 }
 
 bool history_finish(history *history)
 {
-    return dimensions_finish(&history->dimensions, &history->netcdf) &&
-           (!history->has_events || scale_list_users(&history->netcdf, &history->side.scale));
+    return dimensions_finish(&history->body.dimensions, &history->netcdf) &&
+           (!history->body.has_events || scale_list_users(&history->netcdf, history->body.side.scale));
 }

@@ -209,20 +209,6 @@ static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netc
            (variable->n_flags == 0 || add_flags(file, dataset, variable));
 }
 
-bool netcdf_check_integers(netcdf_file *file, const char *name, int n, const double *values)
-{
-    for (int i = 0; i < n; i++) {
-        if (!netcdf_is_integer(values[i])) {
-            if (file->reason[0] == '\0') {
-                (void)snprintf(file->reason, sizeof file->reason, "%s = %g is not an integer of 32 bits", name,
-                               values[i]);
-            }
-            return false;
-        }
-    }
-    return true;
-}
-
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)
 {
     const hid_t dataset = create_dataset(file, group, variable, chunk_rows);
@@ -231,7 +217,7 @@ hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *varia
     }
     dimension_scale *scales[NETCDF_MAX_RANK];
     for (int i = 0; i < variable->rank; i++) {
-        scales[i] = &variable->dimensions[i]->scale;
+        scales[i] = variable->dimensions[i]->scale;
     }
     return scales_attach(file, dataset, variable->rank, scales) ? dataset : H5I_INVALID_HID;
 }
@@ -242,8 +228,10 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
     netcdf_variable variable = *coordinate;
     variable.rank = 1;
     variable.dimensions[0] = dimension;
+    dimension->name = variable.name;
+    dimension->scale = pool_calloc(&file->pool, 1, sizeof *dimension->scale);
     const hid_t dataset = create_dataset(file, group, &variable, chunk_rows);
-    return dataset >= 0 && (scale_make(&dimension->scale, dataset, variable.name) || netcdf_fail(file)) &&
+    return dataset >= 0 && (scale_make(dimension->scale, dataset, variable.name) || netcdf_fail(file)) &&
            add_variable_attributes(file, dataset, &variable);
 }
 
@@ -257,12 +245,5 @@ bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dime
 {
     *dimension = (netcdf_dimension){.length = (hsize_t)n};
     return netcdf_define_dimension(file, group, variable, dimension, 0) &&
-           (n == 0 || netcdf_write(file, dimension->scale.dataset, type, values));
-}
-
-bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
-                         const char *long_name, const name_list *names)
-{
-    const netcdf_variable variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name);
-    return netcdf_define_values(file, group, dimension, &variable, names->n, netcdf_kept.text, names->names);
+           (n == 0 || netcdf_write(file, dimension->scale->dataset, type, values));
 }

@@ -6,14 +6,12 @@
 #pragma once
 
 #include "base/memory.h"
+#include "files/netcdf_variable.h"
 #include "files/scales_hdf5.h"
 #include "model/model.h"
 
 #include <hdf5.h>
-#include <limits.h>
 #include <stdbool.h>
-
-enum { NETCDF_MAX_RANK = 4, NETCDF_REASON_LENGTH = 200 };
 
 /** For a local identifier, which is closed where its block ends, however that is left; 0 and less: there is nothing to close. */
 #define CLOSED __attribute__((cleanup(netcdf_let_go)))
@@ -26,31 +24,6 @@ typedef struct netcdf_file {
     int system_error;                  /**< errno of the first failure, 0 if it was none of the system's */
     char reason[NETCDF_REASON_LENGTH]; /**< of the first failure; "" if there was none */
 } netcdf_file;
-
-/** A named dimension; its coordinate variable has the same name. */
-typedef struct {
-    dimension_scale scale;
-    bool grows;     /**< empty at first */
-    hsize_t length; /**< the most it can have; 0 for a growing one without a limit */
-} netcdf_dimension;
-
-typedef enum {
-    NETCDF_REAL,
-    NETCDF_FLOAT, /**< 32 bits, all of its place in the file taken at once */
-    NETCDF_INTEGER,
-    NETCDF_LONG, /**< 64 bits */
-    NETCDF_TEXT
-} netcdf_type;
-
-/** Its texts have to outlive it. */
-typedef struct {
-    netcdf_type type;
-    const char *name, *units, *symbol, *long_name;
-    int rank;
-    netcdf_dimension *dimensions[NETCDF_MAX_RANK]; /**< only the first may grow */
-    int n_flags;               /**< the values 0..n_flags-1 have a meaning; 0 if they are plain numbers */
-    const char *flag_meanings; /**< n_flags words */
-} netcdf_variable;
 
 /** Major, minor, release of the HDF5 library. */
 void netcdf_library_version(unsigned version[3]);
@@ -84,18 +57,6 @@ bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const ch
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
 bool netcdf_put_number(netcdf_file *file, hid_t object, const char *name, double value);
 
-/** A variable without dimensions yet. */
-static inline netcdf_variable netcdf_describe(netcdf_type type, const char *name, const char *units, const char *symbol,
-                                              const char *long_name)
-{
-    return (netcdf_variable){.type = type, .name = name, .units = units, .symbol = symbol, .long_name = long_name};
-}
-static inline bool netcdf_is_integer(double value)
-{
-    return value >= INT_MIN && value <= INT_MAX;
-}
-/** Whether all values of an integer variable are in the range of one. */
-bool netcdf_check_integers(netcdf_file *file, const char *name, int n, const double *values);
 /** Create a variable with its attributes, its axes attached to their dimensions.
  *  @param chunk_rows  rows of a chunk if the first dimension grows */
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows);
@@ -108,6 +69,3 @@ bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dime
                           long n, hid_t type, const void *values);
 /** All values of a small variable. @param type  of them in memory */
 bool netcdf_write(netcdf_file *file, hid_t dataset, hid_t type, const void *values);
-/** Create a dimension with names. */
-bool netcdf_define_names(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const char *name,
-                         const char *long_name, const name_list *names);

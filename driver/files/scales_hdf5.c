@@ -37,7 +37,7 @@ bool scales_attach(netcdf_file *file, hid_t dataset, int rank, dimension_scale *
 
 bool scale_list_users(netcdf_file *file, dimension_scale *scale)
 {
-    if (scale->n_users == scale->n_listed) {
+    if (scale == NULL || scale->n_users == scale->n_listed) {
         return true;
     }
     const bool is_first = scale->n_listed == 0;

@@ -13,7 +13,7 @@ typedef struct {
     int axis;
 } scale_user;
 
-typedef struct {
+typedef struct dimension_scale {
     hid_t dataset; /**< of the coordinate; not owned */
     hobj_ref_t reference;
     int n_users, n_listed, room; /**< n_listed: those that are on file */
@@ -27,5 +27,6 @@ bool scale_make(dimension_scale *scale, hid_t dataset, const char *name);
 /* Each of these returns false with the reason in the file. */
 /** Attach a scale to every axis of a dataset; the scales are to list their users later. */
 bool scales_attach(struct netcdf_file *file, hid_t dataset, int rank, dimension_scale *const *scales);
-/** To come after the last user, and before a flush: write the list of users, if there are new ones. */
+/** To come after the last user, and before a flush: write the list of users, if there are new ones. Nothing
+ *  is to be done for NULL. */
 bool scale_list_users(struct netcdf_file *file, dimension_scale *scale);

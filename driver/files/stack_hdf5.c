@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/write_bytes.h"
-#include "files/dimensions_hdf5.h"
+#include "files/dimensions_in_file_hdf5.h"
 #include "files/output_file.h"
 
 #include <errno.h>
@@ -30,11 +30,12 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
+    dimensions_plan(&b->of_outputs, DIMENSIONS_OF_STACK, layout->names, 0, NULL);
     return netcdf_define_values(&b->netcdf, b->netcdf.id, &b->cases, &cases, layout->n_rows, H5T_NATIVE_LONG,
                                 numbers) &&
            netcdf_define_values(&b->netcdf, b->netcdf.id, &b->axis, &axis, along->n, H5T_NATIVE_DOUBLE,
                                 along->values) &&
-           dimensions_define(&b->of_outputs, &b->netcdf, DIMENSIONS_OF_STACK, layout->names, 0, NULL);
+           dimensions_define(&b->of_outputs, &b->netcdf);
 }
 
 static bool define_variable(builder *b, const model_output *output)
@@ -58,7 +59,7 @@ static bool fill_file(builder *b, const stack_layout *layout)
     for (int i = 0; i < layout->n_variables && good; i++) {
         good = define_variable(b, &layout->variables[i]);
     }
-    good = good && scale_list_users(netcdf, &b->cases.scale) && scale_list_users(netcdf, &b->axis.scale) &&
+    good = good && scale_list_users(netcdf, b->cases.scale) && scale_list_users(netcdf, b->axis.scale) &&
            dimensions_finish(&b->of_outputs, netcdf);
     return good;
 }

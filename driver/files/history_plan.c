@@ -1,12 +1,13 @@
 /* What a history is to have, before there is a file. */
 #include "base/words.h"
-#include "files/history_head_hdf5.h"
+#include "files/history_body.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-enum { ROWS = 8192, EVENT_ROWS = 256 };
+enum { FORMAT = 1, ROWS = 8192, EVENT_ROWS = 256 };
 
-static void keep_layout(history *history, const history_layout *given)
+static void keep_layout(history_body *history, const history_layout *given)
 {
     memory_pool *pool = &history->pool;
     history_layout *layout = &history->layout;
@@ -26,12 +27,12 @@ static void keep_layout(history *history, const history_layout *given)
     layout->coordinates = coordinates;
 }
 
-static void plan_times(history *history)
+static void plan_times(history_body *history, char *reason)
 {
     series *times = &history->times;
     const history_layout *layout = &history->layout;
     const history_coordinate *axis = &layout->axis;
-    series_init(times, &history->netcdf, &history->pool, 1 + layout->n_outputs, (hsize_t)layout->max_rows);
+    series_init(times, reason, &history->pool, 1 + layout->n_outputs, (unsigned long long)layout->max_rows);
     const netcdf_variable variable =
         netcdf_describe(NETCDF_REAL, axis->name, axis->units, axis->symbol, axis->long_name);
     series_add_column(times, &variable, 0, 1);
@@ -45,7 +46,7 @@ static void plan_times(history *history)
     series_start(times, ROWS);
 }
 
-static void plan_events(history *history)
+static void plan_events(history_body *history, char *reason)
 {
     series *events = &history->events;
     memory_pool *pool = &history->pool;
@@ -65,7 +66,7 @@ static void plan_events(history *history)
     OWNED char *kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
     columns[EVENT_KIND].n_flags = layout->n_event_kinds;
     columns[EVENT_KIND].flag_meanings = pool_copy(pool, kinds);
-    series_init(events, &history->netcdf, pool, 1 + EVENT_STATES + layout->n_states, 0);
+    series_init(events, reason, pool, 1 + EVENT_STATES + layout->n_states, 0);
     series_add_column(events, &number, 0, 1);
     for (int i = 0; i < EVENT_STATES; i++) {
         series_add_column(events, &columns[i], i, 1);
@@ -82,7 +83,30 @@ static void plan_events(history *history)
     history->event_row = pool_calloc(pool, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
 }
 
-void history_plan(history *history, const history_layout *given)
+/** All that there can be in a history, or what another analysis has. */
+static void plan_dimensions(history_body *history)
+{
+    static const char *const sides[] = {"before", "after"};
+    const history_layout *layout = &history->layout;
+    const bool has_all = layout->n_all > 0;
+    if (history->has_events) {
+        dimensions_plan(&history->dimensions, DIMENSIONS_OF_HISTORY, layout->names,
+                        has_all ? layout->n_all : layout->n_outputs, has_all ? layout->all : layout->outputs);
+    } else {
+        dimensions_plan_numbers(&history->dimensions, layout->n_coordinates, layout->coordinates);
+    }
+    if (layout->n_harmonics > 0) {
+        dimensions_plan_harmonics(&history->dimensions, &history->pool, layout->n_harmonics);
+    }
+    history->side = (netcdf_dimension){.name = "side", .length = 2};
+    history->sides =
+        (dimension_values){.is_there = true,
+                           .variable = netcdf_describe(NETCDF_TEXT, "side", "1", "side", "side of the event"),
+                           .n = 2,
+                           .names = sides};
+}
+
+void history_plan(history_body *history, const history_layout *given, char *reason)
 {
     const history_layout *layout = &history->layout;
     keep_layout(history, given);
@@ -92,9 +116,61 @@ void history_plan(history *history, const history_layout *given)
         history->n_values = end > history->n_values ? end : history->n_values;
     }
     history->statics = pool_calloc(&history->pool, (size_t)history->n_values, sizeof *history->statics);
-    dimensions_name(&history->dimensions, layout->n_coordinates, layout->coordinates);
-    plan_times(history);
+    plan_dimensions(history);
+    plan_times(history, reason);
     if (history->has_events) {
-        plan_events(history);
+        plan_events(history, reason);
     }
+}
+
+void history_keep_statics(history_body *history, const double *values)
+{
+    memcpy(history->statics, values, (size_t)history->n_values * sizeof *values);
+    history->has_statics = true;
+}
+
+void history_take_statics(history_body *history, const double *values, int stride)
+{
+    for (int v = 0; v < history->n_values && !history->has_statics; v++) {
+        history->statics[v] = values[(size_t)v * (size_t)stride];
+    }
+    history->has_statics = true;
+}
+
+double history_event_row(history_body *history, const history_event *event)
+{
+    double *row = history->event_row;
+    row[EVENT_TIME] = event->t;
+    row[EVENT_KIND] = event->kind;
+    row[EVENT_MESH] = event->mesh;
+    row[EVENT_FLANK] = event->flank;
+    row[EVENT_TOOTH_PAIR] = event->tooth_pair;
+    for (int i = 0; i < history->layout.n_states; i++) {
+        row[EVENT_STATES + 2 * i] = event->before[i];
+        row[EVENT_STATES + 2 * i + 1] = event->after[i];
+    }
+    return (double)history->n_events++;
+}
+
+void history_body_free(history_body *history)
+{
+    series_free(&history->times);
+    series_free(&history->events);
+    pool_free(&history->pool);
+}
+
+void history_common_attributes(const history_layout *layout, history_attribute attributes[N_COMMON_ATTRIBUTES])
+{
+    attributes[0] = (history_attribute){"Conventions", .text = "CF-1.10"};
+    attributes[1] = (history_attribute){"evolvent_format", .integer = FORMAT};
+    attributes[2] = (history_attribute){"evolvent_kind", .text = layout->kind};
+}
+
+bool history_is_kept(const history_attribute *attribute, int n, const history_attribute *at_end)
+{
+    int other = 0;
+    while (other < n && strcmp(at_end[other].key, attribute->key) != 0) {
+        other++;
+    }
+    return other == n;
 }

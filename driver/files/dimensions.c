@@ -1,9 +1,8 @@
-#include "files/dimensions_hdf5.h"
+#include "files/dimensions.h"
 
 #include "base/memory.h"
 #include "base/words.h"
 
-static const char harmonic[] = "harmonic";
 static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "y", "z"};
 
 /** In the order of the file. */
@@ -31,60 +30,61 @@ static bool is_used(int dimension, int n_outputs, const model_output *outputs)
     return is_used;
 }
 
-void dimensions_name(dimensions *dimensions, int n_coordinates, const history_coordinate *coordinates)
+static void put(dimensions *dimensions, int i, const dimension_values *values)
 {
-    for (int i = 0; i < n_coordinates && i < N_DIMENSIONS; i++) {
-        dimensions->names[i] = coordinates[i].name;
-    }
-    for (int i = 0; i < N_NAMED_DIMENSIONS && n_coordinates == 0; i++) {
-        dimensions->names[i] = table[i].name;
-    }
-    if (n_coordinates == 0) {
-        dimensions->names[N_NAMED_DIMENSIONS] = harmonic;
-    }
+    dimensions->of[i] = (netcdf_dimension){.name = values->variable.name, .length = (unsigned long long)values->n};
+    dimensions->values[i] = *values;
 }
 
-bool dimensions_define(dimensions *dimensions, netcdf_file *file, dimensions_use use, const model_names *names,
-                       int n_outputs, const model_output *outputs)
+static dimension_values of_names(const char *name, const char *long_name, const name_list *names)
+{
+    return (dimension_values){.is_there = true,
+                              .variable = netcdf_describe(NETCDF_TEXT, name, "1", name, long_name),
+                              .n = names->n,
+                              .names = names->names};
+}
+
+static dimension_values of_numbers(const netcdf_variable *variable, int n, const double *numbers)
+{
+    return (dimension_values){.is_there = true, .variable = *variable, .n = n, .numbers = numbers};
+}
+
+void dimensions_plan(dimensions *dimensions, dimensions_use use, const model_names *names, int n_outputs,
+                     const model_output *outputs)
 {
     const name_list *const of_case[N_NAMED_DIMENSIONS] = {
         &names->wheels, &names->meshes, &names->shafts, &names->accelerometers, NULL, NULL, NULL, &names->pairs};
-    bool good = true;
-    for (int i = 0; i < N_NAMED_DIMENSIONS && good; i++) {
-        dimensions->names[i] = table[i].name;
+    for (int i = 0; i < N_NAMED_DIMENSIONS; i++) {
+        dimensions->of[i].name = table[i].name;
         if (use == DIMENSIONS_OF_STACK || is_used(i, n_outputs, outputs)) {
-            good = netcdf_define_names(file, file->id, &dimensions->of[i], table[i].name, table[i].long_names[use],
-                                       of_case[i] != NULL ? of_case[i] : &table[i].names);
+            const dimension_values values =
+                of_names(table[i].name, table[i].long_names[use], of_case[i] != NULL ? of_case[i] : &table[i].names);
+            put(dimensions, i, &values);
         }
     }
-    return good;
 }
 
-bool dimensions_define_harmonics(dimensions *dimensions, netcdf_file *file, int n)
+void dimensions_plan_harmonics(dimensions *dimensions, memory_pool *pool, int n)
 {
     const netcdf_variable variable =
-        netcdf_describe(NETCDF_INTEGER, harmonic, "1", "n", "harmonic: multiple of the frequency of the mesh");
-    OWNED double *numbers = xcalloc((size_t)n, sizeof *numbers);
+        netcdf_describe(NETCDF_INTEGER, "harmonic", "1", "n", "harmonic: multiple of the frequency of the mesh");
+    double *numbers = pool_calloc(pool, (size_t)n, sizeof *numbers);
     for (int i = 0; i < n; i++) {
         numbers[i] = i + 1;
     }
-    dimensions->names[N_NAMED_DIMENSIONS] = harmonic;
-    return netcdf_define_values(file, file->id, &dimensions->of[N_NAMED_DIMENSIONS], &variable, n, H5T_NATIVE_DOUBLE,
-                                numbers);
+    const dimension_values values = of_numbers(&variable, n, numbers);
+    put(dimensions, N_NAMED_DIMENSIONS, &values);
 }
 
-bool dimensions_define_numbers(dimensions *dimensions, netcdf_file *file, int n, const history_coordinate *coordinates)
+void dimensions_plan_numbers(dimensions *dimensions, int n, const history_coordinate *coordinates)
 {
-    bool good = n <= N_DIMENSIONS;
-    for (int i = 0; i < n && good; i++) {
+    for (int i = 0; i < n && i < N_DIMENSIONS; i++) {
         const history_coordinate *from = &coordinates[i];
         const netcdf_variable variable = netcdf_describe(from->is_integer ? NETCDF_INTEGER : NETCDF_REAL, from->name,
                                                          from->units, from->symbol, from->long_name);
-        dimensions->names[i] = from->name;
-        good = netcdf_define_values(file, file->id, &dimensions->of[i], &variable, from->n, H5T_NATIVE_DOUBLE,
-                                    from->values);
+        const dimension_values values = of_numbers(&variable, from->n, from->values);
+        put(dimensions, i, &values);
     }
-    return good;
 }
 
 netcdf_variable dimensions_describe(dimensions *dimensions, const model_output *output)
@@ -98,17 +98,8 @@ netcdf_variable dimensions_describe(dimensions *dimensions, const model_output *
 void dimensions_append(dimensions *dimensions, const model_output *output, netcdf_variable *variable)
 {
     for (int i = 0; i < N_DIMENSIONS; i++) {
-        if (dimensions->names[i] != NULL && words_contain(output->dims, dimensions->names[i])) {
+        if (dimensions->of[i].name != NULL && words_contain(output->dims, dimensions->of[i].name)) {
             variable->dimensions[variable->rank++] = &dimensions->of[i];
         }
     }
-}
-
-bool dimensions_finish(dimensions *dimensions, netcdf_file *file)
-{
-    bool good = true;
-    for (int i = 0; i < N_DIMENSIONS && good; i++) {
-        good = scale_list_users(file, &dimensions->of[i].scale);
-    }
-    return good;
 }

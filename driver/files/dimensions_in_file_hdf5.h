@@ -1,0 +1,10 @@
+/** Dimensions on file. Private to *_hdf5.c. */
+#pragma once
+
+#include "files/dimensions.h"
+#include "files/netcdf_hdf5.h"
+
+/** Define those that are there, with their coordinates. */
+bool dimensions_define(dimensions *dimensions, netcdf_file *file);
+/** As scale_list_users, all of them. */
+bool dimensions_finish(dimensions *dimensions, netcdf_file *file);

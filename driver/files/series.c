@@ -1,0 +1,176 @@
+#include "files/series.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    HELD_BYTES = 4 * 1024 * 1024, /* the most that is held of rows that may all fit */
+    BLOCK_BYTES = 3 * 512 * 1024, /* a block of rows that do not */
+    GROWN_BYTES = 1024 * 1024     /* the most to which a block is enlarged */
+};
+
+bool netcdf_are_integers(char *reason, const char *name, int n, const double *values)
+{
+    for (int i = 0; i < n; i++) {
+        if (!netcdf_is_integer(values[i])) {
+            if (reason[0] == '\0') {
+                (void)snprintf(reason, NETCDF_REASON_LENGTH, "%s = %g is not an integer of 32 bits", name, values[i]);
+            }
+            return false;
+        }
+    }
+    return true;
+}
+
+/** Bytes of a value. */
+static size_t size_of(const series_column *column)
+{
+    return series_is_integer(column) ? sizeof(int) : sizeof(double);
+}
+
+void series_init(series *rows, char *reason, memory_pool *pool, int n_columns, unsigned long long limit)
+{
+    *rows = (series){.reason = reason, .limit = limit};
+    rows->columns = pool_calloc(pool, (size_t)n_columns, sizeof *rows->columns);
+}
+
+void series_add_column(series *rows, const netcdf_variable *variable, int offset, int count)
+{
+    series_column *column = &rows->columns[rows->n_columns];
+    column->variable = *variable;
+    column->variable.rank = variable->rank + 1;
+    column->variable.dimensions[0] = &rows->dimension;
+    for (int i = 0; i < variable->rank; i++) {
+        column->variable.dimensions[i + 1] = variable->dimensions[i];
+    }
+    column->offset = offset;
+    column->count = count;
+    rows->n_columns++;
+}
+
+/* ---- the block ---- */
+
+/** Doubles everywhere: so each column begins where a double may. */
+size_t series_row_bytes(const series *rows)
+{
+    size_t bytes = sizeof(double); /* of the coordinate */
+    for (int i = 1; i < rows->n_columns; i++) {
+        bytes += (size_t)rows->columns[i].count * sizeof(double);
+    }
+    return bytes;
+}
+
+/** A block for so many rows, with those that are there. One piece for all columns, which is not touched before it is used. */
+static void take_block(series *rows, size_t capacity)
+{
+    char *block = xrealloc(NULL, capacity, series_row_bytes(rows)), *at = block;
+    for (int i = 0; i < rows->n_columns; i++) {
+        series_column *column = &rows->columns[i];
+        const size_t bytes = rows->filled * (size_t)column->count * size_of(column);
+        if (bytes > 0) {
+            memcpy(at, column->block, bytes);
+        }
+        column->block = at;
+        at += capacity * (size_t)column->count * sizeof(double);
+    }
+    free(rows->block);
+    rows->block = block;
+    rows->capacity = capacity;
+}
+
+void series_start(series *rows, size_t max_rows)
+{
+    const size_t bytes = series_row_bytes(rows), held = HELD_BYTES / bytes, of_block = BLOCK_BYTES / bytes;
+    const size_t most = rows->limit == 0 || rows->limit > max_rows ? max_rows : (size_t)rows->limit;
+    const size_t fit = most <= held ? most : of_block;
+    take_block(rows, fit < 1 ? 1 : fit);
+}
+
+bool series_make_room(series *rows)
+{
+    const size_t more = 4 * rows->capacity;
+    const bool is_possible =
+        (rows->limit == 0 || rows->capacity < rows->limit) && more * series_row_bytes(rows) <= GROWN_BYTES;
+    if (is_possible) {
+        take_block(rows, more);
+    }
+    return is_possible;
+}
+
+void series_widen(series *rows)
+{
+    const size_t more = 4 * rows->capacity;
+    take_block(rows, rows->limit > rows->capacity && rows->limit < more ? (size_t)rows->limit : more);
+}
+
+void series_free(series *rows)
+{
+    free(rows->block);
+    rows->block = NULL;
+}
+
+static inline void copy_reals(const series_column *column, double *to, int n, const double *values, int stride)
+{
+    const int count = column->count;
+    const double *from = values + (size_t)column->offset * (size_t)stride;
+    if (n == 1) {
+        to[0] = from[0]; /* most columns have a value or two */
+        for (int v = 1; v < count; v++) {
+            to[v] = from[v * stride];
+        }
+        return;
+    }
+    for (int v = 0; v < count; v++, from += stride) {
+        for (int k = 0; k < n; k++) {
+            to[k * count + v] = from[k];
+        }
+    }
+}
+
+/** @return false if one of them is none */
+static inline bool copy_integers(const series_column *column, int *to, int n, const double *values, int stride)
+{
+    const int count = column->count;
+    const double *from = values + (size_t)column->offset * (size_t)stride;
+    for (int v = 0; v < count; v++, from += stride) {
+        for (int k = 0; k < n; k++) {
+            if (!netcdf_is_integer(from[k])) {
+                return false;
+            }
+            to[k * count + v] = (int)from[k];
+        }
+    }
+    return true;
+}
+
+/** Say which integer is none. */
+static void refuse_integers(const series *rows, const series_column *column, int n, const double *values, int stride)
+{
+    for (int v = 0; v < column->count; v++) {
+        const double *from = values + (size_t)(column->offset + v) * (size_t)stride;
+        (void)netcdf_are_integers(rows->reason, column->variable.name, n, from);
+    }
+}
+
+int series_append(series *rows, int n, const double *places, const double *values, int stride)
+{
+    const size_t room = rows->capacity - rows->filled;
+    const int taken = (size_t)n < room ? n : (int)room;
+    bool good = true;
+    for (int i = 0; i < rows->n_columns && good; i++) {
+        const series_column *column = &rows->columns[i];
+        const size_t at = rows->filled * (size_t)column->count;
+        const double *from = i == 0 ? places : values;
+        if (series_is_integer(column)) {
+            good = copy_integers(column, (int *)column->block + at, taken, from, stride);
+            if (!good) {
+                refuse_integers(rows, column, taken, from, stride);
+            }
+        } else {
+            copy_reals(column, (double *)column->block + at, taken, from, stride);
+        }
+    }
+    rows->filled += (size_t)(good ? taken : 0);
+    return good ? taken : -1;
+}
