@@ -53,12 +53,14 @@ case_file *case_file_create(const char *path, int n_set, const char *const *set_
     return file;
 }
 
-case_file *case_read(const char *path, int n_set, const char *const *set_options, const case_schema *schema,
-                     evl_error *error)
+/** @param path, text  one of them; the other is NULL */
+static case_file *load(const char *name, const char *path, const char *text, int n_set, const char *const *set_options,
+                       const case_schema *schema, evl_error *error)
 {
     memset(error, 0, sizeof *error);
-    case_file *file = case_file_create(tree_file_name(path), n_set, set_options);
-    file->root = tree_load_file(&file->pool, path, error);
+    case_file *file = case_file_create(name, n_set, set_options);
+    file->root =
+        path != NULL ? tree_load_file(&file->pool, path, error) : tree_load_named(&file->pool, name, text, error);
     if (file->root != NULL && case_file_resolve(file, schema, error)) {
         case_lay_out(schema, file->root, &file->description);
         file->text = tree_text(file->root);
@@ -66,6 +68,18 @@ case_file *case_read(const char *path, int n_set, const char *const *set_options
         case_delete(&file);
     }
     return file;
+}
+
+case_file *case_read(const char *path, int n_set, const char *const *set_options, const case_schema *schema,
+                     evl_error *error)
+{
+    return load(tree_file_name(path), path, NULL, n_set, set_options, schema, error);
+}
+
+case_file *case_parse(const char *name, const char *text, int n_set, const char *const *set_options,
+                      const case_schema *schema, evl_error *error)
+{
+    return load(name, NULL, text, n_set, set_options, schema, error);
 }
 
 void case_delete(case_file **file)

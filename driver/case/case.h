@@ -48,6 +48,9 @@ bool case_base_convert(const case_base *base, const char *option, case_quantity 
  *  else EVL_EXIT_CASE */
 case_file *case_read(const char *path, int n_set, const char *const *set_options, const case_schema *schema,
                      evl_error *error);
+/** The same of a text. @param name  what errors call it */
+case_file *case_parse(const char *name, const char *text, int n_set, const char *const *set_options,
+                      const case_schema *schema, evl_error *error);
 /** Free a case and set the pointer to NULL. Nothing happens if it is NULL already. */
 void case_delete(case_file **file);
 

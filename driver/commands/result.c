@@ -1,10 +1,7 @@
 #include "commands/result.h"
 
 #include "base/memory.h"
-#include "files/history.h"
-#include "integrate/integrate.h"
 
-#include <evolvent_version.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -44,10 +41,4 @@ char *result_path(const char *what, const char *given, const char *case_path, co
         return NULL;
     }
     return path;
-}
-
-char *result_versions(void)
-{
-    return xasprintf("evolvent %s, %s, %s, C compiler %s, Fortran compiler %s", EVOLVENT_VERSION, integrate_version(),
-                     history_version(), EVOLVENT_C_COMPILER, model_tables()->compiler);
 }

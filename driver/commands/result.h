@@ -1,6 +1,7 @@
 /** The file that a command writes of a case. */
 #pragma once
 
+#include "analyses/versions.h"
 #include "base/status.h"
 
 /** The given name, or the case's with SUFFIX.h5 in the current folder.
@@ -8,5 +9,3 @@
  *  @param case_path  "-": standard input
  *  @return a new string; NULL with the reason in `error` if there is no name, or if it is that of the case itself */
 char *result_path(const char *what, const char *given, const char *case_path, const char *suffix, evl_error *error);
-/** Versions of all that made it, as a new string. */
-char *result_versions(void);

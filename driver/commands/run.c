@@ -1,3 +1,5 @@
+#include "analyses/run_history.h"
+#include "analyses/show_geometry.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
@@ -6,8 +8,7 @@
 #include "commands/checkpoints.h"
 #include "commands/command.h"
 #include "commands/result.h"
-#include "commands/run_history.h"
-#include "commands/show_geometry.h"
+#include "commands/run_numbers.h"
 #include "commands/warn.h"
 #include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
@@ -29,9 +30,7 @@ typedef struct {
 
 typedef struct {
     prepared_case prepared;
-    run_history history; /**< or the present part of it */
-    extremes *extremes;
-    numbers *numbers;         /**< NULL: the case does not ask for them */
+    run_history history;      /**< or the present part of it */
     checkpoints *checkpoints; /**< NULL: it cannot go on once it was stopped */
     progress progress;
     double t_shown; /**< how far it came [s] */
@@ -125,31 +124,30 @@ static void warn_of_invariants(const run *run, const simulate_result *result)
     }
 }
 
-/** The run ended: complete the history, and say how it went. */
-static void conclude(run *run, const simulate_result *result, const char *path)
+/** Why there is less than the whole history. */
+static void refuse_end(const run *run, const simulate_result *result)
 {
-    char reason[2 * DAE_MESSAGE_LENGTH] = "";
-    const char *status = "done", *remark = result->remark;
-    OWNED char *partial = xstrdup(run_history_partial_path(&run->history));
+    const char *partial = run_history_partial_path(&run->history);
     OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
-    if (remark[0] != '\0') {
-        log_warning("%s", remark);
-    }
     if (result->end == SIMULATE_INTERRUPTED) {
-        status = "interrupted";
-        (void)snprintf(reason, sizeof reason, "interrupted by %s at t = %.9g s", interrupt_name((int)interrupt_signal),
-                       result->t);
         evl_error_set(run->error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; the history up to there is in '%s'",
                       interrupt_name((int)interrupt_signal), partial);
     } else if (result->end == SIMULATE_FAILED) {
-        status = "failed";
-        (void)snprintf(reason, sizeof reason, "failed at t = %.9g s: %s", result->t, result->message);
         evl_error_set(run->error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'",
                       result->message, partial);
     }
+}
+
+/** The run ended: complete the history, and say how it went. */
+static void conclude(run *run, const simulate_result *result, const char *path)
+{
+    if (result->remark[0] != '\0') {
+        log_warning("%s", result->remark);
+    }
+    refuse_end(run, result);
     const bool is_done = result->end == SIMULATE_DONE;
     const char *times = run->checkpoints != NULL ? checkpoints_times(run->checkpoints) : "";
-    if (run_history_close(&run->history, status, is_done ? remark : reason, result, times, run->error) && is_done) {
+    if (run_history_close(&run->history, interrupt_name((int)interrupt_signal), result, times, run->error) && is_done) {
         summarise(&result->counts, path);
         warn_of_invariants(run, result);
     }
@@ -178,9 +176,12 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
     if (is_kept && result->end == SIMULATE_INTERRUPTED) {
         conclude_stopped(run, result);
     } else if (result->end == SIMULATE_SINK_FAILED || (is_kept && !join_parts(run, path)) ||
-               !run_history_put(&run->history, run->extremes, run->numbers, run->error)) {
+               !run_history_put(&run->history, run->error)) {
         run_history_abandon(&run->history);
     } else {
+        if (run->history.numbers != NULL) {
+            tell_numbers(run->history.numbers, &model_about(run->prepared.model)->names);
+        }
         conclude(run, result, path);
     }
     if (is_kept && run->error->code == EVL_EXIT_IO) {
@@ -193,38 +194,24 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
 /** Simulate from the start, or the last checkpoint. */
 static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
 {
-    const description *description = case_description(run->prepared.file);
-    const numbers_description *asked = &description->simulation.numbers;
     const dae *dae = &model_about(run->prepared.model)->dae;
     POOLED memory_pool pool = {NULL};
     dae_state state = dae_state_create(dae, &pool);
     dae_state_copy(dae, &state, start);
-    if (asked->is_given) {
-        bool all[N_NUMBER_ROWS];
-        memset(all, true, sizeof all);
-        const number_window window = {asked->from, asked->to, asked->mesh, asked->wheel};
-        run->numbers = numbers_create(run->prepared.model, &window, all);
-    }
-    run->extremes = extremes_create(run->prepared.model, description->n_meshes, -INFINITY, INFINITY);
+    run_history_watch(&run->history);
     const simulate_sink sink = {.self = run,
                                 .wanted = &run->history.wanted,
                                 .waits = waits,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .step = on_step,
-                                .extremes = run->extremes,
-                                .numbers = run->numbers,
+                                .extremes = run->history.extremes,
+                                .numbers = run->history.numbers,
                                 .is_due = run->checkpoints == NULL ? NULL : is_due,
                                 .keep = run->checkpoints == NULL ? NULL : keep,
                                 .kept = kept,
                                 .resume = run->checkpoints == NULL ? NULL : checkpoints_resume(run->checkpoints)};
     simulate(&run->prepared, &sink, &state, result);
-}
-
-static void forget(run *run)
-{
-    extremes_delete(&run->extremes);
-    numbers_delete(&run->numbers);
 }
 
 /** What was told since the last checkpoint, or the start, is told once more. */
@@ -244,7 +231,6 @@ static void simulate_case(run *run, const char *path, const dae_state *start)
     simulate_result result;
     simulate_from(run, start, true, &result);
     if (result.end == SIMULATE_MISSED) {
-        forget(run);
         if (tell_again(run)) {
             simulate_from(run, start, false, &result);
         } else {
@@ -253,7 +239,6 @@ static void simulate_case(run *run, const char *path, const dae_state *start)
     }
     progress_end(&run->progress);
     conclude_all(run, &result, path);
-    forget(run);
 }
 
 /** The command by which the run goes on. */

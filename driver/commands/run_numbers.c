@@ -1,6 +1,7 @@
 #include "commands/run_numbers.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 
 #include <stdio.h>
 
@@ -18,8 +19,12 @@ static void write_impacts(char *text, size_t size, double impacts, double speed)
     }
 }
 
-void tell_numbers(const numbers *numbers, const model_names *names, const model_output *rows, const double *values)
+void tell_numbers(const numbers *numbers, const model_names *names)
 {
+    POOLED memory_pool pool = {NULL};
+    model_output rows[N_NUMBER_ROWS];
+    OWNED double *values = xcalloc((size_t)number_rows_place(&pool, names, rows), sizeof *values);
+    numbers_conclude(numbers, values);
     const number_span span = numbers_span(numbers);
     char reason[DAE_MESSAGE_LENGTH];
     numbers_explain(numbers, reason, sizeof reason);

@@ -4,6 +4,5 @@
 #include "simulate/number_channel.h"
 #include "simulate/numbers.h"
 
-/** A line a mesh, or why there are no numbers.
- *  @param rows, values  of all numbers, as number_rows_place and numbers_conclude give them */
-void tell_numbers(const numbers *numbers, const model_names *names, const model_output *rows, const double *values);
+/** A line a mesh, or why there are no numbers. */
+void tell_numbers(const numbers *numbers, const model_names *names);

@@ -1,10 +1,11 @@
+#include "analyses/show_geometry.h"
+#include "analyses/show_json.h"
 #include "base/json.h"
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_schema.h"
 #include "case/unit.h"
 #include "commands/command.h"
-#include "commands/show_geometry.h"
 #include "simulate/prepare.h"
 
 #include <math.h>
@@ -55,11 +56,6 @@ static void print_indented(FILE *stream, const char *text)
     }
 }
 
-static const char *integrator_name(const simulation_description *simulation)
-{
-    return simulation->integrator == INTEGRATOR_RADAU ? "radau" : "ida";
-}
-
 /** What the accuracy that a case states comes to. */
 static void show_accuracy(FILE *stream, const simulation_description *simulation)
 {
@@ -89,41 +85,6 @@ static void show_text(FILE *stream, const prepared_case *prepared)
     if (warnings[0] != '\0') {
         fprintf(stream, "\nWarnings\n  %s\n", warnings);
     }
-}
-
-/* ---- for scripts ---- */
-
-static void write_model(json_writer *writer, const prepared_case *prepared)
-{
-    const model *model = prepared->model;
-    const simulation_description *simulation = &case_description(prepared->file)->simulation;
-    json_open(writer, "integration", '{');
-    json_text(writer, "integrator", integrator_name(simulation));
-    json_number(writer, "tolerance", simulation->tolerance);
-    json_close(writer, '}');
-    write_geometry(writer, case_description(prepared->file), model);
-    json_open(writer, "warnings", '[');
-    for (int i = 0; i < model_n_warnings(model); i++) {
-        OWNED char *text = prepare_warning(prepared, i);
-        json_text(writer, NULL, text);
-    }
-    json_close(writer, ']');
-}
-
-/** The same as one JSON object in SI units and radians, in full precision, for scripts.
- *  @param refusal  why the case cannot run, if so */
-static void show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
-{
-    json_writer writer = {.stream = stream};
-    json_open(&writer, NULL, '{');
-    json_text(&writer, "path", case_path(prepared->file));
-    tree_write_json(&writer, "case", case_root(prepared->file));
-    if (prepared->model != NULL) {
-        write_model(&writer, prepared);
-    }
-    OWNED char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
-    json_text(&writer, "refusal", line);
-    json_close(&writer, '}');
 }
 
 /* ---- laws and keys ---- */
@@ -163,18 +124,6 @@ static void show_laws(FILE *stream)
 
 /* ---- parameters ---- */
 
-static void write_parameter(json_writer *writer, const evl_parameter *parameter, const double *numbers)
-{
-    json_open(writer, parameter->path, '{');
-    json_text(writer, "unit", parameter->unit);
-    if (parameter->n == 1) {
-        json_number(writer, "value", numbers[0]);
-    } else {
-        json_numbers(writer, "value", parameter->n, numbers);
-    }
-    json_close(writer, '}');
-}
-
 static void print_parameter(FILE *stream, const evl_parameter *parameter, const double *numbers)
 {
     char number[NUMBER_TEXT_LENGTH];
@@ -186,24 +135,13 @@ static void print_parameter(FILE *stream, const evl_parameter *parameter, const 
     fprintf(stream, "%s%s%s\n", parameter->n == 1 ? "" : "]", parameter->unit[0] == '\0' ? "" : " ", parameter->unit);
 }
 
-static void show_parameters(FILE *stream, const model *model, bool as_json)
+static void print_parameters(FILE *stream, const model *model)
 {
     evl_parameter parameter;
-    json_writer writer = {.stream = stream};
-    if (as_json) {
-        json_open(&writer, NULL, '{');
-    }
     double *numbers = NULL;
     for (int i = 0; (numbers = model_parameter_at(model, i, &parameter)) != NULL; i++) {
-        if (as_json) {
-            write_parameter(&writer, &parameter, numbers);
-        } else {
-            print_parameter(stream, &parameter, numbers);
-        }
+        print_parameter(stream, &parameter, numbers);
         free(numbers);
-    }
-    if (as_json) {
-        json_close(&writer, '}');
     }
 }
 
@@ -240,7 +178,7 @@ static void show_converted(FILE *stream, const char *file, const option_values *
 static void show_prepared(const prepared_case *prepared, const show_options *options, evl_error *error)
 {
     if (options->parameters && prepared->model != NULL) {
-        show_parameters(stdout, prepared->model, options->json);
+        (options->json ? show_parameters_json : print_parameters)(stdout, prepared->model);
     } else if (options->json && !options->parameters) {
         show_json(stdout, prepared, error);
     } else if (!options->parameters) {

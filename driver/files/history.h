@@ -1,5 +1,5 @@
-/** The time history of a run, on file, or what another analysis finds along an axis of its own. The interface knows nothing of HDF5;
- *  history*_hdf5.c do.
+/** The time history of a run, or what another analysis finds along an axis of its own: on file in the program (history*_hdf5.c), in
+ *  memory in the library (history_memory.c). Who links chooses.
  *
  *  A history grows as NAME.partial and gets NAME only by history_close, which replaces an older one. As long as its rows fit into a
  *  few megabytes they are kept, and each flush writes a new file that takes the place of NAME.partial; longer ones grow in place.
@@ -45,6 +45,7 @@ typedef struct {
     double flush_interval; /**< [s]; 0: the usual one, after a first flush that comes sooner */
     int n_attributes;
     const history_attribute *attributes; /**< of the root, known at the start */
+    struct history **kept; /**< of a history in memory: where it is when it is closed; a file has no need of it */
 } history_layout;
 
 /** Something that happened; mesh, flank and tooth_pair are -1 where it concerns none. */
@@ -76,5 +77,5 @@ bool history_close(history **history, bool commit, int n_attributes, const histo
 void history_abandon(history **history);
 /** NAME.partial */
 const char *history_partial_path(const history *history);
-/** Version of the library, such as "HDF5 1.10.8". */
+/** Version of the library that writes it, such as "HDF5 1.10.8"; "" in memory. */
 const char *history_version(void);

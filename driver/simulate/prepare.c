@@ -94,6 +94,13 @@ bool prepare_case(prepared_case *prepared, const char *path, int n_set, const ch
     return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
 }
 
+bool prepare_text(prepared_case *prepared, const char *name, const char *text, int n_set, const char *const *set,
+                  evl_error *error)
+{
+    *prepared = (prepared_case){.file = case_parse(name, text, n_set, set, model_schema(), error)};
+    return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
+}
+
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
     model_message refusal;

@@ -12,6 +12,9 @@ typedef struct {
 /** Read and check the case and make its model. @return false with the reason in `error`: `file` is NULL if it could not be read,
  *  `model` if there is none. In any case it is to be freed */
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
+/** The same of the text of a case. @param name  what errors call it */
+bool prepare_text(prepared_case *prepared, const char *name, const char *text, int n_set, const char *const *set,
+                  evl_error *error);
 /** The same from a base that was parsed before.
  *  @param[in,out] prepared  zeros, or what an earlier call with this base has made: it becomes the new case
  *  @param wheels  known ones that give way

@@ -117,7 +117,7 @@ static int on_step(void *self, double t)
     if (s->sink->step != NULL) {
         s->sink->step(s->sink->self, t);
     }
-    if (interrupt_signal != 0 && s->sink->is_due == NULL) {
+    if (*(s->sink->interrupt != NULL ? s->sink->interrupt : &interrupt_signal) != 0 && s->sink->is_due == NULL) {
         s->stop = STOP_INTERRUPTED;
         return 1;
     }

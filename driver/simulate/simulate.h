@@ -7,6 +7,8 @@
 #include "simulate/prepare.h"
 #include "simulate/wanted.h"
 
+#include <signal.h>
+
 /** What is to come after a simulation was kept: SIMULATE_INTERRUPTED, or SIMULATE_SINK_FAILED. */
 typedef enum { SIMULATE_GOES_ON, SIMULATE_STOPS, SIMULATE_FAILS } simulate_kept;
 
@@ -18,8 +20,10 @@ typedef struct {
     bool (*outputs)(void *self, const output_block *block); /**< in order of time; events come in between */
     bool (*event)(void *self, const event_record *record);
     void (*step)(void *self, double t); /**< now and then, between steps: how far it is; NULL: nobody asks */
-    extremes *extremes;                 /**< to be found between the outputs; NULL: none */
-    numbers *numbers;                   /**< the same; NULL: none. With them there are extremes */
+    const volatile sig_atomic_t
+        *interrupt;     /**< ends it when it is not 0; NULL: the number of a signal to the process */
+    extremes *extremes; /**< to be found between the outputs; NULL: none */
+    numbers *numbers;   /**< the same; NULL: none. With them there are extremes */
     /** As of integrate_observer: a simulation that can go on later. NULL: it cannot. Then a signal does not end it: it makes it due */
     bool (*is_due)(void *self, double t);
     void (*keep)(void *self, archive *archive);

@@ -1,6 +1,6 @@
 /* A simulation that is made anew writes the history that one would have written. */
 #include "base/memory.h"
-#include "commands/run_history.h"
+#include "analyses/run_history.h"
 #include "simulate/prepare.h"
 
 #include <math.h>
@@ -69,7 +69,7 @@ static char *write_history(const char *folder, int n_first, size_t *size)
     simulate_to(&w, &prepared, n_first == 0, all, &result);
     assert_int_equal(result.end, SIMULATE_DONE);
     assert_int_equal(w.history.rows.written, 91);
-    assert_true(run_history_close(&w.history, "done", "", &result, "", &w.error));
+    assert_true(run_history_close(&w.history, "", &result, "", &w.error));
     run_history_free(&w.history);
     prepared_case_free(&prepared);
     enum { MOST = 10000000 };

@@ -1,4 +1,4 @@
-#include "commands/show_geometry.h"
+#include "analyses/show_geometry.h"
 
 #include "base/memory.h"
 #include "base/words.h"

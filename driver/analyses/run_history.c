@@ -1,12 +1,14 @@
-#include "commands/run_history.h"
+#include "analyses/run_history.h"
 
+#include "analyses/versions.h"
 #include "base/memory.h"
-#include "commands/result.h"
-#include "commands/run_numbers.h"
 #include "integrate/integrate.h"
 #include "model/output_groups.h"
+#include "simulate/number_channel.h"
 #include "simulate/positions.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,6 +83,22 @@ void run_history_init(run_history *self, const prepared_case *prepared)
         .max_rows = output_grid_size(&options, 0),
     };
     list_outputs(self);
+}
+
+void run_history_watch(run_history *self)
+{
+    const model *model = self->prepared->model;
+    const description *description = case_description(self->prepared->file);
+    const numbers_description *asked = &description->simulation.numbers;
+    extremes_delete(&self->extremes);
+    numbers_delete(&self->numbers);
+    if (asked->is_given) {
+        bool all[N_NUMBER_ROWS];
+        memset(all, true, sizeof all);
+        const number_window window = {asked->from, asked->to, asked->mesh, asked->wheel};
+        self->numbers = numbers_create(model, &window, all);
+    }
+    self->extremes = extremes_create(model, description->n_meshes, -INFINITY, INFINITY);
 }
 
 bool run_history_open(run_history *self, const char *path, evl_error *error)
@@ -173,7 +191,7 @@ bool run_history_event(run_history *self, const event_record *record, evl_error 
 /* Its end. */
 
 /** The extremes over the run, as variables of the meshes. */
-static bool put_extremes(const run_history *self, const extremes *found, evl_error *error)
+static bool put_extremes(const run_history *self, evl_error *error)
 {
     const int n = model_tables()->n_extremes, n_meshes = case_description(self->prepared->file)->n_meshes;
     OWNED model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
@@ -184,27 +202,26 @@ static bool put_extremes(const run_history *self, const extremes *found, evl_err
         outputs[i].count = n_meshes;
         outputs[i].offset = i * n_meshes;
         for (int mesh = 0; mesh < n_meshes; mesh++) {
-            const extreme_found extreme = extremes_found(found, i / 2, mesh);
+            const extreme_found extreme = extremes_found(self->extremes, i / 2, mesh);
             values[outputs[i].offset + mesh] = i % 2 == 0 ? extreme.value : extreme.time;
         }
     }
     return history_put_finals(self->history, 2 * n, outputs, values, error);
 }
 
-/** The numbers of the case, as variables with window_ in front; and those that tell most, in words. */
-static bool put_numbers(const run_history *self, numbers *numbers, evl_error *error)
+/** The numbers of the case, as variables with window_ in front. */
+static bool put_numbers(const run_history *self, evl_error *error)
 {
     const model_names *names = &model_about(self->prepared->model)->names;
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
     const int n = number_rows_place(&pool, names, rows);
     OWNED double *values = xcalloc((size_t)n, sizeof *values);
-    numbers_conclude(numbers, values);
-    tell_numbers(numbers, names, rows, values);
+    numbers_conclude(self->numbers, values);
     for (int i = 0; i < N_NUMBER_ROWS; i++) {
         rows[i].name = pool_printf(&pool, "window_%s", rows[i].name);
     }
-    const number_span span = numbers_span(numbers);
+    const number_span span = numbers_span(self->numbers);
     const double of_span[] = {span.from, span.to, (double)span.periods};
     const model_output rows_of_span[] = {
         {"window_begin", "s", "", "where the first whole period of the numbers begins", "", true, false, 0, 1},
@@ -215,14 +232,32 @@ static bool put_numbers(const run_history *self, numbers *numbers, evl_error *er
            history_put_finals(self->history, N_NUMBER_ROWS, rows, values, error);
 }
 
-bool run_history_put(const run_history *self, const extremes *extremes, numbers *numbers, evl_error *error)
+bool run_history_put(const run_history *self, evl_error *error)
 {
-    return put_extremes(self, extremes, error) && (numbers == NULL || put_numbers(self, numbers, error));
+    return put_extremes(self, error) && (self->numbers == NULL || put_numbers(self, error));
 }
 
-bool run_history_close(run_history *self, const char *status, const char *message, const simulate_result *result,
-                       const char *checkpoints, evl_error *error)
+/** The attributes that say how it ended. @return the status */
+static const char *tell_end(const simulate_result *result, const char *who, char message[2 * DAE_MESSAGE_LENGTH])
 {
+    const size_t size = 2 * (size_t)DAE_MESSAGE_LENGTH;
+    if (result->end == SIMULATE_INTERRUPTED) {
+        (void)snprintf(message, size, "interrupted by %s at t = %.9g s", who, result->t);
+        return "interrupted";
+    }
+    if (result->end == SIMULATE_FAILED) {
+        (void)snprintf(message, size, "failed at t = %.9g s: %s", result->t, result->message);
+        return "failed";
+    }
+    (void)snprintf(message, size, "%s", result->remark);
+    return "done";
+}
+
+bool run_history_close(run_history *self, const char *who, const simulate_result *result, const char *checkpoints,
+                       evl_error *error)
+{
+    char message[2 * DAE_MESSAGE_LENGTH];
+    const char *status = tell_end(result, who, message);
     const integrate_counts *counts = &result->counts;
     const bool by_stepper = simulate_options(self->prepared).by_stepper;
     const history_attribute attributes[] = {
@@ -257,5 +292,7 @@ const char *run_history_partial_path(const run_history *self)
 
 void run_history_free(run_history *self)
 {
+    extremes_delete(&self->extremes);
+    numbers_delete(&self->numbers);
     pool_free(&self->pool);
 }

@@ -18,10 +18,14 @@ typedef struct {
     history_layout layout; /**< outputs and states, with their places in a row */
     history *history;      /**< NULL: none is open */
     run_history_count rows, events;
+    extremes *extremes;
+    numbers *numbers; /**< NULL: the case does not ask for them */
 } run_history;
 
 /** Find what it is to hold. */
 void run_history_init(run_history *self, const prepared_case *prepared);
+/** Look for extremes and numbers from the start on, as a simulation is to begin; after one before, anew. */
+void run_history_watch(run_history *self);
 /** Create a file with all that is known at the start. @return false with the reason in `error`, as the others do */
 bool run_history_open(run_history *self, const char *path, evl_error *error);
 
@@ -31,12 +35,13 @@ bool run_history_event(run_history *self, const event_record *record, evl_error 
 /** The simulation is made anew: what is written comes once more, the same, and is passed over. */
 void run_history_again(run_history *self);
 
-/** Put what is known at the end, the numbers also in words. @param numbers  NULL: the case does not ask for them */
-bool run_history_put(const run_history *self, const extremes *extremes, numbers *numbers, evl_error *error);
+/** Put what is known at the end. */
+bool run_history_put(const run_history *self, evl_error *error);
 /** Say how the run ended, and give the file its name if it came to its end.
+ *  @param who          has interrupted it, if so
  *  @param checkpoints  model times at which it may have started anew; "" if there are none */
-bool run_history_close(run_history *self, const char *status, const char *message, const simulate_result *result,
-                       const char *checkpoints, evl_error *error);
+bool run_history_close(run_history *self, const char *who, const simulate_result *result, const char *checkpoints,
+                       evl_error *error);
 /** Drop what cannot be written. */
 void run_history_abandon(run_history *self);
 /** Where it is until then. */

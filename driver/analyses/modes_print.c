@@ -1,4 +1,4 @@
-#include "commands/modes_print.h"
+#include "analyses/modes_print.h"
 
 #include "base/json.h"
 #include "base/words.h"
@@ -75,7 +75,7 @@ static void print_what(FILE *stream, const modes_report *report)
     fprintf(stream, "Case %s, linearised ", case_path(report->file));
     switch (report->kind) {
     case MODES_AT:
-        fprintf(stream, "at t = %.9g s\n\n", report->state->t);
+        fprintf(stream, "at t = %.9g s\n\n", report->state.t);
         break;
     case MODES_MEAN:
         fputs("with the mean over one pitch of its steady states under load\n\n", stream);
@@ -91,7 +91,7 @@ static void print_what(FILE *stream, const modes_report *report)
 
 static void print_mesh(FILE *stream, const modes_report *report, int mesh, int width)
 {
-    const evl_mesh_mode standing = model_mesh_mode(report->model, report->state, mesh);
+    const evl_mesh_mode standing = model_mesh_mode(report->model, &report->state, mesh);
     const bool is_mean = report->kind == MODES_MEAN;
     fprintf(stream, "  %-*s  %9s", width, case_description(report->file)->meshes[mesh],
             is_mean ? "mean" : contacts[standing.contact]);
@@ -230,7 +230,7 @@ static void write_state(json_writer *writer, const modes_report *report)
     static const char *const kinds[] = {[MODES_STEADY] = "steady", [MODES_MEAN] = "mean", [MODES_AT] = "at"};
     const bool is_mean = report->kind == MODES_MEAN;
     json_text(writer, "kind", kinds[report->kind]);
-    json_number(writer, "time", report->state->t);
+    json_number(writer, "time", report->state.t);
     json_number(writer, "mesh_position", report->kind == MODES_STEADY ? report->mesh_position : NAN);
     json_open(writer, "wheels", '{');
     for (int i = 0; i < description->n_wheels; i++) {
@@ -241,7 +241,7 @@ static void write_state(json_writer *writer, const modes_report *report)
     json_close(writer, '}');
     json_open(writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
-        const evl_mesh_mode standing = model_mesh_mode(report->model, report->state, i);
+        const evl_mesh_mode standing = model_mesh_mode(report->model, &report->state, i);
         json_open(writer, description->meshes[i], '{');
         json_text(writer, "contact", is_mean ? "mean" : contacts[standing.contact]);
         json_number(writer, "position", is_mean ? NAN : standing.position);

@@ -16,8 +16,8 @@ typedef enum {
 typedef struct {
     const case_file *file;
     const model *model;
-    const dae_state *state; /**< at which the gearbox is linearised; of MODES_MEAN one of them */
-    const double *values;   /**< [model_n_values] the outputs there, or their means */
+    dae_state state; /**< at which the gearbox is linearised; of MODES_MEAN one of them */
+    double *values;  /**< [model_n_values] the outputs there, or their means */
     modes_kind kind;
     double mesh_position; /**< of MODES_STEADY: pitches of the first mesh from the start of contact */
     natural_modes modes;

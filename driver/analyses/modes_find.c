@@ -1,0 +1,156 @@
+#include "analyses/modes_find.h"
+
+#include "base/memory.h"
+#include "base/progress.h"
+#include "case/unit.h"
+#include "integrate/integrate.h"
+#include "simulate/simulate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the motion up to a time ---- */
+
+typedef struct {
+    progress progress;
+    const volatile sig_atomic_t *interrupt;
+} motion;
+
+static int on_step(void *self, double t)
+{
+    motion *motion = self;
+    progress_step(&motion->progress, t);
+    return *motion->interrupt != 0;
+}
+
+static bool move_to(const prepared_case *prepared, const modes_request *request, double time, dae_state *state,
+                    evl_error *error)
+{
+    integrate_options options = simulate_options(prepared);
+    options.t_end = options.output_interval = time;
+    options.per_unit = 0;
+    motion motion = {.interrupt = request->interrupt};
+    const integrate_observer observer = {.self = &motion, .step = on_step};
+    integrate_counts counts;
+    char reason[DAE_MESSAGE_LENGTH];
+    progress_start(&motion.progress, request->is_shown, state->t, time);
+    const integrate_code code =
+        integrate(&model_about(prepared->model)->dae, &options, &observer, state, &counts, reason);
+    progress_end(&motion.progress);
+    if (code == INTEGRATE_DONE) {
+        return true;
+    }
+    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
+    return code == INTEGRATE_STOPPED ? evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s",
+                                                     request->who(*request->interrupt))
+                                     : evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s", reason);
+}
+
+/* ---- the state ---- */
+
+/** The number of an option; none if the option was not given. */
+static bool read_number(const char *option, const char *text, const char *unit, double most, const char *range,
+                        double *number, evl_error *error)
+{
+    if (text == NULL) {
+        return true;
+    }
+    OWNED char *why = quantity_complaint(text, unit, range, number);
+    if (why == NULL && *number >= 0.0 && *number <= most) {
+        return true;
+    }
+    OWNED char *place = xasprintf("--%s %s", option, text);
+    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why == NULL ? range : why);
+}
+
+/** @return false */
+static bool refuse_steady_state(const prepared_case *prepared, const model_message *refusal, evl_error *error)
+{
+    if (strncmp(refusal->field, MODEL_START, strlen(MODEL_START)) != 0) {
+        return prepare_refuse(prepared, refusal, error);
+    }
+    return evl_error_set(/* the case need not ask for it: its lines are not to blame */
+                         error, EVL_EXIT_CASE, case_path(prepared->file),
+                         "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time "
+                         "instead",
+                         refusal->message);
+}
+
+static bool find_state_at(const prepared_case *prepared, const modes_request *request, double time, dae_state *state,
+                          evl_error *error)
+{
+    const double duration = case_description(prepared->file)->simulation.duration;
+    if (time > duration) {
+        OWNED char *place = xasprintf("--at %s", request->at);
+        return evl_error_set(error, EVL_EXIT_CASE, place,
+                             "the case ends at %.9g s; --set simulation.duration=%.9g makes it longer", duration, time);
+    }
+    return prepare_start(prepared, state, error) &&
+           (time <= state->t || move_to(prepared, request, time, state, error));
+}
+
+/** The modes at one state. */
+static bool linearise(const prepared_case *prepared, const dae_state *state, double *values, natural_modes *modes,
+                      evl_error *error)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    return (model_outputs(prepared->model, state, values, message) == DAE_OK &&
+            model_modes(prepared->model, state, modes, message)) ||
+           evl_error_set(error, EVL_EXIT_CASE, case_path(prepared->file), "cannot be linearised at t = %.9g s: %s",
+                         state->t, message);
+}
+
+bool modes_read(const modes_request *request, modes_place *place, evl_error *error)
+{
+    static const double most_pitches = 1e6;
+    *place = (modes_place){0.0, 0.0};
+    return read_number("at", request->at, "s", HUGE_VAL, "the time must be a number of seconds, at least 0",
+                       &place->time, error) &&
+           read_number("mesh-position", request->mesh_position, NULL, most_pitches,
+                       "the position must be a number of pitches, from 0 to 1e6", &place->position, error);
+}
+
+const char *modes_check(const modes_request *request)
+{
+    const int n_states = (request->at != NULL) + (request->mesh_position != NULL) + request->mean;
+    return n_states > 1 ? "one of '--at', '--mesh-position' and '--mean' at a time" : NULL;
+}
+
+/** The modes at the mean of the steady states, or at one state. */
+static bool find(const prepared_case *prepared, const modes_request *request, const modes_place *place,
+                 modes_report *report, evl_error *error)
+{
+    dae_state *state = &report->state;
+    model_message refusal;
+    if (request->mean) {
+        return model_mean_modes(prepared->model, state, report->values, &report->modes, &refusal) ||
+               refuse_steady_state(prepared, &refusal, error);
+    }
+    return (request->at != NULL ? find_state_at(prepared, request, place->time, state, error)
+                                : model_steady_state(prepared->model, place->position, state, &refusal) ||
+                                      refuse_steady_state(prepared, &refusal, error)) &&
+           linearise(prepared, state, report->values, &report->modes, error);
+}
+
+bool modes_find(const prepared_case *prepared, const modes_request *request, const modes_place *place,
+                modes_report *report, evl_error *error)
+{
+    *report = (modes_report){.file = prepared->file,
+                             .model = prepared->model,
+                             .values = xcalloc((size_t)model_about(prepared->model)->n_values, sizeof(double)),
+                             .kind = request->mean         ? MODES_MEAN
+                                     : request->at != NULL ? MODES_AT
+                                                           : MODES_STEADY,
+                             .mesh_position = place->position};
+    /* what cannot run has no modes either */
+    return (request->at != NULL || prepare_check_start(prepared, error)) &&
+           find(prepared, request, place, report, error);
+}
+
+void modes_free(modes_report *report)
+{
+    free(report->values);
+    pool_free(&report->modes.pool);
+    dae_state_free(&report->state);
+}

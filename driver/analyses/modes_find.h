@@ -1,0 +1,31 @@
+/** The natural modes of a case. */
+#pragma once
+
+#include "analyses/modes_print.h"
+#include "simulate/prepare.h"
+
+#include <signal.h>
+
+/** What is asked for: at most one of the first three; none: the steady state where the case starts. */
+typedef struct {
+    const char *at;            /**< time [s] as a text, or NULL */
+    const char *mesh_position; /**< steady state at so many pitches from the start of contact, as a text, or NULL */
+    bool mean;                 /**< the mean over the steady states at all positions of the meshes */
+    bool is_shown;             /**< how far it is, on stderr */
+    const volatile sig_atomic_t *interrupt; /**< ends it when it is not 0 */
+    const char *(*who)(int interrupt);      /**< by whom */
+} modes_request;
+
+/** Why these do not go together; NULL if they do. */
+const char *modes_check(const modes_request *request);
+/** What the texts of a request say. */
+typedef struct {
+    double time, position;
+} modes_place;
+/** @return false with the reason in `error` */
+bool modes_read(const modes_request *request, modes_place *place, evl_error *error);
+/** Find the modes. @param[in,out] report  zeros; to be freed by modes_free in any case
+ *  @return false with the reason in `error` */
+bool modes_find(const prepared_case *prepared, const modes_request *request, const modes_place *place,
+                modes_report *report, evl_error *error);
+void modes_free(modes_report *report);

@@ -1,0 +1,69 @@
+#include "analyses/show_json.h"
+
+#include "analyses/show_geometry.h"
+#include "base/json.h"
+#include "base/memory.h"
+#include "case/case_tree.h"
+
+#include <stdlib.h>
+
+const char *integrator_name(const simulation_description *simulation)
+{
+    return simulation->integrator == INTEGRATOR_RADAU ? "radau" : "ida";
+}
+
+static void write_model(json_writer *writer, const prepared_case *prepared)
+{
+    const model *model = prepared->model;
+    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    json_open(writer, "integration", '{');
+    json_text(writer, "integrator", integrator_name(simulation));
+    json_number(writer, "tolerance", simulation->tolerance);
+    json_close(writer, '}');
+    write_geometry(writer, case_description(prepared->file), model);
+    json_open(writer, "warnings", '[');
+    for (int i = 0; i < model_n_warnings(model); i++) {
+        OWNED char *text = prepare_warning(prepared, i);
+        json_text(writer, NULL, text);
+    }
+    json_close(writer, ']');
+}
+
+void show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
+{
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '{');
+    json_text(&writer, "path", case_path(prepared->file));
+    tree_write_json(&writer, "case", case_root(prepared->file));
+    if (prepared->model != NULL) {
+        write_model(&writer, prepared);
+    }
+    OWNED char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
+    json_text(&writer, "refusal", line);
+    json_close(&writer, '}');
+}
+
+static void write_parameter(json_writer *writer, const evl_parameter *parameter, const double *numbers)
+{
+    json_open(writer, parameter->path, '{');
+    json_text(writer, "unit", parameter->unit);
+    if (parameter->n == 1) {
+        json_number(writer, "value", numbers[0]);
+    } else {
+        json_numbers(writer, "value", parameter->n, numbers);
+    }
+    json_close(writer, '}');
+}
+
+void show_parameters_json(FILE *stream, const model *model)
+{
+    evl_parameter parameter;
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '{');
+    double *numbers = NULL;
+    for (int i = 0; (numbers = model_parameter_at(model, i, &parameter)) != NULL; i++) {
+        write_parameter(&writer, &parameter, numbers);
+        free(numbers);
+    }
+    json_close(&writer, '}');
+}

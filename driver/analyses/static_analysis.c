@@ -1,0 +1,283 @@
+#include "analyses/static_analysis.h"
+
+#include "analyses/versions.h"
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/suggest.h"
+#include "case/unit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { USUAL_POINTS = 200, MOST_POINTS = 100000 };
+
+/** Refuse an option. @return false */
+static bool refuse_option(const char *option, const char *text, const char *why, evl_error *error)
+{
+    OWNED char *place = xasprintf("%s %s", option, text);
+    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why);
+}
+
+/** A whole number from 1 to `most`. */
+static bool read_count(const char *text, int most, int *count)
+{
+    double value;
+    const bool good =
+        number_read(text, &value) == NUMBER_FINITE && value >= 1.0 && value <= most && value == floor(value);
+    *count = good ? (int)value : 0;
+    return good;
+}
+
+static bool find_mesh(const prepared_case *prepared, const char *text, int *mesh, evl_error *error)
+{
+    const description *description = case_description(prepared->file);
+    double index;
+    *mesh = 0;
+    if (text == NULL) {
+        return true;
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        if (strcmp(text, description->meshes[i]) == 0) {
+            *mesh = i;
+            return true;
+        }
+    }
+    if (number_read(text, &index) == NUMBER_FINITE && index >= 0.0 && index < description->n_meshes &&
+        index == floor(index)) {
+        *mesh = (int)index;
+        return true;
+    }
+    OWNED char *meant = suggest_phrase(text, description->n_meshes, description->meshes);
+    OWNED char *why = xasprintf("the case has no such mesh%s", meant);
+    return refuse_option("--mesh", text, why, error);
+}
+
+static const char HOW_TORQUES[] =
+    "it must be FROM:TO:STEPS, two torques [N m] that grow and how many there are, from 2 to "
+    "1000, such as 10:200:20 or '10 N m:0.2 kN m:20'; or one torque";
+
+/** A torque of --torque. */
+static bool read_torque(const char *option, const char *text, double *torque, evl_error *error)
+{
+    OWNED char *why = quantity_complaint(text, "N m", HOW_TORQUES, torque);
+    return why == NULL || refuse_option("--torque", option, why, error);
+}
+
+/** Both ends of FROM:TO:STEPS. @param parts  its texts */
+static bool read_ends(const char *option, char *const parts[3], double ends[2], int *n, evl_error *error)
+{
+    static const char one_flank[] =
+        "torques above 0 press the drive flanks, those below 0 the coast flanks, 0 none: ask for either";
+    static const char one_unit[] = "one of its torques has a unit and the other has none: give both a unit, or neither";
+    double number = 0.0;
+    if (!read_torque(option, parts[0], &ends[0], error) || !read_torque(option, parts[1], &ends[1], error)) {
+        return false;
+    }
+    if ((number_read(parts[0], &number) == NUMBER_NONE) != (number_read(parts[1], &number) == NUMBER_NONE)) {
+        return refuse_option("--torque", option, one_unit, error);
+    }
+    if (!(ends[1] > ends[0]) || !read_count(parts[2], STATIC_MOST_TORQUES, n) || *n < 2) {
+        return refuse_option("--torque", option, HOW_TORQUES, error);
+    }
+    return ends[0] > 0.0 || ends[1] < 0.0 || refuse_option("--torque", option, one_flank, error);
+}
+
+/** FROM:TO:STEPS, evenly from one to the other, or one torque.
+ *  @param torques  room for STATIC_MOST_TORQUES */
+static bool read_torques(const char *text, double *torques, int *n, evl_error *error)
+{
+    OWNED char *copy = xstrdup(text);
+    char *parts[3] = {copy, strchr(copy, ':'), NULL};
+    double ends[2];
+    for (int i = 1; i < 3 && parts[i] != NULL; i++) {
+        *parts[i]++ = '\0';
+        if (i < 2) {
+            parts[i + 1] = strchr(parts[i], ':');
+        }
+    }
+    *n = 1;
+    if (parts[1] == NULL) {
+        return read_torque(text, copy, &torques[0], error);
+    }
+    if (parts[2] == NULL) {
+        return refuse_option("--torque", text, HOW_TORQUES, error);
+    }
+    if (!read_ends(text, parts, ends, n, error)) {
+        return false;
+    }
+    for (int i = 0; i < *n; i++) {
+        torques[i] = i == *n - 1 ? ends[1] : ends[0] + (ends[1] - ends[0]) * i / (*n - 1);
+    }
+    return true;
+}
+
+/* ---- the file ---- */
+
+/** 0, 1, 2, ... times a step from the first on, a new array. */
+static double *count_up(int n, double first, double step)
+{
+    double *numbers = xcalloc((size_t)n, sizeof *numbers);
+    for (int i = 0; i < n; i++) {
+        numbers[i] = first + i * step;
+    }
+    return numbers;
+}
+
+static bool create_file(static_analysis *a, evl_error *error)
+{
+    const description *description = case_description(a->prepared->file);
+    const static_plan *plan = &a->plan;
+    OWNED char *warnings = prepare_warnings(a->prepared, "\n"), *versions = result_versions();
+    OWNED double *positions = count_up(plan->n_positions, 0.0, 1.0),
+                 *pairs = count_up(plan->n_pairs, plan->first_pair, 1), *harmonics = count_up(plan->n_harmonics, 1, 1);
+    for (int i = 0; i < plan->n_positions; i++) {
+        positions[i] /= plan->points;
+    }
+    const history_coordinate coordinates[] = {
+        {"position", "1", "x", "pitches from where tooth pair 0 is at the start of contact", false, plan->n_positions,
+         positions},
+        {"pair", "1", "j",
+         "tooth pair by how many pitches it is ahead of the one that came last onto the path; -1: the next", true,
+         plan->n_pairs, pairs},
+        {"harmonic", "1", "n", "harmonic of the mesh frequency", true, plan->n_harmonics, harmonics},
+    };
+    const history_attribute attributes[] = {
+        {"title", .text = description->title},
+        {"case", .text = case_text(a->prepared->file)},
+        {"mesh", .text = description->meshes[plan->mesh]},
+        {"versions", .text = versions},
+        {"warnings", .text = warnings},
+        {"points", .integer = plan->points},
+        {"pitches", .integer = plan->n_pitches},
+        {"status", .text = "running"},
+        {"status_message", .text = ""},
+    };
+    const history_layout layout = {
+        .path = a->path,
+        .kept = a->kept,
+        .kind = "static",
+        .axis = {.name = "torque", .units = "N m", .symbol = "T_A", .long_name = "torque of the driving wheel"},
+        .n_coordinates = sizeof coordinates / sizeof *coordinates,
+        .coordinates = coordinates,
+        .n_outputs = plan->n_outputs,
+        .outputs = plan->outputs,
+        .max_rows = a->n_torques,
+        .n_attributes = sizeof attributes / sizeof *attributes,
+        .attributes = attributes,
+    };
+    a->file = history_create(&layout, error);
+    return a->file != NULL;
+}
+
+/** What it came to: the file gets its name, or stays a .partial that says why. */
+static void close_file(static_analysis *a, evl_error *error)
+{
+    const bool is_done = error->code == EVL_EXIT_OK;
+    OWNED char *partial = xstrdup(history_partial_path(a->file)), *reason = xstrdup(error->message);
+    const history_attribute attributes[] = {
+        {"status", .text = is_done                               ? "done"
+                           : error->code == EVL_EXIT_INTERRUPTED ? "interrupted"
+                                                                 : "failed"},
+        {"status_message", .text = is_done ? "" : reason},
+    };
+    if (history_close(&a->file, is_done, sizeof attributes / sizeof *attributes, attributes, error) && !is_done &&
+        partial[0] != '\0') {
+        OWNED char *place = xstrdup(error->place);
+        evl_error_set(error, error->code, place, "%s; the torques before it are in '%s'", reason, partial);
+    }
+}
+
+/* ---- the analysis ---- */
+
+/** Turn a refusal of what was asked for into one of the option, another one into one of the case. @return false */
+static bool refuse(const static_analysis *a, const model_message *refusal, const char *option, const char *text,
+                   evl_error *error)
+{
+    return model_is_of_request(refusal) && text != NULL ? refuse_option(option, text, refusal->message, error)
+                                                        : prepare_refuse(a->prepared, refusal, error);
+}
+
+/** One torque; its numbers are kept for the summary. */
+static bool solve(static_analysis *a, int i, const char *asked, evl_error *error)
+{
+    model_message refusal;
+    if (!model_static(a->prepared->model, &a->plan, a->torques[i], a->values, &refusal)) {
+        return refuse(a, &refusal, "--torque", asked, error);
+    }
+    for (int k = 0; k < a->plan.n_outputs; k++) {
+        a->numbers[i * a->plan.n_outputs + k] = a->values[a->plan.outputs[k].offset];
+    }
+    return true;
+}
+
+/** All torques onto the file, which is made when the first one is known. */
+static void analyse(static_analysis *a, const static_request *request, evl_error *error)
+{
+    const char *asked = request->torque;
+    if (!solve(a, 0, asked, error) || !create_file(a, error)) {
+        return;
+    }
+    for (int i = 0; i < a->n_torques && error->code == EVL_EXIT_OK; i++) {
+        if (*request->interrupt != 0) {
+            evl_error_set(error, EVL_EXIT_INTERRUPTED, case_path(a->prepared->file), "interrupted by %s",
+                          request->who(*request->interrupt));
+        } else if ((i == 0 || solve(a, i, asked, error)) && !history_append(a->file, a->torques[i], a->values, error)) {
+            history_abandon(&a->file);
+            return;
+        }
+    }
+    close_file(a, error);
+}
+
+/** Torques to look at: those of the option, or the one that the loads give. */
+static bool find_torques(static_analysis *a, const char *asked, evl_error *error)
+{
+    if (asked != NULL) {
+        return read_torques(asked, a->torques, &a->n_torques, error);
+    }
+    a->n_torques = 1;
+    a->torques[0] = a->plan.torque;
+    return a->plan.torque > 0.0 ||
+           evl_error_set(error, EVL_EXIT_CASE, case_path(a->prepared->file),
+                         "its loads put no torque on mesh %s: give one with --torque, such as --torque 50",
+                         case_description(a->prepared->file)->meshes[a->plan.mesh]);
+}
+
+bool static_check(const static_request *request, int *points, evl_error *error)
+{
+    *points = USUAL_POINTS;
+    return request->points == NULL || read_count(request->points, MOST_POINTS, points) ||
+           refuse_option("--points", request->points,
+                         "it must be a whole number of positions a pitch, from 21 to 100000", error);
+}
+
+bool static_plan_case(static_analysis *a, const static_request *request, int points, evl_error *error)
+{
+    static const char must[] = "it must be a speed of the driving wheel [rad/s]";
+    int mesh;
+    model_message refusal;
+    if (!find_mesh(a->prepared, request->mesh, &mesh, error)) {
+        return false;
+    }
+    if (!model_plan_static(a->prepared->model, mesh, points, &a->plan, &refusal)) {
+        return refuse(a, &refusal, "--points", request->points == NULL ? "" : request->points, error);
+    }
+    OWNED char *why = request->speed == NULL ? NULL : quantity_complaint(request->speed, "rad/s", must, &a->plan.speed);
+    return why == NULL ? find_torques(a, request->torque, error) : refuse_option("--speed", request->speed, why, error);
+}
+
+bool static_analyse(static_analysis *a, const static_request *request, evl_error *error)
+{
+    a->values = xcalloc((size_t)a->plan.n_values, sizeof *a->values);
+    a->numbers = xcalloc((size_t)a->n_torques * (size_t)a->plan.n_outputs, sizeof *a->numbers);
+    analyse(a, request, error);
+    return error->code == EVL_EXIT_OK;
+}
+
+void static_analysis_free(static_analysis *a)
+{
+    static_plan_free(&a->plan);
+    free(a->values);
+    free(a->numbers);
+}
