@@ -1,4 +1,5 @@
-/** Memory that is there, or the program ends with a message and EVL_EXIT_MEMORY: nothing sensible can be done without it. */
+/** Memory that is there, or the program ends with a message and EVL_EXIT_MEMORY, and a call of the library with an error: nothing
+ *  sensible can be done without it. */
 #pragma once
 
 #include <stddef.h>
@@ -12,8 +13,9 @@ static inline void free_owned(void *pointer)
     free(*(void **)pointer);
 }
 
-/** End the program with one line, without a signal; nothing is tidied up, for which memory may be missing, too. The kernel's library
- *  finds it by name (no_memory.c): in another program, which has none, it goes on without memory as that program would. */
+/** End the program with one line, without a signal (memory_end.c), or leave the library's call; nothing is tidied up, for which
+ *  memory may be missing, too. The kernel's library finds it by name (no_memory.c): in another program, which has none, it goes on
+ *  without memory as that program would. */
 _Noreturn void evl_memory_run_out(size_t count, size_t size);
 /** count * size bytes, zeroed; never NULL. */
 void *xcalloc(size_t count, size_t size);

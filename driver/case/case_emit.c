@@ -1,4 +1,5 @@
 /* Nodes to YAML text. */
+#include "base/memory.h"
 #include "base/number.h"
 #include "case/case_tree.h"
 
@@ -10,8 +11,7 @@
 static void emit(yaml_emitter_t *emitter, int initialized, yaml_event_t *event)
 {
     if (!initialized || !yaml_emitter_emit(emitter, event)) {
-        fprintf(stderr, "evolvent: out of memory: the case cannot be written as text\n");
-        abort();
+        evl_memory_run_out(1, 1);
     }
 }
 
@@ -80,7 +80,7 @@ char *tree_text(const case_node *root)
     yaml_emitter_t emitter;
     yaml_event_t event;
     if (stream == NULL || !yaml_emitter_initialize(&emitter)) {
-        abort();
+        evl_memory_run_out(1, 1);
     }
     yaml_emitter_set_output_file(&emitter, stream);
     yaml_emitter_set_unicode(&emitter, 1);

@@ -17,6 +17,12 @@ typedef struct {
     double number; /**< not 0: this one instead of the integer */
 } history_attribute;
 
+/** Whether it is a number that need not be whole. */
+static inline bool history_is_number(const history_attribute *attribute)
+{
+    return attribute->text == NULL && attribute->number != 0;
+}
+
 /** An axis with numbers. */
 typedef struct {
     const char *name, *units, *symbol, *long_name;

@@ -12,9 +12,10 @@ bool history_put_attributes(history *history, int n, const history_attribute *at
     bool good = true;
     for (int i = 0; i < n && good; i++) {
         const history_attribute *attribute = &attributes[i];
-        good = attribute->text != NULL  ? netcdf_put_text(netcdf, netcdf->id, attribute->key, attribute->text)
-               : attribute->number != 0 ? netcdf_put_number(netcdf, netcdf->id, attribute->key, attribute->number)
-                                        : netcdf_put_integer(netcdf, netcdf->id, attribute->key, attribute->integer);
+        good = attribute->text != NULL ? netcdf_put_text(netcdf, netcdf->id, attribute->key, attribute->text)
+               : history_is_number(attribute)
+                   ? netcdf_put_number(netcdf, netcdf->id, attribute->key, attribute->number)
+                   : netcdf_put_integer(netcdf, netcdf->id, attribute->key, attribute->integer);
     }
     return good;
 }

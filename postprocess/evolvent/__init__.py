@@ -1,4 +1,4 @@
-"""Read, check, draw and compare the histories that evolvent writes."""
+"""Run cases in this process; read, check, draw and compare the histories that evolvent writes."""
 
 from __future__ import annotations
 
@@ -6,30 +6,43 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from evolvent.errors import HistoryError
+    from evolvent.errors import AnalysisError, HistoryError
     from evolvent.history import open_events, open_history, run_warning
+    from evolvent.library.calls import modes, parameters, run, show, static
     from evolvent.physics.compare import compare_histories
     from evolvent.physics.invariants import check_history
     from evolvent.version import __version__
 
 __all__ = [
+    "AnalysisError",
     "HistoryError",
     "__version__",
     "check_history",
     "compare_histories",
+    "modes",
     "open_events",
     "open_history",
+    "parameters",
+    "run",
     "run_warning",
+    "show",
+    "static",
 ]
 # Where the names are. They are imported when they are first used: a command needs few of them.
 _HOMES = {
+    "AnalysisError": "errors",
     "HistoryError": "errors",
     "__version__": "version",
     "check_history": "physics.invariants",
     "compare_histories": "physics.compare",
+    "modes": "library.calls",
     "open_events": "history",
     "open_history": "history",
+    "parameters": "library.calls",
+    "run": "library.calls",
     "run_warning": "history",
+    "show": "library.calls",
+    "static": "library.calls",
 }
 
 

@@ -10,7 +10,10 @@ import secrets
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 OF_SYSTEM = re.compile(r"errno = \d+, error message = '([^']*)'")  # in what HDF5 says
 OF_FILE = re.compile(r"filename = '([^']*)'")
@@ -33,6 +36,26 @@ class EvolventError(Exception):
 
 class HistoryError(EvolventError):
     """A file that cannot be used as a history; the message names it and says why."""
+
+
+class AnalysisError(EvolventError):
+    """What the library cannot do; as a text it is the line that the program would end with.
+
+    Parameters
+    ----------
+    code : exit code of the program.
+    place : "CASE.yaml:12:5", or what was set or asked for; "" if there is none.
+    reason : what is wrong and what to do.
+    """
+
+    def __init__(self, code: int, place: str, reason: str) -> None:
+        super().__init__(f"{place or 'evolvent'}: {reason}", code)
+        self.place, self.reason = place, reason
+        self.history: xr.Dataset | None = None  # of a run or analysis that began: what there is
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As another process gets it: without its history."""
+        return type(self), (self.code, self.place, self.reason)
 
 
 class SweepError(EvolventError):

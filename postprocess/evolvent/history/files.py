@@ -39,6 +39,7 @@ WHAT = {
     "stack": "histories of many cases",
 }
 DRAWN = (STATIC, SPECTRUM, ORDER_MAP, CAMPBELL)  # by evolvent-post plot, beside histories
+EVENTS = "events"  # group of a file; of a dataset that has none, what its `encoding` has
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
 
@@ -144,12 +145,12 @@ def _kind(attrs: Mapping[Any, Any]) -> str:
     return str(attrs.get("evolvent_kind", HISTORY))
 
 
-def open_events(path: str | Path) -> xr.Dataset:
+def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
     """Open the located events of a history.
 
     Parameters
     ----------
-    path : as for `open_history`.
+    path : as for `open_history`, or the history that `evolvent.run` gave.
 
     Returns
     -------
@@ -162,12 +163,21 @@ def open_events(path: str | Path) -> xr.Dataset:
     HistoryError
         As for `open_history`, or without a group of events.
     """
+    if not isinstance(path, str | Path):
+        events = path.encoding.get(EVENTS)
+        if events is None:
+            raise HistoryError("the dataset has no events with it: give the path of its file")
+        return _name_kinds(events)
     path = Path(path)
     with open_recording(path):  # refuses what is no history
-        events = _open(path, "events")
+        events = _open(path, EVENTS)
     if "kind" not in events:
         events.close()
         raise HistoryError(f"{path}: the group `events` has no variable `kind`")
+    return _name_kinds(events)
+
+
+def _name_kinds(events: xr.Dataset) -> xr.Dataset:
     return events.assign(kind=_decode_flags(events["kind"]))
 
 

@@ -1,0 +1,147 @@
+/* What else the library is asked of a case. */
+#include "analyses/modes_find.h"
+#include "analyses/show_json.h"
+#include "analyses/static_analysis.h"
+#include "base/memory.h"
+#include "library/boundary.h"
+#include "library/library.h"
+
+#include <stdlib.h>
+
+/* ---- texts ---- */
+
+typedef struct {
+    const prepared_case *prepared;
+    const modes_request *modes;
+    bool (*write)(const void *question, FILE *stream, evl_error *error);
+    char *text;
+    evl_error error;
+} question;
+
+static void answer(void *with)
+{
+    question *q = with;
+    size_t length = 0;
+    FILE *stream = open_memstream(&q->text, &length);
+    if (stream == NULL) {
+        evl_memory_run_out(1, 1);
+    }
+    const bool good = q->write(q, stream, &q->error);
+    if (fclose(stream) != 0) {
+        evl_memory_run_out(1, length);
+    }
+    if (!good) {
+        free(q->text);
+        q->text = NULL;
+    }
+}
+
+static char *ask(question *q, evolvent_error *error)
+{
+    boundary_call(answer, q, &q->error);
+    return library_tell(&q->error, error) == EVOLVENT_OK ? q->text : NULL;
+}
+
+static bool write_modes(const void *asked, FILE *stream, evl_error *error)
+{
+    const question *q = asked;
+    modes_place place;
+    modes_report report;
+    const char *why = modes_check(q->modes);
+    if (why != NULL) {
+        return evl_error_set(error, EVL_EXIT_USAGE, "", "%s", why);
+    }
+    if (!modes_read(q->modes, &place, error)) {
+        return false;
+    }
+    const bool good = modes_find(q->prepared, q->modes, &place, &report, error);
+    if (good) {
+        modes_print_json(stream, &report);
+    }
+    modes_free(&report);
+    return good;
+}
+
+static bool write_show(const void *asked, FILE *stream, evl_error *error)
+{
+    const question *q = asked;
+    const bool good = prepare_check_start(q->prepared, error);
+    if (good) {
+        show_json(stream, q->prepared, error);
+    }
+    return good;
+}
+
+static bool write_parameters(const void *asked, FILE *stream, evl_error *error)
+{
+    const question *q = asked;
+    (void)error;
+    show_parameters_json(stream, q->prepared->model);
+    return true;
+}
+
+char *evolvent_modes(const evolvent_case *gearbox, const evolvent_modes_request *request, const volatile int *stop,
+                     evolvent_error *error)
+{
+    modes_request modes = {.interrupt = stop != NULL ? stop : &library_never, .who = library_who};
+    if (request != NULL) {
+        modes.at = request->at;
+        modes.mesh_position = request->mesh_position;
+        modes.mean = request->mean != 0;
+    }
+    return ask(&(question){.prepared = &gearbox->prepared, .modes = &modes, .write = write_modes}, error);
+}
+
+char *evolvent_show(const evolvent_case *gearbox, evolvent_error *error)
+{
+    return ask(&(question){.prepared = &gearbox->prepared, .write = write_show}, error);
+}
+
+char *evolvent_parameters(const evolvent_case *gearbox, evolvent_error *error)
+{
+    return ask(&(question){.prepared = &gearbox->prepared, .write = write_parameters}, error);
+}
+
+void evolvent_text_free(char *text)
+{
+    free(text);
+}
+
+/* ---- a mesh at rest ---- */
+
+typedef struct {
+    static_request request;
+    static_analysis analysis;
+    history *kept;
+    evolvent_record *record;
+    evl_error error;
+} at_rest;
+
+static void analyse(void *with)
+{
+    at_rest *s = with;
+    int points;
+    s->analysis.path = case_path(s->analysis.prepared->file);
+    s->analysis.kept = &s->kept;
+    (void)(static_check(&s->request, &points, &s->error) &&
+           static_plan_case(&s->analysis, &s->request, points, &s->error) &&
+           static_analyse(&s->analysis, &s->request, &s->error));
+    static_analysis_free(&s->analysis);
+    s->record = library_record(s->kept);
+}
+
+evolvent_code evolvent_static(const evolvent_case *gearbox, const evolvent_static_request *request,
+                              const volatile int *stop, evolvent_record **record, evolvent_error *error)
+{
+    at_rest s = {.request = {.interrupt = stop != NULL ? stop : &library_never, .who = library_who},
+                 .analysis = {.prepared = &gearbox->prepared}};
+    if (request != NULL) {
+        s.request.mesh = request->mesh;
+        s.request.torque = request->torque;
+        s.request.speed = request->speed;
+        s.request.points = request->points;
+    }
+    boundary_call(analyse, &s, &s.error);
+    *record = s.record;
+    return library_tell(&s.error, error);
+}

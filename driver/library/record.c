@@ -1,0 +1,95 @@
+/* Records of the library: views of histories in memory. */
+#include "base/memory.h"
+#include "library/library.h"
+
+#include <string.h>
+
+_Static_assert((int)EVOLVENT_MOST_DIMENSIONS == (int)NETCDF_MAX_RANK, "every variable has room");
+
+struct evolvent_record {
+    history *history; /**< in whose pool the record is */
+    evolvent_variable *variables;
+    evolvent_attribute *attributes;
+};
+
+static evolvent_variable view(const history_variable *from)
+{
+    static const evolvent_type types[] = {
+        [NETCDF_REAL] = EVOLVENT_REAL, [NETCDF_INTEGER] = EVOLVENT_INTEGER, [NETCDF_TEXT] = EVOLVENT_TEXT};
+    const netcdf_variable *variable = &from->variable;
+    evolvent_variable to = {.name = variable->name,
+                            .units = variable->units,
+                            .long_name = variable->long_name,
+                            .symbol = variable->symbol,
+                            .type = types[variable->type],
+                            .is_of_events = from->is_of_events,
+                            .rank = variable->rank,
+                            .values = from->values,
+                            .n_flags = variable->n_flags,
+                            .flag_meanings = variable->n_flags > 0 ? variable->flag_meanings : ""};
+    for (int i = 0; i < variable->rank; i++) {
+        to.dimensions[i] = variable->dimensions[i]->name;
+        to.lengths[i] = (size_t)variable->dimensions[i]->length;
+    }
+    return to;
+}
+
+static evolvent_attribute view_attribute(const history_attribute *from)
+{
+    if (from->text != NULL) {
+        return (evolvent_attribute){from->key, EVOLVENT_TEXT, from->text, 0.0, 0};
+    }
+    const bool is_real = history_is_number(from);
+    return (evolvent_attribute){from->key, is_real ? EVOLVENT_REAL : EVOLVENT_INTEGER, "", from->number,
+                                is_real ? 0 : from->integer};
+}
+
+evolvent_record *library_record(history *history)
+{
+    if (history == NULL) {
+        return NULL;
+    }
+    memory_pool *pool = &history->body.pool;
+    evolvent_record *record = pool_calloc(pool, 1, sizeof *record);
+    record->history = history;
+    record->variables = pool_calloc(pool, (size_t)history->n_variables, sizeof *record->variables);
+    record->attributes = pool_calloc(pool, (size_t)history->n_attributes, sizeof *record->attributes);
+    for (int i = 0; i < history->n_variables; i++) {
+        record->variables[i] = view(&history->variables[i]);
+    }
+    for (int i = 0; i < history->n_attributes; i++) {
+        record->attributes[i] = view_attribute(&history->attributes[i]);
+    }
+    return record;
+}
+
+const evolvent_variable *evolvent_record_variables(const evolvent_record *record, int *n)
+{
+    *n = record->history->n_variables;
+    return record->variables;
+}
+
+const evolvent_attribute *evolvent_record_attributes(const evolvent_record *record, int *n)
+{
+    *n = record->history->n_attributes;
+    return record->attributes;
+}
+
+const evolvent_variable *evolvent_record_find(const evolvent_record *record, const char *name)
+{
+    for (int i = 0; i < record->history->n_variables; i++) {
+        const evolvent_variable *variable = &record->variables[i];
+        if (!variable->is_of_events && strcmp(variable->name, name) == 0) {
+            return variable;
+        }
+    }
+    return NULL;
+}
+
+void evolvent_record_free(evolvent_record *record)
+{
+    if (record != NULL) {
+        history *history = record->history;
+        history_free(&history);
+    }
+}

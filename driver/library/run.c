@@ -1,0 +1,92 @@
+/* Runs of the library. */
+#include "analyses/run_history.h"
+#include "base/memory.h"
+#include "library/boundary.h"
+#include "library/library.h"
+
+typedef struct {
+    const prepared_case *prepared;
+    const volatile sig_atomic_t *stop;
+    run_history history;
+    history *kept;
+    evolvent_record *record;
+    evl_error error;
+} run;
+
+static bool on_outputs(void *self, const output_block *block)
+{
+    run *run = self;
+    return run_history_outputs(&run->history, block, &run->error);
+}
+
+static bool on_event(void *self, const event_record *record)
+{
+    run *run = self;
+    return run_history_event(&run->history, record, &run->error);
+}
+
+static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
+{
+    const dae *dae = &model_about(run->prepared->model)->dae;
+    POOLED memory_pool pool = {NULL};
+    dae_state state = dae_state_create(dae, &pool);
+    dae_state_copy(dae, &state, start);
+    run_history_watch(&run->history);
+    const simulate_sink sink = {.self = run,
+                                .wanted = &run->history.wanted,
+                                .waits = waits,
+                                .outputs = on_outputs,
+                                .event = on_event,
+                                .interrupt = run->stop,
+                                .extremes = run->history.extremes,
+                                .numbers = run->history.numbers};
+    simulate(run->prepared, &sink, &state, result);
+}
+
+static void conclude(run *run, const simulate_result *result)
+{
+    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared->file), result->t);
+    if (result->end == SIMULATE_SINK_FAILED || !run_history_put(&run->history, &run->error)) {
+        run_history_abandon(&run->history);
+        return;
+    }
+    if (result->end == SIMULATE_INTERRUPTED) {
+        evl_error_set(&run->error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s", library_who(0));
+    } else if (result->end == SIMULATE_FAILED) {
+        evl_error_set(&run->error, EVL_EXIT_INTEGRATION, place, "%s", result->message);
+    }
+    (void)run_history_close(&run->history, library_who(0), result, "", &run->error);
+}
+
+/** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. */
+static void simulate_case(void *with)
+{
+    run *run = with;
+    dae_state start;
+    simulate_result result;
+    if (!prepare_start(run->prepared, &start, &run->error)) {
+        return;
+    }
+    run_history_init(&run->history, run->prepared);
+    run->history.layout.kept = &run->kept;
+    if (run_history_open(&run->history, case_path(run->prepared->file), &run->error)) {
+        simulate_from(run, &start, true, &result);
+        if (result.end == SIMULATE_MISSED) {
+            run_history_again(&run->history);
+            simulate_from(run, &start, false, &result);
+        }
+        conclude(run, &result);
+    }
+    run_history_free(&run->history);
+    dae_state_free(&start);
+    run->record = library_record(run->kept);
+}
+
+evolvent_code evolvent_run(const evolvent_case *gearbox, const volatile int *stop, evolvent_record **record,
+                           evolvent_error *error)
+{
+    run run = {.prepared = &gearbox->prepared, .stop = stop != NULL ? stop : &library_never};
+    boundary_call(simulate_case, &run, &run.error);
+    *record = run.record;
+    return library_tell(&run.error, error);
+}
