@@ -1,6 +1,7 @@
 #include "base/memory.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +18,19 @@ static void *checked(void *memory, size_t count, size_t size)
 void memory_need(size_t size)
 {
     free(checked(malloc(size), 1, size));
+}
+
+FILE *memory_open(char **text, size_t *length)
+{
+    return checked(open_memstream(text, length), 1, BUFSIZ);
+}
+
+void memory_close(FILE *stream)
+{
+    const bool is_short = ferror(stream) != 0;
+    if (fclose(stream) != 0 || is_short) {
+        evl_memory_run_out(1, BUFSIZ);
+    }
 }
 
 void *xcalloc(size_t count, size_t size)

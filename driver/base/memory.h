@@ -3,6 +3,7 @@
 #pragma once
 
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /** For a local pointer that is freed where its block ends, however that is left. An extension of gcc and clang, by which
@@ -44,6 +45,10 @@ __attribute__((format(printf, 2, 3))) char *pool_printf(memory_pool *pool, const
 void pool_free(memory_pool *pool);
 /** For a local pool, as OWNED. */
 #define POOLED __attribute__((cleanup(pool_free)))
+
+/** A stream into memory, as of open_memstream; to be closed by memory_close, and only then to be read. */
+FILE *memory_open(char **text, size_t *length);
+void memory_close(FILE *stream);
 
 char *xstrdup(const char *text);
 /** A new string as printf would print it. */

@@ -37,4 +37,15 @@ _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...)
     va_end(arguments);
     evl_memory_run_out(1, size);
 }
+/* What is left of a text without the blanks at its end: most of what the kernel has that library take memory for. */
+__attribute__((weak)) void _gfortran_string_trim(size_t *length, void **made, size_t n, const char *text);
+
+void _gfortran_string_trim(size_t *length, void **made, size_t n, const char *text)
+{
+    while (n > 0 && text[n - 1] == ' ') {
+        n--;
+    }
+    *length = n;
+    *made = n > 0 ? memcpy(xcalloc(n, 1), text, n) : NULL;
+}
 /* NOLINTEND(bugprone-reserved-identifier) */

@@ -152,7 +152,7 @@ char *batch_plan_head(const batch_plan *plan, int shard, int n_shards)
 {
     char *text = NULL;
     size_t length = 0;
-    json_writer writer = {.stream = open_memstream(&text, &length), .is_line = true};
+    json_writer writer = {.stream = memory_open(&text, &length), .is_line = true};
     json_open(&writer, NULL, '{');
     json_integer(&writer, "journal", JOURNAL_FORMAT);
     json_text(&writer, "design", plan->design->hash);
@@ -171,7 +171,7 @@ char *batch_plan_head(const batch_plan *plan, int shard, int n_shards)
     }
     json_close(&writer, ']');
     json_close(&writer, '}');
-    (void)fclose(writer.stream);
+    memory_close(writer.stream);
     text[length - 1] = '\0'; /* the newline */
     return text;
 }

@@ -63,7 +63,7 @@ static case_file *load(const char *name, const char *path, const char *text, int
         path != NULL ? tree_load_file(&file->pool, path, error) : tree_load_named(&file->pool, name, text, error);
     if (file->root != NULL && case_file_resolve(file, schema, error)) {
         case_lay_out(schema, file->root, &file->description);
-        file->text = tree_text(file->root);
+        file->text = pool_calloc(&file->pool, 1, sizeof *file->text);
     } else {
         case_delete(&file);
     }
@@ -82,14 +82,23 @@ case_file *case_parse(const char *name, const char *text, int n_set, const char 
     return load(name, NULL, text, n_set, set_options, schema, error);
 }
 
+/** It is not that of the tree any more. */
+static void forget_text(const case_file *file)
+{
+    if (file->text != NULL) {
+        free(*file->text);
+        *file->text = NULL;
+    }
+}
+
 void case_delete(case_file **file)
 {
     if (*file == NULL) {
         return;
     }
     description_clear(&(*file)->description);
+    forget_text(*file); /* whose place is in the pool */
     pool_free(&(*file)->pool);
-    free((*file)->text);
     free(*file);
     *file = NULL;
 }
@@ -106,7 +115,10 @@ const char *case_path(const case_file *file)
 
 const char *case_text(const case_file *file)
 {
-    return file->text;
+    if (file->text != NULL && *file->text == NULL) {
+        *file->text = tree_text(file->root);
+    }
+    return file->text == NULL ? NULL : *file->text;
 }
 
 /** Say in a case what it did not say of the simulation. */
@@ -130,8 +142,7 @@ void case_settle_simulation(case_file *file, integrator_kind integrator, double 
         say(file, "max_step", is_radau ? "none" : number);
     }
     if (keeps_text && (is_open || !has_limit)) {
-        free(file->text);
-        file->text = tree_text(file->root);
+        forget_text(file);
     }
     simulation->integrator = integrator;
     simulation->tolerance = tolerance;
@@ -155,8 +166,7 @@ void case_settle_damping(case_file *file, int mesh, const case_schema *schema, c
             char number[NUMBER_TEXT_LENGTH];
             number_write(number, parameters[k]);
             node_append(block, rows[i].key, block->place, node_create_scalar(block->pool, number, true, block->place));
-            free(file->text);
-            file->text = tree_text(file->root);
+            forget_text(file);
         }
         k++;
     }

@@ -11,7 +11,7 @@
 static void emit(yaml_emitter_t *emitter, int initialized, yaml_event_t *event)
 {
     if (!initialized || !yaml_emitter_emit(emitter, event)) {
-        evl_memory_run_out(1, 1);
+        evl_memory_run_out(1, BUFSIZ);
     }
 }
 
@@ -76,11 +76,11 @@ char *tree_text(const case_node *root)
 {
     char *text = NULL;
     size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
+    FILE *stream = memory_open(&text, &length);
     yaml_emitter_t emitter;
     yaml_event_t event;
-    if (stream == NULL || !yaml_emitter_initialize(&emitter)) {
-        evl_memory_run_out(1, 1);
+    if (!yaml_emitter_initialize(&emitter)) {
+        evl_memory_run_out(1, BUFSIZ);
     }
     yaml_emitter_set_output_file(&emitter, stream);
     yaml_emitter_set_unicode(&emitter, 1);
@@ -92,6 +92,6 @@ char *tree_text(const case_node *root)
     emit(&emitter, yaml_stream_end_event_initialize(&event), &event);
     (void)yaml_emitter_flush(&emitter);
     yaml_emitter_delete(&emitter);
-    (void)fclose(stream);
+    memory_close(stream);
     return text;
 }

@@ -25,7 +25,7 @@ struct case_file {
     int n_options;
     char **options; /**< the nodes of the tree point to them; each has room for another number behind its path */
     case_node *root;
-    char *text;           /**< NULL for an edited base */
+    char **text;          /**< made when it is asked for: a million knots take seconds; NULL for an edited base */
     case_number *numbers; /**< [n_options] of an edited base, else NULL */
     description description;
 };

@@ -7,7 +7,7 @@
 
 #include <errno.h>
 #include <evolvent_version.h>
-#include <hdf5_hl.h>
+#include <hdf5.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -33,7 +33,12 @@ unsigned long long wheel_file_hash(const wheel_numbers *wheel)
 static bool put_numbers(netcdf_file *file, const char *name, int n, const double *numbers)
 {
     const hsize_t length = (hsize_t)n;
-    return H5LTmake_dataset_double(file->id, name, 1, &length, numbers) >= 0 || netcdf_fail(file);
+    CLOSED const hid_t space = H5Screate_simple(1, &length, NULL);
+    CLOSED const hid_t dataset =
+        space < 0 ? H5I_INVALID_HID
+                  : H5Dcreate2(file->id, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    return (dataset >= 0 && H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) >= 0) ||
+           netcdf_fail(file);
 }
 
 static bool fill_file(netcdf_file *file, const wheel_numbers *wheel)
@@ -121,11 +126,15 @@ wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, 
     if (access(path, F_OK) != 0) {
         return WHEEL_FILE_MISSING;
     }
-    const bool is_whole = seal_check(path) == SEAL_HOLDS; /* the library takes what is damaged at its word */
-    CLOSED const hid_t file = is_whole ? netcdf_open(path) : -1;
-    const char *fault = !is_whole  ? "is damaged: its check sum is wrong"
-                        : file < 0 ? netcdf_open_failure("cannot be read")
-                                   : find_fault(file, wheel);
+    const seal_answer answer = seal_check(path); /* the library takes what is damaged at its word */
+    if (answer == SEAL_UNREADABLE) {
+        evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s; go on with --resume", strerror(errno));
+        return WHEEL_FILE_REFUSED;
+    }
+    CLOSED const hid_t file = answer == SEAL_HOLDS ? netcdf_open(path) : -1;
+    const char *fault = answer != SEAL_HOLDS ? "is damaged: its check sum is wrong"
+                        : file < 0           ? netcdf_open_failure("cannot be read")
+                                             : find_fault(file, wheel);
     if (fault == NULL) {
         return WHEEL_FILE_READ;
     }

@@ -156,7 +156,11 @@ contains
       real(wp), intent(in) :: a(3), b(3)
       real(wp) :: outer(3, 3)
 
-      outer = spread(a, 2, 3)*spread(b, 1, 3)
+      integer :: i
+
+      do i = 1, 3
+         outer(:, i) = a*b(i)
+      end do
    end function outer
 
    !> What a gradient does to the wheels: torques about their axles, and the force on A along (t_0, e_0); B feels the opposite one.

@@ -3,6 +3,7 @@ module evl_description_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_given, only: description_t, entry_t
    use evl_kinds, only: wp
+   use evl_number_text, only: write_integer
    use evl_row, only: range_error, row_t, type_at_knots, type_block, type_choice, type_knots, type_list, type_map, type_named, &
                       type_size
    use evl_status, only: code_invalid_input, fail, field_length, has_failed, quantity, status_t, subject_housing, &
@@ -318,7 +319,7 @@ contains
          if (entry%name /= "") then
             path = trim(path)//"."//entry%name
          else
-            write (number, "(i0)") count([(description%entries(i)%row == entry%row, i=above + 1, place - 1)])
+            call write_integer(count([(description%entries(i)%row == entry%row, i=above + 1, place - 1)]), number)
             path = trim(path)//"."//number
          end if
       end associate

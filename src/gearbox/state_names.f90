@@ -3,6 +3,7 @@ module evl_state_names
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: n_housing_states
    use evl_local_variables, only: i_omega, i_theta, n_track
+   use evl_number_text, only: write_integer
    use evl_tooth_contact, only: flank_coast
    implicit none (type, external)
    private
@@ -74,8 +75,8 @@ contains
          name = text
          units = unit
          if (.not. present(number)) return
-         write (suffix, "(a, i0)") "_", number - 1
-         name = trim(text)//suffix
+         call write_integer(number - 1, suffix)
+         name = trim(text)//"_"//suffix
       end subroutine set
 
    end subroutine gearbox_state_name

@@ -5,7 +5,7 @@ module evl_number_text
    implicit none (type, external)
    private
 
-   public :: number_length, quantity_length, write_number
+   public :: number_length, quantity_length, write_integer, write_number
 
    integer, parameter :: number_length = 32 !! characters that a number needs at most
 
@@ -20,6 +20,22 @@ contains
       call write_number(value, number, length)
       if (len(unit) > 0) length = length + 1 + len(unit)
    end function quantity_length
+
+   !> Digits of a whole number from 0 on, at the left of a text that is long enough. No internal write: the runtime library would
+   !> take memory for that, and end the program with words of its own where there is none.
+   pure subroutine write_integer(number, text)
+      integer, intent(in) :: number
+      character(len=*), intent(out) :: text
+      integer :: rest
+
+      text = ""
+      rest = number
+      do
+         text = achar(iachar("0") + mod(rest, 10))//text(:len(text) - 1)
+         rest = rest/10
+         if (rest == 0) exit
+      end do
+   end subroutine write_integer
 
    !> Six significant digits without trailing zeros.
    pure subroutine write_number(value, number, length)

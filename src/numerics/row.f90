@@ -113,18 +113,42 @@ contains
    !> Read the numbers of a default, such as 20 or [1, 0, 0, 0].
    pure subroutine read_default(row)
       type(row_t), intent(inout) :: row
-      character(len=len(row%default)) :: text
-      integer :: k, stat
+      integer :: first, k, length
 
       row%n_defaults = merge(max(type_size(row%type), 0), 0, has_default(row))
-      if (row%n_defaults == 0) return
-      text = row%default
-      do k = 1, len(text)
-         if (scan(text(k:k), "[]") > 0) text(k:k) = " "
+      first = 1
+      do k = 1, row%n_defaults
+         first = first + verify(row%default(first:), "[], ") - 1
+         length = scan(row%default(first:), "[], ") - 1
+         row%defaults(k) = number_of(row%default(first:first + length - 1))
+         first = first + length
       end do
-      read (text, *, iostat=stat) row%defaults(:row%n_defaults)
-      if (stat /= 0) row%defaults(:) = ieee_value(row%defaults, ieee_quiet_nan)
    end subroutine read_default
+
+   !> The number that a default spells, 1.25 or 1e-9; NaN if it spells none. Its digits are a whole number below 2**53 and its power
+   !> of ten is at most 1e22: both are exact, so one rounding is all. No internal read: the runtime library would take memory for
+   !> that, and end the program with words of its own where there is none.
+   pure real(wp) function number_of(text) result(number)
+      character(len=*), intent(in) :: text
+      character(len=*), parameter :: digits = "0123456789"
+      integer :: exponent, k, point, stop
+
+      number = ieee_value(number, ieee_quiet_nan)
+      stop = scan(text//"e", "eE") - 1
+      if (verify(text(:stop), digits//".") > 0 .or. scan(text(:stop), digits) == 0) return
+      point = index(text(:stop)//".", ".")
+      exponent = 0
+      do k = stop + 2, len(text)
+         if (scan(text(k:k), digits) > 0) exponent = 10*exponent + index(digits, text(k:k)) - 1
+      end do
+      if (index(text(stop + 1:), "-") > 0) exponent = -exponent
+      exponent = exponent - max(stop - point, 0)
+      number = 0
+      do k = 1, stop
+         if (k /= point) number = 10*number + (index(digits, text(k:k)) - 1)
+      end do
+      number = merge(number*10.0_wp**max(exponent, 0), number/10.0_wp**max(-exponent, 0), exponent > 0)
+   end function number_of
 
    !> Whether a row that is not given has a value all the same.
    elemental logical function has_default(row)
