@@ -81,6 +81,20 @@ def is_of_system(error: Exception) -> bool:
     return isinstance(error, OSError) or OF_SYSTEM.search(str(error)) is not None
 
 
+def tells_of_system(error: BaseException) -> bool:
+    """Whether HDF5 tells what the system refused it."""
+    return OF_SYSTEM.search(str(error)) is not None
+
+
+def is_hdf5_broken(error: BaseException) -> bool:
+    """Whether the system refused HDF5 something: it may crash over that as the program ends.
+
+    So it does after a file that could not be closed, in C as in Python, up to HDF5 2.0 at least.
+    """
+    cause = error.__cause__ or error.__context__
+    return tells_of_system(error) or (cause is not None and is_hdf5_broken(cause))
+
+
 def file_of(error: Exception) -> str:
     """Which file it is about, with a colon behind; "" if it does not say."""
     by_hdf5 = OF_FILE.search(str(error))

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 from evolvent.commands.command_line import UnclearError, WrongUsageError, for_typer, option, read
 from evolvent.errors import (
@@ -21,6 +21,7 @@ from evolvent.errors import (
     USAGE,
     EvolventError,
     file_of,
+    is_hdf5_broken,
     is_of_system,
     reason_of,
 )
@@ -75,16 +76,22 @@ def make_program(
             _with_typer(name, functions, text, error)
         except EvolventError as error:
             complain(name, str(error))
-            if HALF_WRITTEN:  # HDF5 would close them when Python has ended, and crash
-                os._exit(error.code)
-            sys.exit(error.code)
+            _end(error.code, error)
         except Exception as error:
             if not is_of_system(error):
                 raise
             complain(name, f"{file_of(error)}cannot be read ({reason_of(error)})")
-            sys.exit(BAD_INPUT)
+            _end(BAD_INPUT, error)
 
     return main
+
+
+def _end(code: int, error: Exception) -> NoReturn:
+    """End the program; at once where HDF5 would crash over what it still holds."""
+    if HALF_WRITTEN or is_hdf5_broken(error):
+        sys.stdout.flush()
+        os._exit(code)
+    sys.exit(code)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from evolvent.errors import HistoryError
+from evolvent.errors import HistoryError, reason_of, tells_of_system
 from evolvent.seals import BROKEN, NONE, check
 
 if TYPE_CHECKING:
@@ -174,7 +174,9 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
     if "kind" not in events:
         events.close()
         raise HistoryError(f"{path}: the group `events` has no variable `kind`")
-    return _name_kinds(events)
+    decoded = _name_kinds(events)
+    decoded.set_close(events.close)  # else the file would be closed as Python ends, or never
+    return decoded
 
 
 def _name_kinds(events: xr.Dataset) -> xr.Dataset:
@@ -262,6 +264,8 @@ def _readable(path: Path, group: str | None = None) -> Iterator[None]:
     except BlockingIOError as error:
         raise HistoryError(f"{path}: is being written; wait until its run has ended") from error
     except (OSError, KeyError, ValueError) as error:
+        if tells_of_system(error):
+            raise HistoryError(f"{path}: cannot be read ({reason_of(error)})") from error
         if group is not None:
             raise HistoryError(f"{path}: has no readable group `{group}`") from error
         reason = " ".join(str(error).split())
