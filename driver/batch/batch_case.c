@@ -22,32 +22,38 @@ typedef struct {
 
 /* ---- the row ---- */
 
-/** @param results  [n scalars], NULL: none */
+/** @param results  [n scalars], NULL: none
+ *  @param history  row of the stack, NULL: none */
 static void write_row(const batch_plan *plan, long index, journal_status status, const char *message,
-                      const double *results, batch_row *row)
+                      const double *results, const float *history, batch_row *row)
 {
     static const int exits[] = {
         [JOURNAL_DONE] = EVL_EXIT_OK, [JOURNAL_FAILED] = EVL_EXIT_INTEGRATION, [JOURNAL_REFUSED] = EVL_EXIT_CASE};
     struct timespec now = {0};
     (void)clock_gettime(CLOCK_REALTIME, &now);
     *row = (batch_row){.status = status};
-    json_writer writer = {.stream = open_memstream(&row->line, &row->length), .is_line = true};
+    json_writer writer = {.stream = memory_open(&row->line, &row->length), .is_line = true};
     json_open(&writer, NULL, '{');
     json_integer(&writer, "case", index);
     json_text(&writer, "status", journal_status_name(status));
     json_integer(&writer, "exit", exits[status]);
+    if (history != NULL) {
+        char check[16];
+        (void)snprintf(check, sizeof check, "%08x", (unsigned)stack_check(&plan->stack, history));
+        json_text(&writer, "history", check);
+    }
     json_text(&writer, "message", message);
     for (int i = 0; i < plan->table.n; i++) {
         json_number(&writer, plan->table.scalars[i].name, results == NULL ? NAN : results[i]);
     }
     json_number(&writer, "at", (double)now.tv_sec + floor(1e-6 * (double)now.tv_nsec) / 1000);
     json_close(&writer, '}');
-    (void)fclose(writer.stream);
+    memory_close(writer.stream);
 }
 
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row)
 {
-    write_row(plan, index, JOURNAL_FAILED, message, NULL, row);
+    write_row(plan, index, JOURNAL_FAILED, message, NULL, NULL, row);
 }
 
 /* ---- what a case has to have ---- */
@@ -204,7 +210,7 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     OWNED char *remark = words_join(n_told, told, "; ");
     OWNED char *message =
         is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
-    write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, row);
+    write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);
 }
 
 static void sink_start(batch_sink *sink, const batch_plan *plan, const prepared_case *prepared,
@@ -282,7 +288,7 @@ bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared,
             return false;
         }
         OWNED char *message = evl_error_text(&refusal);
-        write_row(plan, index, JOURNAL_REFUSED, message, NULL, row);
+        write_row(plan, index, JOURNAL_REFUSED, message, NULL, NULL, row);
         return true;
     }
     const bool good = simulate_prepared(plan, index, prepared, &start, row, error);

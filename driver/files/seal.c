@@ -8,18 +8,21 @@
 #include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 enum { SEAL_LENGTH = 64 };
 typedef enum { AT_FRONT, AT_END } seal_place;
-static const char mark[] = "evolvent-seal 1 crc32 ";
+static const char mark[] = "evolvent-seal 1 crc32 ", first[] = " of the first ";
+enum { FIRST = sizeof mark - 1 + 8 }; /* where that stands in the seal of a file's first bytes */
 
-/** The whole line, by which a seal is also recognised: nothing of it is read but compared. */
-static void write_seal(char seal[SEAL_LENGTH + 1], uint32_t check, off_t n)
+/** The whole line, by which a seal is also recognised: nothing of it is believed, but compared. */
+static void write_seal(char seal[SEAL_LENGTH + 1], uint32_t check, off_t n, bool is_of_all)
 {
-    const int length = snprintf(seal, SEAL_LENGTH + 1, "%s%08x of %lld bytes", mark, (unsigned)check, (long long)n);
+    const int length = snprintf(seal, SEAL_LENGTH + 1, "%s%08x%s%lld bytes", mark, (unsigned)check,
+                                is_of_all ? " of " : first, (long long)n);
     memset(seal + length, ' ', (size_t)(SEAL_LENGTH - length));
     seal[SEAL_LENGTH - 1] = '\n';
     seal[SEAL_LENGTH] = '\0';
@@ -58,23 +61,43 @@ static bool find_check(int descriptor, off_t from, off_t n, uint32_t *check)
     return true;
 }
 
-bool seal_put(int descriptor)
+static bool put(int descriptor, off_t n, bool is_of_all)
 {
     struct stat status;
     uint32_t check = 0;
-    if (fstat(descriptor, &status) != 0 || !find_check(descriptor, 0, status.st_size, &check)) {
+    if (fstat(descriptor, &status) != 0 || !find_check(descriptor, 0, is_of_all ? status.st_size : n, &check)) {
         return false;
     }
     char seal[SEAL_LENGTH + 1];
-    write_seal(seal, check, status.st_size);
+    write_seal(seal, check, is_of_all ? status.st_size : n, is_of_all);
     return write_bytes(descriptor, status.st_size, seal, SEAL_LENGTH) == SEAL_LENGTH;
+}
+
+bool seal_put(int descriptor)
+{
+    return put(descriptor, 0, true);
+}
+
+bool seal_put_on_first(int descriptor, long long n)
+{
+    return put(descriptor, (off_t)n, false);
+}
+
+/** How many bytes a seal is of, as it says; at most so many as there are. */
+static off_t bytes_of(const char *seal, off_t most)
+{
+    char digits[16] = "";
+    const size_t begin = FIRST + sizeof first - 1;
+    memcpy(digits, seal + begin, sizeof digits - 1);
+    const long long n = strtoll(digits, NULL, 10);
+    return n < 0 || n > most ? most : (off_t)n;
 }
 
 static seal_answer check_place(int descriptor, off_t size, seal_place place)
 {
     char found[SEAL_LENGTH], wanted[SEAL_LENGTH + 1];
     uint32_t check = 0;
-    const off_t n = size - SEAL_LENGTH;
+    off_t n = size - SEAL_LENGTH;
     if (n < 0) {
         return SEAL_NONE;
     }
@@ -84,10 +107,12 @@ static seal_answer check_place(int descriptor, off_t size, seal_place place)
     if (memcmp(found, mark, sizeof mark - 1) != 0) {
         return SEAL_NONE;
     }
+    const bool is_of_all = place == AT_FRONT || memcmp(found + FIRST, first, sizeof first - 1) != 0;
+    n = is_of_all ? n : bytes_of(found, n);
     if (!find_check(descriptor, place == AT_FRONT ? SEAL_LENGTH : 0, n, &check)) {
         return SEAL_UNREADABLE;
     }
-    write_seal(wanted, check, n);
+    write_seal(wanted, check, n, is_of_all);
     return memcmp(found, wanted, SEAL_LENGTH) == 0 ? SEAL_HOLDS : SEAL_BROKEN;
 }
 

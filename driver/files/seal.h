@@ -13,5 +13,7 @@ typedef enum { SEAL_HOLDS, SEAL_NONE, SEAL_BROKEN, SEAL_UNREADABLE } seal_answer
 
 /** Seal a file, open for reading and writing, at its end. @return false with the reason in errno */
 bool seal_put(int descriptor);
+/** The same for its first `n` bytes: what follows is written later, and has checks elsewhere. */
+bool seal_put_on_first(int descriptor, long long n);
 /** Read all of a file and hold it against its seal. SEAL_UNREADABLE: errno says why. */
 seal_answer seal_check(const char *path);

@@ -2,7 +2,9 @@
  *  stack_hdf5.c does.
  *
  *  The whole file is made before the first case runs. After that rows are written in their place, past HDF5: whatever
- *  ends the program, the file can be read. */
+ *  ends the program, the file can be read.
+ *
+ *  What HDF5 knows of it stands before all histories and is sealed. */
 #pragma once
 
 #include "base/memory.h"
@@ -10,6 +12,7 @@
 #include "files/history.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 typedef struct {
     const char *path;
@@ -38,6 +41,8 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error);
 long stack_row_length(const stack *stack);
 /** Write a row: all places of the first variable, then of the next. Any process may, each its own rows. */
 bool stack_write(const stack *stack, long row, const float *values, evl_error *error);
+/** The check of a row, crc32 of its bytes, which its record in the journal keeps. */
+uint32_t stack_check(const stack *stack, const float *values);
 /** Bring to the disk what was written. */
 bool stack_sync(const stack *stack, evl_error *error);
 void stack_close(stack *stack);

@@ -1,12 +1,17 @@
 #include "files/stack.h"
 
+#include "base/crc32.h"
+#include "base/log.h"
 #include "base/memory.h"
 #include "base/write_bytes.h"
 #include "files/dimensions_in_file_hdf5.h"
+#include "files/netcdf_common_hdf5.h"
 #include "files/output_file.h"
+#include "files/seal.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +21,7 @@ typedef struct {
     netcdf_file netcdf;
     netcdf_dimension cases, axis;
     dimensions of_outputs;
+    long long first_history; /**< where the first of them begins, bytes */
 } builder;
 
 /* ---- making the file ---- */
@@ -47,6 +53,10 @@ static bool define_variable(builder *b, const model_output *output)
     variable.dimensions[1] = &b->axis;
     dimensions_append(&b->of_outputs, output, &variable);
     const hid_t dataset = netcdf_define(&b->netcdf, b->netcdf.id, &variable, 0);
+    const haddr_t offset = dataset < 0 ? HADDR_UNDEF : H5Dget_offset(dataset);
+    if (offset != HADDR_UNDEF && (long long)offset < b->first_history) {
+        b->first_history = (long long)offset;
+    }
     return dataset >= 0 && (H5Dclose(dataset) >= 0 || netcdf_fail(&b->netcdf));
 }
 
@@ -64,6 +74,16 @@ static bool fill_file(builder *b, const stack_layout *layout)
     return good;
 }
 
+/** Room for the descriptions of all variables in one piece, before any history. */
+static void keep_descriptions_together(const stack_layout *layout)
+{
+    enum { ANY = 24 * 1024, EACH = 2 * 1024, USUAL = 2048 /* of HDF5 */ };
+    const hsize_t room = layout == NULL ? USUAL : ANY + EACH * (hsize_t)layout->n_variables;
+    if (netcdf_prepare()) {
+        (void)H5Pset_meta_block_size(netcdf_kept.file_access, room);
+    }
+}
+
 /** The file gets its name when it is complete. */
 static bool make_file(const stack_layout *layout, evl_error *error)
 {
@@ -71,12 +91,17 @@ static bool make_file(const stack_layout *layout, evl_error *error)
     if (!output_file_open(&file, layout->path, error)) {
         return false;
     }
-    builder b = {0};
-    bool good = netcdf_create(&b.netcdf, file.partial_path) && fill_file(&b, layout);
+    builder b = {.first_history = LLONG_MAX};
+    keep_descriptions_together(layout);
+    bool good = netcdf_create(&b.netcdf, file.partial_path);
+    keep_descriptions_together(NULL);
+    good = good && fill_file(&b, layout);
     good = netcdf_close(&b.netcdf) && good;
     if (good) {
         file.is_open_end = true;
-        return output_file_close(&file, true, error);
+        good = seal_put_on_first(file.descriptor, b.first_history) ||
+               output_file_refuse(file.partial_path, errno, NULL, error);
+        return output_file_close(&file, good, error) && good;
     }
     output_file_drop(&file, true);
     return evl_error_set(error, EVL_EXIT_IO, layout->path,
@@ -106,13 +131,29 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
     return good;
 }
 
+/** Before the library opens it, which takes what is damaged at its word. */
+static bool check_seal(const char *path, evl_error *error)
+{
+    const seal_answer answer = seal_check(path);
+    if (answer == SEAL_NONE) {
+        log_warning("%s: has no check sum, so that damage would not be noticed", path);
+    }
+    return answer == SEAL_HOLDS || answer == SEAL_NONE ||
+           (answer == SEAL_UNREADABLE
+                ? evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno))
+                : evl_error_set(
+                      error, EVL_EXIT_CASE, path,
+                      "is damaged: its check sum is wrong; choose another folder, or delete it, and with it the "
+                      "histories of all cases that are recorded"));
+}
+
 bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
 {
     *stack = (struct stack){.descriptor = -1, .n_places = layout->axis.n, .n_variables = layout->n_variables};
     stack->path = pool_copy(&stack->pool, layout->path);
     stack->counts = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(int));
     stack->offsets = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(long long));
-    bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
+    bool good = (access(layout->path, F_OK) == 0 || make_file(layout, error)) && check_seal(layout->path, error);
     if (good) {
         CLOSED const hid_t file = netcdf_open(layout->path);
         const char *fault = "does not hold the histories of this shard and design, or cannot be read: see to that, or "
@@ -152,6 +193,11 @@ bool stack_write(const stack *stack, long row, const float *values, evl_error *e
         values += n;
     }
     return true;
+}
+
+uint32_t stack_check(const stack *stack, const float *values)
+{
+    return crc32_on(0, values, (size_t)stack_row_length(stack) * sizeof *values);
 }
 
 bool stack_sync(const stack *stack, evl_error *error)

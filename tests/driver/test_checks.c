@@ -107,6 +107,30 @@ static void a_seal_holds_at_the_front_too(void **state)
     assert_int_equal(seal_check(path), SEAL_HOLDS);
 }
 
+static void a_seal_of_the_first_bytes_does_not_care_for_what_follows(void **state)
+{
+    (void)state;
+    char bytes[256];
+    write_file("123456789-and-more", 18);
+    const int descriptor = open(path, O_RDWR);
+    assert_true(seal_put_on_first(descriptor, 9));
+    const size_t n = read_file(bytes, sizeof bytes);
+    assert_int_equal(n, 18 + 64);
+    bytes[n] = '\0';
+    assert_non_null(strstr(bytes, "evolvent-seal 1 crc32 cbf43926 of the first 9 bytes  "));
+    for (off_t i = 0; i < 18; i++) {
+        const char other = (char)(bytes[i] ^ 1);
+        assert_int_equal(pwrite(descriptor, &other, 1, i), 1);
+        assert_int_equal(seal_check(path), i < 9 ? SEAL_BROKEN : SEAL_HOLDS);
+        assert_int_equal(pwrite(descriptor, &bytes[i], 1, i), 1);
+    }
+    const char longer = '8';
+    const off_t digit = 18 + (off_t)strlen("evolvent-seal 1 crc32 cbf43926 of the first ");
+    assert_int_equal(pwrite(descriptor, &longer, 1, digit), 1);
+    assert_int_equal(seal_check(path), SEAL_BROKEN);
+    assert_int_equal(close(descriptor), 0);
+}
+
 static void every_flip_and_cut_breaks_the_seal_or_leaves_none(void **state)
 {
     (void)state;
@@ -147,6 +171,7 @@ int main(void)
         cmocka_unit_test(the_sha_is_that_of_the_examples_of_its_standard_wherever_a_text_is_parted),
         cmocka_unit_test_teardown(a_seal_is_a_line_that_another_program_can_check, remove_file),
         cmocka_unit_test_teardown(a_seal_holds_at_the_front_too, remove_file),
+        cmocka_unit_test_teardown(a_seal_of_the_first_bytes_does_not_care_for_what_follows, remove_file),
         cmocka_unit_test_teardown(every_flip_and_cut_breaks_the_seal_or_leaves_none, remove_file),
         cmocka_unit_test(what_is_not_there_cannot_be_read),
     };

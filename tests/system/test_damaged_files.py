@@ -17,10 +17,11 @@ import h5py
 import numpy as np
 import pytest
 
-from designs import read_folder, write_design
+from designs import paper_case, read_folder, write_design
 from evolvent.errors import HistoryError, SweepError
 from evolvent.history import open_recording
 from evolvent.history.files import check_seal
+from evolvent.sweep.collect import collect, open_summary
 from evolvent.sweep.design import Design, read_design
 from system.random_sets import seeds
 
@@ -155,19 +156,91 @@ def histories(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
                 found["warned"] += 1
         except HistoryError as error:
             found["refused" if str(error).startswith(str(path)) else "without its name"] += 1
-    assert found["without its name"] == 0
     return found
 
 
-KINDS = {"plan": plans, "journal": journals, "history": histories}
+def stacks(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
+    """Histories of a batch, as `evolvent-sweep collect --copy-histories` and --resume find them."""
+    path, found = folder / "design.h5", Counter[str]()
+    write_design(
+        path, {TORQUE: [-1.0, -2.0, -3.0]}, paper_case(0.01), histories="normal_force angle"
+    )
+    assert evolvent("batch", path, "-o", "r").returncode == 0
+    design, chance = read_design(path), random.Random(seed)
+    stack = folder / "r/shard-1-of-1.h5"
+    content = stack.read_bytes()
+    collect(folder / "r", design, folder / "all.h5", copy_histories=True)
+    with open_summary(folder / "all.h5") as summary:
+        expected = summary.load()
+    for _ in range(EACH):
+        begin = chance.choice([0, values_begin(content)])
+        harmed, where = damaged(content[begin:], chance)
+        where = range(begin + where.start, begin + where.stop)
+        stack.write_bytes(content[:begin] + harmed)
+        try:
+            collect(folder / "r", design, folder / "all.h5", copy_histories=True)
+            with open_summary(folder / "all.h5") as summary:
+                assert summary.equals(expected)
+            found["right"] += 1
+        except SweepError as error:
+            found["refused" if str(error).startswith(str(stack)) else "without its name"] += 1
+        if where.stop < len(content) - SEAL:  # else its own check sum may be gone
+            done = evolvent("batch", path, "-o", "r", "--resume", "-q")
+            assert done.returncode == 0 or "check sum is wrong" in done.stderr, done
+    return found
+
+
+def values_begin(content: bytes) -> int:
+    """Where a stack's values begin, as its check sum tells."""
+    return int(content[-SEAL:].split(b" of the first ")[1].split()[0])
+
+
+def summaries(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
+    path, found, chance = folder / "design.h5", Counter[str](), random.Random(seed)
+    write_design(path, {TORQUE: [-1.0, -2.0]}, paper_case(0.005), histories="normal_force")
+    assert evolvent("batch", path, "-o", "r").returncode == 0
+    summary_path = folder / "all.h5"
+    collect(folder / "r", read_design(path), summary_path, copy_histories=True)
+    content = summary_path.read_bytes()
+    with open_summary(summary_path) as summary:
+        expected = summary.load()
+    for _ in range(EACH):
+        harmed, where = damaged(content, chance)
+        summary_path.write_bytes(harmed)
+        try:
+            with open_summary(summary_path) as summary:
+                assert summary.equals(expected)
+            assert where.stop > len(content) - SEAL or harmed == content
+            found["right"] += 1
+        except SweepError as error:
+            named = str(error).startswith(str(summary_path))
+            found["refused" if named else "without its name"] += 1
+    return found
+
+
+KINDS = {
+    "plan": plans,
+    "journal": journals,
+    "history": histories,
+    "stack": stacks,
+    "summary": summaries,
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", seeds(range(4), 134))
 def test_damage_is_refused_by_name_or_touches_nothing(
-    evolvent: Evolvent, tmp_path: Path, record_property: Callable[..., None], seed: int, kind: str
+    evolvent: Evolvent,
+    executable: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    record_property: Callable[..., None],
+    seed: int,
+    kind: str,
 ) -> None:
+    monkeypatch.setenv("EVOLVENT_EXECUTABLE", str(executable))
     found = KINDS[kind](seed, tmp_path, evolvent)
+    assert found["without its name"] == 0
     assert sum(found.values()) == EACH
     for outcome, count in found.items():
         record_property(f"{kind} {outcome}", count)

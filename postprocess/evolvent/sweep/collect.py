@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,14 @@ import numpy as np
 import xarray as xr
 
 from evolvent.errors import SweepError, needing, replacing, replacing_hdf5
+from evolvent.seals import BROKEN, NONE, check, seal_end
 from evolvent.sweep.design import Design
 from evolvent.sweep.histories import add_histories, history_coordinates
 from evolvent.sweep.journal import STATUSES, Records, read_records
 from evolvent.version import __version__
 
 FORMAT = 1
+INTERNAL = ("shard", "history_check")  # known of each case, and not told
 
 
 def collect(
@@ -49,7 +52,7 @@ def collect(
     """
     records = read_records(folder, design)
     summary = _summary(design, records)
-    with replacing_hdf5(output) as stream:
+    with replacing_hdf5(output, seal_end) as stream:
         whole = summary
         if design.history_variables:
             whole = summary.merge(history_coordinates(folder, records))
@@ -79,10 +82,21 @@ def open_summary(path: Path) -> xr.Dataset:
     if not path.exists():
         raise SweepError(f"{path}: no such file; make it with `evolvent-sweep collect`")
     try:
+        seal = check(path)
+        if seal == BROKEN:
+            raise SweepError(
+                f"{path}: is damaged, or was changed: its check sum is wrong; collect it anew"
+            )
         summary = xr.open_dataset(path, engine="h5netcdf", decode_times=False)
     except (OSError, KeyError, ValueError) as error:
         reason = " ".join(str(error).split())
         raise SweepError(f"{path}: is no readable summary ({reason})") from error
+    if seal == NONE:
+        print(
+            f"evolvent-sweep: warning: {path}: has no check sum, so that damage would not be "
+            "noticed",
+            file=sys.stderr,
+        )
     number = summary.attrs.get("evolvent_summary_format")
     if number != FORMAT:
         summary.close()
@@ -106,7 +120,7 @@ def _summary(design: Design, records: Records) -> xr.Dataset:
         variables[name] = ("case", p.values, attributes)
     variables["case"] = ("case", np.arange(design.n_cases), number)
     for name, column in records.cases.items():
-        if name != "shard":
+        if name not in INTERNAL:
             variables[name] = ("case", column.values, column.attributes)
     return xr.Dataset(
         variables,

@@ -7,6 +7,8 @@ them: reading copies is faster, and they outlive the shards.
 from __future__ import annotations
 
 import os
+import sys
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from evolvent.errors import SweepError
+from evolvent.seals import BROKEN, NONE, check
 from evolvent.sweep.journal import Records
 
 COPIED = 32 * 2**20  # bytes that are copied at a time
@@ -31,7 +34,10 @@ def history_coordinates(folder: Path, records: Records) -> xr.Dataset:
     SweepError
         It is no readable file.
     """
-    for _, path in _stacks(folder, records):
+    stacks = _stacks(folder, records)
+    for _, path in stacks:
+        _check_seal(path)
+    for _, path in stacks:
         try:
             with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as stack:
                 found = stack.coords.to_dataset().drop_vars("case").load()
@@ -56,9 +62,11 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
     Raises
     ------
     SweepError
-        Shards whose histories do not fit each other, or are no readable files.
+        Shards whose histories do not fit each other, are no readable files, or are damaged; values
+        are held against their checks where they are copied.
     """
     one_split = len({shard.of for shard in records.shards}) <= 1
+    has_check = records.cases["history_check"].values != ""
     sources: list[tuple[Path, list[Run]]] = []
     for number, path in _stacks(folder, records):
         try:
@@ -72,13 +80,65 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
         # Rows of missing cases are empty. Several shards have a row of a case only if the folder
         # was split in several ways: then that counts whose record does.
         of_shard = records.cases["shard"].values[cases]
-        rows = np.flatnonzero((of_shard == number) | ((of_shard == -1) & one_split))
+        is_there = (of_shard == number) | ((of_shard == -1) & one_split)
+        if copy and has_check.any():  # a row without was never written, or not to its end
+            is_there &= has_check[cases]
+        rows = np.flatnonzero(is_there)
         sources.append((path, list(_runs(rows, cases[rows]))))
     if sources:
         with h5py.File(sources[0][0], "r") as first:
-            for name, pattern in first.items():
-                if not pattern.is_scale:
-                    _add(file, name, pattern, sources, place, copy)
+            checks = _Checks(records) if copy else None
+            # Its check goes over a row in the order in which the file has its variables.
+            histories = [(name, one) for name, one in first.items() if not one.is_scale]
+            for name, pattern in sorted(histories, key=lambda one: one[1].id.get_offset() or 0):
+                _add(file, name, pattern, sources, place, checks)
+            if checks is not None:
+                checks.compare(sources)
+
+
+class _Checks:
+    """Check sums of the rows that are copied, held against those that the journals have."""
+
+    def __init__(self, records: Records) -> None:
+        self.expected = records.cases["history_check"].values
+        self.found = np.zeros(self.expected.size, dtype=np.uint32)
+
+    def take(self, cases: range, values: np.ndarray) -> None:
+        """Go on with the next variable of some rows."""
+        for case, row in zip(cases, values, strict=True):
+            self.found[case] = zlib.crc32(row.tobytes(), int(self.found[case]))
+
+    def compare(self, sources: list[tuple[Path, list[Run]]]) -> None:
+        """Refuse a row that is not the one that was written.
+
+        Raises
+        ------
+        SweepError
+            It names the file and the case.
+        """
+        for path, runs in sources:
+            for case in (case for _, cases in runs for case in cases):
+                if self.expected[case] not in ("", f"{self.found[case]:08x}"):
+                    raise SweepError(
+                        f"{path}: the history of case {case} is damaged: its check sum is wrong; "
+                        "run that case again (evolvent batch --cases)"
+                    )
+
+
+def _check_seal(path: Path) -> None:
+    """Look at a file before the library does, which takes what is damaged at its word."""
+    answer = check(path)
+    if answer == BROKEN:
+        raise SweepError(
+            f"{path}: is damaged, or was changed: its check sum is wrong; run its cases again in "
+            "another folder"
+        )
+    if answer == NONE:
+        print(
+            f"evolvent-sweep: warning: {path}: has no check sum, so that damage would not be "
+            "noticed",
+            file=sys.stderr,
+        )
 
 
 def _stacks(folder: Path, records: Records) -> list[tuple[int, Path]]:
@@ -97,9 +157,15 @@ def _add(
     pattern: h5py.Dataset,
     sources: list[tuple[Path, list[Run]]],
     place: Path,
-    copy: bool,
+    checks: _Checks | None,
 ) -> None:
-    """Add a variable that looks as `pattern` does, with a row for each case."""
+    """Add a variable that looks as `pattern` does, with a row for each case.
+
+    Parameters
+    ----------
+    checks : where values are copied; they go over all of them.
+    """
+    copy = checks is not None
     kind, shape = pattern.dtype, (file["case"].size, *pattern.shape[1:])
     layout = h5py.VirtualLayout(shape, kind)
     if copy:
@@ -109,8 +175,8 @@ def _add(
         with h5py.File(path, "r") as source:
             virtual = h5py.VirtualSource(reference, name, source[name].shape, kind)
             for rows, cases in runs:
-                if copy:
-                    _copy(source[name], rows, dataset, cases)
+                if checks is not None:
+                    _copy(source[name], rows, dataset, cases, checks)
                 else:
                     layout[_slice(cases)] = virtual[_slice(rows)]
     if not copy:
@@ -121,12 +187,16 @@ def _add(
         here.attach_scale(file[there[0].name])
 
 
-def _copy(source: h5py.Dataset, rows: range, target: h5py.Dataset, cases: range) -> None:
+def _copy(
+    source: h5py.Dataset, rows: range, target: h5py.Dataset, cases: range, checks: _Checks
+) -> None:
     size = max(int(np.prod(source.shape[1:])) * source.dtype.itemsize, 1)
     step = max(COPIED // size, 1)
     for begin in range(0, len(rows), step):
         part = slice(begin, begin + step)
-        target[_slice(cases[part])] = source[_slice(rows[part])]
+        values = source[_slice(rows[part])]
+        checks.take(cases[part], values)
+        target[_slice(cases[part])] = values
 
 
 def _runs(rows: np.ndarray, cases: np.ndarray) -> Iterator[Run]:

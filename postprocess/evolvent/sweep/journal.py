@@ -42,6 +42,7 @@ FIELDS: dict[str, tuple[str, Any, dict[str, Any]]] = {
         np.nan,
         {"long_name": "when the case was finished, since 1970-01-01 00:00 UTC", "units": "s"},
     ),
+    "history": ("history_check", "", {}),  # crc32 of its row among the stacked histories
     "journal": ("shard", np.int32(-1), {}),  # index of the shards that the record is from
 }
 
@@ -195,9 +196,10 @@ def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) ->
 def _take(cases: dict[str, Column], rows: Sequence[dict[str, Any]]) -> None:
     """Put records where their cases are."""
     places = np.array([row["case"] for row in rows], dtype=np.int64)
+    nothing = {key: "" for key, (_, value, _) in FIELDS.items() if value == ""}  # else None: NaN
     for name, column in cases.items():
         if name == "status":
             found: list[Any] = [STATUSES.index(row["status"]) for row in rows]
         else:
-            found = [row.get(column.key) for row in rows]  # None is no number
+            found = [row.get(column.key, nothing.get(column.key)) for row in rows]
         column.values[places] = np.array(found, dtype=column.values.dtype)
