@@ -8,7 +8,6 @@
 #include "files/checkpoint.h"
 #include "integrate/integrate.h"
 
-#include <evolvent_version.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,112 +29,28 @@ struct checkpoints {
     char *times;
 };
 
-/* ---- options ---- */
-
-static bool read_minutes(const char *text, double *seconds)
-{
-    double minutes = 0;
-    const bool good = number_read(text, &minutes) == NUMBER_FINITE && minutes > 0;
-    *seconds = 60 * minutes;
-    return good;
-}
-
-/** @param at  room for as many numbers as there are commas, and one more; NULL: they are only read. @return how many; -1: no times */
-static int read_times(const char *text, double *at)
-{
-    int n = 0;
-    double before = 0;
-    OWNED char *copy = xstrdup(text);
-    char *rest = NULL;
-    for (const char *word = strtok_r(copy, ",", &rest); word != NULL; word = strtok_r(NULL, ",", &rest), n++) {
-        double t = 0;
-        if (number_read(word, &t) != NUMBER_FINITE || !(t > before)) {
-            return -1;
-        }
-        before = t;
-        if (at != NULL) {
-            at[n] = t;
-        }
-    }
-    return n > 0 ? n : -1;
-}
-
-bool checkpoint_options_any(const checkpoint_options *options)
-{
-    return options->continues || options->minutes != NULL || options->at != NULL || options->max_minutes != NULL;
-}
-
-const char *checkpoint_options_check(const checkpoint_options *options)
-{
-    double seconds = 0;
-    if (options->minutes != NULL && !read_minutes(options->minutes, &seconds)) {
-        return "--checkpoint takes minutes, a number above 0";
-    }
-    if (options->max_minutes != NULL && !read_minutes(options->max_minutes, &seconds)) {
-        return "--max-time takes minutes, a number above 0";
-    }
-    if (options->at != NULL && read_times(options->at, NULL) < 0) {
-        return "--checkpoint-at takes model times above 0 in seconds, rising, with commas";
-    }
-    return NULL;
-}
-
 /* ---- from what to go on ---- */
 
 /** What this run's checkpoints are of. */
 static void identify(checkpoint *own, const prepared_case *prepared)
 {
     const bool by_stepper = simulate_options(prepared).by_stepper;
-    const char *processor = model_tables()->processor;
-    own->texts[CHECKPOINT_PROGRAM] = xstrdup("evolvent " EVOLVENT_VERSION);
-    own->texts[CHECKPOINT_INTEGRATOR] = xstrdup(by_stepper ? "radau" : integrate_version());
-    own->texts[CHECKPOINT_KERNEL] = xasprintf("%s, compiled for %s", model_tables()->compiler,
-                                              processor[0] != '\0' ? processor : "the compiler's usual processor");
-    own->texts[CHECKPOINT_CASE] = xstrdup(case_text(prepared->file));
+    checkpoint_identify(own, by_stepper ? "radau" : integrate_version(), case_text(prepared->file));
 }
 
-/** The first line in which two texts differ, as long as a message takes. */
-static void find_difference(const char *a, const char *b, char line_a[80], char line_b[80])
-{
-    for (;;) {
-        const size_t n_a = strcspn(a, "\n"), n_b = strcspn(b, "\n");
-        if (n_a != n_b || strncmp(a, b, n_a) != 0 || a[n_a] != b[n_b]) {
-            a += strspn(a, " ");
-            b += strspn(b, " ");
-            (void)snprintf(line_a, 80, "%.*s", (int)strcspn(a, "\n"), a);
-            (void)snprintf(line_b, 80, "%.*s", (int)strcspn(b, "\n"), b);
-            return;
-        }
-        if (a[n_a] == '\0') {
-            return;
-        }
-        a += n_a + 1;
-        b += n_b + 1;
-    }
-}
-
-/** Whether a checkpoint is of this case and program. */
-static bool compare(const checkpoints *self, const checkpoint *found, evl_error *error)
+/** The newest checkpoint that is whole and of this case and program. @param[out] found  to be freed in any case */
+static bool read_own(const checkpoints *self, checkpoint *found, char *doubt, evl_error *error)
 {
     static const char *const remedies[N_CHECKPOINT_TEXTS] = {"go on with that program", "go on with that library",
                                                              "go on where that kernel runs", "go on with that case"};
-    for (int i = 0; i < N_CHECKPOINT_TEXTS; i++) {
-        const char *theirs = found->texts[i], *ours = self->from.texts[i];
-        char line_theirs[80] = "", line_ours[80] = "";
-        if (strcmp(theirs, ours) == 0) {
-            continue;
-        }
-        find_difference(theirs, ours, line_theirs, line_ours);
-        return evl_error_set(error, EVL_EXIT_CASE, self->parts.folder,
-                             "the checkpoint is of another %s: '%s' there, '%s' here; %s, or begin anew without "
-                             "--continue",
-                             i == CHECKPOINT_CASE         ? "case"
-                             : i == CHECKPOINT_PROGRAM    ? "version"
-                             : i == CHECKPOINT_INTEGRATOR ? "integrator"
-                                                          : "kernel",
-                             line_theirs, line_ours, remedies[i]);
+    evl_error why = {.code = EVL_EXIT_OK};
+    if (!checkpoint_read(self->parts.folder, found, doubt, &why)) {
+        return evl_error_set(error, why.code, why.place, "%s; begin anew without --continue", why.message);
     }
-    return true;
+    const int text = checkpoint_compare(&self->from, found, self->parts.folder, &why);
+    return text == N_CHECKPOINT_TEXTS ||
+           evl_error_set(error, why.code, why.place, "%s; %s, or begin anew without --continue", why.message,
+                         remedies[text]);
 }
 
 /** How many parts a checkpoint stands behind, what they hold, and how often checkpoints were made. */
@@ -177,7 +92,7 @@ static bool find_checkpoint(checkpoints *self, const char *path, evl_error *erro
     checkpoint found;
     char doubt[EVL_ERROR_MESSAGE_LENGTH];
     head head = {0};
-    bool good = checkpoint_read(self->parts.folder, &found, doubt, error) && compare(self, &found, error);
+    bool good = read_own(self, &found, doubt, error);
     keep_head(&head, &found.state);
     good = good && check_parts(self, &head, error) && parts_keep(&self->parts, head.n_parts, error);
     if (good && doubt[0] != '\0') {
@@ -231,7 +146,7 @@ checkpoints *checkpoints_open(const checkpoint_options *options, const char *pat
     self->last = self->started;
     self->command = xstrdup(command);
     self->times = xstrdup("");
-    (void)(options->max_minutes != NULL && read_minutes(options->max_minutes, &self->max_time));
+    (void)(options->max_minutes != NULL && checkpoint_minutes(options->max_minutes, &self->max_time));
     identify(&self->from, prepared);
     if (!parts_open(&self->parts, path, error) ||
         !(options->continues ? find_checkpoint(self, path, error) : begin_anew(self, error))) {
@@ -240,10 +155,10 @@ checkpoints *checkpoints_open(const checkpoint_options *options, const char *pat
         checkpoints_close(&self);
         return NULL;
     }
-    (void)(options->minutes != NULL && read_minutes(options->minutes, &self->interval));
+    (void)(options->minutes != NULL && checkpoint_minutes(options->minutes, &self->interval));
     if (options->at != NULL) {
         self->at = xcalloc(strlen(options->at) + 1, sizeof *self->at);
-        self->n_at = read_times(options->at, self->at);
+        self->n_at = checkpoint_times(options->at, self->at);
         (void)pass_times(self, self->t);
     }
     return self;

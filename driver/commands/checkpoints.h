@@ -3,23 +3,12 @@
 
 #include "base/archive.h"
 #include "base/status.h"
+#include "commands/checkpoint_options.h"
 #include "files/history.h"
 #include "files/parts.h"
 #include "simulate/simulate.h"
 
-/** What the command line says of it; NULL where it says nothing. */
-typedef struct {
-    const char *minutes;     /**< between two checkpoints */
-    const char *at;          /**< model times, with commas */
-    const char *max_minutes; /**< after which the run ends */
-    bool continues;
-} checkpoint_options;
-
 typedef struct checkpoints checkpoints;
-
-/** What is wrong with the options; NULL if nothing is. */
-const char *checkpoint_options_check(const checkpoint_options *options);
-bool checkpoint_options_any(const checkpoint_options *options);
 
 /** Open the folder of a history, and find what is to be gone on from.
  *  @param path  of the history

@@ -14,7 +14,7 @@ typedef enum {
     CHECKPOINT_PROGRAM,
     CHECKPOINT_INTEGRATOR, /**< library and version */
     CHECKPOINT_KERNEL,     /**< compiler and processor */
-    CHECKPOINT_CASE,       /**< its whole text, all defaults filled in */
+    CHECKPOINT_CASE,       /**< its whole text, all defaults filled in, and whatever else decides */
     N_CHECKPOINT_TEXTS
 } checkpoint_text;
 
@@ -23,6 +23,12 @@ typedef struct checkpoint {
     double t;      /**< model time [s] */
     archive state; /**< to be read, in one that was read */
 } checkpoint;
+
+/** Say what a checkpoint is of: this program and kernel, with this integrator and case. */
+void checkpoint_identify(checkpoint *own, const char *integrator, const char *text);
+/** Hold one that was read against what it should be of.
+ *  @return the text in which they differ, with the words for it in `error`, EVL_EXIT_CASE; N_CHECKPOINT_TEXTS if in none */
+int checkpoint_compare(const checkpoint *own, const checkpoint *found, const char *place, evl_error *error);
 
 /** Put a checkpoint into a folder; the one that was there becomes the one before it.
  *  @return false with the reason in `error`, EVL_EXIT_IO: then those that were there still are */

@@ -233,9 +233,8 @@ bool checkpoint_read(const char *folder, checkpoint *checkpoint, char *doubt, ev
         return true;
     }
     const char *why = wrong != NULL ? wrong : wrong_before;
-    return why != NULL ? evl_error_set(error, EVL_EXIT_CASE, "", "%s; begin anew without --continue", why)
-                       : evl_error_set(error, EVL_EXIT_CASE, "",
-                                       "there is no checkpoint in '%s'; begin without --continue", folder);
+    return why != NULL ? evl_error_set(error, EVL_EXIT_CASE, "", "%s", why)
+                       : evl_error_set(error, EVL_EXIT_CASE, "", "there is no checkpoint in '%s'", folder);
 }
 
 bool checkpoint_exists(const char *folder)
