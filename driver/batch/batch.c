@@ -22,6 +22,7 @@ enum { MOST_JOBS = 1024, MOST_SHARDS = 1000000 };
 
 typedef struct {
     int shard, n_shards, jobs;
+    double checkpoint_interval; /**< [s] */
 } batch_share;
 
 /* ---- the command line ---- */
@@ -57,7 +58,9 @@ static bool read_share(const batch_options *options, batch_share *share, evl_err
                                  options->jobs, MOST_JOBS);
         }
     }
-    return true;
+    return batch_checkpoints_read(options->checkpoint, &share->checkpoint_interval) ||
+           evl_error_set(error, EVL_EXIT_USAGE, "", "--checkpoint %s: write minutes, or 0 for no checkpoints",
+                         options->checkpoint);
 }
 
 /* ---- the folder ---- */
@@ -176,6 +179,19 @@ static bool sync_names(const shard_run *run, evl_error *error)
            evl_error_set_unwritten(error, run->options->folder);
 }
 
+/** Checkpoints of cases that are recorded go, once that is on the disk. */
+static bool drop_checkpoints(shard_run *run, evl_error *error)
+{
+    const batch_state *state = &run->state;
+    if (access(run->plan.checkpoints.folder, F_OK) == 0) {
+        if (!journal_sync(&run->state.journal, error)) {
+            return false;
+        }
+        batch_checkpoints_keep(&run->plan.checkpoints, state->n_todo, state->todo);
+    }
+    return true;
+}
+
 /** @return whether cases did not finish */
 static bool summarise(const shard_run *run, double seconds)
 {
@@ -201,7 +217,8 @@ static bool run_locked(shard_run *run, evl_error *error)
     bool is_partial = false;
     if (open_journal(run, error) &&
         batch_todo(&run->plan, run->options->cases, state->cases, &state->todo, &state->n_todo, error) &&
-        (state->n_todo == 0 || (open_histories(run, error) && sync_names(run, error)))) {
+        (state->n_todo == 0 || (open_histories(run, error) && sync_names(run, error))) &&
+        drop_checkpoints(run, error)) {
         const double start = clock_seconds();
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
         is_partial = error->code == EVL_EXIT_OK && summarise(run, clock_seconds() - start);
@@ -218,8 +235,9 @@ static bool run_shard(shard_run *run, evl_error *error)
     bool is_partial = false;
     run->state.journal.descriptor = -1;
     OWNED char *stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
-    OWNED char *lock_path = xasprintf("%s.lock", stem);
+    OWNED char *lock_path = xasprintf("%s.lock", stem), *checkpoints = xasprintf("%s.checkpoints", stem);
     run->stem = stem;
+    run->plan.checkpoints = (batch_checkpoints){checkpoints, run->share.checkpoint_interval};
     if (claim_folder(run->options->folder, run->design->hash, error) &&
         wheel_store_share(run->plan.wheels, run->options->folder, error) && file_lock_take(&lock, lock_path, error)) {
         is_partial = run_locked(run, error);

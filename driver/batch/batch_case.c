@@ -1,8 +1,10 @@
 #include "batch/batch_case.h"
 
 #include "base/json.h"
+#include "base/log.h"
 #include "base/memory.h"
 #include "base/words.h"
+#include "batch/batch_keeper.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -18,6 +20,7 @@ typedef struct {
     float *history; /**< a row of the stack; NULL if there are no histories */
     int *places;    /**< of the history's variables among the outputs; -1: the time */
     long n_outputs; /**< so far */
+    batch_keeper *keeper;
 } batch_sink;
 
 /* ---- the row ---- */
@@ -161,6 +164,30 @@ static bool on_event(void *self, const event_record *record)
     return true;
 }
 
+static bool is_due(void *self, double t)
+{
+    const batch_sink *sink = self;
+    (void)t;
+    return batch_keeper_is_due(sink->keeper);
+}
+
+/** What the simulation does not keep itself. */
+static void keep(void *self, archive *archive)
+{
+    batch_sink *sink = self;
+    statistics_keep(sink->statistics, archive);
+    KEEP(archive, sink->n_outputs);
+    if (sink->history != NULL) {
+        KEEP_ARRAY(archive, sink->history, stack_row_length(&sink->plan->stack));
+    }
+}
+
+static simulate_kept kept(void *self, double t, const archive *archive)
+{
+    const batch_sink *sink = self;
+    return batch_keeper_kept(sink->keeper, t, archive);
+}
+
 static void start_history(batch_sink *sink)
 {
     const batch_histories *histories = &sink->plan->histories;
@@ -213,11 +240,11 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);
 }
 
-static void sink_start(batch_sink *sink, const batch_plan *plan, const prepared_case *prepared,
-                       const number_window *window)
+static void sink_start(batch_sink *sink, const prepared_case *prepared, const number_window *window)
 {
+    const batch_plan *plan = sink->plan;
     const double interval = case_description(prepared->file)->simulation.output_interval; /* by position 0: no slack */
-    *sink = (batch_sink){.plan = plan};
+    *sink = (batch_sink){.plan = plan, .keeper = sink->keeper};
     wanted_init(&sink->wanted, prepared->model, &sink->pool);
     sink->statistics = statistics_create(&plan->table, &sink->wanted, window, interval);
     start_history(sink);
@@ -229,43 +256,65 @@ static void sink_end(batch_sink *sink)
     pool_free(&sink->pool);
 }
 
+static void simulate_once(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
+                          simulate_result *result)
+{
+    const dae *dae = &model_about(prepared->model)->dae;
+    POOLED memory_pool pool = {NULL};
+    dae_state state = dae_state_create(dae, &pool);
+    dae_state_copy(dae, &state, &start->state);
+    sink_start(sink, prepared, &start->window);
+    const simulate_sink heard = {.self = sink,
+                                 .wanted = &sink->wanted,
+                                 .waits = sink->keeper->waits,
+                                 .outputs = on_outputs,
+                                 .event = on_event,
+                                 .extremes = statistics_extremes(sink->statistics),
+                                 .numbers = statistics_numbers(sink->statistics),
+                                 .is_due = is_due,
+                                 .keep = keep,
+                                 .kept = kept,
+                                 .resume = batch_keeper_resume(sink->keeper)};
+    simulate(prepared, &heard, &state, result);
+}
+
 /** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. The
  *  processor time is that of both. */
 static void simulate_to(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
                         simulate_result *result)
 {
-    const dae *dae = &model_about(prepared->model)->dae;
-    double cpu_seconds = 0;
-    for (bool waits = true; waits || result->end == SIMULATE_MISSED; waits = false) {
-        POOLED memory_pool pool = {NULL};
-        dae_state state = dae_state_create(dae, &pool);
-        dae_state_copy(dae, &state, &start->state);
-        sink_start(sink, sink->plan, prepared, &start->window);
-        const simulate_sink heard = {.self = sink,
-                                     .wanted = &sink->wanted,
-                                     .waits = waits,
-                                     .outputs = on_outputs,
-                                     .event = on_event,
-                                     .extremes = statistics_extremes(sink->statistics),
-                                     .numbers = statistics_numbers(sink->statistics)};
-        simulate(prepared, &heard, &state, result);
-        cpu_seconds += result->counts.cpu_seconds;
-        if (waits && result->end == SIMULATE_MISSED) {
-            sink_end(sink);
+    batch_keeper *keeper = sink->keeper;
+    for (;;) {
+        simulate_once(sink, prepared, start, result);
+        const archive *from = batch_keeper_resume(keeper);
+        const bool is_foreign = from != NULL && !archive_is_read(from);
+        if (!is_foreign && result->end != SIMULATE_MISSED) {
+            break;
         }
+        if (is_foreign) {
+            log_warning("case %ld begins anew: %s", keeper->index, result->message);
+            batch_keeper_begin_anew(keeper, true, 0);
+        } else {
+            batch_keeper_begin_anew(keeper, false, keeper->cpu_seconds + result->counts.cpu_seconds);
+        }
+        sink_end(sink);
     }
-    result->counts.cpu_seconds = cpu_seconds;
+    result->counts.cpu_seconds += keeper->cpu_seconds;
 }
 
-static bool simulate_prepared(const batch_plan *plan, long index, const prepared_case *prepared,
-                              const batch_start *start, batch_row *row, evl_error *error)
+static bool simulate_prepared(batch_keeper *keeper, const batch_start *start, batch_row *row, evl_error *error)
 {
-    batch_sink sink = {.plan = plan};
+    const batch_plan *plan = keeper->plan;
+    batch_sink sink = {.plan = plan, .keeper = keeper};
     simulate_result result;
-    simulate_to(&sink, prepared, start, &result);
-    conclude(&sink, prepared, index, &result, row);
-    const bool good = sink.history == NULL ||
-                      stack_write(&plan->stack, (index - plan->first_case) / plan->stride, sink.history, error);
+    simulate_to(&sink, keeper->prepared, start, &result);
+    bool good = result.end != SIMULATE_SINK_FAILED;
+    if (good && result.end != SIMULATE_INTERRUPTED) {
+        conclude(&sink, keeper->prepared, keeper->index, &result, row);
+        row->has_checkpoints = keeper->has_some;
+        good = sink.history == NULL ||
+               stack_write(&plan->stack, (keeper->index - plan->first_case) / plan->stride, sink.history, error);
+    }
     sink_end(&sink);
     return good;
 }
@@ -278,10 +327,13 @@ bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepa
            prepare_start(prepared, &start->state, refusal);
 }
 
-bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error)
+bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index, prepared_case *prepared,
+                    batch_row *row, evl_error *error)
 {
     evl_error refusal;
     batch_start start;
+    batch_keeper keeper;
+    *row = (batch_row){.line = NULL};
     if (!batch_case_prepare(plan, index, prepared, &start, &refusal)) {
         if (wheel_store_error(plan->wheels)->code != EVL_EXIT_OK) {
             *error = *wheel_store_error(plan->wheels);
@@ -291,7 +343,9 @@ bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared,
         write_row(plan, index, JOURNAL_REFUSED, message, NULL, NULL, row);
         return true;
     }
-    const bool good = simulate_prepared(plan, index, prepared, &start, row, error);
+    batch_keeper_begin(&keeper, plan, queue, index, prepared, error);
+    const bool good = simulate_prepared(&keeper, &start, row, error);
+    batch_keeper_end(&keeper);
     dae_state_free(&start.state);
     return good;
 }

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "batch/batch_plan.h"
+#include "batch/batch_queue.h"
 #include "batch/journal.h"
 
 typedef struct {
     journal_status status;
     char *line; /**< of the journal, with its newline; to be freed */
     size_t length;
+    bool has_checkpoints; /**< which are of no use when it is recorded */
 } batch_row;
 
 /** How a case begins. */
@@ -20,9 +22,11 @@ typedef struct {
  *  @return false with the reason in `refusal` */
 bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
                         evl_error *refusal);
-/** Run a case. What is wrong with it is told in its row.
+/** Run a case, or go on with it where it was. What is wrong with it is told in its row.
+ *  @param queue  which says when the batch is to end: then the row has no line
  *  @param[in,out] prepared  zeros before the first case, to be freed after the last one
- *  @return false with the reason in `error` if its history could not be written, or a file of a wheel is no good */
-bool batch_case_run(const batch_plan *plan, long index, prepared_case *prepared, batch_row *row, evl_error *error);
+ *  @return false with the reason in `error` if its history or a checkpoint could not be written, or a file of a wheel is no good */
+bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index, prepared_case *prepared,
+                    batch_row *row, evl_error *error);
 /** The row of a case that ended the process that ran it. */
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row);

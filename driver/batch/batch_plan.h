@@ -2,6 +2,7 @@
 #pragma once
 
 #include "batch/batch_axis.h"
+#include "batch/batch_checkpoints.h"
 #include "batch/batch_statistics.h"
 #include "case/case.h"
 #include "files/stack.h"
@@ -23,8 +24,9 @@ typedef struct {
     statistics_table table;
     batch_histories histories; /**< n_variables 0: none */
     stack stack;               /**< open if there are histories */
-    wheel_store *wheels;       /**< that give way and are known; each worker has its own copy */
-    long first_case, stride;   /**< of the shard, whose rows the stack has */
+    batch_checkpoints checkpoints;
+    wheel_store *wheels;     /**< that give way and are known; each worker has its own copy */
+    long first_case, stride; /**< of the shard, whose rows the stack has */
 } batch_plan;
 
 /** Parse the base case, check the paths of the design, lay out the histories. The stack is not opened yet.

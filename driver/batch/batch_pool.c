@@ -19,19 +19,21 @@
 enum { MOST_TRIES = 2, LOOK_MILLISECONDS = 200 };
 static const struct timespec rest = {
     .tv_nsec = 10000000};                    /* between two looks at the answers: each look costs the workers time */
+static const double patience = 10.0;         /* [s] for workers that put away what they run, when the batch is to end */
 static const double sync_interval = 1.0;     /* [s] between two times that all is brought to the disk */
 static const double terminal_interval = 1.0; /* [s] between two lines of progress on a terminal */
 
-typedef struct {
+typedef struct pool {
     memory_pool memory; /**< of the arrays */
     batch_work work;    /**< its list is that of the state, of which it keeps what is left */
     batch_state *state;
     evl_error *error;
     int n_workers;
     batch_worker *workers;
-    long n_left;  /**< length of the list */
-    int *n_tries; /**< [n_left] how often the process died that ran it; -1: the case is recorded */
-    long n_bad;   /**< failed or refused in this run */
+    long n_left;        /**< length of the list */
+    int *n_tries;       /**< [n_left] how often the process died that ran it; -1: the case is recorded */
+    long n_bad;         /**< failed or refused in this run */
+    long n_kept, *kept; /**< cases that were recorded since the last sync and have checkpoints */
     double started, synced, shown;
     bool show_progress, is_terminal;
     double progress_interval; /**< [s] between two lines of progress */
@@ -65,7 +67,13 @@ static bool sync_all(pool *pool)
     if (!journal->is_dirty) {
         return true;
     }
-    return (stack->descriptor < 0 || stack_sync(stack, pool->error)) && journal_sync(journal, pool->error);
+    if ((stack->descriptor >= 0 && !stack_sync(stack, pool->error)) || !journal_sync(journal, pool->error)) {
+        return false;
+    }
+    while (pool->n_kept > 0) {
+        batch_checkpoints_remove(&pool->work.plan->checkpoints, pool->kept[--pool->n_kept]);
+    }
+    return true;
 }
 
 static bool look_at_clock(pool *pool)
@@ -87,6 +95,16 @@ static bool look_at_clock(pool *pool)
 
 /* ---- rows ---- */
 
+/** A recorded case needs its checkpoints no longer. */
+static void note_kept(pool *pool, bool has_some, long index)
+{
+    if (has_some) {
+        pool->kept =
+            pool_grow(&pool->memory, pool->kept, (size_t)pool->n_kept, (size_t)pool->n_kept + 1, sizeof *pool->kept);
+        pool->kept[pool->n_kept++] = index;
+    }
+}
+
 static bool record(pool *pool, long place, batch_row *row)
 {
     const bool good = journal_append(&pool->state->journal, row->line, row->length, pool->error);
@@ -95,6 +113,7 @@ static bool record(pool *pool, long place, batch_row *row)
         pool->state->n_finished++;
         pool->n_bad += row->status == JOURNAL_DONE ? 0 : 1;
         pool->n_tries[place] = -1;
+        note_kept(pool, row->has_checkpoints, pool->work.todo[place]);
     }
     free(row->line);
     return good;
@@ -112,6 +131,7 @@ static bool record_lost(pool *pool, long place, int wait_status)
                        WEXITSTATUS(wait_status));
     }
     batch_case_lost(pool->work.plan, pool->work.todo[place], message, &row);
+    row.has_checkpoints = true; /* it may */
     return record(pool, place, &row);
 }
 
@@ -165,25 +185,33 @@ static bool has_workers(const pool *pool)
     return false;
 }
 
-/** Record what the workers say until they are all gone. */
-static bool listen_to_all(pool *pool)
+/** Record what the workers say, for a moment. @param gone  what becomes of a worker that is gone */
+static bool listen(pool *pool, bool (*gone)(struct pool *pool, int number))
 {
     OWNED struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
     bool good = true;
+    for (int i = 0; i < pool->n_workers; i++) {
+        ends[i] = (struct pollfd){.fd = pool->workers[i].socket, .events = POLLIN};
+    }
+    const int n = poll(ends, (nfds_t)pool->n_workers, LOOK_MILLISECONDS);
+    for (int i = 0; i < pool->n_workers && n > 0 && good; i++) {
+        batch_worker_news news = WORKER_SILENT;
+        good = ends[i].revents == 0 || attend(pool, i, &news);
+        good = good && (news != WORKER_GONE || gone(pool, i));
+    }
+    good = good && look_at_clock(pool);
+    if (good && n > 0 && has_workers(pool)) {
+        (void)nanosleep(&rest, NULL);
+    }
+    return good;
+}
+
+/** Record what the workers say until they are all gone. */
+static bool listen_to_all(pool *pool)
+{
+    bool good = true;
     while (good && interrupt_signal == 0 && has_workers(pool)) {
-        for (int i = 0; i < pool->n_workers; i++) {
-            ends[i] = (struct pollfd){.fd = pool->workers[i].socket, .events = POLLIN};
-        }
-        const int n = poll(ends, (nfds_t)pool->n_workers, LOOK_MILLISECONDS);
-        for (int i = 0; i < pool->n_workers && n > 0 && good; i++) {
-            batch_worker_news news = WORKER_SILENT;
-            good = ends[i].revents == 0 || attend(pool, i, &news);
-            good = good && (news != WORKER_GONE || replace_worker(pool, i));
-        }
-        good = good && look_at_clock(pool);
-        if (good && n > 0 && has_workers(pool)) {
-            (void)nanosleep(&rest, NULL);
-        }
+        good = listen(pool, replace_worker);
     }
     return good;
 }
@@ -198,9 +226,21 @@ static bool start_all(pool *pool)
     return good;
 }
 
-/** End the workers that are still there. `good`: the disk takes what they have sent. */
+static bool end_worker(pool *pool, int number)
+{
+    (void)batch_worker_end(&pool->workers[number]);
+    return true;
+}
+
+/** End the workers that are still there, after a signal such that they put away what they run. `good`: the disk takes what they have
+ *  sent. */
 static bool stop_all(pool *pool, bool good)
 {
+    const double end = clock_seconds() + patience;
+    batch_queue_stop(pool->work.queue);
+    while (good && has_workers(pool) && clock_seconds() < end) {
+        good = listen(pool, end_worker);
+    }
     for (int i = 0; i < pool->n_workers; i++) {
         if (pool->workers[i].pid != 0) {
             batch_worker_news news;

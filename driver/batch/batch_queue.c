@@ -10,6 +10,7 @@
 struct batch_queue {
     size_t size; /**< of all this [bytes] */
     int n_workers;
+    atomic_bool is_stopped;
     atomic_long n, next;
     atomic_long last[]; /**< [n_workers] */
 };
@@ -37,6 +38,7 @@ void batch_queue_delete(batch_queue **queue)
 
 void batch_queue_restart(batch_queue *queue, long n)
 {
+    atomic_store(&queue->is_stopped, false);
     atomic_store(&queue->n, n);
     atomic_store(&queue->next, 0);
     for (int i = 0; i < queue->n_workers; i++) {
@@ -46,7 +48,7 @@ void batch_queue_restart(batch_queue *queue, long n)
 
 long batch_queue_take(batch_queue *queue, int worker)
 {
-    if (atomic_load(&queue->next) >= atomic_load(&queue->n)) {
+    if (batch_queue_is_stopped(queue) || atomic_load(&queue->next) >= atomic_load(&queue->n)) {
         return -1;
     }
     const long place = atomic_fetch_add(&queue->next, 1);
@@ -60,4 +62,14 @@ long batch_queue_take(batch_queue *queue, int worker)
 long batch_queue_last(const batch_queue *queue, int worker)
 {
     return atomic_load(&queue->last[worker]);
+}
+
+void batch_queue_stop(batch_queue *queue)
+{
+    atomic_store(&queue->is_stopped, true);
+}
+
+bool batch_queue_is_stopped(const batch_queue *queue)
+{
+    return atomic_load_explicit(&queue->is_stopped, memory_order_relaxed);
 }

@@ -2,6 +2,8 @@
  *  all are busy until the last case is taken. */
 #pragma once
 
+#include <stdbool.h>
+
 /** Lies in memory that a process shares with those it forks. */
 typedef struct batch_queue batch_queue;
 
@@ -16,3 +18,6 @@ long batch_queue_take(batch_queue *queue, int worker);
 long batch_queue_last(const batch_queue *queue, int worker);
 /** All places are there again, n of them; no worker may be at work. */
 void batch_queue_restart(batch_queue *queue, long n);
+/** Ask the workers to end: nothing is taken any more, and who runs a case puts it away. */
+void batch_queue_stop(batch_queue *queue);
+bool batch_queue_is_stopped(const batch_queue *queue);

@@ -326,6 +326,16 @@ void statistics_event(statistics *statistics, const event_record *record)
     }
 }
 
+void statistics_keep(statistics *statistics, archive *archive)
+{
+    KEEP(archive, statistics->t);
+    KEEP(archive, statistics->t_first);
+    KEEP(archive, statistics->t_last);
+    KEEP(archive, statistics->is_in_window);
+    KEEP_ARRAY(archive, statistics->of_mesh, statistics->table->n_meshes * N_OF_MESH);
+    KEEP_ARRAY(archive, statistics->events, model_tables()->n_event_kinds);
+}
+
 /** An extreme in the window. */
 static double extreme_of(const statistics *statistics, int row, int mesh, bool is_largest)
 {

@@ -1,6 +1,7 @@
 /** The numbers that a batch keeps of each case, accumulated while it is simulated: one table says which. */
 #pragma once
 
+#include "base/archive.h"
 #include "base/memory.h"
 #include "integrate/integrate_types.h"
 #include "model/model.h"
@@ -49,6 +50,8 @@ numbers *statistics_numbers(const statistics *statistics);
 /** The blocks come in order of time. */
 void statistics_outputs(statistics *statistics, const output_block *block);
 void statistics_event(statistics *statistics, const event_record *record);
+/** Keep what was accumulated, but for what the simulation keeps: extremes and numbers. */
+void statistics_keep(statistics *statistics, archive *archive);
 /** The numbers of the table; NaN where there was nothing to accumulate.
  *  @param result   of the simulation; if it did not come to its end, the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */

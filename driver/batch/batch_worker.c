@@ -43,17 +43,20 @@ static void leave_signals_to_parent(pid_t parent)
     }
 }
 
-/** @return false if the parent is gone */
+/** @return false if the parent is gone, or the batch is to end and the case is put away */
 static bool run_case(const batch_work *work, long place, int socket, prepared_case *prepared)
 {
     evl_error error = {.code = EVL_EXIT_OK};
     batch_answer answer = {.place = place};
     const long n_wheels = wheel_store_computed(work->plan->wheels);
-    if (!batch_case_run(work->plan, work->todo[place], prepared, &answer.row, &error)) {
+    if (!batch_case_run(work->plan, work->queue, work->todo[place], prepared, &answer.row, &error)) {
         answer.lost = error.code;
         free(answer.row.line);
         answer.row.line = evl_error_text(&error);
         answer.row.length = strlen(answer.row.line);
+    }
+    if (answer.row.line == NULL) {
+        return false;
     }
     answer.n_wheels = wheel_store_computed(work->plan->wheels) - n_wheels;
     const bool good = send_answer(socket, &answer);

@@ -15,8 +15,8 @@ static evl_exit run(const char *file, const void *given, evl_error *error)
 static const char *check(const void *given)
 {
     const batch_options *options = given;
-    if (options->check &&
-        (options->folder != NULL || options->jobs != NULL || options->cases != NULL || options->resume)) {
+    if (options->check && (options->folder != NULL || options->jobs != NULL || options->cases != NULL ||
+                           options->resume || options->checkpoint != NULL)) {
         return "option '--check' runs nothing: of the others only '--shard' and '--quiet' go with it";
     }
     return options->folder == NULL && !options->check ? "'batch' needs a folder: -o DIR" : NULL;
@@ -35,13 +35,16 @@ static const option_row rows[] = {
      "run nothing: only say, as JSON, which cases would be refused and why"},
     {OPTION_TEXT, 0, "--cases", "FILE", offsetof(batch_options, cases),
      "run these cases, one number a line, recorded or not; the later record counts"},
+    {OPTION_TEXT, 0, "--checkpoint", "MINUTES", offsetof(batch_options, checkpoint),
+     "of a case by radau that takes longer: how often it is kept, to go on from there; 10 if not given, 0: never"},
     OPTION_ROW_QUIET(batch_options),
     OPTION_ROW_HELP,
 };
 
 const command batch_command = {
     .name = "batch",
-    .synopsis = "DESIGN.h5 -o DIR [--shard I/N] [--jobs J] [--resume] [--cases FILE] [-q] | --check [--shard I/N]",
+    .synopsis = "DESIGN.h5 -o DIR [--shard I/N] [--jobs J] [--resume] [--cases FILE] [--checkpoint MINUTES] [-q] | "
+                "--check [--shard I/N]",
     .summary = "run the cases of a design, or a share of them",
     .text =
         "Runs the cases of a design, which 'evolvent-sweep plan' writes: a base case, and a table of the values that "
@@ -53,7 +56,7 @@ const command batch_command = {
         "is a\n"
         "line with its reason. Whatever ends the program, nothing recorded is lost: the same command with --resume "
         "runs\n"
-        "what is missing. SIGTERM, SIGUSR1 and SIGINT end it at once, with exit code 75.\n"
+        "what is missing; a long case goes on where it was. SIGTERM, SIGUSR1 and SIGINT end it with exit code 75.\n"
         "\n"
         "Examples:\n"
         "  evolvent batch design.h5 -o results --jobs 2\n"

@@ -3,13 +3,6 @@
 #include "integrate/integration.h"
 
 #include <float.h>
-#include <time.h>
-
-static double cpu_now(void)
-{
-    struct timespec now;
-    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec : 0;
-}
 
 integrate_code integrate(const dae *model, const integrate_options *options, const integrate_observer *observer,
                          dae_state *state, integrate_counts *counts, char reason[DAE_MESSAGE_LENGTH])
@@ -24,8 +17,8 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .t_event = -DBL_MAX,
                        .t_unwatched = state->t,
                        .t_missed = -DBL_MAX,
+                       .cpu_start = integration_cpu_now(),
                        .t_rest = state->t};
-    const double cpu_start = cpu_now();
     reason[0] = '\0';
     *counts = (integrate_counts){0};
     integration_begin(&run);
@@ -34,6 +27,6 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
     }
     const integrate_code code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
     pool_free(&run.pool);
-    counts->cpu_seconds = cpu_now() - cpu_start;
+    counts->cpu_seconds = integration_cpu_now() - run.cpu_start;
     return code;
 }

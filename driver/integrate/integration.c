@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
 static const double smallest_step = 64 * DBL_EPSILON;
@@ -134,6 +135,12 @@ integrate_code integration_apply_event(integration *run, bool time_event)
     return INTEGRATE_DONE;
 }
 
+double integration_cpu_now(void)
+{
+    struct timespec now;
+    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec : 0;
+}
+
 bool integration_keep(integration *run, archive *archive)
 {
     KEEP(archive, run->state->t);
@@ -141,7 +148,9 @@ bool integration_keep(integration *run, archive *archive)
     KEEP_ARRAY(archive, run->state->yp, run->model->n);
     KEEP_ARRAY(archive, run->state->integers, run->model->n_integers);
     KEEP_ARRAY(archive, run->state->reals, run->model->n_reals);
+    run->counts->cpu_seconds = integration_cpu_now() - run->cpu_start;
     KEEP(archive, *run->counts);
+    run->cpu_start = integration_cpu_now() - run->counts->cpu_seconds;
     KEEP(archive, run->t_start);
     output_grid_keep(&run->grid, archive);
     KEEP(archive, run->t_event);

@@ -27,8 +27,13 @@ typedef struct {
     double
         t_missed; /**< of the output at which an event was found to be missed; the steps are made anew until past it */
     int times_missed; /**< how often, without coming past it */
-    double t_rest;    /**< latest time at which it could have been kept */
+    double
+        cpu_start; /**< [s] of the thread's time, at which this integration would have begun if it had never been put away */
+    double t_rest; /**< latest time at which it could have been kept */
 } integration;
+
+/** Processor time of this thread [s]. */
+double integration_cpu_now(void);
 
 /** Take memory from its pool. */
 void integration_begin(integration *run);

@@ -175,6 +175,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
             **alike(GIVEN, "model options"),
             "reason": "of the result",
             **alike(ROOM, "pool fired events trial old lanes"),
+            "cpu_start": "found from the processor time in the counts",
         },
     ),
     "output_grid": (
@@ -260,10 +261,30 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
     ),
 }
 
+STRUCTS["statistics"] = (
+    "batch/batch_statistics.c",
+    "batch/batch_statistics.c",
+    "statistics_keep",
+    {
+        **alike(GIVEN, "table from to"),
+        **alike("kept by the simulation", "extremes numbers"),
+    },
+)
+STRUCTS["batch_sink"] = (
+    "batch/batch_case.c",
+    "batch/batch_case.c",
+    "keep",
+    {
+        **alike(GIVEN, "plan pool wanted places"),
+        "keeper": "what is about the checkpoints, and keep_head",
+    },
+)
+
 #: Kept as they lie in memory, so that they may hold no pointer.
 PLAIN_STRUCTS = {
     "integrate_counts": "integrate/dae.h",
     "dae_growth": "integrate/dae.h",
+    "accumulator": "batch/batch_statistics.c",
     "contact_watch_mesh": "simulate/contact_watch.h",
     "of_wheel": "simulate/invariant_watch.c",
     "of_mesh": "simulate/invariant_watch.c",

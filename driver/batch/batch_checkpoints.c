@@ -1,0 +1,96 @@
+#include "batch/batch_checkpoints.h"
+
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/write_bytes.h"
+#include "files/checkpoint.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const double usual = 600; /* s */
+
+bool batch_checkpoints_read(const char *minutes, double *interval)
+{
+    double number = 0;
+    *interval = usual;
+    if (minutes == NULL) {
+        return true;
+    }
+    const bool good = number_read(minutes, &number) == NUMBER_FINITE && number >= 0;
+    *interval = number > 0 ? 60 * number : INFINITY;
+    return good;
+}
+
+char *batch_checkpoints_path(const batch_checkpoints *self, long index)
+{
+    return xasprintf("%s/%ld", self->folder, index);
+}
+
+bool batch_checkpoints_has(const batch_checkpoints *self, long index)
+{
+    if (access(self->folder, F_OK) != 0) { /* asked for again and again, which even far file systems remember */
+        return false;
+    }
+    OWNED char *path = batch_checkpoints_path(self, index);
+    return checkpoint_exists(path);
+}
+
+static bool make_folder(const char *path, evl_error *error)
+{
+    struct stat status;
+    bool good = mkdir(path, 0777) == 0;
+    if (!good && errno == EEXIST) {
+        good = lstat(path, &status) == 0 && S_ISDIR(status.st_mode);
+        errno = ENOTDIR;
+    }
+    return (good && sync_name(path)) || evl_error_set_unwritten(error, path);
+}
+
+bool batch_checkpoints_make(const batch_checkpoints *self, long index, evl_error *error)
+{
+    OWNED char *path = batch_checkpoints_path(self, index);
+    return make_folder(self->folder, error) && make_folder(path, error);
+}
+
+void batch_checkpoints_remove(const batch_checkpoints *self, long index)
+{
+    OWNED char *path = batch_checkpoints_path(self, index);
+    (void)checkpoint_remove(path);
+    (void)rmdir(path);
+    (void)rmdir(self->folder); /* the last one */
+}
+
+static int compare(const void *a, const void *b)
+{
+    const long first = *(const long *)a, second = *(const long *)b;
+    return (first > second) - (first < second);
+}
+
+/** Number of a case that a name stands for; -1: it is another's. */
+static long number_of(const char *name)
+{
+    char *end = NULL;
+    const long number = strtol(name, &end, 10);
+    return name[0] >= '0' && name[0] <= '9' && *end == '\0' ? number : -1;
+}
+
+void batch_checkpoints_keep(const batch_checkpoints *self, long n, const long *todo)
+{
+    DIR *folder = opendir(self->folder);
+    if (folder == NULL) {
+        return;
+    }
+    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+        const long index = number_of(entry->d_name);
+        if (index >= 0 && (n == 0 || bsearch(&index, todo, (size_t)n, sizeof index, compare) == NULL)) {
+            batch_checkpoints_remove(self, index);
+        }
+    }
+    (void)closedir(folder);
+    (void)rmdir(self->folder);
+}

@@ -1,0 +1,125 @@
+#include "batch/batch_keeper.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/progress.h"
+#include "files/checkpoint.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STRIDE = 16 };          /* steps between looks at the clock, which takes a hundredth of a step */
+static const double least = 1; /* [s] of work that is worth a checkpoint when the batch ends */
+
+/** What stands before the simulation's own state. */
+static void keep_head(batch_keeper *self, archive *archive)
+{
+    KEEP(archive, self->waits);
+    KEEP(archive, self->cpu_seconds);
+}
+
+/** What checkpoints of this case are of: the design says what is found of it. */
+static void identify(const batch_keeper *self, checkpoint *own)
+{
+    OWNED char *text = xasprintf("case %ld of the design %s\n%s", self->index, self->plan->design->hash,
+                                 case_text(self->prepared->file));
+    checkpoint_identify(own, "radau", text);
+}
+
+/** @return false with the reason in `why` */
+static bool find(batch_keeper *self, char *doubt, evl_error *why)
+{
+    OWNED char *path = batch_checkpoints_path(&self->plan->checkpoints, self->index);
+    checkpoint own = {.t = 0}, found = {.t = 0};
+    identify(self, &own);
+    bool good =
+        checkpoint_read(path, &found, doubt, why) && checkpoint_compare(&own, &found, path, why) == N_CHECKPOINT_TEXTS;
+    if (good) {
+        self->from = found.state;
+        found.state = (archive){.n = 0};
+        keep_head(self, &self->from);
+        log_note("case %ld goes on from its checkpoint at t = %.9g s", self->index, found.t);
+    }
+    checkpoint_free(&found);
+    checkpoint_free(&own);
+    return good;
+}
+
+void batch_keeper_begin(batch_keeper *self, const batch_plan *plan, const batch_queue *queue, long index,
+                        const prepared_case *prepared, evl_error *error)
+{
+    const batch_checkpoints *checkpoints = &plan->checkpoints;
+    char doubt[EVL_ERROR_MESSAGE_LENGTH] = "";
+    evl_error why = {.code = EVL_EXIT_OK};
+    *self = (batch_keeper){.plan = plan,
+                           .queue = queue,
+                           .prepared = prepared,
+                           .index = index,
+                           .can_go_on = isfinite(checkpoints->interval) && simulate_options(prepared).by_stepper,
+                           .waits = true,
+                           .last = clock_seconds(),
+                           .countdown = STRIDE,
+                           .error = error};
+    self->has_some = self->can_go_on && batch_checkpoints_has(checkpoints, index);
+    if (self->has_some && !find(self, doubt, &why)) {
+        OWNED char *text = evl_error_text(&why);
+        log_warning("%s: case %ld begins anew", text, index);
+    } else if (doubt[0] != '\0') {
+        log_warning("%s: case %ld goes on from the checkpoint before it", doubt, index);
+    }
+}
+
+void batch_keeper_end(batch_keeper *self)
+{
+    archive_free(&self->from);
+}
+
+archive *batch_keeper_resume(batch_keeper *self)
+{
+    return self->from.bytes != NULL ? &self->from : NULL;
+}
+
+void batch_keeper_begin_anew(batch_keeper *self, bool waits, double cpu_seconds)
+{
+    archive_free(&self->from);
+    self->waits = waits;
+    self->cpu_seconds = cpu_seconds;
+}
+
+bool batch_keeper_is_due(batch_keeper *self)
+{
+    if (batch_queue_is_stopped(self->queue)) {
+        return true;
+    }
+    if (!self->can_go_on || --self->countdown > 0) {
+        return false;
+    }
+    self->countdown = STRIDE;
+    return clock_seconds() - self->last >= self->plan->checkpoints.interval;
+}
+
+static bool write(batch_keeper *self, double t, const archive *state)
+{
+    OWNED char *path = batch_checkpoints_path(&self->plan->checkpoints, self->index);
+    checkpoint next = {.t = t};
+    identify(self, &next);
+    keep_head(self, &next.state);
+    memcpy(archive_take(&next.state, state->n), state->bytes, state->n);
+    const bool good = batch_checkpoints_make(&self->plan->checkpoints, self->index, self->error) &&
+                      checkpoint_write(path, &next, self->error);
+    checkpoint_free(&next);
+    self->has_some = true;
+    return good;
+}
+
+simulate_kept batch_keeper_kept(batch_keeper *self, double t, const archive *state)
+{
+    const double since = clock_seconds() - self->last;
+    if (self->can_go_on && since >= fmin(least, self->plan->checkpoints.interval)) {
+        if (!write(self, t, state)) {
+            return SIMULATE_FAILS;
+        }
+        self->last = clock_seconds();
+    }
+    return batch_queue_is_stopped(self->queue) ? SIMULATE_STOPS : SIMULATE_GOES_ON;
+}
