@@ -230,12 +230,12 @@ bool checkpoints_close_part(checkpoints *self, history **part, evl_error *error)
     return history_close(part, true, 2, attributes, error);
 }
 
-bool checkpoints_append(const checkpoints *self, const history_layout *layout, history *to, evl_error *error)
+bool checkpoints_append(const checkpoints *self, history *to, evl_error *error)
 {
     bool good = true;
     for (int i = 1; i <= self->parts.n && good; i++) {
         OWNED char *path = parts_path(&self->parts, i);
-        good = part_append(path, layout, to, error);
+        good = part_append(path, to, error);
     }
     return good;
 }

@@ -40,7 +40,7 @@ simulate_kept checkpoints_kept(checkpoints *checkpoints, history **part, double 
 /** Close the last part, if there is one. */
 bool checkpoints_close_part(checkpoints *checkpoints, history **part, evl_error *error);
 /** All parts, one after the other. */
-bool checkpoints_append(const checkpoints *checkpoints, const history_layout *layout, history *to, evl_error *error);
+bool checkpoints_append(const checkpoints *checkpoints, history *to, evl_error *error);
 /** The history is complete: nothing is left to go on from. */
 void checkpoints_remove(checkpoints *checkpoints);
 

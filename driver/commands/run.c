@@ -166,7 +166,7 @@ static bool join_parts(run *run, const char *path)
     run_history *history = &run->history;
     return checkpoints_close_part(run->checkpoints, &history->history, run->error) &&
            run_history_open(history, path, run->error) &&
-           checkpoints_append(run->checkpoints, &history->layout, history->history, run->error);
+           checkpoints_append(run->checkpoints, history->history, run->error);
 }
 
 /** The simulation ended: what is told at its end, and the end of the history. */

@@ -12,8 +12,7 @@
 /** Until the first flush, and from one to the next. */
 static const double first_flush = 2, flush_interval = 5; /* s */
 
-/** Say why writing failed; the first reason counts. @return false */
-static bool fail(const history *history, evl_error *error)
+bool history_refuse(const history *history, evl_error *error)
 {
     return output_file_refuse(history->file.partial_path, history->netcdf.system_error, history->netcdf.reason, error);
 }
@@ -120,8 +119,8 @@ static bool flush_in_place(history *history)
            netcdf_flush(&history->netcdf) && is_had(history, output_file_show(&history->file));
 }
 
-/** From time to time, so that most of a killed run can be read. The processor's clock is dear, and never before the other. */
-static bool flush_if_due(history *history)
+/* So that most of a killed run can be read. The processor's clock is dear, and never before the other. */
+bool history_flush_if_due(history *history)
 {
     const double now = clock_seconds();
     if (now < history->next_look) {
@@ -139,8 +138,7 @@ static bool flush_if_due(history *history)
 
 /* ---- rows ---- */
 
-/** A series that may be full gets room. */
-static bool make_room(history *history, series *rows)
+bool history_make_room(history *history, series *rows)
 {
     return rows->filled < rows->capacity ||
            (history->grows ? series_write(rows, &history->netcdf) : series_make_room(rows) || start_growing(history));
@@ -151,12 +149,12 @@ static bool append(history *history, series *rows, int n, const double *places, 
 {
     bool good = true;
     for (int done = 0; done < n && good;) {
-        good = make_room(history, rows);
+        good = history_make_room(history, rows);
         const int taken = good ? series_append(rows, n - done, places + done, values + done, stride) : -1;
         good = taken >= 0;
         done += taken;
     }
-    return (good && flush_if_due(history)) || fail(history, error);
+    return (good && history_flush_if_due(history)) || history_refuse(history, error);
 }
 
 void history_put_statics(history *history, const double *values)
@@ -194,7 +192,8 @@ static bool put_last_rows(history *history)
 
 bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error)
 {
-    return (put_last_rows(history) && history_write_statics(history, n, outputs, values)) || fail(history, error);
+    return (put_last_rows(history) && history_write_statics(history, n, outputs, values)) ||
+           history_refuse(history, error);
 }
 
 /** Those of the start that have no other value at the end. */
@@ -227,7 +226,7 @@ bool history_close(history **pointer, bool commit, int n_attributes, const histo
     if (good) {
         good = output_file_close(&history->file, commit, error);
     } else {
-        (void)fail(history, error);
+        (void)history_refuse(history, error);
         output_file_drop(&history->file, false);
     }
     free_history(history);

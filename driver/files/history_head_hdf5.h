@@ -1,4 +1,4 @@
-/** The file of a history, with its attributes and constants. Private to history*_hdf5.c. */
+/** The file of a history, with its attributes and constants. Private to history*_hdf5.c and part_hdf5.c. */
 #pragma once
 
 #include "files/dimensions_in_file_hdf5.h"
@@ -25,3 +25,10 @@ bool history_write_statics(history *history, int n, const model_output *outputs,
 bool history_put_attributes(history *history, int n, const history_attribute *attributes);
 /** To come after all variables, and before a flush: dimensions list who has them. */
 bool history_finish(history *history);
+
+/** See that a series has room for a row, if need be on file. */
+bool history_make_room(history *history, series *rows);
+/** Let what is there be read, from time to time. */
+bool history_flush_if_due(history *history);
+/** Say why writing failed; the first reason counts. @return false */
+bool history_refuse(const history *history, evl_error *error);

@@ -36,4 +36,4 @@ typedef struct {
 bool part_size_of(const char *path, part_size *size);
 /** Append all rows and events of a part to a history with the same outputs and states, block by block.
  *  @return false with the reason in `error`, EVL_EXIT_IO */
-bool part_append(const char *path, const history_layout *layout, history *to, evl_error *error);
+bool part_append(const char *path, history *to, evl_error *error);

@@ -23,12 +23,6 @@ bool netcdf_are_integers(char *reason, const char *name, int n, const double *va
     return true;
 }
 
-/** Bytes of a value. */
-static size_t size_of(const series_column *column)
-{
-    return series_is_integer(column) ? sizeof(int) : sizeof(double);
-}
-
 void series_init(series *rows, char *reason, memory_pool *pool, int n_columns, unsigned long long limit)
 {
     *rows = (series){.reason = reason, .limit = limit};
@@ -67,7 +61,7 @@ static void take_block(series *rows, size_t capacity)
     char *block = xrealloc(NULL, capacity, series_row_bytes(rows)), *at = block;
     for (int i = 0; i < rows->n_columns; i++) {
         series_column *column = &rows->columns[i];
-        const size_t bytes = rows->filled * (size_t)column->count * size_of(column);
+        const size_t bytes = rows->filled * (size_t)column->count * series_value_size(column);
         if (bytes > 0) {
             memcpy(at, column->block, bytes);
         }

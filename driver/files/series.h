@@ -53,5 +53,10 @@ static inline bool series_is_integer(const series_column *column)
 {
     return column->variable.type == NETCDF_INTEGER;
 }
+/** Bytes of one of its values. */
+static inline size_t series_value_size(const series_column *column)
+{
+    return series_is_integer(column) ? sizeof(int) : sizeof(double);
+}
 /** Bytes of a row in the block. */
 size_t series_row_bytes(const series *rows);

@@ -3,6 +3,7 @@
 #include "files/netcdf_common_hdf5.h"
 
 enum {
+    PIECE_BYTES = 2 * 1024 * 1024,  /* of a variable that is copied */
     CHUNK_BYTES = 64 * 1024 * 1024, /* chunks of all variables together */
     CHUNK_ROWS = 65536
 };
@@ -62,15 +63,13 @@ bool series_begin(series *rows, netcdf_file *file, hid_t group)
     return good && scale_list_users(file, rows->dimension.scale);
 }
 
-/** Rows written..filled of the block, behind those that the dataset has already. */
-static bool write_column(const series *rows, netcdf_file *file, const series_column *column)
+/** Rows of a column behind those that the dataset has already. @param first  the first of them */
+static bool write_rows(netcdf_file *file, const series_column *column, hsize_t first, hsize_t n, const void *from)
 {
     const netcdf_variable *variable = &column->variable;
-    const size_t size = series_is_integer(column) ? sizeof(int) : sizeof(double);
-    const char *from = (const char *)column->block + rows->written * (size_t)column->count * size;
-    hsize_t extent[NETCDF_MAX_RANK] = {rows->first + rows->filled};
-    hsize_t start[NETCDF_MAX_RANK] = {rows->first + rows->written};
-    hsize_t count[NETCDF_MAX_RANK] = {rows->filled - rows->written};
+    hsize_t extent[NETCDF_MAX_RANK] = {first + n};
+    hsize_t start[NETCDF_MAX_RANK] = {first};
+    hsize_t count[NETCDF_MAX_RANK] = {n};
     for (int i = 1; i < variable->rank; i++) {
         extent[i] = count[i] = variable->dimensions[i]->length;
     }
@@ -85,6 +84,13 @@ static bool write_column(const series *rows, netcdf_file *file, const series_col
            netcdf_fail(file);
 }
 
+/** Rows written..filled of the block. */
+static bool write_column(const series *rows, netcdf_file *file, const series_column *column)
+{
+    const char *from = (const char *)column->block + rows->written * (size_t)column->count * series_value_size(column);
+    return write_rows(file, column, rows->first + rows->written, rows->filled - rows->written, from);
+}
+
 bool series_write(series *rows, netcdf_file *file)
 {
     for (int i = 0; i < rows->n_columns && rows->filled > rows->written; i++) {
@@ -97,5 +103,123 @@ bool series_write(series *rows, netcdf_file *file)
         rows->first += rows->filled;
         rows->filled = rows->written = 0;
     }
+    return true;
+}
+
+/* ---- another file ---- */
+
+/** Rows of a variable, if it is as a column is. @param[out] extent  along all its dimensions */
+static bool find_extent(hid_t space, const series_column *column, hsize_t extent[NETCDF_MAX_RANK])
+{
+    const int rank = column->variable.rank;
+    hsize_t of_row = 1;
+    const bool good = space >= 0 && H5Sget_simple_extent_ndims(space) == rank &&
+                      H5Sget_simple_extent_dims(space, extent, NULL) == rank;
+    for (int i = 1; i < rank && good; i++) {
+        of_row *= extent[i];
+    }
+    return good && of_row == (hsize_t)column->count;
+}
+
+bool series_source_open(series_source *source, const series *rows, hid_t place, memory_pool *pool)
+{
+    *source = (series_source){.datasets = pool_calloc(pool, (size_t)rows->n_columns, sizeof *source->datasets)};
+    bool good = true;
+    for (int i = 0; i < rows->n_columns && good; i++) {
+        hsize_t extent[NETCDF_MAX_RANK] = {0};
+        /* Read without a cache, as it was written: a block is a part of a chunk. */
+        const hid_t dataset = H5Dopen2(place, rows->columns[i].variable.name, netcdf_kept.access);
+        CLOSED const hid_t space = dataset < 0 ? H5I_INVALID_HID : H5Dget_space(dataset);
+        source->datasets[i] = dataset;
+        good = find_extent(space, &rows->columns[i], extent) && (i == 0 || extent[0] == source->rows);
+        source->rows = extent[0];
+    }
+    return good;
+}
+
+void series_source_close(series_source *source, const series *rows)
+{
+    for (int i = 0; i < rows->n_columns; i++) {
+        (void)(source->datasets[i] > 0 && H5Dclose(source->datasets[i]));
+    }
+}
+
+static bool read_rows(const series_column *column, hid_t dataset, hsize_t from, hsize_t n, void *to)
+{
+    hsize_t start[NETCDF_MAX_RANK] = {from}, count[NETCDF_MAX_RANK] = {0};
+    CLOSED const hid_t on_file = H5Dget_space(dataset);
+    if (!find_extent(on_file, column, count)) {
+        return false;
+    }
+    count[0] = n;
+    CLOSED const hid_t in_memory = H5Screate_simple(column->variable.rank, count, NULL);
+    return in_memory >= 0 && H5Sselect_hyperslab(on_file, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+           H5Dread(dataset, type_in_memory(column), in_memory, on_file, H5P_DEFAULT, to) >= 0;
+}
+
+static void shift_coordinate(const series_column *column, size_t n, void *values, int shift)
+{
+    int *integers = values;
+    for (size_t k = 0; k < n && series_is_integer(column); k++) {
+        integers[k] += shift;
+    }
+}
+
+bool series_take(series *rows, series_source *source, int shift)
+{
+    const size_t room = rows->capacity - rows->filled;
+    const size_t n = source->rows - source->next < room ? (size_t)(source->rows - source->next) : room;
+    for (int i = 0; i < rows->n_columns; i++) {
+        const series_column *column = &rows->columns[i];
+        char *to = (char *)column->block + rows->filled * (size_t)column->count * series_value_size(column);
+        if (!read_rows(column, source->datasets[i], source->next, n, to)) {
+            return false;
+        }
+        shift_coordinate(column, i == 0 ? n : 0, to, shift);
+    }
+    rows->filled += n;
+    source->next += n;
+    return true;
+}
+
+static bool copy_column(const series *rows, netcdf_file *file, const series_source *source, int index, int shift,
+                        void *piece)
+{
+    const series_column *column = &rows->columns[index];
+    const hsize_t most = 1 + PIECE_BYTES / ((size_t)column->count * series_value_size(column));
+    for (hsize_t done = 0; source->next + done < source->rows;) {
+        const hsize_t left = source->rows - source->next - done, n = left < most ? left : most;
+        if (!read_rows(column, source->datasets[index], source->next + done, n, piece)) {
+            return false;
+        }
+        shift_coordinate(column, index == 0 ? (size_t)n : 0, piece, shift);
+        if (!write_rows(file, column, rows->first + done, n, piece)) {
+            return false;
+        }
+        done += n;
+    }
+    return true;
+}
+
+bool series_copy(series *rows, netcdf_file *file, series_source *source, int shift)
+{
+    size_t largest = 0;
+    if (!series_write(rows, file)) {
+        return false;
+    }
+    rows->first += rows->filled;
+    rows->filled = rows->written = 0;
+    for (int i = 0; i < rows->n_columns; i++) {
+        const size_t bytes = (size_t)rows->columns[i].count * sizeof(double);
+        largest = bytes > largest ? bytes : largest;
+    }
+    OWNED void *piece = xcalloc(PIECE_BYTES + largest, 1);
+    for (int i = 0; i < rows->n_columns; i++) {
+        if (!copy_column(rows, file, source, i, shift, piece)) {
+            return false;
+        }
+    }
+    rows->first += source->rows - source->next;
+    source->next = source->rows;
     return true;
 }
