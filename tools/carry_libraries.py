@@ -1,0 +1,193 @@
+"""Put the libraries that a wheel's binaries need into the wheel, and give it its manylinux tag.
+
+    carry_libraries.py WHEEL FOLDER [--archive FILE ...]
+
+auditwheel judges here. Its repair puts libraries where only modules find them, and a Python script
+before each program; so that is done here, for the places to which pip brings the files. Each
+library gets a name with its hash: in one process it is never taken for another of its name.
+Licences of what is carried, also of linked archives, go beside evolvent's own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+# Of the C library, and libgcc_s, of which a process must have one only: every system has them.
+SYSTEM = re.compile(r"(linux-vdso|ld-linux-x86-64|lib(c|m|mvec|dl|rt|pthread|gcc_s))\.so(\.\d+)?$")
+# What may be carried. Anything else, such as an HDF5 with a client of the network, is an error.
+CARRIED = re.compile(r"lib(gfortran|quadmath|lapack|blas)\.so\.\d+$")
+# Where pip puts a wheel's data, below the prefix; all else goes together to where modules are.
+SCHEMES = {"scripts": PurePosixPath("bin"), "data": PurePosixPath()}
+PREFIX_LIBRARIES = PurePosixPath("libexec/evolvent")
+
+
+def run(*command: str | Path, **environment: str) -> str:
+    """Output of a command; a failure ends with what it said."""
+    done = subprocess.run(
+        command, env=os.environ | environment, capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        sys.exit(f"carry_libraries: {' '.join(map(str, command))}: {done.stderr or done.stdout}")
+    return done.stdout
+
+
+def binaries(folder: Path) -> list[Path]:
+    """Programs and shared libraries in a folder."""
+
+    def is_binary(path: Path) -> bool:
+        if path.is_symlink() or not path.is_file():
+            return False
+        with path.open("rb") as file:
+            return file.read(4) == b"\x7fELF"
+
+    return sorted(path for path in folder.rglob("*") if is_binary(path))
+
+
+def installed_trees(tree: Path) -> Iterator[tuple[dict[Path, PurePosixPath], Path, PurePosixPath]]:
+    """Binaries of an unpacked wheel that are installed together.
+
+    As file -> installed place; with the folder of the libraries that they get, and its place.
+    """
+    (data,) = [*tree.glob("*.data")] or [tree / "none.data"]
+    prefix: dict[Path, PurePosixPath] = {}
+    modules: dict[Path, PurePosixPath] = {}
+    for path in binaries(tree):
+        place = PurePosixPath(path.relative_to(data if data in path.parents else tree))
+        scheme = place.parts[0] if data in path.parents else ""
+        if scheme in SCHEMES:
+            prefix[path] = SCHEMES[scheme] / place.relative_to(scheme)
+        else:
+            modules[path] = place.relative_to(scheme) if scheme else place
+    if prefix:
+        yield prefix, data / "data" / PREFIX_LIBRARIES, PREFIX_LIBRARIES
+    if modules:
+        yield modules, tree / "evolvent.libs", PurePosixPath("evolvent.libs")
+
+
+def needed_from_outside(files: list[Path]) -> dict[str, Path]:
+    """Libraries that a wheel of these files has to carry: name -> file on this machine."""
+    own = {path.name for path in files}
+    folders = ":".join(sorted({str(path.parent) for path in files}))
+    outside: dict[str, Path] = {}
+    for file in files:
+        said = run("ldd", file, LD_LIBRARY_PATH=folders)
+        for line in said.splitlines():
+            name, _, place = (part.strip() for part in line.partition("=>"))
+            name = name.split(" (")[0]
+            if SYSTEM.search(Path(name).name) or name in own or name == "statically linked":
+                continue
+            if place == "not found":
+                sys.exit(f"carry_libraries: {file.name} needs {name}, which is not found")
+            outside[name] = Path(place.split(" (")[0]).resolve()
+    if wrong := sorted(name for name in outside if not CARRIED.match(name)):
+        sys.exit(
+            f"carry_libraries: the wheel would have to carry {', '.join(wrong)}; link the static "
+            "libraries of SUNDIALS, HDF5 and libyaml (EVOLVENT_STATIC), or widen CARRIED"
+        )
+    return outside
+
+
+def carry(placed: dict[Path, PurePosixPath], folder: Path, place: PurePosixPath) -> list[Path]:
+    """Copy what the files need into a folder, where they find it; give what was copied."""
+    outside = needed_from_outside([*placed])
+    folder.mkdir(parents=True, exist_ok=True)
+    names = {}
+    for name, source in outside.items():
+        stem, dot, rest = name.partition(".so")
+        names[name] = f"{stem}-{hashlib.sha256(source.read_bytes()).hexdigest()[:8]}{dot}{rest}"
+        shutil.copy2(source, folder / names[name])
+        (folder / names[name]).chmod(0o755)
+        placed[folder / names[name]] = place / names[name]
+        run("patchelf", "--set-soname", names[name], folder / names[name])
+    for file, where in placed.items():
+        here = os.path.relpath(place, where.parent)
+        entries = run("patchelf", "--print-rpath", file).strip().split(":")
+        kept = [entry for entry in entries if entry.startswith("$ORIGIN")]  # not this machine's
+        search = ["$ORIGIN" if here == "." else f"$ORIGIN/{here}", *kept]
+        change = [
+            option
+            for name in run("patchelf", "--print-needed", file).split()
+            if name in names
+            for option in ("--replace-needed", name, names[name])
+        ]
+        run("patchelf", *change, "--set-rpath", ":".join(dict.fromkeys(search)), file)
+    return [*outside.values()]
+
+
+def add_licences(tree: Path, sources: list[Path]) -> None:
+    """Copyright files of the Debian packages of what is carried, with a list of their versions."""
+    (info,) = tree.glob("*.dist-info")
+    folder = info / "licenses" / "carried"
+    folder.mkdir(parents=True)
+    packages: dict[str, set[str]] = {}
+    for source in sorted({path.resolve() for path in sources}):
+        package = run("dpkg", "-S", source).split(": ")[0]
+        packages.setdefault(package, set()).add(source.name)
+    rows = []
+    for package, files in sorted(packages.items()):
+        version = run("dpkg-query", "-W", "-f", "${Version}", package)
+        rows.append(f"{package} {version}: {', '.join(sorted(files))}\n")
+        name = package.partition(":")[0]
+        shutil.copyfile(f"/usr/share/doc/{name}/copyright", folder / f"{name}.txt")
+    (folder / "packages.txt").write_text("".join(rows))
+
+
+def manylinux_tag(tree: Path, trees: list[dict[Path, PurePosixPath]]) -> str:
+    """What auditwheel allows to the binaries, in a wheel that has them where pip puts them."""
+    with tempfile.TemporaryDirectory() as scratch:
+        laid = Path(scratch, tree.name)
+        (info,) = tree.glob("*.dist-info")
+        shutil.copytree(info, laid / info.name)
+        for number, placed in enumerate(trees):
+            for file, where in placed.items():
+                target = laid / f"tree{number}" / where
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(file, target)
+        run(sys.executable, "-m", "wheel", "pack", laid, "--dest-dir", scratch)
+        (wheel,) = Path(scratch).glob("*.whl")
+        # Kernels for newer processors are chosen by the loader, not by the tag.
+        said = json.loads(run("auditwheel", "show", "--json", "--disable-isa-ext-check", wheel))
+    tag = said.get("overall_tag") or said.get("overall_policy") or ""
+    if not isinstance(tag, str) or not tag.startswith("manylinux_"):
+        sys.exit(f"carry_libraries: auditwheel finds no manylinux tag: {json.dumps(said)}")
+    return tag
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("wheel", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--archive", type=Path, action="append", default=[])
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        run(sys.executable, "-m", "wheel", "unpack", options.wheel, "--dest", scratch)
+        (tree,) = Path(scratch).iterdir()
+        trees, sources = [], [*options.archive]
+        for placed, folder, place in installed_trees(tree):
+            sources += carry(placed, folder, place)
+            trees.append(placed)
+        add_licences(tree, sources)
+        tag = manylinux_tag(tree, trees)
+        packed = Path(scratch, "packed")
+        packed.mkdir()
+        run(sys.executable, "-m", "wheel", "pack", tree, "--dest-dir", packed)
+        (wheel,) = packed.iterdir()
+        run(sys.executable, "-m", "wheel", "tags", "--platform-tag", tag, "--remove", wheel)
+        (wheel,) = packed.iterdir()
+        options.folder.mkdir(parents=True, exist_ok=True)
+        print(shutil.move(wheel, options.folder / wheel.name))
+
+
+if __name__ == "__main__":
+    main()
