@@ -15,9 +15,7 @@ import pytest
 SCRIPT = Path(__file__).resolve().parents[2] / "tools" / "carry_libraries.py"
 # Quadruple precision has a library that no bare system has; the program gets it through a library
 # of its own, which has a variant where the loader looks first.
-OWN = (
-    "#include <quadmath.h>\nint half(void) { return (int)(2*__extension__ (double)sqrtq(%s.0/16)); }"
-)
+OWN = "#include <quadmath.h>\nint half(void) { return (int)(2*(double)sqrtq(%s.0/16)); }"
 PROGRAM = '#include <stdio.h>\nint half(void); int main(void) { printf("%d\\n", half()); }'
 SEARCH = "-Wl,-rpath,$ORIGIN/../libexec/evolvent:/nowhere"
 pytestmark = pytest.mark.skipif(

@@ -1,0 +1,106 @@
+"""What a release is made of agrees: version, citation, container, pins, scripts."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+from documents import ROOT, blocks
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+DOCKERFILE = (ROOT / "Dockerfile").read_text()
+
+
+def version() -> str:
+    """The version where it stands."""
+    found = re.search(
+        r"project\(\s*evolvent\s+VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()
+    )
+    assert found
+    return found[1]
+
+
+def test_the_version_is_read_from_cmakelists_and_stands_in_no_other_place(executable: Path) -> None:
+    said = subprocess.run([executable, "--version"], capture_output=True, text=True, check=True)
+    assert said.stdout.splitlines()[0] == f"evolvent {version()}"
+    assert PROJECT["project"]["dynamic"] == ["version"]
+    reader = PROJECT["tool"]["scikit-build"]["metadata"]["version"]
+    found = re.search(reader["regex"], (ROOT / reader["input"]).read_text())
+    assert found
+    assert found["value"] == version()
+    for name in ("pyproject.toml", "CITATION.cff", "Dockerfile", "README.md", "environment.yml"):
+        assert version() not in (ROOT / name).read_text(), f"{name} would have to be changed too"
+
+
+def test_the_changelog_begins_with_the_version() -> None:
+    heads = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert re.fullmatch(
+        rf"Unreleased \({re.escape(version())}\)|{re.escape(version())} - \d{{4}}-\d\d-\d\d",
+        heads[0],
+    )
+
+
+def test_the_citation_is_complete_and_agrees_with_the_project() -> None:
+    """The keys that the format's version 1.2.0 requires; a whole check is part of the release."""
+    assert CITATION["cff-version"] == "1.2.0"
+    assert CITATION["message"]
+    assert CITATION["title"] == PROJECT["project"]["name"]
+    assert [author["name"] for author in CITATION["authors"]] == [
+        author["name"] for author in PROJECT["project"]["authors"]
+    ]
+    assert CITATION["license"] == PROJECT["project"]["license"]
+
+
+def test_the_citation_names_the_paper_as_the_readme_does() -> None:
+    (bibtex,) = blocks(ROOT / "README.md", "bibtex")
+    entry = dict(re.findall(r"(\w+)\s+= \{(.*)\},?$", bibtex, re.MULTILINE))
+    (paper,) = CITATION["references"]
+    authors = [f"{one['family-names']}, {one['given-names']}" for one in paper["authors"]]
+    assert " and ".join(authors) == entry["author"]
+    assert paper["title"] == entry["title"]
+    assert paper["doi"] == entry["doi"]
+    assert str(paper["year"]) == entry["year"]
+    assert f"{paper['start']}--{paper['end']}" == entry["pages"]
+
+
+def test_the_container_copies_and_runs_files_that_are_there() -> None:
+    copied = re.findall(r"^COPY (?!--from)(\S+) ", DOCKERFILE, re.MULTILINE)
+    assert copied
+    for name in copied:
+        assert (ROOT / name).exists()
+    (script,) = re.findall(r"^RUN /evolvent/(\S+)", DOCKERFILE, re.MULTILINE)
+    assert (ROOT / script).stat().st_mode & 0o111
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in ROOT.glob("requirements*.lock")))
+def test_every_package_is_pinned_by_version_and_hash(name: str) -> None:
+    lines = (ROOT / name).read_text().replace("\\\n", " ").splitlines()
+    requirements = [line for line in lines if line and not line.lstrip().startswith("#")]
+    assert len(requirements) > 5
+    for requirement in requirements:
+        assert re.match(r"[\w.-]+==[\w.]+ ", requirement), requirement
+        assert re.search(r"--hash=sha256:[0-9a-f]{64}\b", requirement), requirement
+
+
+@pytest.mark.parametrize("script", ["build-wheel", "check-wheel"])
+def test_a_script_for_wheels_tells_what_it_does_and_refuses_other_options(script: str) -> None:
+    def done(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [ROOT / "tools" / script, *arguments],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+
+    helped = done("--help")
+    assert helped.returncode == 0
+    assert helped.stdout.startswith(f"{script} [")
+    assert done("--no-such-option").returncode == 2
+    assert done("one", "two").returncode == 2
