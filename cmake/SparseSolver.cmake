@@ -1,7 +1,10 @@
 # SUNDIALS' solver KLU for the sparse matrices of long trains, if it is there: SUNDIALS may have been built without it, or with a
 # KLU whose own files are not there. Archives are preferred: few runs need it, and each shared library takes its time at every
 # start of the program.
+include(CheckCSourceCompiles)
+
 set(with_klu "without KLU")
+set(klu_needs "") # of KLU's archives
 if(EVOLVENT_KLU AND TARGET SUNDIALS::sunlinsolklu AND TARGET SUNDIALS::sunmatrixsparse)
   set(klu_files "")
   set(klu_folders "")
@@ -25,12 +28,30 @@ if(EVOLVENT_KLU AND TARGET SUNDIALS::sunlinsolklu AND TARGET SUNDIALS::sunmatrix
         set(has_archives OFF)
       endif()
     endforeach()
-    if(has_archives AND TARGET SUNDIALS::sunlinsolklu_static AND TARGET SUNDIALS::sunmatrixsparse_static)
+    # From SuiteSparse 6 on its archives ask OpenMP for the time.
+    if(has_archives)
+      set(CMAKE_REQUIRED_QUIET ON)
+      foreach(needs IN ITEMS m gomp)
+        set(CMAKE_REQUIRED_LIBRARIES ${klu_archives} ${needs} m)
+        check_c_source_compiles(
+          "char klu_factor(void); int main(void) { return klu_factor(); }"
+          EVOLVENT_LINKS_STATIC_KLU_WITH_${needs}
+        )
+        if(EVOLVENT_LINKS_STATIC_KLU_WITH_${needs})
+          set(klu_needs ${needs})
+          break()
+        endif()
+      endforeach()
+      unset(CMAKE_REQUIRED_LIBRARIES)
+      unset(CMAKE_REQUIRED_QUIET)
+    endif()
+    if(klu_needs AND TARGET SUNDIALS::sunlinsolklu_static AND TARGET SUNDIALS::sunmatrixsparse_static)
       set(
         klu_libraries
         $<TARGET_FILE:SUNDIALS::sunlinsolklu_static>
         $<TARGET_FILE:SUNDIALS::sunmatrixsparse_static>
         ${klu_archives}
+        ${klu_needs}
       )
     endif()
     target_link_libraries(evolvent_sundials INTERFACE ${klu_libraries})
