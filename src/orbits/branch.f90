@@ -1,0 +1,205 @@
+!> Branches of periodic orbits: followed in a parameter, through folds; and from a period doubling the branch of twice the period.
+!>
+!> Pseudo-arclength: from a point a step along the tangent, then Newton's iteration orthogonal to it. The step halves where the
+!> iteration fails or the branch turns more than it should in a step, and grows where it is easy.
+!>
+!> Sources: H. B. Keller, in: Applications of Bifurcation Theory, Academic Press 1977; R. Seydel, Practical Bifurcation and Stability
+!> Analysis, 3rd ed., ch. 4 and 7.
+module evl_branch
+   use evl_kinds, only: wp
+   use evl_lapack, only: dgesvd
+   use evl_orbit_model, only: orbit_model
+   use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
+   use evl_special_points, only: branch_point, find_special_points
+   use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: branch_options, follow_branch, switch_at_doubling
+
+   !> What the user chooses of a branch. Steps are in units of the scales.
+   type :: branch_options
+      type(orbit_options) :: orbits             !! of each orbit
+      real(wp) :: from = -huge(1.0_wp), to = huge(1.0_wp) !! the parameter stays between these
+      logical :: rising = .true.                !! the parameter does, at the start
+      real(wp) :: first_step = 0.01_wp, smallest_step = 1.0e-6_wp, largest_step = 0.1_wp
+      integer :: most_points = 1000             !! special ones are not counted
+   end type branch_options
+
+contains
+
+   !> Follow the branch of an orbit until the parameter leaves its range or there are enough points.
+   subroutine follow_branch(model, options, orbit, points, status)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit     !! found; if it has a tangent, that is where it goes
+      type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
+      type(status_t), intent(inout) :: status
+      type(branch_point), allocatable :: special(:)
+      type(branch_point) :: now, next
+      real(wp) :: along(model%n + 2), step
+      integer :: i, n_ordinary, n
+      logical :: at_end
+
+      n = 0
+      allocate (points(64))
+      call check_range(options, orbit, status)
+      now%orbit = orbit
+      along = 0
+      along(model%n + 2) = merge(1, -1, options%rising)
+      if (allocated(orbit%tangent)) along = orbit%tangent
+      if (.not. has_failed(status)) call find_tangent(model, options%orbits, now%orbit, along, status)
+      if (.not. has_failed(status)) call keep(points, n, now)
+      step = options%first_step
+      at_end = .false.
+      do n_ordinary = 2, options%most_points
+         if (has_failed(status)) exit
+         call go_on(model, options, now%orbit, next, step, status)
+         if (has_failed(status)) exit
+         at_end = next%orbit%parameter < options%from .or. next%orbit%parameter > options%to
+         if (at_end) call stop_at_bound(model, options, now%orbit, next, status)
+         if (.not. has_failed(status)) &
+            call find_special_points(model, options%orbits, now%orbit, next%orbit, next%way, special, status)
+         if (has_failed(status)) exit
+         do i = 1, size(special)
+            call keep(points, n, special(i))
+         end do
+         call keep(points, n, next)
+         if (at_end) exit
+         now = next
+      end do
+      points = points(:n)
+   end subroutine follow_branch
+
+   !> The next point of a branch, a step further or less.
+   subroutine go_on(model, options, now, next, step, status)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: now         !! with its tangent
+      type(branch_point), intent(out) :: next
+      real(wp), intent(inout) :: step          !! to try; on return the one to try next
+      type(status_t), intent(inout) :: status
+      integer, parameter :: easy = 3, hard = 8 !! iterations
+      real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp !! cosine of the angle between tangents
+      type(status_t) :: refusal
+      real(wp) :: straight
+
+      do
+         next%orbit = now
+         call move_orbit(model, options%orbits, next%orbit, step*now%tangent)
+         call clear(refusal)
+         call correct_orbit(model, options%orbits, next%orbit, refusal, now%tangent)
+         if (.not. has_failed(refusal)) call find_tangent(model, options%orbits, next%orbit, now%tangent, refusal)
+         straight = -1
+         if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
+         if (straight >= turn .and. next%orbit%iterations <= hard) exit
+         step = step/2
+         if (step >= options%smallest_step) cycle
+         status = refusal
+         if (.not. has_failed(refusal)) call fail(status, code_no_solution, "the branch turns sharply at "// &
+                                                  quantity(now%parameter, "")//": its steps fell to "//quantity(step, ""), &
+                                                  field="parameter")
+         return
+      end do
+      next%way = step
+      if (next%orbit%iterations <= easy .and. straight >= little_turn) step = min(1.5_wp*step, options%largest_step)
+   end subroutine go_on
+
+   !> Refuse a branch that begins outside its range.
+   subroutine check_range(options, orbit, status)
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit
+      type(status_t), intent(inout) :: status
+
+      if (options%from < options%to .and. orbit%parameter >= options%from .and. orbit%parameter <= options%to) return
+      call fail(status, code_invalid_input, "the branch begins at "//quantity(orbit%parameter, "")//", not between "// &
+                quantity(options%from, "")//" and "//quantity(options%to, ""), field="parameter")
+   end subroutine check_range
+
+   !> Put a point at the end of a list that has room for more.
+   subroutine keep(points, n, point)
+      type(branch_point), allocatable, intent(inout) :: points(:)
+      integer, intent(inout) :: n
+      type(branch_point), intent(in) :: point
+      type(branch_point), allocatable :: longer(:)
+
+      if (n == size(points)) then
+         allocate (longer(2*n))
+         longer(:n) = points
+         call move_alloc(longer, points)
+      end if
+      n = n + 1
+      points(n) = point
+   end subroutine keep
+
+   !> The last point: where the parameter leaves its range.
+   subroutine stop_at_bound(model, options, now, next, status)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: now
+      type(branch_point), intent(inout) :: next !! beyond the bound, then on it
+      type(status_t), intent(inout) :: status
+      real(wp) :: bound, share
+
+      associate (orbit => next%orbit)
+         bound = merge(options%to, options%from, orbit%parameter > options%to)
+         share = (bound - now%parameter)/(orbit%parameter - now%parameter)
+         orbit%y = now%y + share*(orbit%y - now%y)
+         orbit%period = now%period + share*(orbit%period - now%period)
+         orbit%parameter = bound
+         call correct_orbit(model, options%orbits, orbit, status)
+         if (.not. has_failed(status)) call find_tangent(model, options%orbits, orbit, now%tangent, status)
+         next%way = dot_product(now%tangent(:model%n), (orbit%y - now%y)/model%scale) &
+                    + now%tangent(model%n + 2)*(orbit%parameter - now%parameter)/options%orbits%parameter_scale
+         if (model%autonomous) next%way = next%way + now%tangent(model%n + 1)*(orbit%period/now%period - 1)
+      end associate
+   end subroutine stop_at_bound
+
+   !> From an orbit with a multiplier -1 to one of twice the period.
+   subroutine switch_at_doubling(model, options, doubling, distance, orbit, status)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: doubling  !! located
+      real(wp), intent(in) :: distance       !! of the new orbit from it, along the multiplier's vector, in units of the scales
+      type(orbit_t), intent(out) :: orbit    !! with a tangent away from the doubling
+      type(status_t), intent(inout) :: status
+      real(wp) :: away(model%n + 2)
+
+      call find_direction(model, doubling, away, status)
+      if (has_failed(status)) return
+      orbit%parameter = doubling%parameter
+      orbit%periods = 2*doubling%periods
+      orbit%period = 2*doubling%period
+      orbit%y = doubling%y
+      call move_orbit(model, options%orbits, orbit, distance*away)
+      call correct_orbit(model, options%orbits, orbit, status, away)
+      if (.not. has_failed(status)) call find_tangent(model, options%orbits, orbit, away, status)
+   end subroutine switch_at_doubling
+
+   !> The vector of the multiplier -1: the last right singular vector of D + 1.
+   subroutine find_direction(model, doubling, away, status)
+      class(orbit_model), intent(in) :: model
+      type(orbit_t), intent(in) :: doubling
+      real(wp), intent(out) :: away(:) !! [n + 2]
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: near = 1.0e-3_wp
+      real(wp), allocatable :: a(:, :), sizes(:), vectors(:, :), work(:)
+      real(wp) :: no_vectors(1, 1)
+      integer :: i, m, info
+
+      m = count(doubling%active)
+      allocate (a, source=scaled_derivative(model, doubling))
+      do i = 1, m
+         a(i, i) = a(i, i) + 1
+      end do
+      allocate (sizes(m), vectors(m, m), work(8*m))
+      call dgesvd("N", "A", m, m, a, m, sizes, no_vectors, 1, vectors, m, work, size(work), info)
+      if (info /= 0 .or. minval(abs(doubling%multipliers + 1)) > near) then
+         call fail(status, code_no_solution, "the orbit at "//quantity(doubling%parameter, "")//" has no multiplier -1")
+         return
+      end if
+      away = 0
+      away(:model%n) = unpack(vectors(m, :), doubling%active, away(:model%n))
+   end subroutine find_direction
+
+end module evl_branch

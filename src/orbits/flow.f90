@@ -1,0 +1,136 @@
+!> The flow of a system over a time: where it ends, its derivative, what happens on the way.
+module evl_flow
+   use evl_collocation, only: combine, polynomial_at, zero_between
+   use evl_flow_derivative, only: derivative_along_step, derivative_at_event
+   use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: never
+   use evl_orbit_model, only: orbit_model
+   use evl_radau, only: outcome_event, radau_advance, radau_create, radau_interpolate_lanes, radau_options, radau_restart, &
+                        radau_start, radau_step, radau_t
+   use evl_radau_coefficients, only: n_stages, node, slope_at_node
+   use evl_status, only: has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: flow_t, follow
+
+   integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
+
+   !> How a flow went.
+   type :: flow_t
+      real(wp), allocatable :: y(:)             !! [n] its end
+      real(wp), allocatable :: rate(:)          !! [n] f there
+      real(wp), allocatable :: derivative(:, :) !! [n, n] of the end with respect to the start
+      integer, allocatable :: crossings(:)      !! [n_roots] how often each root function fired
+      !> [n_roots] a root function that comes near zero and turns back with the value c and the curvature a has c a here, the
+      !> least of them; one that fires with the rate v has v**2/2 in `slowest`, the least. Both fall to zero where the function just
+      !> touches zero. huge: there is none
+      real(wp), allocatable :: nearest(:), slowest(:)
+      logical :: same_modes = .false.           !! the modes at the end are those at the start
+      integer :: steps = 0
+      integer :: ties = 0                       !! events with others at the same time: the derivative is that of the first alone
+   end type flow_t
+
+contains
+
+   !> Follow a system from y on the section.
+   subroutine follow(model, y, duration, tolerance, differentiate, flow, status)
+      class(orbit_model), intent(inout) :: model !! its modes are those at the end on return
+      real(wp), intent(in) :: y(:)               !! [n]
+      real(wp), intent(in) :: duration           !! > 0
+      real(wp), intent(in) :: tolerance          !! of the integration, and of the derivative
+      logical, intent(in) :: differentiate       !! the derivative is wanted, and how near root functions come
+      type(flow_t), intent(out) :: flow
+      type(status_t), intent(inout) :: status
+      type(radau_t) :: solver
+      integer, allocatable :: modes(:)
+      real(wp) :: t_end, t_event, t_known, state(model%n), crossing(model%n_roots)
+      integer :: outcome, i
+
+      call radau_create(solver, model, radau_options(tolerance=tolerance), status)
+      if (.not. has_failed(status)) call model%settle(model%phase, y, status)
+      if (has_failed(status)) return
+      modes = model%modes
+      t_end = model%phase + duration
+      t_known = model%phase
+      allocate (flow%derivative(model%n, model%n), source=0.0_wp)
+      do i = 1, model%n
+         flow%derivative(i, i) = 1
+      end do
+      allocate (flow%crossings(model%n_roots), source=0)
+      allocate (flow%nearest(model%n_roots), source=huge(1.0_wp))
+      allocate (flow%slowest(model%n_roots), source=huge(1.0_wp))
+      allocate (flow%rate(model%n))
+      call radau_start(solver, model, model%phase, y, status)
+      do while (solver%t < t_end .and. .not. has_failed(status))
+         t_event = model%next_time_event(solver%t)
+         if (t_event > solver%t) then
+            call radau_advance(solver, model, min(t_end, t_event), outcome, status)
+            if (has_failed(status)) return
+            flow%steps = flow%steps + 1
+            if (solver%t > t_known .and. differentiate) then
+               call look_around(model, solver, flow, status)
+               if (.not. has_failed(status)) &
+                  call derivative_along_step(model, solver, t_known, tolerance, flow%derivative, status)
+               if (has_failed(status)) return
+            end if
+            t_known = solver%t
+            if (outcome /= outcome_event .and. solver%t < min(t_end, t_event)) cycle
+            if (outcome /= outcome_event .and. solver%t < t_event) exit
+         else
+            solver%fired = 0
+         end if
+         state = solver%y
+         crossing = huge(1.0_wp)
+         call derivative_at_event(model, solver%t, solver%fired, solver%t >= t_event, state, flow%derivative, crossing, status)
+         if (has_failed(status)) return
+         where (solver%fired /= 0)
+            flow%crossings = flow%crossings + 1
+            flow%slowest = min(flow%slowest, crossing**2/2)
+         end where
+         if (count(solver%fired /= 0) + merge(1, 0, solver%t >= t_event) > 1) flow%ties = flow%ties + 1
+         call radau_restart(solver, model, solver%t, state)
+      end do
+      if (has_failed(status)) return
+      flow%y = solver%y
+      flow%same_modes = all(model%modes == modes)
+      call model%rhs(t_end, flow%y, flow%rate, status)
+   end subroutine follow
+
+   !> Where root functions come near zero in the step just made and turn back.
+   subroutine look_around(model, solver, flow, status)
+      class(orbit_model), intent(inout) :: model
+      type(radau_t), intent(in) :: solver
+      type(flow_t), intent(inout) :: flow
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: accuracy = 1.0e-6_wp !! of the time of an extremum, over the interval between nodes
+      real(wp) :: times(lanes), states(lanes, model%n), values(lanes, model%n_roots), slope(lanes), bend(lanes), h, tau, left
+      integer :: direction(model%n_roots), i, k, s
+      logical :: exact
+
+      if (model%n_roots == 0) return
+      h = radau_step(solver)
+      times = solver%t_before + h*node
+      call radau_interpolate_lanes(solver, times, states)
+      exact = .true.
+      call model%roots_lanes(times, states, exact, values, status)
+      if (has_failed(status)) return
+      call model%root_directions(direction)
+      do i = 1, model%n_roots
+         if (direction(i) == never) cycle
+         call combine(1, slope_at_node, values(:, i), slope)
+         do k = 1, n_stages
+            associate (l => in_time(k - 1), r => in_time(k))
+               s = merge(1, -1, values(l, i) > 0)
+               if (direction(i) == s .or. .not. (s*slope(l) < 0 .and. s*slope(r) > 0)) cycle
+               tau = zero_between(node(l), node(r), slope, accuracy)
+               left = s*polynomial_at(tau, values(:, i))
+               if (left < 0 .or. solver%t_before + tau*h > solver%t) cycle
+               call combine(1, slope_at_node, slope, bend)
+               flow%nearest(i) = min(flow%nearest(i), left*s*polynomial_at(tau, bend)/h**2)
+            end associate
+         end do
+      end do
+   end subroutine look_around
+
+end module evl_flow

@@ -1,0 +1,190 @@
+!> The derivative of the flow with respect to its start: variational equations along radau's steps, saltation at events.
+!>
+!> Along a step D' = J(t, y(t)) D is solved by the same method, Radau IIA with seven stages, on the polynomial of the step. A
+!> piece as long as the step has the step's own stages: this is then the exact derivative of the step (internal differentiation).
+!> What the state hardly shows, such as a mode at rest, the derivative does: pieces are as short as D asks for.
+!>
+!> Error of a piece: the end is right to order 13, the polynomial through the stages to order 7. With p the pair of its last
+!> two Chebyshev coefficients and q the pair that would come next, p q falls with the fourteenth power of the piece as the error
+!> at its end does; for D' = i w D the error is below 10 p q (docs/orbits.md). Where q is not much smaller than p, q itself counts.
+!>
+!> Sources: P. C. Mueller, Calculation of Lyapunov exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5
+!> (1995) 1671-1681 (events); R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, Springer 2004,
+!> ch. 7 (saltation matrix); H. G. Bock, 1981 (internal differentiation).
+module evl_flow_derivative
+   use evl_kinds, only: lanes, wp
+   use evl_lapack, only: dgesv
+   use evl_orbit_model, only: orbit_model
+   use evl_radau, only: radau_interpolate_lanes, radau_t
+   use evl_radau_coefficients, only: integral_to_node, n_stages, node, to_chebyshev
+   use evl_status, only: code_no_solution, code_singular, fail, has_failed, quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: derivative_along_step, derivative_at_event
+
+   integer, parameter :: order = 2*n_stages
+
+contains
+
+   !> Carry the derivative on from t to the end of the step just made, or to the event at which it ended.
+   subroutine derivative_along_step(model, solver, t_from, tolerance, derivative, status)
+      class(orbit_model), intent(in) :: model
+      type(radau_t), intent(in) :: solver
+      real(wp), intent(in) :: t_from                !! in the step
+      real(wp), intent(in) :: tolerance             !! of a piece, over the size of the derivative in units of the scales
+      real(wp), intent(inout) :: derivative(:, :)   !! [n, n]
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: shortest = 1.0e-12_wp  !! piece over the step
+      real(wp) :: t, h, error, factor
+      real(wp) :: next(model%n, model%n)
+
+      t = t_from
+      h = solver%t - t
+      do while (t < solver%t)
+         call try_piece(model, solver, t, h, derivative, next, error, status)
+         if (has_failed(status)) return
+         factor = 0.8_wp*(tolerance/max(error, tolerance*1.0e-14_wp))**(1.0_wp/order)
+         if (error <= tolerance) then
+            derivative = next
+            if (t + h >= solver%t .or. solver%t - (t + h) <= shortest*h) return
+            t = t + h
+            h = min(h*min(factor, 4.0_wp), solver%t - t)
+         else
+            h = h*max(0.2_wp, min(factor, 0.9_wp))
+            if (h < shortest*(solver%t - t_from)) then
+               call fail(status, code_no_solution, "the derivative of the flow cannot be followed at time "//quantity(t, "")// &
+                         ": the Jacobian jumps where there is no event")
+               return
+            end if
+         end if
+      end do
+   end subroutine derivative_along_step
+
+   !> One piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages.
+   subroutine try_piece(model, solver, t, h, derivative, next, error, status)
+      class(orbit_model), intent(in) :: model
+      type(radau_t), intent(in) :: solver
+      real(wp), intent(in) :: t, h
+      real(wp), intent(in) :: derivative(:, :)
+      real(wp), intent(out) :: next(:, :)
+      real(wp), intent(out) :: error                !! over the size of the derivative
+      type(status_t), intent(inout) :: status
+      real(wp) :: times(lanes), states(lanes, model%n), y(model%n)
+      real(wp) :: entries(size(model%jacobian_row)), matrix(n_stages*model%n, n_stages*model%n), z(n_stages*model%n, model%n)
+      integer :: pivots(n_stages*model%n)
+      integer :: i, j, k, n, info
+
+      n = model%n
+      times = t + h*node
+      call radau_interpolate_lanes(solver, times, states)
+      matrix = 0
+      do k = 1, n_stages
+         y = states(k, :)
+         call model%jacobian(times(k), y, entries, status)
+         if (has_failed(status)) return
+         do j = 1, size(entries)
+            do i = 1, n_stages
+               associate (row => (i - 1)*n + model%jacobian_row(j), column => (k - 1)*n + model%jacobian_column(j))
+                  matrix(row, column) = h*integral_to_node(i, k)*entries(j)
+               end associate
+            end do
+         end do
+      end do
+      z = 0
+      do k = 1, n_stages
+         z = z + matmul(matrix(:, (k - 1)*n + 1:k*n), derivative)
+      end do
+      matrix = -matrix
+      do i = 1, n_stages*n
+         matrix(i, i) = matrix(i, i) + 1
+      end do
+      call dgesv(n_stages*n, n, matrix, n_stages*n, pivots, z, n_stages*n, info)
+      if (info /= 0) then
+         call fail(status, code_singular, "the variational equations have no solution at time "//quantity(t, ""))
+         return
+      end if
+      next = derivative + z((n_stages - 1)*n + 1:, :)
+      call estimate(model, derivative, z, error)
+   end subroutine try_piece
+
+   !> Error of a piece, over the largest entry of the derivative, both in units of the scales.
+   pure subroutine estimate(model, derivative, z, error)
+      class(orbit_model), intent(in) :: model
+      real(wp), intent(in) :: derivative(:, :), z(:, :)
+      real(wp), intent(out) :: error
+      real(wp), parameter :: end_over_pairs = 10, smooth = 0.1_wp
+      real(wp) :: at_nodes(lanes), c(lanes), unit, largest, last, before, ratio, next
+      integer :: i, j
+
+      largest = 0
+      do j = 1, model%n
+         largest = max(largest, maxval(abs(derivative(:, j))/model%scale)*model%scale(j))
+      end do
+      error = 0
+      if (.not. largest > 0) return
+      at_nodes(lanes) = 0
+      do j = 1, model%n
+         do i = 1, model%n
+            unit = model%scale(j)/(model%scale(i)*largest)
+            at_nodes(:n_stages) = z(i::model%n, j)*unit
+            c = matmul(to_chebyshev, at_nodes)
+            last = norm2(c(lanes - 1:))
+            before = norm2(c(lanes - 3:lanes - 2))
+            if (.not. last > 0) cycle
+            ratio = min(1.0_wp, last/max(before, tiny(before)))
+            next = last*ratio
+            error = max(error, merge(end_over_pairs*last*next, next, ratio < smooth))
+         end do
+      end do
+   end subroutine estimate
+
+   !> The jump of the derivative at an event, and the event itself: state and modes are those after it on return.
+   !>
+   !> With y+ = r(t, y-) where g(t, y-) = 0,
+   !>
+   !>     D+ = (r_y + (f+ - r_y f- - r_t) g_y / (g_t + g_y f-)) D-
+   !>
+   !> where time alone brings the event, its time does not depend on the state: D+ = r_y D-.
+   subroutine derivative_at_event(model, t, fired, time_event, y, derivative, rate, status)
+      class(orbit_model), intent(inout) :: model
+      real(wp), intent(in) :: t
+      integer, intent(in) :: fired(:)
+      logical, intent(in) :: time_event
+      real(wp), intent(inout) :: y(:)
+      real(wp), intent(inout) :: derivative(:, :)
+      real(wp), intent(inout) :: rate(:)            !! [n_roots] g_t + g_y f- of what fired
+      type(status_t), intent(inout) :: status
+      real(wp) :: before(model%n), after(model%n), by_state(model%n, model%n), by_time(model%n)
+      real(wp) :: gradient(model%n), first_gradient(model%n), drift, first_drift
+      integer :: first, i
+
+      call model%rhs(t, y, before, status)
+      first = 0
+      do i = 1, model%n_roots
+         if (fired(i) == 0 .or. has_failed(status)) cycle
+         call model%root_gradient(t, y, i, gradient, drift, status)
+         rate(i) = drift + dot_product(gradient, before)
+         if (first /= 0) cycle
+         first = i
+         first_gradient = gradient
+         first_drift = rate(i)
+      end do
+      if (.not. has_failed(status)) call model%apply_event(t, fired, time_event, y, by_state, by_time, status)
+      if (.not. has_failed(status)) call model%rhs(t, y, after, status)
+      if (has_failed(status)) return
+      if (first /= 0 .and. .not. time_event) then
+         if (.not. abs(first_drift) > 0) then
+            call fail(status, code_singular, "a root function touches zero at time "//quantity(t, "")// &
+                      " without passing through: the flow has no derivative there", index=first)
+            return
+         end if
+         after = (after - matmul(by_state, before) - by_time)/first_drift
+         do i = 1, model%n
+            by_state(:, i) = by_state(:, i) + after*first_gradient(i)
+         end do
+      end if
+      derivative = matmul(by_state, derivative)
+   end subroutine derivative_at_event
+
+end module evl_flow_derivative

@@ -1,0 +1,343 @@
+!> Periodic orbits by shooting: Newton's iteration for a state on the section that the flow brings back.
+!>
+!> Unknown are the state y, the period T of an autonomous system and, along a branch, the parameter p; all in units of their
+!> scales, as u = (y, T, p). With the flow P and its derivative D the linear system of an iteration is
+!>
+!>     | D - 1      f(end)   dP/dp |        | P(y) - y - advance |
+!>     | f(start)   0        0     | du = - | 0                  |
+!>     |        tangent            |        | 0                  |
+!>
+!> The second row is the phase condition of an autonomous system: the change is orthogonal to the flow. The last one keeps the change
+!> orthogonal to the branch (pseudo-arclength). Where a row is not wanted, or a state need not repeat, the unknown stays as it is.
+!> dP/dp is a difference of flows: a parameter may change all of a system.
+!>
+!> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 7.1, 7.5; H. B. Keller, in: Applications of Bifurcation
+!> Theory, Academic Press 1977 (pseudo-arclength); T. S. Parker, L. O. Chua, Practical Numerical Algorithms, 5.
+module evl_shooting
+   use evl_flow, only: flow_t, follow
+   use evl_kinds, only: wp
+   use evl_lapack, only: dgesv
+   use evl_multipliers, only: find_multipliers
+   use evl_orbit_model, only: orbit_model
+   use evl_status, only: clear, code_invalid_input, code_no_solution, code_singular, fail, has_failed, quantity, status_t
+   implicit none (type, external)
+   private
+
+   public :: orbit_options, orbit_t
+   public :: correct_orbit, differentiate_by_parameter, find_orbit, find_tangent, move_orbit, own_multipliers, scaled_derivative
+
+   !> What the user chooses.
+   type :: orbit_options
+      real(wp) :: tolerance = 1.0e-12_wp      !! of the integration, in 1e-13 .. 0.1
+      real(wp) :: residual = 1.0e-10_wp       !! largest difference after a period, in units of the scales
+      integer :: most_iterations = 20         !! of Newton
+      real(wp) :: parameter_scale = 1         !! > 0: the change of the parameter that counts as 1
+      real(wp) :: parameter_change = 1.0e-4_wp !! of the difference that gives dP/dp, over that scale
+   end type orbit_options
+
+   !> A periodic orbit, or what is meant to become one.
+   type :: orbit_t
+      real(wp) :: parameter = 0
+      integer :: periods = 1                  !! of what drives, until it repeats; of an autonomous orbit, those in `period`
+      real(wp) :: period = 0                  !! until it repeats
+      real(wp), allocatable :: y(:)           !! [n] on the section
+      type(flow_t) :: flow                    !! once round
+      real(wp) :: residual = huge(1.0_wp)     !! in units of the scales
+      integer :: iterations = 0               !! of Newton that it took
+      logical, allocatable :: active(:)       !! [n] states that are found: they repeat, and do not just rest
+      complex(wp), allocatable :: multipliers(:) !! of these, by falling size
+      real(wp), allocatable :: by_parameter(:) !! [n] dP/dp
+      real(wp), allocatable :: tangent(:)     !! [n + 2] of the branch: y, T, p in units of their scales, of length 1
+   end type orbit_t
+
+contains
+
+   !> Newton's iteration from a start, at one value of the parameter.
+   subroutine find_orbit(model, options, parameter, periods, y, period, orbit, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      real(wp), intent(in) :: parameter
+      integer, intent(in) :: periods        !! of what drives, until it repeats, >= 1
+      real(wp), intent(in) :: y(:)          !! [n] near the orbit
+      real(wp), intent(in) :: period        !! of an autonomous system: near that of the orbit, > 0. Else not used
+      type(orbit_t), intent(out) :: orbit   !! on failure: how far it came
+      type(status_t), intent(inout) :: status
+
+      if (periods < 1) then
+         call fail(status, code_invalid_input, "an orbit of no period", field="periods")
+      else if (model%autonomous .and. .not. (period > 0 .and. period <= huge(period))) then
+         call fail(status, code_invalid_input, "period "//quantity(period, "")//" is not positive", field="period")
+      end if
+      if (has_failed(status)) return
+      orbit%parameter = parameter
+      orbit%periods = periods
+      orbit%period = period
+      orbit%y = y
+      call correct_orbit(model, options, orbit, status)
+   end subroutine find_orbit
+
+   !> Newton's iteration from an orbit that is nearly one.
+   subroutine correct_orbit(model, options, orbit, status, tangent)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(inout) :: orbit   !! on failure: how far it came
+      type(status_t), intent(inout) :: status
+      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the parameter is found too, orthogonal to this
+      real(wp), parameter :: settled = 1.0e-6_wp   !! last change after which a small residual is believed
+      integer, parameter :: most_halvings = 8, stale = 5
+      type(orbit_t) :: trial
+      type(status_t) :: refusal
+      real(wp) :: matrix(model%n + 2, model%n + 2), change(model%n + 2), phase_row(model%n), last, share
+      integer :: halving, iteration
+
+      call go_round(model, options, orbit, status)
+      if (has_failed(status)) return
+      phase_row = 0
+      if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
+      last = 0
+      do iteration = 0, options%most_iterations
+         orbit%iterations = iteration
+         if (has_failed(status)) return
+         if (orbit%residual <= options%residual .and. last <= settled) exit
+         if (iteration == options%most_iterations) exit
+         if (present(tangent) .and. (.not. allocated(orbit%by_parameter) .or. iteration == stale)) &
+            call differentiate_by_parameter(model, options, orbit, status)
+         if (has_failed(status)) return
+         call linearise(model, options, orbit, phase_row, tangent, matrix)
+         change = 0
+         change(:model%n) = merge(-difference(model, orbit)/model%scale, 0.0_wp, orbit%active)
+         call solve(matrix, change, status)
+         if (has_failed(status)) return
+         share = 1
+         do halving = 0, most_halvings
+            trial = orbit
+            call clear(refusal)
+            call move_orbit(model, options, trial, share*change)
+            call go_round(model, options, trial, refusal)
+            if (.not. has_failed(refusal) .and. (trial%residual < orbit%residual .or. trial%residual <= options%residual)) exit
+            if (halving == most_halvings) then
+               if (has_failed(refusal)) status = refusal
+               if (.not. has_failed(refusal)) call not_found()
+               return
+            end if
+            share = share/2
+         end do
+         last = norm2(share*change)
+         orbit = trial
+      end do
+      if (.not. orbit%residual <= options%residual) then
+         call not_found()
+      else if (.not. orbit%flow%same_modes) then
+         call fail(status, code_no_solution, "the state repeats, but the modes do not, at "//quantity(orbit%parameter, ""), &
+                   field="parameter")
+      else
+         call find_multipliers(scaled_derivative(model, orbit), orbit%multipliers, status)
+      end if
+
+   contains
+
+      subroutine not_found()
+
+         call fail(status, code_no_solution, "no orbit of "//quantity(real(orbit%periods, wp), "")//" periods was found at "// &
+                   quantity(orbit%parameter, "")//": after a period the state still differs by "//quantity(orbit%residual, "")// &
+                   " of its scales", field="parameter")
+      end subroutine not_found
+
+   end subroutine correct_orbit
+
+   !> Change the unknowns of an orbit.
+   pure subroutine move_orbit(model, options, orbit, change)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(inout) :: orbit
+      real(wp), intent(in) :: change(:) !! [n + 2] in units of the scales
+
+      associate (n => model%n)
+         if (model%autonomous) orbit%period = orbit%period*(1 + change(n + 1))
+         orbit%y = orbit%y + change(:n)*model%scale
+         orbit%parameter = orbit%parameter + change(n + 2)*options%parameter_scale
+      end associate
+   end subroutine move_orbit
+
+   !> Follow an orbit once round.
+   subroutine go_round(model, options, orbit, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(inout) :: orbit
+      type(status_t), intent(inout) :: status
+
+      call model%set_parameter(orbit%parameter, status)
+      if (has_failed(status)) return
+      if (.not. model%autonomous) orbit%period = orbit%periods*model%period
+      if (.not. orbit%period > 0) then
+         call fail(status, code_no_solution, "the period of the orbit fell to zero", field="period")
+         return
+      end if
+      call follow(model, orbit%y, orbit%period, options%tolerance, .true., orbit%flow, status)
+      if (has_failed(status)) return
+      call find_active(model, orbit)
+      orbit%residual = maxval(abs(difference(model, orbit))/model%scale, orbit%active)
+   end subroutine go_round
+
+   !> States that have to repeat and are not just at rest, such as a memory that no event of the orbit sets: that may have any value.
+   pure subroutine find_active(model, orbit)
+      class(orbit_model), intent(in) :: model
+      type(orbit_t), intent(inout) :: orbit
+      real(wp) :: row(model%n)
+      integer :: i
+
+      if (.not. allocated(orbit%active)) allocate (orbit%active(model%n))
+      do i = 1, model%n
+         row = orbit%flow%derivative(i, :)
+         row(i) = row(i) - 1
+         orbit%active(i) = any(abs(row) > 0)
+         if (allocated(model%repeats)) orbit%active(i) = orbit%active(i) .and. model%repeats(i)
+      end do
+   end subroutine find_active
+
+   !> What the state lacks after a period.
+   pure function difference(model, orbit) result(lack)
+      class(orbit_model), intent(in) :: model
+      type(orbit_t), intent(in) :: orbit
+      real(wp) :: lack(model%n)
+
+      lack = orbit%flow%y - orbit%y
+      if (allocated(model%advance)) lack = lack - orbit%periods*model%advance
+   end function difference
+
+   !> The flow's direction at the start.
+   subroutine find_phase_row(model, orbit, row, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_t), intent(in) :: orbit
+      real(wp), intent(out) :: row(model%n) !! in units of the scales, of length 1
+      type(status_t), intent(inout) :: status
+
+      call model%settle(model%phase, orbit%y, status)
+      if (.not. has_failed(status)) call model%rhs(model%phase, orbit%y, row, status)
+      if (has_failed(status)) return
+      row = merge(row/model%scale, 0.0_wp, orbit%active)
+      if (norm2(row) > 0) then
+         row = row/norm2(row)
+      else
+         call fail(status, code_no_solution, "the start is at rest: no orbit passes through it")
+      end if
+   end subroutine find_phase_row
+
+   !> The matrix above, in units of the scales; the period in units of itself.
+   pure subroutine linearise(model, options, orbit, phase_row, tangent, matrix)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit
+      real(wp), intent(in) :: phase_row(:)
+      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the last row; else the parameter stays
+      real(wp), intent(out) :: matrix(:, :)        !! [n + 2, n + 2]
+      integer :: i, n
+
+      n = model%n
+      matrix = 0
+      do i = 1, n
+         if (orbit%active(i)) then
+            matrix(i, :n) = merge(orbit%flow%derivative(i, :)*model%scale/model%scale(i), 0.0_wp, orbit%active)
+            matrix(i, i) = matrix(i, i) - 1
+            matrix(i, n + 1) = orbit%flow%rate(i)*orbit%period/model%scale(i)
+            if (present(tangent)) matrix(i, n + 2) = orbit%by_parameter(i)*options%parameter_scale/model%scale(i)
+         else
+            matrix(i, i) = 1
+         end if
+      end do
+      if (model%autonomous) then
+         matrix(n + 1, :n) = phase_row
+      else
+         matrix(n + 1, n + 1) = 1
+      end if
+      if (present(tangent)) then
+         matrix(n + 2, :) = tangent
+      else
+         matrix(n + 2, n + 2) = 1
+      end if
+   end subroutine linearise
+
+   !> Solve for one right-hand side.
+   subroutine solve(matrix, x, status)
+      real(wp), intent(inout) :: matrix(:, :) !! destroyed
+      real(wp), intent(inout) :: x(:)         !! right-hand side, then solution
+      type(status_t), intent(inout) :: status
+      integer :: pivots(size(x)), info
+
+      call dgesv(size(x), 1, matrix, size(x), pivots, x, size(x), info)
+      if (info /= 0 .or. .not. all(abs(x) <= huge(1.0_wp))) &
+         call fail(status, code_singular, "Newton's iteration for an orbit has no solution: orbits are not isolated here")
+   end subroutine solve
+
+   !> dP/dp of an orbit, by a central difference.
+   subroutine differentiate_by_parameter(model, options, orbit, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(inout) :: orbit
+      type(status_t), intent(inout) :: status
+      type(flow_t) :: flow
+      real(wp) :: change, ends(model%n, 2), period
+      integer :: side
+
+      change = options%parameter_change*options%parameter_scale
+      do side = 1, 2
+         call model%set_parameter(orbit%parameter + merge(-change, change, side == 1), status)
+         if (has_failed(status)) return
+         period = orbit%period
+         if (.not. model%autonomous) period = orbit%periods*model%period
+         call follow(model, orbit%y, period, options%tolerance, .false., flow, status)
+         if (has_failed(status)) return
+         ends(:, side) = flow%y
+      end do
+      orbit%by_parameter = (ends(:, 2) - ends(:, 1))/(2*change)
+      call model%set_parameter(orbit%parameter, status)
+   end subroutine differentiate_by_parameter
+
+   !> Tangent of the branch at an orbit that was found.
+   subroutine find_tangent(model, options, orbit, along, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(inout) :: orbit !! its `tangent` and `by_parameter` are set
+      real(wp), intent(in) :: along(:)      !! [n + 2] it points the same way as this
+      type(status_t), intent(inout) :: status
+      real(wp) :: matrix(model%n + 2, model%n + 2), phase_row(model%n)
+
+      call differentiate_by_parameter(model, options, orbit, status)
+      phase_row = 0
+      if (model%autonomous .and. .not. has_failed(status)) call find_phase_row(model, orbit, phase_row, status)
+      if (has_failed(status)) return
+      call linearise(model, options, orbit, phase_row, along, matrix)
+      orbit%tangent = [spread(0.0_wp, 1, model%n + 1), 1.0_wp]
+      call solve(matrix, orbit%tangent, status)
+      if (.not. has_failed(status)) orbit%tangent = orbit%tangent/norm2(orbit%tangent)
+   end subroutine find_tangent
+
+   !> The derivative of the period in units of the scales, of the active states.
+   pure function scaled_derivative(model, orbit) result(matrix)
+      class(orbit_model), intent(in) :: model
+      type(orbit_t), intent(in) :: orbit
+      real(wp) :: matrix(count(orbit%active), count(orbit%active))
+      integer :: list(count(orbit%active)), i, j
+
+      list = pack([(i, i=1, model%n)], orbit%active)
+      do j = 1, size(list)
+         do i = 1, size(list)
+            matrix(i, j) = orbit%flow%derivative(list(i), list(j))*model%scale(list(j))/model%scale(list(i))
+         end do
+      end do
+   end function scaled_derivative
+
+   !> The multipliers without that of an autonomous orbit's own direction, which is 1.
+   pure function own_multipliers(model, orbit) result(multipliers)
+      class(orbit_model), intent(in) :: model
+      type(orbit_t), intent(in) :: orbit
+      complex(wp) :: multipliers(size(orbit%multipliers) - merge(1, 0, model%autonomous .and. size(orbit%multipliers) > 0))
+      integer :: own
+
+      own = size(orbit%multipliers) + 1
+      if (size(multipliers) < size(orbit%multipliers)) own = minloc(abs(orbit%multipliers - 1), 1)
+      multipliers(:own - 1) = orbit%multipliers(:own - 1)
+      multipliers(own:) = orbit%multipliers(own + 1:)
+   end function own_multipliers
+
+end module evl_shooting

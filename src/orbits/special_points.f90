@@ -1,0 +1,209 @@
+!> Where the stability of a branch changes: folds, crossings of branches, period doublings, Neimark-Sacker points, and orbits of
+!> which a root function just touches zero (grazing).
+!>
+!> Each is a zero of a test function between two neighbouring points of a branch, located by false position with halving along the
+!> branch: every value is that of an orbit that was found. A zero that is none, because multipliers jump there, is left out.
+!>
+!> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 5.3, 7.4; R. I. Leine, H. Nijmeijer, Dynamics and
+!> Bifurcations of Non-Smooth Mechanical Systems, ch. 8 and 9 (jumps of multipliers).
+module evl_special_points
+   use evl_kinds, only: wp
+   use evl_multipliers, only: product_over_minus_one, product_over_one, product_over_pairs
+   use evl_orbit_model, only: orbit_model
+   use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, own_multipliers
+   use evl_status, only: clear, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: branch_point, find_special_points
+   public :: kind_ordinary, kind_fold, kind_crossing, kind_doubling, kind_neimark_sacker, kind_touch
+
+   integer, parameter :: kind_ordinary = 0       !! nothing happens
+   integer, parameter :: kind_fold = 1           !! the branch turns back: a multiplier 1
+   integer, parameter :: kind_crossing = 2       !! a multiplier 1 where the branch goes on: another one crosses it
+   integer, parameter :: kind_doubling = 3       !! a multiplier -1
+   integer, parameter :: kind_neimark_sacker = 4 !! a pair of multipliers on the unit circle
+   integer, parameter :: kind_touch = 5          !! a root function touches zero and does not cross it
+
+   !> A point of a branch.
+   type :: branch_point
+      type(orbit_t) :: orbit
+      integer :: kind = kind_ordinary
+      integer :: root = 0           !! the root function that touches zero
+      real(wp) :: way = 0           !! from the last ordinary point, along its tangent, in units of the scales
+   end type branch_point
+
+contains
+
+   !> All special points between two neighbouring points of a branch, in their order.
+   subroutine find_special_points(model, options, first, last, way, points, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: first, last !! with tangents
+      real(wp), intent(in) :: way              !! from one to the other along the tangent of the first
+      type(branch_point), allocatable, intent(out) :: points(:) !! `way` is that from `first`
+      type(status_t), intent(inout) :: status
+      type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
+      logical :: found
+      integer :: kind, n, root
+
+      n = 0
+      do kind = kind_fold, kind_neimark_sacker
+         if (.not. test(model, kind, first)*test(model, kind, last) < 0) cycle
+         if (kind == kind_crossing) then ! a fold is one too
+            if (test(model, kind_fold, first)*test(model, kind_fold, last) < 0) cycle
+         end if
+         call locate(model, options, first, last, way, kind, 0, kept(n + 1), found, status)
+         if (has_failed(status)) return
+         if (found) n = n + 1
+      end do
+      do root = 1, model%n_roots
+         if (first%flow%crossings(root) == last%flow%crossings(root)) cycle
+         call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, status)
+         if (has_failed(status)) return
+         if (found) n = n + 1
+      end do
+      points = kept(:n)
+      call sort(points)
+   end subroutine find_special_points
+
+   !> A function that passes zero at a special point.
+   real(wp) function test(model, kind, orbit) result(value)
+      class(orbit_model), intent(in) :: model
+      integer, intent(in) :: kind
+      type(orbit_t), intent(in) :: orbit
+
+      select case (kind)
+      case (kind_fold)
+         value = orbit%tangent(model%n + 2)
+      case (kind_crossing)
+         value = product_over_one(own_multipliers(model, orbit))
+      case (kind_doubling)
+         value = product_over_minus_one(own_multipliers(model, orbit))
+      case default
+         value = product_over_pairs(own_multipliers(model, orbit))
+      end select
+   end function test
+
+   !> How far a root function is from touching zero: positive where it does not reach it, with as many crossings as `fewer`.
+   pure real(wp) function touch_test(orbit, root, fewer) result(value)
+      type(orbit_t), intent(in) :: orbit
+      integer, intent(in) :: root, fewer
+
+      if (orbit%flow%crossings(root) == fewer) then
+         value = orbit%flow%nearest(root)
+      else
+         value = -orbit%flow%slowest(root)
+      end if
+   end function touch_test
+
+   !> One special point, by false position with halving (Illinois).
+   subroutine locate(model, options, first, last, way, kind, root, point, found, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: first, last
+      real(wp), intent(in) :: way
+      integer, intent(in) :: kind, root
+      type(branch_point), intent(out) :: point
+      logical, intent(out) :: found !! false: the function jumps, or Newton's iteration fails
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_turns = 60
+      real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
+      real(wp) :: a, b, at_a, at_b, at, value
+      type(status_t) :: refusal
+      integer :: fewer, side, turn
+
+      found = .false.
+      fewer = 0
+      if (kind == kind_touch) fewer = min(first%flow%crossings(root), last%flow%crossings(root))
+      a = 0
+      b = way
+      at_a = ask(first)
+      at_b = ask(last)
+      if (max(abs(at_a), abs(at_b)) > huge(1.0_wp)/2) return ! only ever crossed, or never near: it came with another one
+      side = 0
+      do turn = 1, most_turns
+         if (b - a <= accuracy*min(1.0_wp, way)) exit
+         at = b - at_b*((b - a)/(at_b - at_a))
+         if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
+         at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
+         point%orbit = first
+         call move_orbit(model, options, point%orbit, at*first%tangent)
+         call clear(refusal)
+         call correct_orbit(model, options, point%orbit, refusal, first%tangent)
+         if (.not. has_failed(refusal) .and. kind == kind_fold) &
+            call find_tangent(model, options, point%orbit, first%tangent, refusal)
+         if (has_failed(refusal)) return
+         point%way = at
+         value = ask(point%orbit)
+         if (.not. abs(value) > 0 .or. abs(value) > huge(1.0_wp)/2) exit
+         if (value*at_a > 0) then
+            a = at
+            at_a = value
+            if (side == -1) at_b = at_b/2
+            side = -1
+         else
+            b = at
+            at_b = value
+            if (side == 1) at_a = at_a/2
+            side = 1
+         end if
+      end do
+      point%kind = kind
+      point%root = root
+      found = is_genuine(model, kind, point%orbit)
+      if (found .and. .not. kind == kind_fold) call find_tangent(model, options, point%orbit, first%tangent, refusal)
+      if (has_failed(refusal)) status = refusal
+
+   contains
+
+      real(wp) function ask(orbit) result(value)
+         type(orbit_t), intent(in) :: orbit
+
+         if (kind == kind_touch) then
+            value = touch_test(orbit, root, fewer)
+         else
+            value = test(model, kind, orbit)
+         end if
+      end function ask
+
+   end subroutine locate
+
+   !> Whether the multipliers at a zero of the test function are those of its kind.
+   pure logical function is_genuine(model, kind, orbit)
+      class(orbit_model), intent(in) :: model
+      integer, intent(in) :: kind
+      type(orbit_t), intent(in) :: orbit
+      real(wp), parameter :: near = 1.0e-4_wp
+      complex(wp) :: mu(size(own_multipliers(model, orbit)))
+
+      mu = own_multipliers(model, orbit)
+      select case (kind)
+      case (kind_crossing)
+         is_genuine = any(abs(mu - 1) < near)
+      case (kind_doubling)
+         is_genuine = any(abs(mu + 1) < near)
+      case (kind_neimark_sacker)
+         is_genuine = any(abs(abs(mu) - 1) < near .and. abs(mu%im) > 0)
+      case default
+         is_genuine = .true.
+      end select
+   end function is_genuine
+
+   !> By their place.
+   subroutine sort(points)
+      type(branch_point), intent(inout) :: points(:)
+      type(branch_point) :: held
+      integer :: i, j
+
+      do i = 2, size(points)
+         held = points(i)
+         do j = i - 1, 1, -1
+            if (points(j)%way <= held%way) exit
+            points(j + 1) = points(j)
+         end do
+         points(j + 1) = held
+      end do
+   end subroutine sort
+
+end module evl_special_points
