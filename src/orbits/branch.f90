@@ -93,13 +93,12 @@ contains
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
          if (straight >= turn .and. next%orbit%iterations <= hard) exit
+         if (step < 2*options%smallest_step) then
+            if (straight > 0) exit ! a corner, as where two events change their order
+            status = refusal
+            return
+         end if
          step = step/2
-         if (step >= options%smallest_step) cycle
-         status = refusal
-         if (.not. has_failed(refusal)) call fail(status, code_no_solution, "the branch turns sharply at "// &
-                                                  quantity(now%parameter, "")//": its steps fell to "//quantity(step, ""), &
-                                                  field="parameter")
-         return
       end do
       next%way = step
       if (next%orbit%iterations <= easy .and. straight >= little_turn) step = min(1.5_wp*step, options%largest_step)

@@ -8,13 +8,16 @@ module evl_flow
    use evl_radau, only: outcome_event, radau_advance, radau_create, radau_interpolate_lanes, radau_options, radau_restart, &
                         radau_start, radau_step, radau_t
    use evl_radau_coefficients, only: n_stages, node, slope_at_node
-   use evl_status, only: has_failed, status_t
+   use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
 
    public :: flow_t, follow
 
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
+
+   integer, parameter :: most_steps = 100000     !! of one flow
+   real(wp), parameter :: farthest = 1.0e6_wp    !! scales from the start: a state that is that far away does not come back
 
    !> How a flow went.
    type :: flow_t
@@ -68,6 +71,8 @@ contains
             call radau_advance(solver, model, min(t_end, t_event), outcome, status)
             if (has_failed(status)) return
             flow%steps = flow%steps + 1
+            call check_way(model, solver, y, flow%steps, status)
+            if (has_failed(status)) return
             if (solver%t > t_known .and. differentiate) then
                call look_around(model, solver, flow, status)
                if (.not. has_failed(status)) &
@@ -96,6 +101,26 @@ contains
       flow%same_modes = all(model%modes == modes)
       call model%rhs(t_end, flow%y, flow%rate, status)
    end subroutine follow
+
+   !> A flow that runs away, or does not get on, is given up.
+   subroutine check_way(model, solver, y, steps, status)
+      class(orbit_model), intent(in) :: model
+      type(radau_t), intent(in) :: solver
+      real(wp), intent(in) :: y(:) !! at the start
+      integer, intent(in) :: steps
+      type(status_t), intent(inout) :: status
+      logical :: stays(model%n)
+
+      stays = abs(solver%y - y) <= farthest*model%scale
+      if (allocated(model%repeats)) stays = stays .or. .not. model%repeats
+      if (.not. all(stays)) then
+         call fail(status, code_no_solution, "the state runs away at time "//quantity(solver%t, ""), &
+                   index=findloc(stays, .false., 1))
+      else if (steps > most_steps) then
+         call fail(status, code_no_solution, "a period takes more than "//quantity(real(most_steps, wp), "")// &
+                   " steps: time "//quantity(solver%t, "")//" was reached")
+      end if
+   end subroutine check_way
 
    !> Where root functions come near zero in the step just made and turn back.
    subroutine look_around(model, solver, flow, status)

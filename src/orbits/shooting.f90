@@ -32,7 +32,7 @@ module evl_shooting
       real(wp) :: residual = 1.0e-10_wp       !! largest difference after a period, in units of the scales
       integer :: most_iterations = 20         !! of Newton
       real(wp) :: parameter_scale = 1         !! > 0: the change of the parameter that counts as 1
-      real(wp) :: parameter_change = 1.0e-4_wp !! of the difference that gives dP/dp, over that scale
+      real(wp) :: parameter_change = 1.0e-6_wp !! of the difference that gives dP/dp, over that scale: small, since P may have corners
    end type orbit_options
 
    !> A periodic orbit, or what is meant to become one.
@@ -67,6 +67,8 @@ contains
          call fail(status, code_invalid_input, "an orbit of no period", field="periods")
       else if (model%autonomous .and. .not. (period > 0 .and. period <= huge(period))) then
          call fail(status, code_invalid_input, "period "//quantity(period, "")//" is not positive", field="period")
+      else if (.not. all(abs(y) <= huge(1.0_wp))) then
+         call fail(status, code_invalid_input, "the start of an orbit is not finite", field="y")
       end if
       if (has_failed(status)) return
       orbit%parameter = parameter
@@ -190,7 +192,7 @@ contains
       do i = 1, model%n
          row = orbit%flow%derivative(i, :)
          row(i) = row(i) - 1
-         orbit%active(i) = any(abs(row) > 0)
+         orbit%active(i) = any(abs(row) > 0) .or. abs(orbit%flow%y(i) - orbit%y(i)) > 0
          if (allocated(model%repeats)) orbit%active(i) = orbit%active(i) .and. model%repeats(i)
       end do
    end subroutine find_active

@@ -44,12 +44,14 @@ contains
       type(branch_point), allocatable, intent(out) :: points(:) !! `way` is that from `first`
       type(status_t), intent(inout) :: status
       type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
+      real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system, has no folds
       logical :: found
       integer :: kind, n, root
 
       n = 0
       do kind = kind_fold, kind_neimark_sacker
          if (.not. test(model, kind, first)*test(model, kind, last) < 0) cycle
+         if (kind == kind_fold .and. max(abs(test(model, kind, first)), abs(test(model, kind, last))) < upright) cycle
          if (kind == kind_crossing) then ! a fold is one too
             if (test(model, kind_fold, first)*test(model, kind_fold, last) < 0) cycle
          end if

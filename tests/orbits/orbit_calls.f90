@@ -77,13 +77,13 @@ contains
       session%options%most_points = most
    end subroutine ot_options
 
-   !> A flow and its derivative; numbers: steps, ties, whether the modes repeat.
+   !> A flow and its derivative; numbers: steps, ties, whether the modes repeat, crossings.
    integer(c_int) function ot_flow(handle, parameter, y, duration, end, derivative, numbers) result(code) bind(c)
       type(c_ptr), value :: handle
       real(c_double), value :: parameter, duration
       real(c_double), intent(in) :: y(*)
       real(c_double), intent(out) :: end(*), derivative(*)
-      integer(c_int), intent(out) :: numbers(3)
+      integer(c_int), intent(out) :: numbers(4)
       type(session_t), pointer :: session
       type(flow_t) :: flow
 
@@ -97,7 +97,7 @@ contains
          if (has_failed(session%status)) return
          end(:n) = flow%y
          derivative(:n*n) = reshape(flow%derivative, [n*n])
-         numbers = [flow%steps, flow%ties, merge(1, 0, flow%same_modes)]
+         numbers = [flow%steps, flow%ties, merge(1, 0, flow%same_modes), sum(flow%crossings)]
       end associate
    end function ot_flow
 

@@ -18,7 +18,7 @@ module orbit_systems
    !> What each takes in p, the first being the frequency of what drives, but of the autonomous ones:
    !>
    !> meissner    W, contact ratio, damping ratio, force:  x'' = F - k(t) (x + 2 z x'), k = 2 and then 1
-   !> parting     the same where x > 0, else x'' = F
+   !> parting     the same while x > 0 and x + 2 z x' > 0, else x'' = F: a contact never pulls
    !> duffing     W, d, a, b, c:    x'' = c cos Wt - d x' - a x - b x^3;  duffing_with_phase: Wt is a state
    !> backlash    W, z, m, c:       x'' = m + c cos Wt - 2 z x' - x + min(max(x, -1), 1)
    !> ball        W, e, s, a, g:    y'' = -g over a table a sin Wt; approach w: v+ = u + (e + s w_before) w, w_before a memory
@@ -94,7 +94,7 @@ contains
       case (meissner)
          self%modes(1) = 1
       case (parting)
-         self%modes = [1, merge(1, 0, y(1) > 0)]
+         self%modes = [1, merge(1, 0, y(1) > 0 .and. y(1) + 2*self%p(3)*y(2) > 0)]
       case (backlash)
          if (abs(y(1)) > 1) self%modes(1) = nint(sign(1.0_wp, y(1)))
       case (remembering_stop, floating)
@@ -216,8 +216,11 @@ contains
          values = [y(1) - 1, y(1) + 1]
       case (ball)
          values = y(1) - self%p(4)*sin(self%p(1)*t)
-      case (remembering_stop, floating, parting)
+      case (remembering_stop, floating)
          values = y(1)
+      case (parting)
+         values = y(1)
+         if (self%modes(2) == 1) values = y(1) + 2*self%p(3)*y(2)
       case (stop)
          values = y(1) - self%p(4)
       end select
@@ -280,6 +283,7 @@ contains
       by_state = 0
       by_state(1) = 1
       by_time = 0
+      if (self%kind == parting .and. self%modes(2) == 1) by_state(2) = 2*self%p(3)
       if (self%kind == ball) by_time = -self%p(4)*self%p(1)*cos(self%p(1)*t)
    end subroutine root_gradient
 

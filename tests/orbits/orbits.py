@@ -116,10 +116,11 @@ class System:
     def flow(self, y: ArrayLike, duration: float, parameter: float | None = None):
         """Where the flow from y on the section ends, and its derivative."""
         end, derivative = np.zeros(self.n), np.zeros((self.n, self.n))
-        self.numbers = np.zeros(3, np.int32)
+        numbers = np.zeros(4, np.int32)
         value = self.p[self.varied] if parameter is None else parameter
-        arrays = [_pointer(x) for x in (end, derivative, self.numbers)]
+        arrays = [_pointer(x) for x in (end, derivative, numbers)]
         self._check(self.c.ot_flow(self.handle, value, _pointer(_array(y)), duration, *arrays))
+        self.steps, self.ties, self.same_modes, self.events = map(int, numbers)
         return end, derivative.T
 
     def find(self, y: ArrayLike, parameter: float | None = None, periods: int = 1, period=0.0):
