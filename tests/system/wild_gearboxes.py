@@ -18,10 +18,12 @@ LARGEST_SPEED = 40.0  # of the pitch circle [m/s]
 
 def wild_gearbox(seed: int) -> Block:
     """Make the case of a seed."""
-    return _WildGearbox(seed).case()
+    return WildGearbox(seed).case()
 
 
-class _WildGearbox(Gearbox):
+class WildGearbox(Gearbox):
+    """A wild gearbox in the making."""
+
     def __init__(self, seed: int) -> None:
         super().__init__(1_000_003 * (seed + 1))
 
@@ -183,7 +185,7 @@ def tracked_gearbox(seed: int) -> Block:
     return _TrackedGearbox(seed).case()
 
 
-class _TrackedGearbox(_WildGearbox):
+class _TrackedGearbox(WildGearbox):
     def draw_size(self) -> None:
         super().draw_size()
         self.modified = False  # deviations ask for the closed form

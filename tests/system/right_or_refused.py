@@ -1,0 +1,272 @@
+"""Right or refused: judges wide gearboxes, each by runs that have to agree.
+
+A seed's case is run by the integrator that the program chooses and, where that is radau, by IDA.
+Promised are the exit code, one line that says why a case is refused or a run ended, and of a run
+that comes to its end that its invariants hold and nothing pulls. Where both integrators disagree,
+a hundredth of the tolerance has to bring them together, or a change in the tenth digit of loads and
+gaps has to move the motion as far: then the case amplifies errors.
+
+    python tests/system/right_or_refused.py RESULTS.jsonl --seeds 10000    # goes on where it ended
+    python tests/system/right_or_refused.py RESULTS.jsonl --seed 17        # one, with its case
+    python tests/system/right_or_refused.py RESULTS.jsonl                  # what came out
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from evolvent import check_history
+from system.wide_gearboxes import OUTPUTS, Block, kind_of, wide_case
+
+SECONDS = 20  # of CPU that a run may take
+DONE, REFUSED, ENDED = 0, 3, 4  # exit codes that are promised here
+# Of the motion's own range; half of the pairs of runs agree to 1e-8.
+WITHIN = 1e-4
+LAST_DIGITS = 1e-10  # by which a case is changed to see whether it amplifies errors
+SHARE = 0.1  # of the disagreement that such a change has to make, or a hundredth of the tolerance
+
+# What a valid case may be refused for: as a pair of gears, or as a start that is none.
+REFUSALS = (
+    *("the teeth are undercut", "the tooth is pointed", "thick at the tip, less than 0.1 modules"),
+    *("the involute is only", "leaves too little below the root circle", "tip interference: "),
+    *("runs into the root circle", "leaves the line of action", "only tip edges hold the wheels"),
+    *("no centre distance gives this backlash", "does not start on the active profile"),
+    *("no tooth pair is on its path of contact", "touches the fillet of the"),
+)
+# What ends a run: a state that the model does not know.
+ENDS = ("fillet of the", "off its path of contact", "past both ends of its path of contact")
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What became of a seed."""
+
+    seed: int
+    kind: str
+    outcome: str
+    words: str
+    apart: float  # of both integrators, over the range of the motion
+    cpu: float  # of all runs [s]
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether it is as promised."""
+        return self.outcome in SOUND
+
+
+SOUND = ("agree", "alone", "converges", "amplifies", "refused", "ended")
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A run: its exit code, its words, its CPU time and its history."""
+
+    code: int
+    words: str
+    cpu: float
+    history: xr.Dataset | None
+
+    @property
+    def last(self) -> str:
+        lines = self.words.strip().splitlines()
+        return lines[-1] if lines else ""
+
+
+class Judge:
+    """Judges seeds with a program, in a folder of its own."""
+
+    def __init__(self, program: Path, folder: Path) -> None:
+        self.program, self.folder = program, folder
+        self.cpu = 0.0
+
+    def __call__(self, seed: int) -> Judged:
+        self.cpu = 0.0
+        case = wide_case(self.program, seed)
+        outcome, words, apart = self.judge(case)
+        return Judged(seed, kind_of(seed), outcome, words, apart, round(self.cpu, 3))
+
+    def judge(self, case: Block) -> tuple[str, str, float]:
+        """Give outcome, words and how far the integrators are apart."""
+        first = self.run(case)
+        if first.code != DONE:
+            return *unfinished(first), 0.0
+        wrong = wrong_in(first)
+        if wrong:
+            return "broken", wrong, 0.0
+        if not is_radaus(case):
+            return "alone", "", 0.0
+        other = self.run(case, "simulation.integrator=ida")
+        if other.code != DONE:
+            outcome, words = unfinished(other)
+            return f"ida {outcome}", words, 0.0
+        wrong = wrong_in(other)
+        if wrong:
+            return "ida broken", wrong, 0.0
+        apart = distance(first, other)
+        if apart <= WITHIN:
+            return "agree", "", apart
+        return *self.explain(case, first, apart), apart
+
+    def explain(self, case: Block, first: Ran, apart: float) -> tuple[str, str]:
+        """Say whether the motion amplifies errors, or a smaller tolerance brings both together."""
+        changed = self.run(in_last_digits(case))
+        moved = distance(first, changed) if changed.code == DONE else float("inf")
+        if moved >= SHARE * apart:
+            return "amplifies", f"{LAST_DIGITS:g} moves it by {moved:.2g}"
+        tolerance = 0.01 * case["simulation"].get("tolerance", 1e-9)
+        tight = [
+            self.run(case, f"simulation.tolerance={tolerance}", *setting)
+            for setting in ((), ("simulation.integrator=ida",))
+        ]
+        if any(run.code != DONE for run in tight):
+            return "differ", "a hundredth of the tolerance ends with: " + tight[-1].last
+        closer = distance(*tight)
+        words = f"{apart:.2g} apart, at a hundredth of the tolerance {closer:.2g}"
+        return ("converges" if closer <= max(WITHIN, SHARE * apart) else "differ"), words
+
+    def run(self, case: Block, *settings: str) -> Ran:
+        """Run a case."""
+        file, output = self.folder / "case.yaml", self.folder / "history.h5"
+        file.write_text(json.dumps(case))
+        output.unlink(missing_ok=True)
+        options = [word for setting in settings for word in ("--set", setting)]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        done = subprocess.run(
+            ["prlimit", f"--cpu={SECONDS}", self.program, "run", file, "-o", output, *options],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        cpu = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        self.cpu += cpu
+        history = None
+        if done.returncode == DONE:
+            with xr.open_dataset(output, engine="netcdf4") as opened:
+                history = opened.load()
+        return Ran(done.returncode, done.stderr, cpu, history)
+
+
+def unfinished(run: Ran) -> tuple[str, str]:
+    """Outcome and words of a run that did not come to its end."""
+    last = re.sub(r"^\S*case\.yaml", "case.yaml", run.last)
+    last = re.sub(r"; the history up to there is in .*", "", last)
+    if run.code in (-signal.SIGXCPU, -signal.SIGKILL):
+        return "slow", last
+    if run.code == REFUSED and any(words in last for words in REFUSALS):
+        return "refused", last
+    if run.code == ENDED and any(words in last for words in ENDS):
+        return "ended", last
+    return f"code {run.code}", last
+
+
+def wrong_in(run: Ran) -> str:
+    """What is wrong with a run that came to its end; empty if nothing."""
+    history = run.history
+    assert history is not None
+    if len(history["time"]) != OUTPUTS + 1:
+        return f"{len(history['time'])} outputs"
+    failed = [v for v in check_history(history) if v.failed]
+    return "; ".join(f"{v.invariant.name} {v.worst:.3g}, bound {v.bound:.3g}" for v in failed)
+
+
+def is_radaus(case: Block) -> bool:
+    """Whether radau may run it."""
+    closed = all(mesh.get("tracking") in (None, "closed_form") for mesh in case["meshes"])
+    soft = all(mesh.get("contact", {}).get("law") != "rigid" for mesh in case["meshes"])
+    return closed and soft and case.get("housing", {}).get("kind") != "mounted"
+
+
+def distance(one: Ran, other: Ran) -> float:
+    """Largest difference of speeds and transmission errors over the range of each."""
+    worst = 0.0
+    for name, dim in (("angular_velocity", "wheel"), ("transmission_error", "mesh")):
+        a, b = (run.history[name].transpose("time", dim).values for run in (one, other))
+        size = np.max(abs(a)) if name == "angular_velocity" else np.ptp(a, axis=0)
+        floor = 1e-3 * one.history["reference_penetration"].values if dim == "mesh" else 1e-300
+        worst = max(worst, float(np.max(abs(a - b) / np.maximum(size, floor))))
+    return worst
+
+
+def in_last_digits(case: Block) -> Block:
+    """Give the case with widths, which are in loads' and contacts' way, and gaps changed."""
+    changed: Block = json.loads(json.dumps(case))
+    for i, wheel in enumerate(changed["wheels"]):
+        wheel["width"] *= 1 + LAST_DIGITS * (-1) ** i
+        for load in wheel.get("loads", []):
+            for key in ("value", "coefficient", "amplitude"):
+                if key in load and load["kind"] != "speed":
+                    load[key] *= 1 + LAST_DIGITS
+    for name, gap in changed["simulation"].get("initial", {}).get("gaps", {}).items():
+        changed["simulation"]["initial"]["gaps"][name] = gap * (1 + LAST_DIGITS)
+    return changed
+
+
+# The command.
+
+
+def judged_here(seed: int) -> Judged:
+    """Judge a seed with the program of the environment."""
+    program = Path(os.environ["EVOLVENT_EXECUTABLE"])
+    with tempfile.TemporaryDirectory() as folder:
+        return Judge(program, Path(folder))(seed)
+
+
+def read(results: Path) -> list[dict[str, Any]]:
+    """Rows of a file of results."""
+    lines = results.read_text().splitlines() if results.exists() else []
+    return [json.loads(line) for line in lines]
+
+
+def summary(rows: list[dict[str, Any]], say: Callable[[str], None]) -> None:
+    """Tell how many of each kind came out how, and what is not as promised."""
+    outcomes = Counter(row["outcome"] for row in rows)
+    by_kind = Counter((row["kind"], row["outcome"]) for row in rows)
+    say("| kind | " + " | ".join(outcomes) + " |")
+    for kind in sorted({row["kind"] for row in rows}):
+        say(f"| {kind} | " + " | ".join(str(by_kind[kind, o]) for o in outcomes) + " |")
+    say("| all | " + " | ".join(str(outcomes[o]) for o in outcomes) + " |")
+    for row in rows:
+        if row["outcome"] not in SOUND:
+            say(f"{row['seed']} {row['kind']}: {row['outcome']}: {row['words']}")
+
+
+def main() -> None:
+    """Run the seeds that are not in the results yet, two at a time, and tell what came out."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--seeds", type=int, default=0, help="how many, from 0 up")
+    parser.add_argument("--seed", type=int, help="this one, with its case on stdout")
+    parser.add_argument("--jobs", type=int, default=2)
+    given = parser.parse_args()
+    if given.seed is not None:
+        print(json.dumps(wide_case(Path(os.environ["EVOLVENT_EXECUTABLE"]), given.seed)))
+        print(judged_here(given.seed), file=sys.stderr)
+        return
+    known = {row["seed"] for row in read(given.results)}
+    left = [seed for seed in range(given.seeds) if seed not in known]
+    with ProcessPoolExecutor(given.jobs) as pool, given.results.open("a") as file:
+        for judged in pool.map(judged_here, left, chunksize=1):
+            file.write(json.dumps(asdict(judged)) + "\n")
+            file.flush()
+    summary(read(given.results), print)
+
+
+if __name__ == "__main__":
+    main()
