@@ -85,6 +85,7 @@ static bool holds(fixture *f, const char *name, double change, char text[DAE_MES
     *value = right + change;
     look(watch, f, 1e-3);
     *value = right;
+    look(watch, f, 1e-3); /* what was found stays */
     const bool held = invariant_watch_tell(watch, text, DAE_MESSAGE_LENGTH);
     invariant_watch_delete(&watch);
     return held;
