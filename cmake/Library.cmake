@@ -30,3 +30,71 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
   set_property(TARGET evolvent_library APPEND PROPERTY LINK_DEPENDS "${exported}")
 endif()
 evolvent_end_without_memory(evolvent_library)
+add_dependencies(evolvent evolvent_library) # who builds the program, as a wheel does, has it too
+
+# What other programs need: find_package(evolvent), pkg-config, headers. The folder of an installation may be moved.
+include(CMakePackageConfigHelpers)
+set_target_properties(evolvent_kernel_shared PROPERTIES EXPORT_NAME kernel)
+set_target_properties(evolvent_library PROPERTIES EXPORT_NAME evolvent)
+target_include_directories(
+  evolvent_kernel_shared
+  INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
+)
+target_include_directories(evolvent_library INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+install(
+  TARGETS evolvent_library
+  LIBRARY DESTINATION "${evolvent_library_dir}" COMPONENT program NAMELINK_SKIP
+)
+if(NOT SKBUILD)
+  set(evolvent_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/evolvent")
+  install(
+    TARGETS evolvent_library evolvent_kernel_shared
+    EXPORT evolvent
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library
+  )
+  install(
+    DIRECTORY driver/library/include/evolvent src/include/evolvent
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+    COMPONENT library
+  )
+  install(
+    EXPORT evolvent
+    FILE evolventTargets.cmake
+    NAMESPACE evolvent::
+    DESTINATION "${evolvent_package_dir}"
+    COMPONENT library
+  )
+  configure_package_config_file(
+    cmake/evolventConfig.cmake.in
+    generated/evolventConfig.cmake
+    INSTALL_DESTINATION "${evolvent_package_dir}"
+  )
+  write_basic_package_version_file(
+    "${PROJECT_BINARY_DIR}/generated/evolventConfigVersion.cmake"
+    COMPATIBILITY SameMinorVersion
+  )
+  install(
+    FILES
+      "${PROJECT_BINARY_DIR}/generated/evolventConfig.cmake"
+      "${PROJECT_BINARY_DIR}/generated/evolventConfigVersion.cmake"
+    DESTINATION "${evolvent_package_dir}"
+    COMPONENT library
+  )
+  # Two modules: the library of cases, and the kernel alone.
+  set(pkgconfig_names evolvent evolvent-kernel)
+  set(
+    pkgconfig_texts
+    "Dynamics of spur gearboxes: cases, runs, analyses"
+    "Dynamics of spur gearboxes: the mechanics alone"
+  )
+  file(RELATIVE_PATH to_prefix "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+  foreach(name text IN ZIP_LISTS pkgconfig_names pkgconfig_texts)
+    string(REPLACE "evolvent-kernel" "evolvent_kernel" link "${name}")
+    configure_file(cmake/evolvent.pc.in generated/${name}.pc @ONLY)
+    install(
+      FILES "${PROJECT_BINARY_DIR}/generated/${name}.pc"
+      DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+      COMPONENT library
+    )
+  endforeach()
+endif()

@@ -39,7 +39,7 @@ WHAT = {
     "stack": "histories of many cases",
 }
 DRAWN = (STATIC, SPECTRUM, ORDER_MAP, CAMPBELL)  # by evolvent-post plot, beside histories
-EVENTS = "events"  # group of a file; of a dataset that has none, what its `encoding` has
+EVENTS = "events"  # group of a file; of a dataset without one, what makes them, in its `encoding`
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
 
@@ -164,10 +164,10 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
         As for `open_history`, or without a group of events.
     """
     if not isinstance(path, str | Path):
-        events = path.encoding.get(EVENTS)
-        if events is None:
+        make = path.encoding.get(EVENTS)
+        if make is None:
             raise HistoryError("the dataset has no events with it: give the path of its file")
-        return _name_kinds(events)
+        return _name_kinds(make())
     path = Path(path)
     with open_recording(path):  # refuses what is no history
         events = _open(path, EVENTS)

@@ -98,11 +98,11 @@ PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 def _places() -> Iterator[Path]:
     """Where the library may be: beside the program, or where an installation has it."""
-    scripts = Path(sysconfig.get_path("scripts"))
-    programs = [scripts / "evolvent"]
-    programs += [Path(found) for found in (shutil.which("evolvent"),) if found]
-    for program in programs:
-        folder = program.resolve().parent
+    beside = str(Path(sysconfig.get_path("scripts"), "evolvent"))
+    for program in (os.environ.get("EVOLVENT_EXECUTABLE"), beside, shutil.which("evolvent")):
+        if not program:
+            continue
+        folder = Path(program).resolve().parent
         yield folder / NAME
         for library in ("libexec/evolvent", "lib", "lib64", "lib/x86_64-linux-gnu"):
             yield folder.parent / library / NAME

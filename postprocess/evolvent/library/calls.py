@@ -14,7 +14,6 @@ from evolvent.library.waiting import call
 if TYPE_CHECKING:
     import xarray as xr
 
-EVENTS = "events"  # of a result's `encoding`: its events, as `open_events` finds them
 _DONE = 0
 
 
@@ -37,11 +36,9 @@ def _result(case: Case, settings: Settings, procedure: str, *request: Any) -> xr
             raise
     result = None
     if record.value is not None:
-        from evolvent.library.records import datasets
+        from evolvent.library.records import dataset
 
-        result, events = datasets(record.value)
-        if events is not None:
-            result.encoding[EVENTS] = events
+        result = dataset(record.value)
     if code != _DONE:
         refusal = error_of(error, case)
         refusal.history = result

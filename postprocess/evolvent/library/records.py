@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping, Sequence
 from ctypes import byref, c_char_p, c_int
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from evolvent.library.binding import INTEGER, REAL, TEXT, Attribute, Variable, l
 if TYPE_CHECKING:
     import xarray as xr
 
+EVENTS = "events"  # of a result's `encoding`: what makes a dataset of its events
 TYPES: dict[int, np.dtype[Any]] = {REAL: np.dtype("f8"), INTEGER: np.dtype("i4")}
 
 
@@ -66,25 +68,35 @@ def _value_of(attribute: Attribute) -> Any:
     return np.float64(attribute.real) if attribute.type == REAL else np.int64(attribute.integer)
 
 
-def datasets(handle: int) -> tuple[xr.Dataset, xr.Dataset | None]:
-    """The result of an analysis, and its events if it has any; they own the record."""
-    import xarray as xr
+def dataset(handle: int) -> xr.Dataset:
+    """The result of an analysis, which owns the record from here on.
 
+    Its events, if it has any, are made when `open_events` asks for them: its `encoding` tells how.
+    """
     library, record, n = load(), Record(handle), c_int()
-    variables = library.evolvent_record_variables(handle, byref(n))
-    parts: tuple[dict[str, Any], dict[str, Any]] = {}, {}
-    coordinates: tuple[dict[str, Any], dict[str, Any]] = {}, {}
-    for variable in variables[: n.value]:
-        name, rank = variable.name.decode(), variable.rank
-        dimensions = tuple(text.decode() for text in variable.dimensions[:rank])
-        made = xr.Variable(
-            dimensions,
-            _values(record, variable, tuple(variable.lengths[:rank])),
-            _attributes(variable),
-        )
-        to = coordinates if dimensions == (name,) else parts
-        to[variable.is_of_events][name] = made
+    variables = library.evolvent_record_variables(handle, byref(n))[: n.value]
     attributes = library.evolvent_record_attributes(handle, byref(n))
     attrs = {one.name.decode(): _value_of(one) for one in attributes[: n.value]}
-    result = xr.Dataset(parts[0], coordinates[0], attrs)
-    return result, xr.Dataset(parts[1], coordinates[1]) if coordinates[1] else None
+    events = [variable for variable in variables if variable.is_of_events]
+    result = _assembled(
+        record, [variable for variable in variables if not variable.is_of_events], attrs
+    )
+    if events:
+        result.encoding[EVENTS] = partial(_assembled, record, events, {})
+    return result
+
+
+def _assembled(
+    record: Record, variables: Sequence[Variable], attrs: Mapping[Any, Any]
+) -> xr.Dataset:
+    import xarray as xr
+
+    parts: dict[str, xr.Variable] = {}
+    coordinates: dict[str, xr.Variable] = {}
+    for variable in variables:
+        name, rank = variable.name.decode(), variable.rank
+        dimensions = tuple(text.decode() for text in variable.dimensions[:rank])
+        values = _values(record, variable, tuple(variable.lengths[:rank]))
+        made = xr.Variable(dimensions, values, _attributes(variable), fastpath=True)
+        (coordinates if dimensions == (name,) else parts)[name] = made
+    return xr.Dataset(parts, coordinates, attrs)

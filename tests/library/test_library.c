@@ -1,0 +1,248 @@
+/* The library in a process that has settings of its own, other threads, little memory, many calls. */
+#include <evolvent/evolvent.h>
+
+#include <fenv.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static const char *const radau[] = {"meshes.0.tracking=closed_form", "simulation.duration=0.1"};
+static const char *const ida[] = {"simulation.integrator=ida", "simulation.duration=0.1"};
+
+static evolvent_case *read_case(const char *const set[2])
+{
+    evolvent_error error;
+    evolvent_case *gearbox = evolvent_case_read("examples/paper-friction.yaml", 2, set, &error);
+    if (gearbox == NULL) {
+        fail_msg("%s: %s", error.place, error.message);
+    }
+    return gearbox;
+}
+
+static evolvent_record *run(const evolvent_case *gearbox)
+{
+    evolvent_record *record = NULL;
+    assert_int_equal(evolvent_run(gearbox, NULL, &record, NULL), EVOLVENT_OK);
+    return record;
+}
+
+static size_t bytes_of(const evolvent_variable *variable)
+{
+    size_t n = variable->type == EVOLVENT_REAL ? sizeof(double) : sizeof(int);
+    for (int i = 0; i < variable->rank; i++) {
+        n *= variable->lengths[i];
+    }
+    return n;
+}
+
+/* Whether two records have the same numbers, to the last bit. */
+static int same(const evolvent_record *one, const evolvent_record *other)
+{
+    int n, m;
+    const evolvent_variable *a = evolvent_record_variables(one, &n), *b = evolvent_record_variables(other, &m);
+    int is_same = n == m;
+    for (int i = 0; i < n && is_same; i++) {
+        is_same = strcmp(a[i].name, b[i].name) == 0 &&
+                  (a[i].type == EVOLVENT_TEXT ||
+                   (bytes_of(&a[i]) == bytes_of(&b[i]) && memcmp(a[i].values, b[i].values, bytes_of(&a[i])) == 0));
+    }
+    return is_same;
+}
+
+/* ---- threads ---- */
+
+enum { N_THREADS = 4, N_RUNS = 3 };
+
+typedef struct {
+    const evolvent_case *gearbox;
+    const evolvent_record *expected;
+    int n_same;
+} worker;
+
+static void *work(void *with)
+{
+    worker *w = with;
+    for (int i = 0; i < N_RUNS; i++) {
+        evolvent_record *record = NULL;
+        if (evolvent_run(w->gearbox, NULL, &record, NULL) == EVOLVENT_OK) {
+            w->n_same += same(record, w->expected);
+        }
+        evolvent_record_free(record);
+    }
+    return NULL;
+}
+
+/* Two of them share a case. */
+static void threads_side_by_side_get_the_bits_of_a_run_alone(void **state)
+{
+    (void)state;
+    evolvent_case *gearboxes[2] = {read_case(radau), read_case(ida)};
+    evolvent_record *expected[2] = {run(gearboxes[0]), run(gearboxes[1])};
+    assert_false(same(expected[0], expected[1]));
+    pthread_t threads[N_THREADS];
+    worker workers[N_THREADS];
+    for (int i = 0; i < N_THREADS; i++) {
+        workers[i] = (worker){gearboxes[i % 2], expected[i % 2], 0};
+        assert_int_equal(pthread_create(&threads[i], NULL, work, &workers[i]), 0);
+    }
+    for (int i = 0; i < N_THREADS; i++) {
+        assert_int_equal(pthread_join(threads[i], NULL), 0);
+        assert_int_equal(workers[i].n_same, N_RUNS);
+    }
+    for (int i = 0; i < 2; i++) {
+        evolvent_record_free(expected[i]);
+        evolvent_case_free(gearboxes[i]);
+    }
+}
+
+/* ---- the caller's settings ---- */
+
+static void the_caller_s_rounding_changes_no_bit_and_stays(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        evolvent_case *gearbox = read_case(i == 0 ? radau : ida);
+        evolvent_record *expected = run(gearbox);
+        assert_int_equal(fesetround(FE_UPWARD), 0);
+        evolvent_case *again = read_case(i == 0 ? radau : ida);
+        evolvent_record *record = run(again);
+        assert_int_equal(fegetround(), FE_UPWARD);
+        assert_int_equal(fesetround(FE_TONEAREST), 0);
+        assert_true(same(record, expected));
+        evolvent_record_free(record);
+        evolvent_record_free(expected);
+        evolvent_case_free(again);
+        evolvent_case_free(gearbox);
+    }
+}
+
+/* ---- stopped ---- */
+
+static void a_run_that_is_stopped_gives_what_there_is(void **state)
+{
+    (void)state;
+    volatile const int stop = 1;
+    evolvent_case *gearbox = read_case(radau);
+    evolvent_record *record = NULL;
+    evolvent_error error;
+    assert_int_equal(evolvent_run(gearbox, &stop, &record, &error), EVOLVENT_INTERRUPTED);
+    assert_string_equal(error.message, "interrupted by the caller");
+    assert_non_null(record);
+    const evolvent_variable *time = evolvent_record_find(record, "time");
+    assert_in_range(time->lengths[0], 1, 3);
+    int n;
+    const evolvent_attribute *attributes = evolvent_record_attributes(record, &n);
+    int i = 0;
+    while (i < n && strcmp(attributes[i].name, "status") != 0) {
+        i++;
+    }
+    assert_true(i < n);
+    assert_string_equal(attributes[i].text, "interrupted");
+    evolvent_record_free(record);
+    record = NULL;
+    assert_int_equal(evolvent_static(gearbox, NULL, &stop, &record, &error), EVOLVENT_CASE); /* no real gears */
+    assert_null(record);
+    assert_null(evolvent_modes(gearbox, &(evolvent_modes_request){.at = "0.05"}, &stop, &error));
+    assert_int_equal(error.code, EVOLVENT_INTERRUPTED);
+    evolvent_case_free(gearbox);
+}
+
+/* ---- memory ---- */
+
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+
+/* Pages of this process: all, and those in memory. */
+static void read_pages(long pages[2])
+{
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%ld %ld", &pages[0], &pages[1]), 2);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void limit_memory(rlim_t bytes)
+{
+    struct rlimit limit;
+    assert_int_equal(getrlimit(RLIMIT_AS, &limit), 0);
+    limit.rlim_cur = bytes == 0 ? limit.rlim_max : bytes;
+    assert_int_equal(setrlimit(RLIMIT_AS, &limit), 0);
+}
+
+static void a_call_without_memory_ends_with_an_error_and_the_next_one_works(void **state)
+{
+    (void)state;
+    static const rlim_t MEBIBYTE = 1024 * 1024;
+    static const char *const many[] = {"meshes.0.tracking=closed_form",
+                                       "simulation={duration: 20, output_interval: 1e-5}"}; /* 2 GB of rows */
+    evolvent_case *gearbox = read_case(radau), *large = read_case(many);
+    evolvent_record *expected = run(gearbox), *record = NULL;
+    evolvent_error error;
+    long pages[2];
+    int n_refused = 0;
+    /* as much as is there, and a little more each time: it ends at many places */
+    for (rlim_t more = 0; more < 48; more += 3) {
+        read_pages(pages);
+        limit_memory((rlim_t)pages[0] * (rlim_t)sysconf(_SC_PAGESIZE) + more * MEBIBYTE);
+        const evolvent_code code = evolvent_run(large, NULL, &record, &error);
+        evolvent_case *other = evolvent_case_read("examples/compliant-pair.yaml", 0, NULL, NULL);
+        limit_memory(0);
+        n_refused += code == EVOLVENT_MEMORY;
+        assert_int_equal(code, EVOLVENT_MEMORY);
+        assert_non_null(strstr(error.message, "out of memory: "));
+        assert_null(record);
+        evolvent_case_free(other);
+    }
+    assert_int_equal(n_refused, 16);
+    record = run(gearbox);
+    assert_true(same(record, expected));
+    evolvent_record_free(record);
+    evolvent_record_free(expected);
+    evolvent_case_free(large);
+    evolvent_case_free(gearbox);
+}
+
+/* Whatever one call kept would be kept as often. */
+static void many_calls_take_no_more_memory_than_a_few(void **state)
+{
+    (void)state;
+    enum { WARM = 200, MANY = 2000, MOST_PAGES = 100 };
+    static const char *const set[] = {"simulation.duration=0.002", "simulation.output_interval=0.001"};
+    static const char *const bad[] = {"simulation.duration=0.002", "wheels.gear.teeth=-1"};
+    long before[2] = {0}, after[2];
+    for (int i = 0; i < WARM + MANY; i++) {
+        if (i == WARM) {
+            read_pages(before);
+        }
+        evolvent_case *gearbox = read_case(set);
+        evolvent_record_free(run(gearbox));
+        evolvent_text_free(evolvent_show(gearbox, NULL));
+        evolvent_case_free(gearbox);
+        assert_null(evolvent_case_read("examples/paper-friction.yaml", 2, bad, NULL));
+    }
+    read_pages(after);
+    assert_true(after[1] - before[1] < MOST_PAGES);
+}
+
+#define MEMORY_TESTS                                                                                                   \
+    cmocka_unit_test(many_calls_take_no_more_memory_than_a_few),                                                       \
+        cmocka_unit_test(a_call_without_memory_ends_with_an_error_and_the_next_one_works),
+#else
+#define MEMORY_TESTS /* a sanitizer has an allocator of its own */
+#endif
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {MEMORY_TESTS cmocka_unit_test(threads_side_by_side_get_the_bits_of_a_run_alone),
+                                       cmocka_unit_test(the_caller_s_rounding_changes_no_bit_and_stays),
+                                       cmocka_unit_test(a_run_that_is_stopped_gives_what_there_is)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

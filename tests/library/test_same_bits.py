@@ -1,0 +1,123 @@
+"""A result in memory is that of the program's file: every variable, every attribute."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import evolvent as package
+from evolvent.history import STATIC, open_result
+from evolvent.library.cases import value_text
+from example_cases import CASES
+
+SHORT = {"simulation.duration": 0.06}
+INTEGRATORS = {
+    "radau": {"simulation.integrator": "radau"},
+    "ida": {"simulation.integrator": "ida"},
+}
+BY_FILE = {"versions"}  # of the file with that of HDF5
+
+
+def options(settings: dict[str, Any]) -> list[str]:
+    """The same for the program."""
+    return [
+        word for key, value in settings.items() for word in ("--set", f"{key}={value_text(value)}")
+    ]
+
+
+def bytes_of(variable: xr.Variable) -> bytes:
+    """Values with their type; texts of any width."""
+    values = variable.values
+    return repr(values.tolist()).encode() if values.dtype.kind in "UO" else values.tobytes()
+
+
+def kind_of(variable: xr.Variable) -> str:
+    """Texts are objects in older versions of xarray."""
+    return "text" if variable.dtype.kind in "UO" else str(variable.dtype)
+
+
+def assert_same(memory: xr.Dataset, file: xr.Dataset) -> None:
+    assert list(memory.variables) == list(file.variables)
+    assert dict(memory.sizes) == dict(file.sizes)
+    assert set(memory.coords) == set(file.coords)
+    for name, expected in file.variables.items():
+        got = memory.variables[name]
+        assert got.dims == expected.dims, name
+        assert kind_of(got) == kind_of(expected), name
+        assert bytes_of(got) == bytes_of(expected), name
+        assert got.attrs.keys() == expected.attrs.keys(), name
+        for key, value in expected.attrs.items():
+            np.testing.assert_array_equal(got.attrs[key], value, str(name), strict=True)
+    assert memory.attrs.keys() == file.attrs.keys()
+    for key in file.attrs.keys() - BY_FILE:
+        assert type(memory.attrs[key]) is type(file.attrs[key]), key
+        assert memory.attrs[key] == file.attrs[key], key
+
+
+def versions_without_hdf5(text: str) -> str:
+    return ", ".join(part for part in text.split(", ") if not part.startswith("HDF5"))
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("case", CASES, ids=lambda path: path.stem)
+def test_a_run_in_memory_is_the_program_s_history(
+    evolvent: Callable[..., Any], tmp_path: Path, case: Path, integrator: str
+) -> None:
+    settings = SHORT | INTEGRATORS[integrator]
+    done = evolvent("run", case, "-q", "-o", "h.h5", *options(settings))
+    if done.returncode != 0:  # radau does not serve them all
+        with pytest.raises(package.AnalysisError) as refused:
+            package.run(case, settings)
+        assert done.stderr == f"{refused.value}\n"
+        assert refused.value.code == done.returncode
+        return
+    memory = package.run(case, settings)
+    with package.open_history(tmp_path / "h.h5") as file:
+        assert_same(memory, file)
+        assert memory.attrs["versions"] == versions_without_hdf5(file.attrs["versions"])
+    with package.open_events(tmp_path / "h.h5") as file:
+        assert_same(package.open_events(memory), file)
+
+
+def test_numbers_outputs_and_positions_are_those_of_the_file(
+    evolvent: Callable[..., Any], tmp_path: Path, examples: Path
+) -> None:
+    case = examples / "spur-pair.yaml"
+    settings = {
+        "simulation": {
+            "duration": 0.05,
+            "output": {"per_pitch": 128, "mesh": "pinion-gear"},
+            "initial": {"kind": "steady"},
+            "numbers": {"from": 0.02, "to": 0.05},
+            "outputs": "energies transmission_error",
+        }
+    }
+    done = evolvent("run", case, "-q", "-o", "h.h5", *options(settings))
+    assert done.returncode == 0, done.stderr
+    with package.open_history(tmp_path / "h.h5") as file:
+        assert "harmonic" in file.sizes
+        assert_same(package.run(case, settings), file)
+
+
+@pytest.mark.parametrize("request_", [{}, {"torque": (10, 100, 3), "points": 60}])
+def test_a_static_analysis_in_memory_is_the_program_s_file(
+    evolvent: Callable[..., Any], tmp_path: Path, examples: Path, request_: dict[str, Any]
+) -> None:
+    case = examples / "compliant-pair.yaml"
+    words = ["--torque", "10:100:3", "--points", "60"] if request_ else []
+    assert evolvent("static", case, "-q", "-o", "s.h5", *words).returncode == 0
+    with open_result(tmp_path / "s.h5", STATIC) as file:
+        assert_same(package.static(case, **request_), file)
+
+
+def test_a_result_outlives_its_record(examples: Path) -> None:
+    gap = package.run(examples / "paper.yaml", SHORT)["gap"].values
+    others = [package.run(examples / "rattle.yaml", SHORT)["gap"].values for _ in range(3)]
+    again = package.run(examples / "paper.yaml", SHORT)["gap"].values
+    assert gap.tobytes() == again.tobytes()
+    assert len({one.tobytes() for one in others}) == 1
