@@ -286,7 +286,7 @@ def test_threads_side_by_side_give_the_bits_of_single_runs(examples: Path) -> No
     wrong: list[str] = []
 
     def work(case: str) -> None:
-        for _ in range(5):
+        for _ in range(3):
             if bits(package.run(examples / case, SHORT)) != single[case]:
                 wrong.append(case)
 
