@@ -7,7 +7,7 @@ module that knows how they lie on file; docs/result_format.md describes it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +40,7 @@ WHAT = {
 }
 DRAWN = (STATIC, SPECTRUM, ORDER_MAP, CAMPBELL)  # by evolvent-post plot, beside histories
 EVENTS = "events"  # group of a file; of a dataset without one, what makes them, in its `encoding`
+EVENT = "event"  # dimension of events, and their number
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
 
@@ -51,7 +52,8 @@ def open_history(path: str | Path) -> xr.Dataset:
 
     Parameters
     ----------
-    path : file written by `evolvent run`, or its NAME.partial.
+    path : file written by `evolvent run`, its NAME.partial, or the folder NAME.parts of a run with
+        checkpoints: its closed parts together.
 
     Returns
     -------
@@ -97,25 +99,34 @@ def open_recording(path: str | Path) -> Iterator[Recording]:
     HistoryError
         As for `open_history`.
     """
-    from evolvent.history.recording import of_file
-
     path = Path(path)
     _check_file(path)
-    with _readable(path):
-        import h5py
-
-        # A cache of chunks would be a megabyte for each variable; rows are read once, in order.
-        file = h5py.File(path, "r", rdcc_nbytes=0)
-    with file:
+    with ExitStack() as stack:
         with _readable(path):
-            recording = of_file(file, path.name)
+            if path.is_dir():
+                from evolvent.history.parts import recording_of_parts
+
+                recording = stack.enter_context(recording_of_parts(path, path.name))
+            else:
+                recording = stack.enter_context(_recording_of_file(path))
         _check_format(path, recording.attrs)
         _check_kind(path, recording.attrs, recording.sizes, (HISTORY,))
         yield recording
 
 
+@contextmanager
+def _recording_of_file(path: Path) -> Iterator[Recording]:
+    import h5py
+
+    from evolvent.history.recording import of_file
+
+    # A cache of chunks would be a megabyte for each variable; rows are read once, in order.
+    with h5py.File(path, "r", rdcc_nbytes=0) as file:
+        yield of_file(file, path.name)
+
+
 def check_seal(path: Path) -> str | None:
-    """Hold a file against its check sum, which reads all of it.
+    """Hold a file, or each closed part, against its check sum, which reads all of it.
 
     Returns
     -------
@@ -127,6 +138,10 @@ def check_seal(path: Path) -> str | None:
         It is damaged.
     """
     _check_file(path)
+    if path.is_dir():
+        from evolvent.history.parts import closed_parts
+
+        return next(filter(None, [check_seal(part) for part in closed_parts(path)]), None)
     with _readable(path):
         answer = check(path)
     if answer == BROKEN:
@@ -170,7 +185,7 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
         return _name_kinds(make())
     path = Path(path)
     with open_recording(path):  # refuses what is no history
-        events = _open(path, EVENTS)
+        events = _open(path, EVENTS, EVENT)
     if "kind" not in events:
         events.close()
         raise HistoryError(f"{path}: the group `events` has no variable `kind`")
@@ -209,7 +224,8 @@ def source_name(history: xr.Dataset) -> str:
 
 def file_label(path: str | Path) -> str:
     """Name a history in legends and file names: its file name without the endings."""
-    return Path(path).name.removesuffix(".partial").removesuffix(".h5")
+    name = Path(path).name.removesuffix(".partial").removesuffix(".parts")
+    return name.removesuffix(".h5")
 
 
 def require(history: xr.Dataset, name: str) -> xr.DataArray:
@@ -234,10 +250,19 @@ def lacking(source: str, name: str) -> HistoryError:
     )
 
 
-def _open(path: Path, group: str | None) -> xr.Dataset:
+def _open(path: Path, group: str | None, axis: str = "time") -> xr.Dataset:
+    _check_file(path)
+    if not path.is_dir():
+        return _open_file(path, group)
+    from evolvent.history.parts import closed_parts, joined_dataset
+
+    parts = [_open_file(part, group) for part in closed_parts(path)]
+    return joined_dataset(parts, axis, str(path), EVENT if group == EVENTS else None)
+
+
+def _open_file(path: Path, group: str | None) -> xr.Dataset:
     import xarray as xr
 
-    _check_file(path)
     with _readable(path, group):
         # Times stay seconds since the start of the run; xarray would make dates of some units.
         return xr.open_dataset(
@@ -248,9 +273,11 @@ def _open(path: Path, group: str | None) -> xr.Dataset:
 def _check_file(path: Path) -> None:
     if not path.exists():
         partial = path.with_name(path.name + ".partial")
-        hint = f"; its run did not finish, but there is {partial.name}" if partial.exists() else ""
+        parts = path.with_name(path.name + ".parts")
+        there = next((other.name for other in (partial, parts) if other.exists()), None)
+        hint = f"; its run did not finish, but there is {there}" if there else ""
         raise HistoryError(f"{path}: no such file{hint}")
-    if path.is_dir():
+    if path.is_dir() and not path.name.endswith(".parts"):
         raise HistoryError(f"{path}: is a folder, not a history")
 
 

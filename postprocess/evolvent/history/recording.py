@@ -77,6 +77,10 @@ class Recording:
         """All of a variable."""
         return self.read(name, 0, self.n)
 
+    def has_labels(self, dim: str) -> bool:
+        """Whether a dimension has names."""
+        return dim in self._labels
+
     def labels(self, dim: str) -> list[str]:
         """Names along a dimension; numbers if it has none."""
         if dim in self._labels:
