@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -114,12 +115,16 @@ def assert_undisturbed(folder: Path, design: Undisturbed) -> None:
 
 @pytest.mark.parametrize("seed", seeds(range(2), N_SEEDS))
 def test_a_batch_stopped_at_random_records_what_one_does_that_was_not(
-    executable: Path, tmp_path: Path, undisturbed: Undisturbed, seed: int
+    executable: Path,
+    tmp_path: Path,
+    undisturbed: Undisturbed,
+    seed: int,
+    record_property: Callable[[str, object], None],
 ) -> None:
     """Stopped are batch and workers, of which a case may lose one."""
     rng = random.Random(seed)
     command = batch(executable, undisturbed[0], "--jobs", "2")
-    told = ""
+    told, stops = "", 0
     for _ in range(STOPS):
         how = rng.choice(["worker", signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGUSR1])
         with running(command, tmp_path, stderr=subprocess.PIPE, text=True) as parent:
@@ -135,8 +140,10 @@ def test_a_batch_stopped_at_random_records_what_one_does_that_was_not(
         told += said
         for worker in workers:
             wait_for(lambda pid=worker: not is_alive(pid))
+        stops += 1 if parent.returncode != 0 or how == "worker" else 0
         if parent.returncode == 0:
             break
+    record_property("stops", stops)
     told += run(command, tmp_path)
     assert GOES_ON.search(told)
     assert_undisturbed(tmp_path, undisturbed)

@@ -27,8 +27,21 @@ CLOSED, IDA, RADAU = (
     "simulation.integrator=radau",
 )
 
+MOUNTED = (
+    "housing={kind: mounted, mass: 300, inertia: [20, 35, 40], centre_of_mass: [0.05, -0.1, 0],"
+    " mount: {point: [0.05, -0.2, 0], stiffness: [5e6, 2e7, 5e6], damping: [1e3, 2e3, 1e3],"
+    " rotational_stiffness: [1e6, 1e6, 2e6], rotational_damping: [100, 100, 100]},"
+    " accelerometers: [{name: foot, point: [0, -0.2, 0], direction: [0, 1, 0]}]}"
+)
+SHAKEN = (
+    "housing={kind: prescribed,"
+    " rotation: [{kind: harmonic, axis: x, amplitude: 0.1, frequency: 25}],"
+    " translation: [{kind: harmonic, axis: y, amplitude: 1e-3, frequency: 40}]}"
+)
+AT_REST = "simulation.initial={kind: rest}"
+
 #: Some tenths of a second each: every tracking, both integrators, contacts that rattle, stick and
-#: are rigid, trains, wheels that yield, outputs by position, numbers.
+#: are rigid, trains, wheels that yield, housings that are shaken or swing, numbers.
 SAMPLES = {
     "rattle": ("rattle.yaml", RADAU, "simulation.duration=4"),
     "rattle-ida": ("rattle.yaml", IDA, "simulation.duration=0.5"),
@@ -43,12 +56,18 @@ SAMPLES = {
     "train-ida": ("two-stage-gears.yaml", IDA, "simulation.duration=0.1"),
     "relief": ("tip-relief.yaml", RADAU),
     "yielding": ("compliant-pair.yaml", RADAU),
+    "yielding-ida": ("compliant-pair.yaml", IDA, "simulation.duration=0.02"),
+    "yielding-alone": ("compliant-pair.yaml", RADAU, "meshes.0.tooth_coupling=false"),
+    "yielding-shaken": ("compliant-pair.yaml", RADAU, SHAKEN, AT_REST),
+    "housing-ida": ("spur-pair.yaml", IDA, MOUNTED, "simulation.duration=0.1"),
+    "train-housing-ida": ("two-stage-gears.yaml", IDA, MOUNTED, "simulation.duration=0.05"),
+    "train-shaken": ("two-stage-gears.yaml", RADAU, SHAKEN, AT_REST, "simulation.duration=0.3"),
     "numbers": ("tutorial-pair.yaml", RADAU, "simulation.outputs=meshes"),
     "motor": ("motor-driven.yaml", RADAU),
 }
 WAYS = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGUSR1, "--max-time")
-STOPS = 6  # of a run at most: 40 seeds make more than 200
-N_SEEDS = 40
+STOPS = 6  # of a run at most: 63 seeds make more than 200
+N_SEEDS = 63  # three times each sample
 
 
 def go_on(
@@ -71,7 +90,12 @@ def go_on(
 
 @pytest.mark.parametrize("seed", seeds(range(8), N_SEEDS))
 def test_a_run_stopped_at_random_has_the_bits_of_one_that_was_not(
-    executable: Path, evolvent: Evolvent, examples: Path, tmp_path: Path, seed: int
+    executable: Path,
+    evolvent: Evolvent,
+    examples: Path,
+    tmp_path: Path,
+    seed: int,
+    record_property: Callable[[str, object], None],
 ) -> None:
     rng = random.Random(seed)
     name, *sets = SAMPLES[sorted(SAMPLES)[seed % len(SAMPLES)]]
@@ -95,6 +119,7 @@ def test_a_run_stopped_at_random_has_the_bits_of_one_that_was_not(
         codes.append(code)
         if code == 0:
             break
+    record_property("stops", sum(code != 0 for code in codes))
     if codes[-1] != 0:
         again = ["--continue"] if (folder / "checkpoint.h5").exists() else ["--checkpoint", "1"]
         result = evolvent(*stopped, *again)
