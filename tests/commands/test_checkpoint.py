@@ -7,6 +7,7 @@ import resource
 import shlex
 import shutil
 import signal
+import struct
 import subprocess
 from collections.abc import Callable
 from functools import partial
@@ -60,6 +61,13 @@ def check_sum(data: bytes) -> int:
     for byte in data:
         total = (total ^ byte) * 0x100000001B3 % 2**64
     return total
+
+
+def check_anew(path: Path) -> None:
+    """Give a checkpoint that was changed its check."""
+    data = path.read_bytes()[BLOCK:]
+    line = f"evolvent checkpoint 1, FNV-1a {check_sum(data):016x} of the {len(data)} bytes"
+    path.write_bytes(f"{line} behind byte 512\n".encode().ljust(BLOCK, b"\0") + data)
 
 
 def test_checkpoints_change_no_bit_of_a_history_by_radau(
@@ -198,9 +206,7 @@ def test_a_checkpoint_of_another_program_is_refused_by_the_name_of_what_differs(
     with h5py.File(path, "r+") as file:
         file[name][0] = ord("X")
         theirs = bytes(file[name][:-1]).decode()
-    data = path.read_bytes()[BLOCK:]
-    line = f"evolvent checkpoint 1, FNV-1a {check_sum(data):016x} of the {len(data)} bytes"
-    path.write_bytes(f"{line} behind byte 512\n".encode().ljust(BLOCK, b"\0") + data)
+    check_anew(path)
     result = go_on(evolvent, case)
     assert result.returncode == 3
     assert f"the checkpoint is of another {word}: '{theirs[:40]}" in result.stderr
@@ -352,4 +358,49 @@ def test_a_run_that_fails_leaves_what_it_leaves_without_checkpoints(
         assert result.returncode == 4, result.stderr
         assert f"the history up to there is in '{name}.partial'" in result.stderr
     assert contents(tmp_path / "a.h5.partial") == contents(tmp_path / "plain.h5.partial")
+    assert not (tmp_path / "a.h5.parts").exists()
+
+
+def entries(state: bytes) -> list[tuple[int, int]]:
+    """Where the things that were kept lie, and their bytes: a length stands before each."""
+    found, at = [], 0
+    while at < len(state):
+        (length,) = struct.unpack_from("<Q", state, at)
+        found.append((at + 8, length))
+        at += 8 + -(-length // 8) * 8
+    return found
+
+
+def test_where_outputs_show_a_missed_event_the_run_begins_anew_at_its_checkpoint(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    """A checkpoint says that a pair that is pressed were apart: no run comes to that by itself.
+
+    The outputs show it eight at a time, and once more one by one: that it is found again in the
+    same words means that the run was put back where the checkpoint was.
+    """
+    words: list[str | Path] = ["run", examples / "paper-friction.yaml", "-q"]
+    for given in ("tracking=closed_form", "integrator=radau", "duration=20"):
+        words += ["--set", f"{'meshes.0' if 'tracking' in given else 'simulation'}.{given}"]
+    assert evolvent(*words, "-o", "plain.h5").returncode == 0
+    assert evolvent(*words, "-o", "a.h5", "--max-time", "0.0005").returncode == 75
+    path = tmp_path / "a.h5.parts" / "checkpoint.h5"
+    with h5py.File(path, "r+") as file:
+        state = bytearray(file["state"][:].tobytes())
+        t = float(np.frombuffer(file["time"][:].tobytes())[0])
+        integers, length = entries(bytes(state))[7]  # behind the head, t, y and y'
+        modes = list(struct.unpack_from(f"<{length // 4}i", state, integers))
+        assert (len(modes), modes[2]) == (4, 1)  # pressed
+        modes[2] = 0
+        struct.pack_into(f"<{length // 4}i", state, integers, *modes)
+        file["state"][:] = np.frombuffer(bytes(state), np.uint8)
+    check_anew(path)
+    result = evolvent(*words, "-o", "a.h5", "--continue")
+    assert result.returncode == 4, result.stderr
+    assert "counts as open: an event was missed" in result.stderr
+    with h5py.File(tmp_path / "a.h5.partial") as part, h5py.File(tmp_path / "plain.h5") as whole:
+        n = len(part["time"])
+        assert t - 0.02 < part["time"][-1] <= t + 0.02  # an output each 0.01 s
+        for name in ("time", "normal_force", "penetration"):
+            assert np.array_equal(part[name][: n - 1], whole[name][: n - 1])
     assert not (tmp_path / "a.h5.parts").exists()
