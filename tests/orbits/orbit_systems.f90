@@ -13,12 +13,14 @@ module orbit_systems
                                  duffing_with_phase = 7, moving_focus = 8, moving_fold = 9, stop = 10, parting = 11, &
                                  floating = 12
    integer, parameter :: n_states(12) = [2, 2, 2, 3, 3, 2, 3, 2, 1, 2, 2, 3]
-   integer, parameter :: n_roots(12) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 1, 1]
+   integer, parameter :: n_roots(12) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 2, 1]
+
+   integer, parameter :: open = 0, loaded = 1, would_pull = 2
 
    !> What each takes in p, the first being the frequency of what drives, but of the autonomous ones:
    !>
    !> meissner    W, contact ratio, damping ratio, force:  x'' = F - k(t) (x + 2 z x'), k = 2 and then 1
-   !> parting     the same while x > 0 and x + 2 z x' > 0, else x'' = F: a contact never pulls
+   !> parting     the same where x > 0 and x + 2 z x' > 0, else x'' = F: a contact never pulls
    !> duffing     W, d, a, b, c:    x'' = c cos Wt - d x' - a x - b x^3;  duffing_with_phase: Wt is a state
    !> backlash    W, z, m, c:       x'' = m + c cos Wt - 2 z x' - x + min(max(x, -1), 1)
    !> ball        W, e, s, a, g:    y'' = -g over a table a sin Wt; approach w: v+ = u + (e + s w_before) w, w_before a memory
@@ -82,7 +84,7 @@ contains
       if (self%kind == meissner .or. self%kind == parting) self%phase = self%period*(1 - self%p(2)/2)
    end subroutine set_parameter
 
-   !> modes(1): pairs, or the contact; modes(2): where flanks part, whether there is a contact.
+   !> modes(1): pairs, or the contact; modes(2): where flanks part, what the contact does.
    subroutine settle(self, t, y, status)
       class(orbit_system), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -94,7 +96,8 @@ contains
       case (meissner)
          self%modes(1) = 1
       case (parting)
-         self%modes = [1, merge(1, 0, y(1) > 0 .and. y(1) + 2*self%p(3)*y(2) > 0)]
+         self%modes = [1, open]
+         if (y(1) > 0) self%modes(2) = merge(loaded, would_pull, y(1) + 2*self%p(3)*y(2) > 0)
       case (backlash)
          if (abs(y(1)) > 1) self%modes(1) = nint(sign(1.0_wp, y(1)))
       case (remembering_stop, floating)
@@ -120,7 +123,8 @@ contains
          case (meissner)
             f(2) = p(4) - m*(y(1) + 2*p(3)*y(2))
          case (parting)
-            f(2) = p(4) - m*self%modes(2)*(y(1) + 2*p(3)*y(2))
+            f(2) = p(4)
+            if (self%modes(2) == loaded) f(2) = f(2) - m*(y(1) + 2*p(3)*y(2))
          case (duffing)
             f(2) = p(5)*cos(p(1)*t) - p(2)*y(2) - p(3)*y(1) - p(4)*y(1)**3
          case (duffing_with_phase)
@@ -179,7 +183,7 @@ contains
          case (meissner)
             j(2, 1:2) = -m*[1.0_wp, 2*p(3)]
          case (parting)
-            j(2, 1:2) = -m*self%modes(2)*[1.0_wp, 2*p(3)]
+            if (self%modes(2) == loaded) j(2, 1:2) = -m*[1.0_wp, 2*p(3)]
          case (duffing, duffing_with_phase)
             j(2, 1:2) = [-p(3) - 3*p(4)*y(1)**2, -p(2)]
             if (self%n > 2) j(2, 3) = -p(5)*sin(y(3))
@@ -219,8 +223,7 @@ contains
       case (remembering_stop, floating)
          values = y(1)
       case (parting)
-         values = y(1)
-         if (self%modes(2) == 1) values = y(1) + 2*self%p(3)*y(2)
+         values = [y(1), y(1) + 2*self%p(3)*y(2)]
       case (stop)
          values = y(1) - self%p(4)
       end select
@@ -267,7 +270,9 @@ contains
       case (remembering_stop, floating, stop)
          directions = 1 - 2*self%modes(1)
       case (parting)
-         directions = 1 - 2*self%modes(2)
+         directions = [1, never]
+         if (self%modes(2) == loaded) directions = [never, -1]
+         if (self%modes(2) == would_pull) directions = [-1, 1]
       end select
    end subroutine root_directions
 
@@ -283,7 +288,7 @@ contains
       by_state = 0
       by_state(1) = 1
       by_time = 0
-      if (self%kind == parting .and. self%modes(2) == 1) by_state(2) = 2*self%p(3)
+      if (self%kind == parting .and. root == 2) by_state(2) = 2*self%p(3)
       if (self%kind == ball) by_time = -self%p(4)*self%p(1)*cos(self%p(1)*t)
    end subroutine root_gradient
 
@@ -318,7 +323,8 @@ contains
       case (stop)
          self%modes(1) = 1 - self%modes(1)
       case (parting)
-         self%modes(2) = 1 - self%modes(2)
+         self%modes(2) = loaded
+         if (any(fired == -1)) self%modes(2) = merge(would_pull, open, fired(2) == -1)
       case (ball)
          table = self%p(4)*self%p(1)*cos(self%p(1)*t)
          table_rate = -self%p(4)*self%p(1)**2*sin(self%p(1)*t)
