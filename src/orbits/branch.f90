@@ -3,8 +3,8 @@
 !> Pseudo-arclength: from a point a step along the tangent, then Newton's iteration orthogonal to it. The step halves where the
 !> iteration fails or the branch turns more than it should in a step, and grows where it is easy.
 !>
-!> Sources: H. B. Keller, in: Applications of Bifurcation Theory, Academic Press 1977; R. Seydel, Practical Bifurcation and Stability
-!> Analysis, 3rd ed., ch. 4 and 7.
+!> Sources: H. B. Keller, in: Applications of Bifurcation Theory, Academic Press 1977; R. Seydel, Practical Bifurcation and
+!> Stability Analysis, 3rd ed., ch. 4 and 7.
 module evl_branch
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd

@@ -6,7 +6,7 @@
 !>
 !> Error of a piece: the end is right to order 13, the polynomial through the stages to order 7. With p the pair of its last
 !> two Chebyshev coefficients and q the pair that would come next, p q falls with the fourteenth power of the piece as the error
-!> at its end does; for D' = i w D the error is below 10 p q (docs/orbits.md). Where q is not much smaller than p, q itself counts.
+!> at its end does; for D' = z D the error is below 20 p q (docs/orbits.md). Where q is not much smaller than p, q itself counts.
 !>
 !> Sources: P. C. Mueller, Calculation of Lyapunov exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5
 !> (1995) 1671-1681 (events); R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, Springer 2004,
@@ -113,7 +113,7 @@ contains
       class(orbit_model), intent(in) :: model
       real(wp), intent(in) :: derivative(:, :), z(:, :)
       real(wp), intent(out) :: error
-      real(wp), parameter :: end_over_pairs = 10, smooth = 0.1_wp
+      real(wp), parameter :: end_over_pairs = 20, smooth = 0.1_wp
       real(wp) :: at_nodes(lanes), c(lanes), unit, largest, last, before, ratio, next
       integer :: i, j
 

@@ -1,7 +1,7 @@
 !> What the search for periodic orbits has to know of a system: an `ode_model` that also says how its events change with the state.
 !>
 !> The system is driven in time with a known period, or autonomous, with a period to be found. All that must repeat after a period
-!> is in y and in `modes`. A memory variable, such as a speed at first touch, is a state that rests: its rate is 0, and events set it.
+!> is in y and in `modes`. A memory variable, such as a speed at first touch, is a state at rest: its rate is 0, and events set it.
 module evl_orbit_model
    use evl_kinds, only: wp
    use evl_ode_model, only: ode_model

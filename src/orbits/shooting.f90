@@ -7,12 +7,12 @@
 !>     | f(start)   0        0     | du = - | 0                  |
 !>     |        tangent            |        | 0                  |
 !>
-!> The second row is the phase condition of an autonomous system: the change is orthogonal to the flow. The last one keeps the change
-!> orthogonal to the branch (pseudo-arclength). Where a row is not wanted, or a state need not repeat, the unknown stays as it is.
+!> The second row is the phase condition of an autonomous system: the change is orthogonal to the flow. The last one keeps the
+!> change orthogonal to the branch (pseudo-arclength). Where a row is not wanted, or a state need not repeat, the unknown stays as it is.
 !> dP/dp is a difference of flows: a parameter may change all of a system.
 !>
-!> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 7.1, 7.5; H. B. Keller, in: Applications of Bifurcation
-!> Theory, Academic Press 1977 (pseudo-arclength); T. S. Parker, L. O. Chua, Practical Numerical Algorithms, 5.
+!> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 7.1, 7.5; H. B. Keller, in: Applications of
+!> Bifurcation Theory, Academic Press 1977 (pseudo-arclength); T. S. Parker, L. O. Chua, Practical Numerical Algorithms, 5.
 module evl_shooting
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
@@ -32,7 +32,7 @@ module evl_shooting
       real(wp) :: residual = 1.0e-10_wp       !! largest difference after a period, in units of the scales
       integer :: most_iterations = 20         !! of Newton
       real(wp) :: parameter_scale = 1         !! > 0: the change of the parameter that counts as 1
-      real(wp) :: parameter_change = 1.0e-6_wp !! of the difference that gives dP/dp, over that scale: small, since P may have corners
+      real(wp) :: parameter_change = 1.0e-6_wp !! of the difference that gives dP/dp, over that scale; P may have corners
    end type orbit_options
 
    !> A periodic orbit, or what is meant to become one.
@@ -181,7 +181,7 @@ contains
       orbit%residual = maxval(abs(difference(model, orbit))/model%scale, orbit%active)
    end subroutine go_round
 
-   !> States that have to repeat and are not just at rest, such as a memory that no event of the orbit sets: that may have any value.
+   !> States that have to repeat and are not just at rest, such as a memory that no event of the orbit sets.
    pure subroutine find_active(model, orbit)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(inout) :: orbit

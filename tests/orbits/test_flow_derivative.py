@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from integrator.radau import Library
 from orbits.orbits import System
 
 SYSTEMS = {
@@ -49,9 +50,26 @@ def test_a_memory_that_is_set_at_first_touch_has_its_part_in_the_derivative(c):
     parameters, y, _, periods = SYSTEMS["remembering_stop"]
     system = System(c, "remembering_stop", parameters)
     _, derivative = system.flow(y, periods * 2 * np.pi / 0.8)
-    # what is remembered at the end is a speed of the past; what was remembered at the start is forgotten
+    # what is remembered at the end is a speed of the past; what was remembered before is forgotten
     assert np.abs(derivative[2, :2]).min() > 1e-3
     assert np.all(derivative[:, 2] == 0)
+
+
+@pytest.mark.parametrize("damping", [0, 0.1, 0.3, 0.7, 1])
+def test_the_error_of_a_piece_is_below_twenty_times_the_product_of_two_pairs(
+    kernel_test_library, damping
+):
+    """D' = z D by the method's tables: p the last two coefficients, q = p^2 over those before."""
+    tables = Library(kernel_test_library).tables()
+    a, to_chebyshev = tables["integral"][:7, :7], tables["chebyshev"]
+    for size in np.linspace(0.8, 4, 33):  # below, rounding is larger
+        z = size * (1j * np.sqrt(1 - damping**2) - damping)
+        increments = np.linalg.solve(np.eye(7) - z * a, z * a @ np.ones(7))
+        error = 1 + increments[-1] - np.exp(z)
+        for turn in np.exp(1j * np.linspace(0, np.pi, 13)):
+            c = to_chebyshev @ np.append(turn * increments, 0).real
+            p, before = np.hypot(c[6], c[7]), np.hypot(c[4], c[5])
+            assert abs((turn * error).real) < 20 * p * p * min(1, p / before)
 
 
 def product(frequency, ratio, damping, start=0.0):

@@ -1,4 +1,4 @@
-"""Single periodic orbits: Newton's iteration, driven and autonomous, and what is said where there is none."""
+"""Single periodic orbits, driven and autonomous, and what is said where there is none."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def swept(system: System, y, parameter: float, turns: int, periods: int = 1):
 
 
 def test_an_orbit_that_is_known_is_found_with_its_multipliers(c):
-    """z' = (l + iw - |z|^2) z around the centre a cos Wt: the centre itself, with exp((l +- iw) T)."""
+    """z' = (l + iw - |z|^2) z around a cos Wt: the centre itself, with exp((l +- iw) T)."""
     frequency, rate, turning, amplitude = 1.3, -0.1, 0.77, 0.7
     system = System(c, "moving_focus", [frequency, rate, turning, amplitude])
     orbit = system.find([0.8, 0.1])
@@ -38,7 +38,7 @@ def test_an_orbit_that_is_known_is_found_with_its_multipliers(c):
 def test_an_orbit_is_where_a_long_run_ends(c, name, parameters, start):
     system = System(c, name, parameters)
     end = swept(system, start, parameters[0], 600)
-    orbit = system.find(np.array(end) + [0.003, -0.002])
+    orbit = system.find(end + np.array([0.003, -0.002]))
     assert orbit.iterations > 0
     assert max(abs(orbit.multipliers)) < 0.96  # 600 periods are enough: 0.96**600 = 2e-11
     assert orbit.y == pytest.approx(end, abs=3e-9)  # residual 1e-10 over 1 - 0.96
@@ -90,7 +90,9 @@ def test_in_a_gap_without_a_spring_orbits_are_not_isolated(c):
 def test_where_there_is_no_orbit_it_is_said_how_far_the_iteration_came(c):
     """z' = l - z^2 has no orbit for l < 0."""
     system = System(c, "moving_fold", [1.3, -0.003, 0.5], 1)
-    said = "no orbit of 1 periods was found at -0.003: after a period the state still differs by 0.01"
+    said = (
+        "no orbit of 1 periods was found at -0.003: after a period the state still differs by 0.01"
+    )
     with pytest.raises(OrbitError, match=said):
         system.find([0.5])
     end = np.pi / 2 / np.sqrt(0.3)  # z = -sqrt(0.3) tan(sqrt(0.3) t)
