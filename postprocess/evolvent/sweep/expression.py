@@ -66,19 +66,20 @@ def evaluate(text: str, columns: Mapping[str, np.ndarray], length: int) -> np.nd
     """
     if len(text) > MAX_LENGTH:
         raise SweepError(f"is longer than {MAX_LENGTH} characters")
+    shown = " ".join(text.split())  # messages are one line
     try:
         tree = ast.parse(text.strip(), mode="eval")
         with np.errstate(all="ignore"):
             result = _Evaluation(columns).of(tree.body)
     except SyntaxError as error:
-        raise SweepError(f"'{text}' is no formula ({error.msg})") from error
+        raise SweepError(f"'{shown}' is no formula ({error.msg})") from error
     except (RecursionError, MemoryError, OverflowError, ValueError) as error:
-        raise SweepError(f"'{text[:40]}' is no formula that can be worked off") from error
+        raise SweepError(f"'{shown[:40]}' is no formula that can be worked off") from error
     values = np.array(np.broadcast_to(np.asarray(result, dtype=float), (length,)))
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise SweepError(
-            f"'{text}' is {values[bad[0]]} for case {bad[0]} ({bad.size} of {length} cases "
+            f"'{shown}' is {values[bad[0]]} for case {bad[0]} ({bad.size} of {length} cases "
             "are not finite)"
         )
     return values

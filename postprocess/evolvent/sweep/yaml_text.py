@@ -14,6 +14,7 @@ import yaml
 from evolvent.errors import SweepError
 
 MOST_DIGITS = 300
+MOST_BYTES = 200_000  # of a plan: PyYAML takes two seconds for them
 WIDEST = 2**31  # columns: one line, however long
 BREAKS = re.compile("[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line
 RESOLVED = (
@@ -79,16 +80,39 @@ _Loader.add_constructor("tag:yaml.org,2002:int", _whole)
 _Dumper.add_representer(str, _one_line)
 
 
+def _is_larger(value: Any, most: int) -> bool:
+    """Whether there are more values in a value, with all that aliases repeat."""
+    rest, n = [value], 0
+    while rest and n <= most:
+        one = rest.pop()
+        n += 1
+        if isinstance(one, list):
+            rest += one
+        elif isinstance(one, dict):
+            rest += one.values()
+    return n > most
+
+
 def read_yaml(text: str, source: str) -> Any:
     """Read one document.
 
     Raises
     ------
     SweepError
-        No YAML; the message begins with `source`, line and column.
+        Too large, or no YAML; the message begins with `source`, line and column.
     """
+    if len(text) > MOST_BYTES:
+        raise SweepError(
+            f"{source}: has more than {MOST_BYTES} characters; put the values of its cases into a "
+            "file (method: table)"
+        )
     try:
-        return yaml.load(text, Loader=_Loader)
+        value = yaml.load(text, Loader=_Loader)
+        if _is_larger(value, MOST_BYTES):
+            raise SweepError(
+                f"{source}: its aliases, each written out, hold more than {MOST_BYTES} values"
+            )
+        return value
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
