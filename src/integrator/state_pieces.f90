@@ -94,6 +94,7 @@ contains
       allocate (chain(count(.not. is_hub)))
       seen = is_hub
       begin = 1
+      last = 0
       do i = 1, n
          if (seen(i)) cycle
          visited = seen

@@ -137,6 +137,35 @@ def test_a_word_that_begins_a_name_with_a_blank_is_one_word(complete: Complete) 
     assert complete("run", "a") == ["a b.yaml"]
 
 
+def test_names_of_a_case_are_quoted_and_nothing_in_them_is_run(
+    complete: Complete, examples: Path, tmp_path: Path
+) -> None:
+    odd = "p$(touch${IFS}PWNED)`touch${IFS}PWNED`';&|-%s\\"
+    case = (
+        (examples / "paper.yaml")
+        .read_text()
+        .replace("pinion", f"'{odd.replace(chr(39), 2 * chr(39))}'")
+    )
+    case = case.replace(
+        f"name: '{odd.replace(chr(39), 2 * chr(39))}'-gear", "name: -$(touch${IFS}PWNED)"
+    )
+    folder = tmp_path / "work"
+    for name in ("odd.yaml", "$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml"):
+        (folder / name).write_text(case)
+    offered = complete("run", "odd.yaml", "--set", "wheels.p")
+    assert len(offered) > 3
+    for word in offered:
+        told = ["bash", "-c", f"printf %s {word}"]
+        said = subprocess.run(told, cwd=folder, capture_output=True, text=True, check=True)
+        assert said.stdout.startswith(f"wheels.{odd}.")
+    assert complete("run", "odd.yaml", "--set", offered[0][:-3])
+    assert complete("static", "odd.yaml", "--mesh", "") == ["-\\$\\(touch\\$\\{IFS\\}PWNED\\)"]
+    for name in ("$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml"):
+        complete("run", name, "--set", "wheels.p")
+    assert set(complete("run", "")) >= {"$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml"}
+    assert not (folder / "PWNED").exists()
+
+
 def test_an_unknown_shell_is_named(executable: Path) -> None:
     command = [executable, "completion", "bsh"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
