@@ -126,6 +126,10 @@ typedef struct dae {
     int (*apply_event)(const void *self, dae_state *state, const int *fired, bool time_event, dae_event *events,
                        int *n_events, char message[DAE_MESSAGE_LENGTH]);
 
+    /** Say of an event that it happens without end, and how that shows; NULL: nothing to say.
+     *  @return false: nothing to say of this kind */
+    bool (*endless)(const void *self, const dae_event *what, const char *how, char message[DAE_MESSAGE_LENGTH]);
+
     /** channels that an observer may watch between outputs: [n_watched] */
     int (*watched)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
     /** Roots and watched at once, which costs little more than the roots: a channel that is at most DAE_NEAR of its largest so far

@@ -14,7 +14,7 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .counts = counts,
                        .reason = reason,
                        .t_start = state->t,
-                       .t_event = -DBL_MAX,
+                       .pace = pace_create(),
                        .t_unwatched = state->t,
                        .t_missed = -DBL_MAX,
                        .cpu_start = integration_cpu_now(),

@@ -16,7 +16,14 @@
 static const double matrix_staleness = 0.01;
 static const double first_step = 1e-8;        /* [s] from touching flanks, where the force's stiffness starts from 0 */
 static const double restart_step = 1e-7;      /* [s] after an event */
+static const double shortest_run = 1e-3;      /* [s] in shorter ones both are shorter */
 static const long steps_between_looks = 1000; /* after which the observer hears of it, however far the next output is */
+
+/* A first step in a run as short as this one. */
+static double step_of(const integration *run, double step)
+{
+    return step * fmin(1, run->options->t_end / shortest_run);
+}
 
 static bool set_up(ida_session *s, double step)
 {
@@ -46,8 +53,12 @@ static integrate_code explain(ida_session *s, int flag)
 {
     if (s->t_refused < s->run->state->t) {
         char *name = IDAGetReturnFlagName(flag);
-        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator cannot go on (%s)",
-                       name ? name : "unknown reason");
+        double step = 0;
+        (void)IDAGetCurrentStep(s->ida, &step);
+        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH,
+                       "the integrator cannot go on (%s): its step fell to %.3g s, and the errors did not; "
+                       "a larger tolerance than %g may do, or integrator radau",
+                       name ? name : "unknown reason", step, s->run->options->tolerance);
         free(name);
     }
     return INTEGRATE_FAILED;
@@ -130,7 +141,7 @@ static int solve(ida_session *s, double t_stop)
     integration *run = s->run;
     int flag = IDASetStopTime(s->ida, t_stop);
     if (flag == IDA_SUCCESS) {
-        flag = IDASetMinStep(s->ida, integration_smallest_step(fmax(run->state->t, first_step)));
+        flag = IDASetMinStep(s->ida, integration_smallest_step(fmax(run->state->t, step_of(run, first_step))));
     }
     if (flag == IDA_SUCCESS) {
         const bool one_step = output_grid_goes_by_position(&run->grid);
@@ -156,7 +167,7 @@ static integrate_code handle_event(ida_session *s, bool time_event)
     if (m->n_roots > 0 && IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS) {
         return explain(s, IDA_ILL_INPUT);
     }
-    return start_anew(s, restart_step);
+    return start_anew(s, step_of(s->run, restart_step));
 }
 
 /* On to the next grid point (by position: step), event or end, whichever comes first; IDA steps freely and interpolates. */
@@ -227,7 +238,7 @@ static integrate_code settle(void *self)
     ida_watch_to(s, run->state->t, s->y);
     ida_session_count(s);
     ida_session_close(s);
-    return open_session(s, run, restart_step);
+    return open_session(s, run, step_of(run, restart_step));
 }
 
 integrate_code integrate_by_ida(integration *run)
@@ -237,7 +248,7 @@ integrate_code integrate_by_ida(integration *run)
     const bool resumes = run->observer->resume != NULL;
     integrate_code code = INTEGRATE_FAILED;
     if (!resumes || integration_keep(run, run->observer->resume)) {
-        code = open_session(&s, run, resumes ? restart_step : first_step);
+        code = open_session(&s, run, step_of(run, resumes ? restart_step : first_step));
     }
     if (code == INTEGRATE_DONE) {
         code = integration_to_the_end(run, &ways, &s);

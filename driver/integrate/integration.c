@@ -9,7 +9,6 @@
 
 /* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
 static const double smallest_step = 64 * DBL_EPSILON;
-static const int most_events_at_once = 1000; /* events without progress in time before giving up */
 static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
 
 dae_state dae_state_create(const dae *dae, memory_pool *pool)
@@ -56,6 +55,29 @@ dae_state integration_borrowed(const integration *run)
     return state;
 }
 
+static double grain_of(const integration *run)
+{
+    return pace_grain(run->state->t, run->options->t_end);
+}
+
+/* What happens again and again, if the model has words for it. */
+static bool tell_endless(integration *run, const char *how)
+{
+    const dae *m = run->model;
+    return m->endless != NULL && run->pace.n_recent > 0 && m->endless(m->self, &run->pace.last, how, run->reason);
+}
+
+/* Events without progress. */
+static integrate_code tell_events(integration *run)
+{
+    char how[64];
+    (void)snprintf(how, sizeof how, "%d events within %.3g s", run->pace.events - 1, run->state->t - run->pace.t_began);
+    if (!tell_endless(run, how)) {
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "%s: the model chatters", how);
+    }
+    return INTEGRATE_FAILED;
+}
+
 integrate_code integration_give_output(integration *run, const dae_state *state, const output_due *due, bool *missed)
 {
     const integrate_observer *observer = run->observer;
@@ -78,7 +100,16 @@ integrate_code integration_give_output(integration *run, const dae_state *state,
     }
     run->times_missed = state->t > run->t_missed ? 1 : run->times_missed + 1;
     run->t_missed = fmax(state->t, run->t_missed);
-    return run->times_missed <= most_times_missed ? INTEGRATE_DONE : INTEGRATE_FAILED;
+    if (run->times_missed <= most_times_missed) {
+        return INTEGRATE_DONE;
+    }
+    double within = 0;
+    if (pace_gathers(&run->pace, &within)) {
+        char how[64];
+        (void)snprintf(how, sizeof how, "the last %d of them within %.3g s, ever sooner", PACE_RECENT, within);
+        (void)tell_endless(run, how);
+    }
+    return INTEGRATE_FAILED;
 }
 
 double integration_smallest_step(double t)
@@ -110,12 +141,8 @@ integrate_code integration_apply_event(integration *run, bool time_event)
 {
     const dae *m = run->model;
     int n_events = 0;
-    run->events_at_once = run->state->t > run->t_event ? 1 : run->events_at_once + 1;
-    run->t_event = run->state->t;
-    if (run->events_at_once > most_events_at_once) {
-        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "%d events at one time: the model chatters",
-                       most_events_at_once);
-        return INTEGRATE_FAILED;
+    if (!pace_event(&run->pace, run->state->t, grain_of(run))) {
+        return tell_events(run);
     }
     if (run->observer->change != NULL && run->observer->change(run->observer->self) != 0) {
         return INTEGRATE_STOPPED;
@@ -124,6 +151,9 @@ integrate_code integration_apply_event(integration *run, bool time_event)
     if (m->apply_event(m->self, run->state, run->fired, time_event, run->events, &n_events, run->reason) != DAE_OK) {
         dae_state_copy(m, run->state, &run->old);
         return INTEGRATE_FAILED;
+    }
+    if (n_events > 0) {
+        pace_note(&run->pace, run->state->t, &run->events[0]);
     }
     for (int i = 0; i < n_events; i++) {
         const event_record record = {run->state->t, run->events[i], m->n, &run->old, run->state};
@@ -153,9 +183,8 @@ bool integration_keep(integration *run, archive *archive)
     run->cpu_start = integration_cpu_now() - run->counts->cpu_seconds;
     KEEP(archive, run->t_start);
     output_grid_keep(&run->grid, archive);
-    KEEP(archive, run->t_event);
+    pace_keep(&run->pace, archive);
     KEEP(archive, run->t_unwatched);
-    KEEP(archive, run->events_at_once);
     KEEP(archive, run->t_missed);
     KEEP(archive, run->times_missed);
     KEEP(archive, run->t_rest);
@@ -206,6 +235,12 @@ integrate_code integration_to_the_end(integration *run, const integration_ways *
         while (code == INTEGRATE_DONE && run->state->t < run->options->t_end) {
             code = rest(run, ways, self);
             code = code == INTEGRATE_DONE ? ways->advance(self) : code;
+            if (code == INTEGRATE_DONE && !pace_step(&run->pace, run->state->t, grain_of(run))) {
+                (void)snprintf(run->reason, DAE_MESSAGE_LENGTH,
+                               "the integrator does not get on: %d steps within %.3g s", run->pace.steps - 1,
+                               run->state->t - run->pace.t_began);
+                code = INTEGRATE_FAILED;
+            }
         }
         if (code == INTEGRATE_DONE) {
             code = integration_give_output(run, run->state, NULL, &missed);

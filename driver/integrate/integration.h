@@ -3,6 +3,7 @@
 #pragma once
 
 #include "integrate/output_grid.h"
+#include "integrate/pace.h"
 
 typedef struct {
     memory_pool pool; /**< of the arrays */
@@ -19,11 +20,10 @@ typedef struct {
     dae_state old;     /**< state before an event */
     double t_start;
     output_grid grid;
-    double t_event; /**< of the last event */
+    pace pace; /**< of what happens */
     double
         t_unwatched; /**< where the step began that the observer has not watched yet; the present time if there is none */
     double *lanes;   /**< [n * DAE_LANES] as of dae_stepper.interpolate_lanes */
-    int events_at_once; /**< there */
     double
         t_missed; /**< of the output at which an event was found to be missed; the steps are made anew until past it */
     int times_missed; /**< how often, without coming past it */

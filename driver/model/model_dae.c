@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
@@ -106,6 +107,24 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
     return model_answer(model, code, &status, message);
 }
 
+static bool endless(const void *self, const dae_event *what, const char *how, char message[DAE_MESSAGE_LENGTH])
+{
+    const model *model = self;
+    if (what->subject < 0) {
+        return false;
+    }
+    const char *mesh = model->about.names.meshes.names[what->subject], *kind = model_tables()->event_kinds[what->kind];
+    if (strcmp(kind, "impact") == 0) {
+        (void)snprintf(message, DAE_MESSAGE_LENGTH,
+                       "mesh '%s': impacts without end, %s; a larger rest_velocity or a smaller restitution ends them",
+                       mesh, how);
+    } else {
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "mesh '%s': %s without end, %s: the model chatters", mesh, kind,
+                       how);
+    }
+    return true;
+}
+
 int model_position_of(const model *model, int wheel, int mesh)
 {
     return mesh < 0 ? wheel : model->sizes.n_wheels + mesh;
@@ -148,6 +167,7 @@ void model_describe_dae(model *model)
         .root_directions = root_directions,
         .next_time_event = next_time_event,
         .apply_event = apply_event,
+        .endless = endless,
         .watched = watched,
         .roots_and_watched = roots_and_watched,
         .position = position,

@@ -98,9 +98,10 @@ contains
          associate (contact => gearbox%contacts(m))
             pair = contact%slot
             call put_pair(contact, pair, flanks_open, integers)
-            if (contact%handover .and. .not. abs(y(i_theta)) > 0) cycle
             call closed_form_point(gearbox, m, y, integers(i_turns), pair, at)
             call ends_of_path(gearbox%flanks(contact%i_flank)%flank, contact, at%point, near, far)
+            ! a pair that hands over keeps its load for a pitch, forward and back, unless a gap has taken it farther
+            if (contact%handover .and. .not. abs(y(i_theta)) > 0 .and. near > -1 .and. far >= -at_the_end) cycle
             pair = pair_on_path(contact, pair, near + at_the_end)
             call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover) cycle

@@ -12,7 +12,7 @@ module evl_settle_modes
    use evl_kinds, only: wp
    use evl_root_kinds, only: n_root_kinds, past, root_of, root_rows, settles_alone, settles_contact, settles_sliding
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_state, flanks_open, tooth_contact_t, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, flanks_open, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -51,7 +51,7 @@ contains
             if (quiet(m)) cycle
             call settle_contact(gearbox, m, crossed(:, m), now, known, at, nothing, status)
             if (has_failed(status)) return
-            quiet(m) = nothing .and. stands_alone(gearbox%contacts(m))
+            quiet(m) = nothing .and. stands_alone(gearbox, m)
             if (nothing) cycle
             settled = .false.
             restless = m
@@ -81,7 +81,7 @@ contains
       if (any(crossed)) then
          call contact_event(gearbox, m, crossed, now, known, at, status)
       else
-         quiet = stands_alone(gearbox%contacts(m))
+         quiet = stands_alone(gearbox, m)
       end if
    end subroutine cross
 
@@ -114,11 +114,16 @@ contains
       call contact_event(gearbox, m, jumped, now, known, at, status)
    end subroutine settle_contact
 
-   !> Whether what happens to other contacts changes nothing for this one: rigid ones share a force, tracked ones their points.
-   pure logical function stands_alone(contact)
-      type(tooth_contact_t), intent(in) :: contact
+   !> Whether what happens to other contacts changes nothing for this one: rigid ones share a force, tracked ones their points;
+   !> where pairs bend each other and have no edges, one that enters under load lifts others off at once.
+   pure logical function stands_alone(gearbox, m)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m
 
-      stands_alone = .not. contact%rigid .and. contact%tracking == tracking_closed_form
+      associate (contact => gearbox%contacts(m))
+         stands_alone = .not. contact%rigid .and. contact%tracking == tracking_closed_form &
+                        .and. (contact%has_edges .or. .not. gearbox%flanks(contact%i_flank)%flank%couples)
+      end associate
    end function stands_alone
 
    !> Which root functions of one tooth contact are past zero at a state, as far as they decide by themselves.

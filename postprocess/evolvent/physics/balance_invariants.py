@@ -9,6 +9,7 @@ from evolvent.physics.applicable import NotApplicableError
 from evolvent.physics.invariant import Deviation, invariant, of_some
 from evolvent.physics.wheel_torques import contact_torque, largest_shaft_torque, shaft_torque
 
+DIGITS = 1e-9  # of a torque: with the bound of 1e-6 some digits more than a sum of two has
 ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_work")
 
 
@@ -53,12 +54,16 @@ def torque_balance(run: Recording) -> Deviation:
     """J omega' - load - contact - shaft torques over the wheel's largest contact or shaft torque.
 
     Dims (time, wheel). With friction, on approach and recess alike; a wheel that nothing turns but
-    its loads is left out. A housing that turns adds its acceleration about the axles.
+    its loads is left out. A housing that turns adds its acceleration about the axles. A wheel's
+    acceleration is the reference wheel's and its own deviation from it, so the largest of any wheel
+    is rounded in it.
     """
     of_contacts = largest(run, lambda part: abs(contact_torque(part)))
     of_shafts = largest_shaft_torque(run)
     scale = np.where(of_contacts > of_shafts, of_contacts, of_shafts)
     touched = scale > 0.0
+    fastest = largest(run, lambda part: abs(part["angular_acceleration"])).max()
+    scale = np.maximum(scale, DIGITS * run["inertia"] * fastest)
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
 

@@ -1,0 +1,113 @@
+/* Whether a run gets on. */
+#include "integrate/pace.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static const dae_event impact = {.kind = 3, .subject = 0, .side = 0, .count = 0};
+
+/* A ball that bounces with this restitution, from t = 1: how often until its bounces count as stuck; 0: never. */
+static int bounces_until_stuck(double restitution, int most)
+{
+    pace seen = pace_create();
+    double t = 1, flight = 0.1;
+    for (int i = 1; i <= most; i++) {
+        if (!pace_event(&seen, t, pace_grain(t, 2))) {
+            return i;
+        }
+        t += flight;
+        flight *= restitution;
+    }
+    return 0;
+}
+
+static void test_bounces_that_come_to_a_stop_in_time_are_seen(void **unused)
+{
+    (void)unused;
+    /* flights of 0.1 e^i add up to less than the grain, 2e-10, from i = ln(2e-9 (1 - e)) / ln e on; 1000 more are the most, and rounding */
+    const double restitutions[] = {0.0, 0.5, 0.9, 0.99};
+    for (int i = 0; i < 4; i++) {
+        const double e = restitutions[i];
+        const double free = e > 0 ? log(2e-9 * (1 - e)) / log(e) : 0;
+        const int bounces = bounces_until_stuck(e, 100000);
+        assert_in_range(bounces, 1000, 1004 + (int)free);
+    }
+}
+
+static void test_bounces_that_go_on_are_no_standstill(void **unused)
+{
+    (void)unused;
+    assert_int_equal(bounces_until_stuck(1.0, 100000), 0);
+}
+
+static void test_steps_without_progress_are_seen(void **unused)
+{
+    (void)unused;
+    pace seen = pace_create();
+    const double grain = pace_grain(1.0, 1.0);
+    int n = 0;
+    while (pace_step(&seen, 1.0, grain)) {
+        n++;
+    }
+    assert_int_equal(n, 100000);
+    assert_true(pace_step(&seen, 1.0 + 2 * grain, grain));
+}
+
+static pace heard(int n, double restitution)
+{
+    pace seen = pace_create();
+    double t = 0, flight = 1;
+    for (int i = 0; i < n; i++) {
+        pace_note(&seen, t, &impact);
+        t += flight;
+        flight *= restitution;
+    }
+    return seen;
+}
+
+static void test_events_that_come_ever_sooner_gather(void **unused)
+{
+    (void)unused;
+    double within = 0;
+    pace seen = heard(20, 0.5);
+    assert_true(pace_gathers(&seen, &within));
+    /* of the 20 the last 9, 8 flights from 0.5^11 on */
+    assert_true(fabs(within - (pow(0.5, 10) - pow(0.5, 18))) <= 1e-12);
+    seen = heard(20, 1.0);
+    assert_false(pace_gathers(&seen, &within));
+    seen = heard(20, 1.1);
+    assert_false(pace_gathers(&seen, &within));
+    seen = heard(PACE_RECENT - 1, 0.5);
+    assert_false(pace_gathers(&seen, &within));
+}
+
+static void test_other_events_begin_a_series_anew(void **unused)
+{
+    (void)unused;
+    double within = 0;
+    pace seen = heard(PACE_RECENT, 0.5);
+    const dae_event others[] = {{.kind = 4, .subject = 0}, {.kind = 3, .subject = 1}};
+    for (int i = 0; i < 2; i++) {
+        pace now = seen;
+        pace_note(&now, 3, &others[i]);
+        assert_int_equal(now.n_recent, 1);
+        assert_false(pace_gathers(&now, &within));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bounces_that_come_to_a_stop_in_time_are_seen),
+        cmocka_unit_test(test_bounces_that_go_on_are_no_standstill),
+        cmocka_unit_test(test_steps_without_progress_are_seen),
+        cmocka_unit_test(test_events_that_come_ever_sooner_gather),
+        cmocka_unit_test(test_other_events_begin_a_series_anew),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
