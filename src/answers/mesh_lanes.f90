@@ -1,5 +1,6 @@
 !> What the tooth contacts of a mesh add up to in eight states at once, as evl_mesh_outputs has it in one.
 module evl_mesh_lanes
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_closed_form, only: error_of_turns
    use evl_contact_lanes, only: contact_in_lanes, gap_in_lanes, lane_contact
    use evl_contact_point, only: tracked_pair
@@ -20,7 +21,7 @@ module evl_mesh_lanes
       real(wp), dimension(lanes) :: normal, coast, friction, torque_a, torque_b, loss, damping_loss, curvature_loss
       real(wp), dimension(lanes) :: touching        !! 1 or 0
       integer :: loaded
-      real(wp), dimension(lanes) :: h, h_coast      !! largest penetrations; -huge: no pair is on the path [m]
+      real(wp), dimension(lanes) :: h, h_coast      !! largest penetrations; -huge: no pair is on the path; NaN: no such flank [m]
       real(wp), dimension(lanes) :: deviation       !! of the flanks of the first [m]
       real(wp), dimension(lanes) :: lag, curvature  !! as in `tell_mesh`
       integer :: leader                             !! the contact that speaks for the mesh
@@ -66,7 +67,11 @@ contains
       if (.not. has_places) return
       mesh%curvature = gap + mesh%lag
       call lead(gearbox%contacts(mesh%leader), slots(mesh%leader), aside(mesh%leader), gap, mesh)
-      if (mesh%h_coast(1) > -huge(1.0_wp) .or. gearbox%contacts(last)%flank /= flank_coast) return
+      if (mesh%h_coast(1) > -huge(1.0_wp)) return
+      if (gearbox%contacts(last)%flank /= flank_coast) then
+         mesh%h_coast = ieee_value(mesh%h_coast, ieee_quiet_nan)
+         return
+      end if
       call line_in_lanes(gearbox%contacts(last), y, line_coast) ! no pair of the other flank is on the path
       call gap_in_lanes(gearbox%contacts(last), line_coast, gap_coast)
       mesh%h_coast = -gap_coast

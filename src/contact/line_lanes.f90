@@ -112,10 +112,11 @@ contains
          return
       end if
       associate (s => link%i_state(1), along_t => link%along_t(1), along_e => link%along_e(1))
-         u_t = along_t*y(:, s)
-         u_e = along_e*y(:, s)
-         v_t = along_t*y(:, s + 1)
-         v_e = along_e*y(:, s + 1)
+         ! a sum that begins with 0, as in one state: at standstill it is not -0
+         u_t = 0 + along_t*y(:, s)
+         u_e = 0 + along_e*y(:, s)
+         v_t = 0 + along_t*y(:, s + 1)
+         v_e = 0 + along_e*y(:, s + 1)
       end associate
       if (link%n == 1) return
       associate (s => link%i_state(2), along_t => link%along_t(2), along_e => link%along_e(2))

@@ -29,11 +29,11 @@ static int bounces_until_stuck(double restitution, int most)
 static void test_bounces_that_come_to_a_stop_in_time_are_seen(void **unused)
 {
     (void)unused;
-    /* flights of 0.1 e^i add up to less than the grain, 2e-10, from i = ln(2e-9 (1 - e)) / ln e on; 1000 more are the most, and rounding */
+    /* flights of 0.1 e^i are rounding of the time, 1e-16, from i = ln(1e-15) / ln e on; 1000 more are the most */
     const double restitutions[] = {0.0, 0.5, 0.9, 0.99};
     for (int i = 0; i < 4; i++) {
         const double e = restitutions[i];
-        const double free = e > 0 ? log(2e-9 * (1 - e)) / log(e) : 0;
+        const double free = e > 0 ? log(1e-15) / log(e) : 0;
         const int bounces = bounces_until_stuck(e, 100000);
         assert_in_range(bounces, 1000, 1004 + (int)free);
     }

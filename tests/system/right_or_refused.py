@@ -52,6 +52,7 @@ REFUSALS = (
     *("runs into the root circle", "leaves the line of action", "only tip edges hold the wheels"),
     *("no centre distance gives this backlash", "does not start on the active profile"),
     *("no tooth pair is on its path of contact", "touches the fillet of the"),
+    "there is no steady state",
 )
 # What ends a run: a state that the model does not know.
 ENDS = (

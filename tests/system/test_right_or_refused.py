@@ -1,0 +1,47 @@
+"""Wide gearboxes run right or are refused: 200 of them always, 10,000 with --long."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from system.right_or_refused import Judge
+from system.scaled_cases import UNITS, keys
+from system.wide_gearboxes import KINDS, kind_of
+
+SHORT, LONG, TOGETHER = 200, 10_000, 20  # seeds, and how many are judged in a test
+# What is open: docs/random_sets.md says why.
+OPEN = {0: "slow", 59: "slow"}
+
+
+@pytest.mark.parametrize("first", range(0, SHORT, TOGETHER))
+def test_wide_gearboxes_run_right_or_are_refused(executable: Path, tmp_path: Path, first: int):
+    judge_all(executable, tmp_path, first)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("first", range(SHORT, LONG, TOGETHER))
+def test_more_wide_gearboxes_run_right_or_are_refused(
+    executable: Path, tmp_path: Path, first: int
+) -> None:
+    judge_all(executable, tmp_path, first)
+
+
+def judge_all(program: Path, folder: Path, first: int) -> None:
+    """Judge the seeds of a test."""
+    judge = Judge(program, folder)
+    judged = [judge(seed) for seed in range(first, first + TOGETHER) if seed not in OPEN]
+    assert [str(one) for one in judged if not one.is_sound] == []
+    ran = [one for one in judged if one.outcome in ("agree", "alone", "says so", "converges")]
+    assert len(ran) >= TOGETHER // 2, "a set that is refused shows nothing"
+
+
+def test_all_kinds_are_among_the_short_ones() -> None:
+    assert {kind_of(seed) for seed in range(TOGETHER)} == set(KINDS)
+
+
+def test_the_units_of_all_keys_are_known(executable: Path) -> None:
+    """A case in other units is the same only if every key with a unit is scaled."""
+    rows = [row for block in keys(executable).values() for of in block.values() for row in of]
+    assert {row.unit for row in rows} <= {*UNITS, "N/m^exponent"}
