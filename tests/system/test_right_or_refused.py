@@ -10,7 +10,7 @@ from system.right_or_refused import Judge
 from system.scaled_cases import UNITS, keys
 from system.wide_gearboxes import KINDS, kind_of
 
-SHORT, LONG, TOGETHER = 200, 10_000, 20  # seeds, and how many are judged in a test
+SHORT, LONG, TOGETHER = 200, 10_000, 10  # seeds, and how many are judged in a test
 # What is open: docs/random_sets.md says why.
 OPEN = {0: "slow", 59: "slow"}
 
