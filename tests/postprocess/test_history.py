@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import shutil
 from pathlib import Path
 
 import h5py
@@ -168,3 +169,17 @@ def test_a_history_without_events_is_refused_by_open_events(smooth_run, tmp_path
     path = write_history(tmp_path / "a.h5", smooth_run.history, None)
     with pytest.raises(HistoryError, match="no readable group `events`"):
         open_events(path)
+
+
+def test_events_that_are_closed_let_go_of_their_file(friction_run, tmp_path):
+    path = tmp_path / "own.h5"
+    shutil.copyfile(friction_run.path, path)
+    with open_events(path) as events:
+        assert path in open_files()
+        assert events.sizes["event"] > 0
+    assert path not in open_files()
+
+
+def open_files() -> set[Path]:
+    """What this process has open."""
+    return {link.resolve() for link in Path("/proc/self/fd").iterdir()}
