@@ -139,7 +139,7 @@ contains
       integer, intent(in) :: from, begin !! first state, and its place in the chain
       logical, intent(inout) :: seen(n)
       integer, intent(inout) :: chain(:)
-      integer, intent(out) :: last       !! place of the last one
+      integer, intent(inout) :: last     !! place of the last one; out: GCC 12 would warn where it inlines
       integer :: at, p
 
       chain(begin) = from
