@@ -51,8 +51,9 @@ static double value_at(long row, int i)
     return i == N_SERIES ? 20 : i % 3 == 0 ? (double)(row % 1000) : (double)row + 0.01 * i;
 }
 
-/** Writes until it is killed, with a flush each 2 ms, with a pause now and then if it is slow; exits if it cannot. */
-static void write_for_ever(long max_rows, bool is_slow)
+/** Writes until it is killed, with a flush each 2 ms, with a pause now and then if it is slow; exits if it cannot.
+ *  @param told  gets a byte once there are rows enough for the next flush to leave some */
+static void write_for_ever(long max_rows, bool is_slow, int told)
 {
     static const char *const wheels[] = {"pinion", "gear"}, *const meshes[] = {"pinion-gear"}, *const kinds[] = {"a"};
     static const model_names names = {.wheels = {2, wheels}, .meshes = {1, meshes}};
@@ -97,6 +98,7 @@ static void write_for_ever(long max_rows, bool is_slow)
         const history_event event = {.t = state, .before = &state, .after = &state};
         good = history_append(history, (double)row, values, &error) &&
                (row % 10 != 0 || history_add_event(history, &event, &error));
+        good = good && (row != (is_slow ? 1 : MANY_ROWS) || write(told, "", 1) == 1);
     }
     _exit(1);
 }
@@ -165,8 +167,11 @@ static long check_left(void)
     return n;
 }
 
-static void sleep_until_kill(int i)
+/** A while from the start of the writer or, each other time, from when it has rows: busy machines start late. */
+static void wait_until_kill(int i, int told)
 {
+    char byte;
+    assert_true(i % 2 == 0 || read(told, &byte, 1) == 1);
     const long moment = 1 + 80L * ((i * 37) % N_KILLS) / N_KILLS; /* ms, in no order */
     const struct timespec time = {.tv_nsec = 1000000 * moment + 7919 * i};
     (void)nanosleep(&time, NULL);
@@ -178,12 +183,16 @@ static int kill_many(long max_rows, bool is_slow)
     int n_left = 0;
     (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
     for (int i = 0; i < N_KILLS; i++) {
+        int told[2];
+        assert_int_equal(pipe(told), 0);
         const pid_t child = fork();
         assert_true(child >= 0);
         if (child == 0) {
-            write_for_ever(max_rows, is_slow);
+            write_for_ever(max_rows, is_slow, told[1]);
         }
-        sleep_until_kill(i);
+        (void)close(told[1]); /* whoever waits for it comes to its end with the writer */
+        wait_until_kill(i, told[0]);
+        (void)close(told[0]);
         int result = 0;
         assert_int_equal(kill(child, SIGKILL), 0);
         assert_int_equal(waitpid(child, &result, 0), child);

@@ -60,8 +60,12 @@ def write_corpus(folder: Path, program: Path) -> None:
 def fuzz(build: Path, folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
     """Try inputs until the options say that it is enough, or one is found that does harm."""
     write_corpus(folder, build / "evolvent")
+    # The most memory that a process had counts on when it becomes another, and pytest grows: a
+    # shell's child begins anew.
+    begin_anew = ["/bin/sh", "-c", '"$@"; exit $?', "sh"]
     return subprocess.run(
         [
+            *begin_anew,
             build / "tests/fuzz/fuzz_case",
             f"-max_len={LARGEST}",
             f"-timeout={TIMEOUT}",
