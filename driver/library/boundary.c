@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* uselocale, in some systems */
 #include "library/boundary.h"
 
 #include "base/memory.h"

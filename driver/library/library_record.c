@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-_Static_assert((int)EVOLVENT_MOST_DIMENSIONS == (int)NETCDF_MAX_RANK, "every variable has room");
+_Static_assert(EVOLVENT_MOST_DIMENSIONS - NETCDF_MAX_RANK == 0, "every variable has room");
 
 struct evolvent_record {
     history *history; /**< in whose pool the record is */
