@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -121,3 +123,24 @@ def test_a_result_outlives_its_record(examples: Path) -> None:
     again = package.run(examples / "paper.yaml", SHORT)["gap"].values
     assert gap.tobytes() == again.tobytes()
     assert len({one.tobytes() for one in others}) == 1
+
+
+def test_a_result_can_be_copied_sent_and_written(examples: Path, tmp_path: Path) -> None:
+    history = package.run(examples / "rattle.yaml", SHORT)
+    events = package.open_events(history)
+    assert events.sizes["event"] > 0
+    for other in (
+        pickle.loads(pickle.dumps(history)),
+        copy.deepcopy(history),
+        history.copy(deep=True),
+    ):
+        assert other.identical(history)
+        assert package.open_events(other).identical(events)
+    history.to_netcdf(tmp_path / "h.h5", engine="h5netcdf")
+    with package.open_history(tmp_path / "h.h5") as file:
+        assert_same(history, file)
+
+
+def test_a_dataset_without_events_says_so() -> None:
+    with pytest.raises(package.HistoryError, match="no events with it: give the path"):
+        package.open_events(xr.Dataset())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from ctypes import byref, c_char_p, c_int
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -82,8 +82,26 @@ def dataset(handle: int) -> xr.Dataset:
         record, [variable for variable in variables if not variable.is_of_events], attrs
     )
     if events:
-        result.encoding[EVENTS] = partial(_assembled, record, events, {})
+        result.encoding[EVENTS] = Events(partial(_assembled, record, events, {}))
     return result
+
+
+class Events:
+    """What makes the dataset of events; a copy, as another process gets it, has it made."""
+
+    def __init__(self, make: Callable[[], xr.Dataset]) -> None:
+        self._make = make
+
+    def __call__(self) -> xr.Dataset:
+        """The dataset."""
+        return self._make()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Events, (partial(_same, self._make()),)
+
+
+def _same(events: xr.Dataset) -> xr.Dataset:
+    return events
 
 
 def _assembled(
