@@ -21,7 +21,7 @@ contains
       complex(wp), allocatable, intent(out) :: multipliers(:) !! [m]
       type(status_t), intent(inout) :: status
       real(wp), allocatable :: a(:, :), re(:), im(:), scale(:), rconde(:), rcondv(:), work(:)
-      real(wp) :: no_vectors(1, 1), norm
+      real(wp) :: no_left(1, 1), no_right(1, 1), norm
       complex(wp) :: held
       integer, allocatable :: iwork(:)
       integer :: m, low, high, info, i, j
@@ -31,7 +31,7 @@ contains
       if (m == 0) return
       allocate (a, source=matrix)
       allocate (re(m), im(m), scale(m), rconde(m), rcondv(m), work(4*m), iwork(2*m))
-      call dgeevx("B", "N", "N", "N", m, a, m, re, im, no_vectors, 1, no_vectors, 1, low, high, scale, norm, rconde, rcondv, &
+      call dgeevx("B", "N", "N", "N", m, a, m, re, im, no_left, 1, no_right, 1, low, high, scale, norm, rconde, rcondv, &
                   work, size(work), iwork, info)
       if (info /= 0) then
          call fail(status, code_no_solution, "the multipliers of the orbit were not found")

@@ -8,7 +8,8 @@
 !>     |        tangent            |        | 0                  |
 !>
 !> The second row is the phase condition of an autonomous system: the change is orthogonal to the flow. The last one keeps the
-!> change orthogonal to the branch (pseudo-arclength). Where a row is not wanted, or a state need not repeat, the unknown stays as it is.
+!> change orthogonal to the branch (pseudo-arclength). Where a row is not wanted, or a state need not repeat, the unknown stays as
+!> it is.
 !> dP/dp is a difference of flows: a parameter may change all of a system.
 !>
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 7.1, 7.5; H. B. Keller, in: Applications of

@@ -11,9 +11,9 @@ module orbit_systems
 
    integer, parameter, public :: meissner = 1, duffing = 2, backlash = 3, ball = 4, remembering_stop = 5, van_der_pol = 6, &
                                  duffing_with_phase = 7, moving_focus = 8, moving_fold = 9, stop = 10, parting = 11, &
-                                 floating = 12
-   integer, parameter :: n_states(12) = [2, 2, 2, 3, 3, 2, 3, 2, 1, 2, 2, 3]
-   integer, parameter :: n_roots(12) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 2, 1]
+                                 floating = 12, alternating = 13
+   integer, parameter :: n_states(13) = [2, 2, 2, 3, 3, 2, 3, 2, 1, 2, 2, 3, 2]
+   integer, parameter :: n_roots(13) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 2, 1, 0]
 
    integer, parameter :: open = 0, loaded = 1, would_pull = 2
 
@@ -28,6 +28,7 @@ module orbit_systems
    !> floating    the same, and v0 is set nowhere
    !> van_der_pol m:                x'' = m (1 - x^2) x' - x
    !> moving_focus W, l, w, a:      z' = (l + iw - |z|^2) z around the moving centre a cos Wt
+   !> alternating the same, with a mode that changes in the middle of each period and matters to nothing
    !> moving_fold W, l, a:          z' = l - z^2 around it
    !> stop        W, z, c, d, k:    x'' = c cos Wt - 2 z x' - x - k max(x - d, 0)
    type, extends(orbit_model) :: orbit_system
@@ -139,7 +140,7 @@ contains
             if (m == 1) f(2) = f(2) - y(1)*(1 + p(5)*y(2)/y(3))
          case (van_der_pol)
             f(2) = p(1)*(1 - y(1)**2)*y(2) - y(1)
-         case (moving_focus)
+         case (moving_focus, alternating)
             z = [y(1) - p(4)*cos(p(1)*t), y(2)]
             f(1) = -p(4)*p(1)*sin(p(1)*t) + (p(2) - sum(z**2))*z(1) - p(3)*z(2)
             f(2) = (p(2) - sum(z**2))*z(2) + p(3)*z(1)
@@ -194,7 +195,7 @@ contains
             if (m == 1) j(2, :) = j(2, :) - [1 + p(5)*y(2)/y(3), y(1)*p(5)/y(3), -y(1)*p(5)*y(2)/y(3)**2]
          case (van_der_pol)
             j(2, :) = [-2*p(1)*y(1)*y(2) - 1, p(1)*(1 - y(1)**2)]
-         case (moving_focus)
+         case (moving_focus, alternating)
             z = [y(1) - p(4)*cos(p(1)*t), y(2)]
             j(1, :) = [p(2) - sum(z**2) - 2*z(1)**2, -p(3) - 2*z(1)*z(2)]
             j(2, :) = [p(3) - 2*z(1)*z(2), p(2) - sum(z**2) - 2*z(2)**2]
@@ -309,7 +310,7 @@ contains
       do i = 1, self%n
          by_state(i, i) = 1
       end do
-      if (time_event) self%modes(1) = 3 - self%modes(1)
+      if (time_event) self%modes(1) = merge(1, 3, self%kind == alternating) - self%modes(1)
       if (all(fired == 0)) return
       select case (self%kind)
       case (backlash)
@@ -345,6 +346,11 @@ contains
       real(wp) :: alone, pitches
 
       time = huge(time)
+      if (self%kind == alternating) then
+         associate (odd => self%modes(1))
+            time = (odd + 2*nint((t/self%period - odd)/2) + 0.5_wp)*self%period
+         end associate
+      end if
       if (self%kind /= meissner .and. self%kind /= parting) return
       alone = 2 - self%p(2)
       pitches = t/self%period

@@ -26,6 +26,7 @@ SYSTEMS = {
     "stop": (10, 2),
     "parting": (11, 2),
     "floating": (12, 3),
+    "alternating": (13, 2),
 }
 
 _double, _int, _bool = ctypes.c_double, ctypes.c_int, ctypes.c_bool

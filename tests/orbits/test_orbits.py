@@ -80,6 +80,16 @@ def test_an_orbit_of_two_periods_has_the_square_of_the_multipliers(c):
     assert np.sum(twice.multipliers) == pytest.approx(np.sum(once.multipliers**2), rel=1e-9)
 
 
+def test_modes_have_to_repeat_as_the_state_does(c):
+    """A mode that changes once a period makes an orbit of two, though no state shows it."""
+    system = System(c, "alternating", [1.3, -0.1, 0.77, 0.7])
+    with pytest.raises(OrbitError, match="the state repeats, but the modes do not"):
+        system.find([0.8, 0.1])
+    twice = system.find([0.8, 0.1], periods=2)
+    expected = np.exp((-0.1 + 0.77j) * 4 * np.pi / 1.3)
+    assert twice.multipliers == pytest.approx([expected, expected.conj()], abs=1e-11)
+
+
 def test_in_a_gap_without_a_spring_orbits_are_not_isolated(c):
     """Where nothing holds a mass with the mean force 0, every place is as good as the next."""
     system = System(c, "backlash", [2.0, 0.05, 0, 0.3])
