@@ -76,6 +76,7 @@ contains
       integer :: i, j, k, n, info
 
       n = model%n
+      error = huge(error)
       times = t + h*node
       call radau_interpolate_lanes(solver, times, states)
       matrix = 0
@@ -161,6 +162,8 @@ contains
 
       call model%rhs(t, y, before, status)
       first = 0
+      first_drift = 0
+      first_gradient = 0
       do i = 1, model%n_roots
          if (fired(i) == 0 .or. has_failed(status)) cycle
          call model%root_gradient(t, y, i, gradient, drift, status)
