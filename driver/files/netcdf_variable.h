@@ -4,7 +4,7 @@
 #include <limits.h>
 #include <stdbool.h>
 
-enum { NETCDF_MAX_RANK = 4, NETCDF_REASON_LENGTH = 200 };
+enum { NETCDF_MAX_RANK = 5, NETCDF_REASON_LENGTH = 200 };
 
 /** A named dimension; its coordinate variable has the same name. */
 typedef struct {

@@ -22,7 +22,7 @@ module evl_gearbox_initial
    implicit none (type, external)
    private
 
-   public :: initial_t, gearbox_start, gearbox_initial_speeds
+   public :: initial_t, gearbox_start, gearbox_initial_speeds, settle_start
    public :: initial_rest, initial_steady, initial_speeds
 
    integer, parameter :: initial_rest = 0   !! nothing moves
@@ -106,7 +106,7 @@ contains
       if (has_failed(status)) return
       call set_tracked(gearbox, y)
       call place_pairs(gearbox, y, integers)
-      call settle(gearbox, t, y, integers, reals, status)
+      call settle_start(gearbox, t, y, integers, reals, status)
       if (has_failed(status)) return
       if (initial%kind == initial_steady) reals = 0 ! it follows from no approach
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
@@ -237,7 +237,7 @@ contains
 
    !> Contact modes and friction branches that belong to positions and speeds. Flanks that just touch count as loaded unless
    !> they move apart, or would be accelerated apart.
-   subroutine settle(gearbox, t, y, integers, reals, status)
+   subroutine settle_start(gearbox, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
@@ -282,6 +282,6 @@ contains
             call gearbox_store_mode(gearbox, m, mode, integers, reals)
          end associate
       end do
-   end subroutine settle
+   end subroutine settle_start
 
 end module evl_gearbox_initial

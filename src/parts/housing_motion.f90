@@ -9,6 +9,7 @@ module evl_housing_motion
 
    public :: motion_term, motion_curve, n_coordinates
    public :: motion_at, motion_in_sight, motion_rows, motion_take
+   public :: term_constant, term_harmonic
 
    integer, parameter :: term_constant = 0 !! value
    integer, parameter :: term_rate = 1     !! value t

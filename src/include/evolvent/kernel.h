@@ -362,6 +362,33 @@ EVL_API double evl_gearbox_pitches(const evl_gearbox *gearbox, int mesh, const d
 /** Turns of a wheel since its start position, growing in its nominal sense; likewise linear. */
 EVL_API double evl_gearbox_turns(const evl_gearbox *gearbox, int wheel, const double *y, const int *integers);
 
+/* ---- common period ------------------------------------------------------------------------------------------------------------ */
+
+/** After it all meshes, teeth that differ, harmonic loads and motions of the housing are where they were. */
+typedef struct {
+    int pitches;  /**< of the first mesh */
+    int sense;    /**< of a prescribed speed: +1 the nominal sense of rotation, -1 against it */
+    bool by_time; /**< a speed is prescribed: it is a time; else nothing goes by time, and it is an angle */
+    double time;  /**< [s] if by time; else 0 */
+} evl_period;
+/** @return EVL_OK, or EVL_INVALID_INPUT where there is none, with what stands in the way */
+EVL_API int evl_gearbox_period(const evl_gearbox *gearbox, evl_period *period, evl_status *status);
+/** Take a state back by whole common periods, counted in the nominal sense of rotation: angles, tooth pairs and their slots become those
+ *  of the same place before; the energies begin anew. */
+EVL_API void evl_gearbox_take_back(const evl_gearbox *gearbox, const evl_period *period, int periods, double *y,
+                                   int *integers, double *reals);
+/** How far two states are from each other: the largest difference of a state in its unit scale[i], of an approach speed in that of its
+ *  contact; infinite where the discrete states differ. Energies do not count. */
+EVL_API double evl_gearbox_distance(const evl_gearbox *gearbox, const double *scale, const double *y_a,
+                                    const int *integers_a, const double *reals_a, const double *y_b,
+                                    const int *integers_b, const double *reals_b);
+/** Make a state of a like gearbox, with other parameters, one of this gearbox: speeds that are prescribed become those of its loads, all
+ *  wheels turning with them; penetrations stay; tooth pairs are where its teeth meet, in the modes that belong to that.
+ *  @param alike  the other one has as many integers and reals: approach speeds live on; else only the first integer counts
+ *  @return EVL_OK, or EVL_OUT_OF_DOMAIN if a law has no answer there */
+EVL_API int evl_gearbox_take_over(const evl_gearbox *gearbox, bool alike, double t, double *y, double *yp,
+                                  int *integers, double *reals, evl_status *status);
+
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
 
 /** Discrete state of the tooth pair that has been longest on the path of a mesh's drive flank. */

@@ -1,0 +1,105 @@
+#include "respond/respond.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/number.h"
+#include "commands/command.h"
+#include "commands/result.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LEAST_MOST = 100, MOST_MOST = 1000000 };
+
+typedef struct {
+    const char *over;   /**< PATH=FROM:TO[:STEPS] */
+    const char *output; /**< NULL: the case's name with -respond.h5 in the current folder */
+    const char *most;   /**< common periods at a value */
+    option_values set;
+    bool up, down, both, quiet;
+} options_t;
+
+static bool read_most(const char *text, int *most)
+{
+    double value = 0;
+    const bool good = number_read(text, &value) == NUMBER_FINITE && value >= LEAST_MOST && value <= MOST_MOST &&
+                      value == floor(value);
+    *most = good ? (int)value : 0;
+    return good;
+}
+
+static const char *check(const void *given)
+{
+    const options_t *options = given;
+    int most = 0;
+    if (options->over == NULL) {
+        return "--over PATH=FROM:TO[:STEPS] says which parameter goes from where to where";
+    }
+    if (options->up + options->down + options->both > 1) {
+        return "--up, --down and --both exclude each other";
+    }
+    return options->most == NULL || read_most(options->most, &most)
+               ? NULL
+               : "--periods takes a whole number of common periods from 100 to 1000000";
+}
+
+static evl_exit run_respond(const char *file, const void *given, evl_error *error)
+{
+    const options_t *options = given;
+    int most = 0;
+    log_set_quiet(options->quiet);
+    if (strcmp(file, "-") == 0) {
+        evl_error_set(error, EVL_EXIT_USAGE, "", "respond reads the case for every value: name a file");
+        return error->code;
+    }
+    OWNED char *path = result_path("response", options->output, file, "-respond", error), *versions = result_versions();
+    (void)(options->most != NULL && read_most(options->most, &most));
+    if (path == NULL) {
+        return error->code;
+    }
+    const respond_options asked = {.over = options->over,
+                                   .up = !options->down,
+                                   .down = !options->up,
+                                   .most = most,
+                                   .path = path,
+                                   .versions = versions,
+                                   .n_set = options->set.n,
+                                   .set = options->set.values,
+                                   .quiet = options->quiet};
+    return respond(file, &asked, error);
+}
+
+static const option_row rows[] = {
+    {OPTION_TEXT, 0, "--over", "PATH=FROM:TO[:STEPS]", offsetof(options_t, over),
+     "parameter, its first and last value, with or without units, and how many values there are; 101 if not given"},
+    {OPTION_FLAG, 0, "--up", NULL, offsetof(options_t, up), "only from FROM to TO"},
+    {OPTION_FLAG, 0, "--down", NULL, offsetof(options_t, down), "only from TO to FROM"},
+    {OPTION_FLAG, 0, "--both", NULL, offsetof(options_t, both), "up, and from there down; so it is if nothing is said"},
+    {OPTION_TEXT, 0, "--periods", "N", offsetof(options_t, most),
+     "common periods at a value at most; 600 pitches of the first mesh, but 100 periods, if not given"},
+    {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(options_t, output),
+     "file to write; the case's name with -respond.h5 in the current folder if not given"},
+    OPTION_ROW_SET(options_t),
+    OPTION_ROW_QUIET(options_t),
+    OPTION_ROW_HELP,
+};
+
+const command respond_command = {
+    .name = "respond",
+    .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [-o FILE.h5] [--set "
+                "PATH=VALUE]... [-q]",
+    .summary = "follow the motion over a parameter that goes up and down, with its jumps",
+    .text = "Takes the case from value to value of a parameter: at each the motion goes on from where it ended at the value\n"
+            "before, until it repeats after 1 to 16 common periods of all meshes and loads, or for so long that it does\n"
+            "not. Writes its period and its numbers over whole periods for each value, up and down, and where it jumps.\n"
+            "What is stopped goes on when the same command is given again.\n"
+            "\n"
+            "Examples:\n"
+            "  evolvent respond examples/compliant-pair.yaml --over 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'\n"
+            "  evolvent respond examples/compliant-pair.yaml --over wheels.gear.loads.0.value=-20:-200:10 --up -o load.h5\n",
+    .file = "case file",
+    .size = sizeof(options_t),
+    OPTION_ROWS(rows),
+    .check = check,
+    .run = run_respond,
+};

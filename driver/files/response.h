@@ -1,0 +1,43 @@
+/** Motions over a parameter that goes up and down: the result of `evolvent respond`. The interface knows nothing of HDF5;
+ *  response_hdf5.c does. */
+#pragma once
+
+#include "base/status.h"
+#include "files/history.h"
+
+enum { RESPONSE_DIRECTIONS = 2 };
+
+/** Where a motion jumps to another one. */
+typedef struct {
+    int direction;                /**< 0 up, 1 down */
+    double before, after;         /**< values of the parameter just before and just behind it */
+    int period_before, period_after;
+    double *deviation_before, *deviation_after; /**< [n_meshes] standard deviations of the transmission errors */
+} response_jump;
+
+/** At one value. */
+typedef struct {
+    int period;  /**< common periods after which the motion repeats; 0: it does not; -1: it was not looked at */
+    int periods; /**< common periods that it was followed */
+    int pitches; /**< of the first mesh in a common period */
+    double distance;
+    double *values; /**< [n_values] numbers; NULL: not looked at */
+} response_point;
+
+typedef struct {
+    const char *path; /**< final name */
+    const char *parameter, *units;
+    int n; /**< values */
+    const double *values;
+    const model_names *names;
+    int n_harmonics, n_outputs, n_values;
+    const model_output *outputs;                       /**< numbers of a point, where they stand */
+    const response_point *points[RESPONSE_DIRECTIONS]; /**< [n] each; NULL: not this direction */
+    int n_jumps;
+    const response_jump *jumps;
+    int n_attributes;
+    const history_attribute *attributes; /**< of the root */
+} response;
+
+/** Write it as NAME.partial; if `commit`, it becomes NAME. @return false with the reason in `error`, EVL_EXIT_IO */
+bool response_write(const response *response, bool commit, evl_error *error);

@@ -1,0 +1,261 @@
+#include "respond/branch.h"
+
+#include "respond/jump.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+branch_place branch_at(const branch *b, int step)
+{
+    const int n = b->range->n;
+    const int direction = b->goes[0] && step < n ? 0 : 1;
+    const int k = step - (b->goes[0] && direction == 1 ? n : 0);
+    return (branch_place){direction, direction == 0 ? k : n - 1 - k, k == 0};
+}
+
+bool branch_prepare(branch *b, double value, model_period *period, evl_error *error)
+{
+    POOLED memory_pool pool = {NULL};
+    OWNED char *option = value_range_option(b->range, value);
+    const char **set = pool_calloc(&pool, (size_t)b->n_set + 1, sizeof *set);
+    for (int i = 0; i < b->n_set; i++) {
+        set[i] = b->set[i];
+    }
+    set[b->n_set] = option;
+    if (!prepare_edited(&b->prepared, b->base, b->n_set + 1, set, wheel_store_door(b->wheels), error)) {
+        return false;
+    }
+    model_message refusal;
+    if (model_about(b->prepared.model)->dae.stepper == NULL) {
+        model_explain_no_stepper(b->prepared.model, &refusal);
+        return prepare_refuse(&b->prepared, &refusal, error);
+    }
+    if (!model_find_period(b->prepared.model, period, &refusal)) {
+        return prepare_refuse(&b->prepared, &refusal, error);
+    }
+    if (period->sense < 0) {
+        return evl_error_set(error, EVL_EXIT_CASE, option,
+                             "the wheels turn against driving_rotation, and numbers count pitches in its sense: give the "
+                             "other rotation");
+    }
+    return true;
+}
+
+/** The state with which the motion at a value begins: the case's own, or the one that was carried so far. */
+static bool start(branch *b, const model_period *period, carried *state, char *message, evl_error *error)
+{
+    const dae *dae = &model_about(b->prepared.model)->dae;
+    if (!state->exists) {
+        *state = (carried){.sizes = *dae, .phase = SECTION_USUAL_PHASE};
+        state->exists = prepare_start(&b->prepared, &state->state, error);
+        return state->exists;
+    }
+    carried next = {.exists = true, .sizes = *dae, .phase = state->phase};
+    next.state = dae_state_create(dae, NULL);
+    const double t = period->by_time ? state->pitches * period->time / period->pitches : 0;
+    const bool good = model_take_over(b->prepared.model, &state->sizes, &state->state, t, &next.state, message);
+    carried_free(state);
+    *state = next;
+    return good;
+}
+
+/** The motion at a value. @param state  becomes that of its end */
+static orbit_end look(branch *b, double value, carried *state, response_point *point, evl_error *error)
+{
+    char message[DAE_MESSAGE_LENGTH] = "";
+    model_period period;
+    orbit_result result;
+    error->code = EVL_EXIT_OK;
+    if (!branch_prepare(b, value, &period, error)) {
+        return ORBIT_FAILED;
+    }
+    orbit_end end = start(b, &period, state, message, error) ? ORBIT_FOUND : ORBIT_FAILED;
+    if (end == ORBIT_FOUND) {
+        end = orbit_find(&b->prepared, &period, state, b->most, &result, point->values, message);
+    }
+    if (end == ORBIT_FOUND) {
+        point->period = result.period;
+        point->periods = result.periods;
+        point->pitches = result.pitches;
+        point->distance = result.distance;
+    } else if (end == ORBIT_FAILED && error->code == EVL_EXIT_OK) {
+        OWNED char *option = value_range_option(b->range, value);
+        evl_error_set(error, EVL_EXIT_INTEGRATION, option, "%s", message);
+    }
+    return end;
+}
+
+/* ---- jumps ---- */
+
+static double *deviations(branch *b, const response_point *point)
+{
+    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    double *copy = pool_calloc(&b->pool, (size_t)row->count, sizeof *copy);
+    return memcpy(copy, point->values + row->offset, (size_t)row->count * sizeof *copy);
+}
+
+static void add_jump(branch *b, int direction, const double values[2], const response_point points[2])
+{
+    b->jumps = pool_grow(&b->pool, b->jumps, (size_t)b->n_jumps, (size_t)b->n_jumps + 1, sizeof *b->jumps);
+    b->jumps[b->n_jumps++] = (response_jump){.direction = direction,
+                                             .before = values[0],
+                                             .after = values[1],
+                                             .period_before = points[0].period,
+                                             .period_after = points[1].period,
+                                             .deviation_before = deviations(b, &points[0]),
+                                             .deviation_after = deviations(b, &points[1])};
+}
+
+/** Between two values, and the motions there. */
+typedef struct {
+    double values[2];
+    response_point points[2];
+    carried state;  /**< of the first */
+    bool is_halved; /**< the second is no longer where it was */
+} gap;
+
+/** Halve what lies between two values, with the motion of the first carried on, until it shows that there is no jump.
+ *  @param size  difference of the motions at first; *jumps: it stays */
+static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error *error)
+{
+    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    carried trial = {.exists = false};
+    orbit_end end = ORBIT_FOUND;
+    *jumps = true;
+    for (int i = 0; i < JUMP_HALVINGS && *jumps && end == ORBIT_FOUND; i++) {
+        const double middle = 0.5 * (gap->values[0] + gap->values[1]);
+        response_point between = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
+        carried_copy(&trial, &gap->state);
+        end = look(b, middle, &trial, &between, error);
+        if (end == ORBIT_FOUND) {
+            const int side = jump_size(row, &gap->points[0], &between) > jump_size(row, &between, &gap->points[1]);
+            gap->values[side] = middle;
+            gap->points[side] = between;
+            gap->is_halved = gap->is_halved || side == 1;
+            if (side == 0) {
+                carried_copy(&gap->state, &trial);
+            }
+            *jumps = jump_size(row, &gap->points[0], &gap->points[1]) >= JUMP_STAYS * size;
+        }
+    }
+    carried_free(&trial);
+    return end;
+}
+
+/** Look between the last value and this one, where the motion differs. If it can be carried here in small steps, it was the step that
+ *  threw it out: then the motion that was carried so is the one. @param state  of the motion at this value */
+static orbit_end look_between(branch *b, double last, const response_point *before, double value, response_point *point,
+                              carried *state, evl_error *error)
+{
+    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    const double size = jump_size(row, before, point);
+    gap gap = {.values = {last, value}, .points = {*before, *point}};
+    bool jumps = false;
+    carried_copy(&gap.state, &b->state);
+    orbit_end end = halve(b, &gap, size, &jumps, error);
+    if (end == ORBIT_FOUND && jumps && !gap.is_halved) {
+        response_point again = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
+        end = look(b, value, &gap.state, &again, error);
+        if (end == ORBIT_FOUND && jump_size(row, &gap.points[0], &again) < JUMP_STAYS * size) {
+            jumps = false;
+            *point = again;
+            carried_copy(state, &gap.state);
+        }
+    }
+    if (end == ORBIT_FOUND && jumps) {
+        add_jump(b, branch_at(b, b->step).direction, gap.values, gap.points);
+    }
+    carried_free(&gap.state);
+    return end;
+}
+
+orbit_end branch_step(branch *b, evl_error *error)
+{
+    const branch_place at = branch_at(b, b->step);
+    const double value = value_range_at(b->range, at.index);
+    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    response_point point = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
+    carried state = {.exists = false};
+    carried_copy(&state, &b->state);
+    orbit_end end = look(b, value, &state, &point, error);
+    if (end == ORBIT_FOUND && !at.begins) {
+        const branch_place last = branch_at(b, b->step - 1);
+        const response_point *before = &b->points[last.direction][last.index];
+        if (jump_is_likely(row, before, &point)) {
+            end = look_between(b, value_range_at(b->range, last.index), before, value, &point, &state, error);
+        }
+    }
+    if (end == ORBIT_FOUND) {
+        b->points[at.direction][at.index] = point;
+        carried_copy(&b->state, &state);
+        b->step++;
+    }
+    carried_free(&state);
+    return end;
+}
+
+/* ---- what is kept ---- */
+
+static void keep_point(branch *b, response_point *point, archive *archive)
+{
+    if (archive->is_reading) {
+        point->values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double));
+    }
+    KEEP(archive, point->period);
+    KEEP(archive, point->periods);
+    KEEP(archive, point->pitches);
+    KEEP(archive, point->distance);
+    KEEP_ARRAY(archive, point->values, b->n_values);
+}
+
+static void keep_jump(branch *b, response_jump *jump, archive *archive)
+{
+    const int n = b->names->meshes.n;
+    if (archive->is_reading) {
+        jump->deviation_before = pool_calloc(&b->pool, (size_t)n, sizeof(double));
+        jump->deviation_after = pool_calloc(&b->pool, (size_t)n, sizeof(double));
+    }
+    KEEP(archive, jump->direction);
+    KEEP(archive, jump->before);
+    KEEP(archive, jump->after);
+    KEEP(archive, jump->period_before);
+    KEEP(archive, jump->period_after);
+    KEEP_ARRAY(archive, jump->deviation_before, n);
+    KEEP_ARRAY(archive, jump->deviation_after, n);
+}
+
+void branch_keep(branch *b, archive *archive)
+{
+    int n_steps = b->n_steps, n_values = b->n_values;
+    KEEP(archive, n_steps);
+    KEEP(archive, n_values);
+    KEEP(archive, b->step);
+    KEEP(archive, b->n_jumps);
+    archive->has_failed = archive->has_failed || n_steps != b->n_steps || n_values != b->n_values || b->step < 0 ||
+                          b->step > b->n_steps || b->n_jumps < 0 || b->n_jumps > b->step;
+    if (archive->has_failed) {
+        b->step = b->n_jumps = 0;
+        return;
+    }
+    if (archive->is_reading) {
+        b->jumps = pool_calloc(&b->pool, (size_t)b->n_jumps + 1, sizeof *b->jumps);
+    }
+    for (int i = 0; i < b->step; i++) {
+        const branch_place at = branch_at(b, i);
+        keep_point(b, &b->points[at.direction][at.index], archive);
+    }
+    for (int i = 0; i < b->n_jumps; i++) {
+        keep_jump(b, &b->jumps[i], archive);
+    }
+    carried_keep(&b->state, archive);
+}
+
+void branch_free(branch *b)
+{
+    carried_free(&b->state);
+    prepared_case_free(&b->prepared);
+    wheel_store_delete(&b->wheels);
+    case_base_delete(&b->base);
+    pool_free(&b->pool);
+}

@@ -1,0 +1,40 @@
+/** The motion that a gearbox comes to from a state: until it repeats on the section, or for so long, and its numbers. */
+#pragma once
+
+#include "respond/section.h"
+#include "simulate/prepare.h"
+
+enum { ORBIT_LONGEST = 16, ORBIT_USUAL_PERIODS = 600, ORBIT_WINDOW = 64, ORBIT_LEAST_PERIODS = 100 };
+
+/** A state that goes from one gearbox to the next: it lies within one common period of the start. */
+typedef struct {
+    bool exists;
+    dae sizes;       /**< of the gearbox that it was of: only numbers of states, integers and reals count */
+    dae_state state; /**< its arrays belong to it */
+    double pitches;  /**< of the first mesh to its time, where a speed is prescribed */
+    double phase;    /**< of the section */
+} carried;
+
+void carried_free(carried *carried);
+/** Make one that of another. */
+void carried_copy(carried *to, const carried *from);
+/** Keep it; of one that is read the sizes are those that were kept. */
+void carried_keep(carried *carried, archive *archive);
+
+typedef struct {
+    int period;      /**< common periods after which it repeats, 1 to 16; 0: it does not */
+    int periods;     /**< how many common periods it was followed */
+    int pitches;     /**< of the first mesh in a common period */
+    double distance; /**< largest difference of a state to that of one orbit before, in its unit; of one that does not repeat the least
+                          of all orbits that were tried */
+} orbit_result;
+
+typedef enum { ORBIT_FOUND, ORBIT_FAILED, ORBIT_INTERRUPTED } orbit_end;
+
+/** Follow the motion.
+ *  @param state    from where, of this gearbox; becomes the last one on the section
+ *  @param most     common periods; 0: the usual number
+ *  @param values   numbers, as number_rows_place places them
+ *  @param message  why it failed */
+orbit_end orbit_find(const prepared_case *prepared, const model_period *period, carried *state, int most,
+                     orbit_result *result, double *values, char message[DAE_MESSAGE_LENGTH]);

@@ -1,0 +1,294 @@
+#include "respond/respond.h"
+
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "files/checkpoint.h"
+#include "files/parts.h"
+#include "integrate/integrate.h"
+#include "respond/branch.h"
+#include "simulate/number_channel.h"
+
+#include <evolvent_version.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    const respond_options *options;
+    value_range range;
+    branch branch;
+    prepared_case first; /**< at the first value: its text and warnings are the file's */
+    parts parts;         /**< a folder, locked, with what is needed to go on */
+    checkpoint kept;     /**< what that is of */
+    double saved, shown; /**< clock [s] */
+} response_run;
+
+/* ---- going on ---- */
+
+/** What the kept states are of: they fit what is the same in all of it. */
+static void identify(response_run *run)
+{
+    checkpoint *own = &run->kept;
+    const char *processor = model_tables()->processor;
+    const respond_options *options = run->options;
+    own->texts[CHECKPOINT_PROGRAM] = xstrdup("evolvent " EVOLVENT_VERSION " respond");
+    own->texts[CHECKPOINT_INTEGRATOR] = xstrdup("radau");
+    own->texts[CHECKPOINT_KERNEL] = xasprintf("%s, compiled for %s", model_tables()->compiler, processor);
+    own->texts[CHECKPOINT_CASE] =
+        xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up, options->down, options->most,
+                  case_text(run->first.file));
+}
+
+static bool is_same(const checkpoint *a, const checkpoint *b)
+{
+    bool same = true;
+    for (int i = 0; i < N_CHECKPOINT_TEXTS; i++) {
+        same = same && strcmp(a->texts[i], b->texts[i]) == 0;
+    }
+    return same;
+}
+
+/** Go on from what an earlier run left, if it did. */
+static bool take_up(response_run *run, evl_error *error)
+{
+    const char *folder = run->parts.folder;
+    char doubt[EVL_ERROR_MESSAGE_LENGTH];
+    checkpoint found;
+    if (!checkpoint_exists(folder)) {
+        return true;
+    }
+    bool good = checkpoint_read(folder, &found, doubt, error);
+    if (good && !is_same(&found, &run->kept)) {
+        good = evl_error_set(error, EVL_EXIT_CASE, "",
+                             "'%s' holds what is done of another response, of another case, range, option or program; go on "
+                             "with that, delete the folder, or write to another file with -o",
+                             folder);
+    } else if (good) {
+        branch_keep(&run->branch, &found.state);
+        good = archive_is_read(&found.state) ||
+               evl_error_set(error, EVL_EXIT_CASE, "", "'%s' holds something else: delete the folder", folder);
+    }
+    if (good) {
+        log_note("goes on behind %d of %d values", run->branch.step, run->branch.n_steps);
+    }
+    checkpoint_free(&found);
+    return good;
+}
+
+static bool save(response_run *run, evl_error *error)
+{
+    checkpoint next = run->kept;
+    next.t = run->branch.step;
+    next.state = (archive){.n = 0};
+    branch_keep(&run->branch, &next.state);
+    const bool good = checkpoint_write(run->parts.folder, &next, error);
+    archive_free(&next.state);
+    run->saved = clock_seconds();
+    return good;
+}
+
+/* ---- the file ---- */
+
+static bool write_file(response_run *run, bool commit, const char *status, const char *message, evl_error *error)
+{
+    branch *b = &run->branch;
+    const description *description = case_description(run->first.file);
+    OWNED char *warnings = prepare_warnings(&run->first, "\n");
+    OWNED double *values = xcalloc((size_t)run->range.n, sizeof *values);
+    for (int i = 0; i < run->range.n; i++) {
+        values[i] = value_range_at(&run->range, i);
+    }
+    const history_attribute attributes[] = {
+        {"title", .text = description->title},
+        {"case", .text = case_text(run->first.file)},
+        {"parameter", .text = run->range.path},
+        {"versions", .text = run->options->versions},
+        {"warnings", .text = warnings},
+        {"values_done", .integer = b->step},
+        {"status", .text = status},
+        {"status_message", .text = message},
+    };
+    const response result = {
+        .path = run->options->path,
+        .parameter = run->range.path,
+        .units = run->range.unit,
+        .n = run->range.n,
+        .values = values,
+        .names = b->names,
+        .n_harmonics = NUMBER_HARMONICS,
+        .n_outputs = N_NUMBER_ROWS,
+        .n_values = b->n_values,
+        .outputs = b->rows,
+        .points = {b->goes[0] ? b->points[0] : NULL, b->goes[1] ? b->points[1] : NULL},
+        .n_jumps = b->n_jumps,
+        .jumps = b->jumps,
+        .n_attributes = sizeof attributes / sizeof *attributes,
+        .attributes = attributes,
+    };
+    return response_write(&result, commit, error);
+}
+
+/* ---- the values ---- */
+
+static void show(response_run *run, const branch_place *at)
+{
+    static const double often = 0.2;
+    const bool on_terminal = progress_is_on_terminal();
+    const double now = clock_seconds(), interval = on_terminal ? often : progress_log_interval();
+    if (run->options->quiet || now - run->shown < interval) {
+        return;
+    }
+    run->shown = now;
+    OWNED char *option = value_range_option(&run->range, value_range_at(&run->range, at->index));
+    OWNED char *text = xasprintf("%s %s, %d of %d values", at->direction == 0 ? "up" : "down", option,
+                                 run->branch.step, run->branch.n_steps);
+    progress_show(on_terminal, text);
+}
+
+/** All that are left. @return how it ended; the reason of a failure is in `error` */
+static orbit_end go(response_run *run, evl_error *error)
+{
+    static const double interval = 2; /* [s] between two states that are kept */
+    orbit_end end = ORBIT_FOUND;
+    while (run->branch.step < run->branch.n_steps && end == ORBIT_FOUND) {
+        const branch_place at = branch_at(&run->branch, run->branch.step);
+        show(run, &at);
+        end = branch_step(&run->branch, error);
+        if (end == ORBIT_FOUND && interrupt_signal != 0) {
+            end = ORBIT_INTERRUPTED;
+        }
+        if (end == ORBIT_FOUND && clock_seconds() - run->saved > interval && !save(run, error)) {
+            return ORBIT_FAILED;
+        }
+    }
+    progress_wipe();
+    return end;
+}
+
+/** What could be wrong with any value is said before the first one. */
+static bool check_values(response_run *run, evl_error *error)
+{
+    model_period period;
+    for (int i = 0; i < run->range.n; i++) {
+        if (!branch_prepare(&run->branch, value_range_at(&run->range, i), &period, error)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void summarise(const response_run *run)
+{
+    static const char *const words[] = {"up", "down"};
+    const branch *b = &run->branch;
+    for (int i = 0; i < b->n_jumps; i++) {
+        const response_jump *jump = &b->jumps[i];
+        log_note("%s: jump between %.9g and %.9g%s%s; transmission error, standard deviation %.4g um before, %.4g um "
+                 "behind",
+                 words[jump->direction], jump->before, jump->after, run->range.unit[0] == '\0' ? "" : " ",
+                 run->range.unit, 1e6 * jump->deviation_before[0], 1e6 * jump->deviation_after[0]);
+    }
+    int n_other = 0, n_wild = 0;
+    for (int step = 0; step < b->step; step++) {
+        const branch_place at = branch_at(b, step);
+        n_other += b->points[at.direction][at.index].period > 1;
+        n_wild += b->points[at.direction][at.index].period == 0;
+    }
+    log_note("%d values, %d with a period of 2 and more, %d not periodic, %d jump%s: %s", b->step, n_other, n_wild,
+             b->n_jumps, b->n_jumps == 1 ? "" : "s", run->options->path);
+}
+
+/** What is done stays, and how it goes on is told. */
+static void give_up(response_run *run, bool is_interrupted, evl_error *error)
+{
+    evl_error other = {.code = EVL_EXIT_OK};
+    const branch *b = &run->branch;
+    OWNED char *why = is_interrupted ? xasprintf("interrupted by %s", interrupt_name((int)interrupt_signal))
+                                     : xstrdup(error->message);
+    OWNED char *place = xstrdup(is_interrupted ? case_path(run->first.file) : error->place);
+    const bool good = save(run, &other) &&
+                      write_file(run, false, is_interrupted ? "interrupted" : "failed", why, &other);
+    if (!good) {
+        *error = other;
+    } else if (is_interrupted) {
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place,
+                      "%s; %d of %d values are done and in '%s.partial'; the same command goes on", why, b->step,
+                      b->n_steps, run->options->path);
+    } else {
+        evl_error_set(error, error->code, place, "%s; %d of %d values are done and in '%s.partial'", why, b->step,
+                      b->n_steps, run->options->path);
+    }
+}
+
+static void run_locked(response_run *run, evl_error *error)
+{
+    if (!take_up(run, error)) {
+        return;
+    }
+    run->saved = run->shown = clock_seconds();
+    const orbit_end end = go(run, error);
+    if (end != ORBIT_FOUND) {
+        if (error->code != EVL_EXIT_IO) {
+            give_up(run, end == ORBIT_INTERRUPTED, error);
+        }
+    } else if (write_file(run, true, "done", "", error)) {
+        parts_remove(&run->parts);
+        summarise(run);
+    }
+}
+
+/** The case at both ends, and what the results are of. */
+static bool begin(response_run *run, const char *case_path, evl_error *error)
+{
+    branch *b = &run->branch;
+    const respond_options *options = run->options;
+    POOLED memory_pool pool = {NULL};
+    b->base = case_base_read(case_path, model_schema(), error);
+    if (b->base == NULL || !value_range_read(&run->range, options->over, b->base, error)) {
+        return false;
+    }
+    OWNED char *option = value_range_option(&run->range, run->range.from);
+    const char **set = pool_calloc(&pool, (size_t)options->n_set + 1, sizeof *set);
+    for (int i = 0; i < options->n_set; i++) {
+        set[i] = options->set[i];
+    }
+    set[options->n_set] = option;
+    if (!prepare_case(&run->first, case_path, options->n_set + 1, set, error) ||
+        !value_range_check(&run->range, run->first.model, error)) {
+        return false;
+    }
+    b->range = &run->range;
+    b->n_set = options->n_set;
+    b->set = options->set;
+    b->most = options->most;
+    b->wheels = wheel_store_create();
+    b->names = &model_about(run->first.model)->names;
+    b->n_values = number_rows_place(&b->pool, b->names, b->rows);
+    b->goes[0] = options->up;
+    b->goes[1] = options->down;
+    b->n_steps = (options->up + options->down) * run->range.n;
+    for (int d = 0; d < RESPONSE_DIRECTIONS; d++) {
+        b->points[d] = pool_calloc(&b->pool, (size_t)run->range.n, sizeof *b->points[d]);
+        for (int i = 0; i < run->range.n; i++) {
+            b->points[d][i].period = -1;
+        }
+    }
+    identify(run);
+    return check_values(run, error);
+}
+
+evl_exit respond(const char *case_path, const respond_options *options, evl_error *error)
+{
+    OWNED response_run *run = xcalloc(1, sizeof *run);
+    run->options = options;
+    if (begin(run, case_path, error) && parts_open(&run->parts, options->path, error)) {
+        run_locked(run, error);
+        parts_close(&run->parts);
+    }
+    branch_free(&run->branch);
+    prepared_case_free(&run->first);
+    value_range_free(&run->range);
+    checkpoint_free(&run->kept);
+    return error->code;
+}

@@ -1,0 +1,148 @@
+#include "respond/section.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_EVENTS = 4096, MOST_MOVES = 32 };
+static const double near = 1e-6; /* pitches */
+
+static double pitch_time(const section *s)
+{
+    return s->period.time / s->period.pitches;
+}
+
+double section_place(const section *s, const dae_state *state)
+{
+    const dae *dae = &model_about(s->model)->dae;
+    return s->period.by_time ? state->t / pitch_time(s) : dae->position(dae->self, s->position_of, state);
+}
+
+/** The first place of the section behind another place. */
+static void aim(section *s, double place)
+{
+    const double length = s->period.pitches;
+    s->target = s->phase + length * (floor((place - s->phase + near) / length) + 1);
+}
+
+void section_begin(section *s, memory_pool *pool, const model *model, const model_period *period, double phase,
+                   const dae_state *state)
+{
+    *s = (section){.model = model,
+                   .period = *period,
+                   .position_of = model_position_of(model, -1, 0),
+                   .phase = phase,
+                   .here = NAN,
+                   .event = NAN,
+                   .room = dae_state_create(&model_about(model)->dae, pool)};
+    s->now = pool_calloc(pool, MOST_EVENTS, sizeof *s->now);
+    s->before = pool_calloc(pool, MOST_EVENTS, sizeof *s->before);
+    aim(s, section_place(s, state));
+}
+
+/** How far a place in a step is past the target. */
+static double past(section *s, const integrate_step *step, double t)
+{
+    s->room.t = t;
+    s->room.integers = step->state->integers;
+    return step->interpolate(step->with, t, s->room.y) ? section_place(s, &s->room) - s->target : NAN;
+}
+
+/** When an angle reaches the target, in a step that does: by secants that keep the bracket (Illinois). */
+static double time_of(section *s, const integrate_step *step)
+{
+    enum { MOST = 60 };
+    static const double close = 1e-13;
+    double t_a = step->t_from, t_b = step->t_to, f_a = past(s, step, t_a), f_b = past(s, step, t_b), t = t_b;
+    for (int i = 0; i < MOST; i++) {
+        t = t_b - f_b * (t_b - t_a) / (f_b - f_a);
+        const double f = past(s, step, t);
+        if (!(fabs(f) > close)) {
+            break;
+        }
+        if ((f > 0) == (f_b > 0)) {
+            f_a *= 0.5;
+        } else {
+            t_a = t_b;
+            f_a = f_b;
+        }
+        t_b = t;
+        f_b = f;
+    }
+    return t;
+}
+
+bool section_reached(section *s, const integrate_step *step, dae_state *state)
+{
+    const dae *dae = &model_about(s->model)->dae;
+    double t = s->target * (s->period.by_time ? pitch_time(s) : 1);
+    if (s->period.by_time ? t > step->t_to || t < step->t_from : !(section_place(s, step->state) >= s->target)) {
+        return false;
+    }
+    t = s->period.by_time ? t : time_of(s, step);
+    dae_state_copy(dae, state, step->state);
+    state->t = t;
+    return step->interpolate(step->with, t, state->y);
+}
+
+/** An event is at the section if that is no farther than this. */
+static void look(section *s)
+{
+    s->is_crossed = s->is_crossed || fabs(s->here - s->event) <= near;
+}
+
+void section_passed(section *s)
+{
+    double *other = s->before;
+    s->before = s->now;
+    s->n_before = s->n_now;
+    s->now = other;
+    s->n_now = 0;
+    s->here = s->target;
+    s->target += s->period.pitches;
+    look(s);
+}
+
+void section_event(section *s, const event_record *record)
+{
+    const double length = s->period.pitches;
+    s->event = section_place(s, record->before);
+    if (s->n_now < MOST_EVENTS) {
+        s->now[s->n_now++] = s->event - length * floor(s->event / length);
+    }
+    look(s);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+bool section_moves(section *s)
+{
+    const double length = s->period.pitches;
+    const int n = s->n_now + s->n_before;
+    if (!s->is_crossed || n == 0 || s->n_moves == MOST_MOVES) {
+        s->is_crossed = false;
+        return false;
+    }
+    OWNED double *places = xcalloc((size_t)n + 1, sizeof *places);
+    memcpy(places, s->now, (size_t)s->n_now * sizeof *places);
+    memcpy(places + s->n_now, s->before, (size_t)s->n_before * sizeof *places);
+    qsort(places, (size_t)n, sizeof *places, compare);
+    places[n] = places[0] + length;
+    double widest = 0;
+    for (int i = 0; i < n; i++) {
+        const double gap = places[i + 1] - places[i];
+        if (gap > widest) {
+            widest = gap;
+            s->phase = fmod(places[i] + 0.5 * gap, length);
+        }
+    }
+    aim(s, s->event);
+    s->here = NAN;
+    s->is_crossed = false;
+    s->n_moves++;
+    return true;
+}

@@ -1,0 +1,117 @@
+#include "respond/value_range.h"
+
+#include "base/memory.h"
+#include "base/number.h"
+#include "base/suggest.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char HOW[] = "it must be PATH=FROM:TO[:STEPS], a parameter of the case, two values of it, and how many values "
+                          "there are, from 2 to 100000, such as 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'";
+
+static bool refuse(const char *text, const char *why, evl_error *error)
+{
+    OWNED char *place = xasprintf("--over %s", text);
+    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why);
+}
+
+static bool read_steps(const char *text, int *n)
+{
+    double value = RANGE_USUAL_STEPS;
+    const bool good = text == NULL || (number_read(text, &value) == NUMBER_FINITE && value >= 2 &&
+                                       value <= RANGE_MOST_STEPS && value == floor(value));
+    *n = good ? (int)value : 0;
+    return good;
+}
+
+/** A value in the unit of its key. */
+static bool read_value(value_range *range, const char *value, const char *text, const case_base *base, double *number,
+                       evl_error *error)
+{
+    OWNED char *option = xasprintf("%s=%s", range->path, value);
+    case_quantity quantity;
+    if (!case_base_convert(base, option, &quantity, error)) {
+        return false;
+    }
+    if (!quantity.is_number || !isfinite(quantity.value)) {
+        return refuse(text, HOW, error);
+    }
+    *number = quantity.value;
+    if (range->unit == NULL) {
+        range->unit = xstrdup(quantity.unit);
+    }
+    return true;
+}
+
+bool value_range_read(value_range *range, const char *text, const case_base *base, evl_error *error)
+{
+    *range = (value_range){.n = 0};
+    OWNED char *copy = xstrdup(text);
+    char *equals = strchr(copy, '=');
+    char *first = equals == NULL ? NULL : equals + 1, *second = first == NULL ? NULL : strchr(first, ':');
+    if (second == NULL || equals == copy) {
+        return refuse(text, HOW, error);
+    }
+    *equals = '\0';
+    *second++ = '\0';
+    char *steps = strchr(second, ':');
+    if (steps != NULL) {
+        *steps++ = '\0';
+    }
+    if (!read_steps(steps, &range->n)) {
+        return refuse(text, HOW, error);
+    }
+    range->path = xstrdup(copy);
+    if (!read_value(range, first, text, base, &range->from, error) ||
+        !read_value(range, second, text, base, &range->to, error)) {
+        return false;
+    }
+    return range->from != range->to || refuse(text, "both ends are the same value: give a range", error);
+}
+
+bool value_range_check(const value_range *range, const model *model, evl_error *error)
+{
+    evl_parameter parameter;
+    POOLED memory_pool pool = {NULL};
+    const char **paths = NULL;
+    int n = 0;
+    for (double *numbers = NULL; (numbers = model_parameter_at(model, n, &parameter)) != NULL; n++) {
+        free(numbers);
+        const evl_row *row = &model_schema()->rows[parameter.row];
+        if (strcmp(parameter.path, range->path) == 0) {
+            if (row->type == EVL_INTEGER) {
+                return refuse(range->path, "a whole number changes the structure of the gearbox: no motion can be carried "
+                                           "from one value to the next; make a sweep of it",
+                              error);
+            }
+            return parameter.n == 1 || refuse(range->path, "a list of numbers is no parameter with one value", error);
+        }
+        paths = pool_grow(&pool, paths, (size_t)n, (size_t)n + 1, sizeof *paths);
+        paths[n] = pool_copy(&pool, parameter.path);
+    }
+    OWNED char *meant = suggest_phrase(range->path, n, paths);
+    OWNED char *why = xasprintf("it is no parameter of the gearbox%s; 'evolvent show --parameters' tells "
+                                "which there are",
+                                meant);
+    return refuse(range->path, why, error);
+}
+
+double value_range_at(const value_range *range, int index)
+{
+    return index == range->n - 1 ? range->to : range->from + (range->to - range->from) * index / (range->n - 1);
+}
+
+char *value_range_option(const value_range *range, double value)
+{
+    char number[NUMBER_TEXT_LENGTH];
+    number_write(number, value);
+    return xasprintf("%s=%s", range->path, number);
+}
+
+void value_range_free(value_range *range)
+{
+    free(range->path);
+    free(range->unit);
+    *range = (value_range){.n = 0};
+}
