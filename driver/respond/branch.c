@@ -111,8 +111,7 @@ static void add_jump(branch *b, int direction, const double values[2], const res
 typedef struct {
     double values[2];
     response_point points[2];
-    carried state;  /**< of the first */
-    bool is_halved; /**< the second is no longer where it was */
+    carried state; /**< of the first */
 } gap;
 
 /** Halve what lies between two values, with the motion of the first carried on, until it shows that there is no jump.
@@ -132,7 +131,6 @@ static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error 
             const int side = jump_size(row, &gap->points[0], &between) > jump_size(row, &between, &gap->points[1]);
             gap->values[side] = middle;
             gap->points[side] = between;
-            gap->is_halved = gap->is_halved || side == 1;
             if (side == 0) {
                 carried_copy(&gap->state, &trial);
             }
@@ -143,24 +141,41 @@ static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error 
     return end;
 }
 
-/** Look between the last value and this one, where the motion differs. If it can be carried here in small steps, it was the step that
- *  threw it out: then the motion that was carried so is the one. @param state  of the motion at this value */
+/** Look between the last value and this one, where the motion differs. If it can be carried over a jump in small steps, it was the step
+ *  that threw it out: then it is followed further. @param point, state  of the motion at this value */
 static orbit_end look_between(branch *b, double last, const response_point *before, double value, response_point *point,
                               carried *state, evl_error *error)
 {
+    enum { MOST_ROUNDS = 8 };
     const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
-    const double size = jump_size(row, before, point);
     gap gap = {.values = {last, value}, .points = {*before, *point}};
-    bool jumps = false;
+    bool jumps = true;
     carried_copy(&gap.state, &b->state);
-    orbit_end end = halve(b, &gap, size, &jumps, error);
-    if (end == ORBIT_FOUND && jumps && !gap.is_halved) {
+    orbit_end end = ORBIT_FOUND;
+    for (int round = 0; round < MOST_ROUNDS && end == ORBIT_FOUND && jumps; round++) {
+        const double size = jump_size(row, &gap.points[0], &gap.points[1]);
         response_point again = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
-        end = look(b, value, &gap.state, &again, error);
-        if (end == ORBIT_FOUND && jump_size(row, &gap.points[0], &again) < JUMP_STAYS * size) {
-            jumps = false;
-            *point = again;
-            carried_copy(state, &gap.state);
+        carried trial = {.exists = false};
+        end = halve(b, &gap, size, &jumps, error);
+        carried_copy(&trial, &gap.state);
+        end = end == ORBIT_FOUND && jumps ? look(b, gap.values[1], &trial, &again, error) : end;
+        const bool is_thrown =
+            end == ORBIT_FOUND && jumps && jump_size(row, &gap.points[0], &again) < JUMP_STAYS * size;
+        if (is_thrown) {
+            carried_copy(&gap.state, &trial);
+            gap.points[0] = again;
+            jumps = gap.values[1] != value;
+            if (!jumps) {
+                *point = again;
+                carried_copy(state, &trial);
+            }
+            gap.values[0] = gap.values[1];
+            gap.values[1] = value;
+            gap.points[1] = *point;
+        }
+        carried_free(&trial);
+        if (!is_thrown) {
+            break;
         }
     }
     if (end == ORBIT_FOUND && jumps) {

@@ -116,14 +116,14 @@ static void open_window(search *s, int n, double pitch)
     s->numbers = numbers_create(s->prepared->model, &window, taken);
 }
 
-/** How far the motion is from repeating, whatever the orbit. */
-static double least_distance(const search *s, int k)
+/** The orbit after which the motion is nearest to where it was. */
+static int nearest_period(const search *s, int k)
 {
-    double least = INFINITY;
-    for (int p = 1; p <= ORBIT_LONGEST; p++) {
-        least = fmin(least, s->far[k % KEPT][p]);
+    int nearest = 1;
+    for (int p = 2; p <= ORBIT_LONGEST && p <= k; p++) {
+        nearest = s->far[k % KEPT][p] < s->far[k % KEPT][nearest] ? p : nearest;
     }
-    return least;
+    return nearest;
 }
 
 /** The motion is on the section, at s->at. */
@@ -143,15 +143,14 @@ static void on_section(search *s)
         return;
     }
     const double length = s->section.period.pitches;
-    const int period = find_period(s, k);
-    if (period > 0) {
+    const bool is_over = s->result->periods + ORBIT_WINDOW + 2 >= s->most && k > 0;
+    int period = find_period(s, k);
+    if (period > 0 || is_over) {
+        const int near = period > 0 ? period : nearest_period(s, k);
+        s->result->distance = s->far[k % KEPT][near];
+        period = s->result->distance <= s->repeats || period > 0 ? near : 0; /* one that still settles, slowly */
         s->result->period = period;
-        s->result->distance = s->far[k % KEPT][period];
-        open_window(s, period, (s->at.t - s->t_seen[(k - period) % KEPT]) / (period * length));
-    } else if (s->result->periods + ORBIT_WINDOW + 2 >= s->most && k > 0) {
-        s->result->period = 0;
-        s->result->distance = least_distance(s, k);
-        open_window(s, ORBIT_WINDOW, (s->at.t - s->t_seen[(k - 1) % KEPT]) / length);
+        open_window(s, period > 0 ? period : ORBIT_WINDOW, (s->at.t - s->t_seen[(k - near) % KEPT]) / (near * length));
     }
 }
 
