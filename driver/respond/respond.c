@@ -238,14 +238,26 @@ static void run_locked(response_run *run, evl_error *error)
     }
 }
 
-/** The case at both ends, and what the results are of. */
+/** The range, whose units are those of the key in the case as --set makes it. */
+static bool read_range(response_run *run, const char *case_path, evl_error *error)
+{
+    const respond_options *options = run->options;
+    case_file *file = case_read(case_path, options->n_set, options->set, model_schema(), error);
+    case_base *base = file == NULL ? NULL : case_base_parse(case_path, case_text(file), model_schema(), error);
+    const bool good = base != NULL && value_range_read(&run->range, options->over, base, error);
+    case_base_delete(&base);
+    case_delete(&file);
+    return good;
+}
+
+/** The case at its first value, what the results are of, and all that can be wrong with the other values. */
 static bool begin(response_run *run, const char *case_path, evl_error *error)
 {
     branch *b = &run->branch;
     const respond_options *options = run->options;
     POOLED memory_pool pool = {NULL};
     b->base = case_base_read(case_path, model_schema(), error);
-    if (b->base == NULL || !value_range_read(&run->range, options->over, b->base, error)) {
+    if (b->base == NULL || !read_range(run, case_path, error)) {
         return false;
     }
     OWNED char *option = value_range_option(&run->range, run->range.from);
@@ -253,9 +265,15 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     for (int i = 0; i < options->n_set; i++) {
         set[i] = options->set[i];
     }
-    set[options->n_set] = option;
+    set[options->n_set] = option; /* the last one: without it the case is what it was, if it is one */
+    evl_error other = {.code = EVL_EXIT_OK};
+    if (prepare_case(&run->first, case_path, options->n_set, set, &other) &&
+        !value_range_check(&run->range, run->first.model, false, error)) {
+        return false;
+    }
+    prepared_case_free(&run->first);
     if (!prepare_case(&run->first, case_path, options->n_set + 1, set, error) ||
-        !value_range_check(&run->range, run->first.model, error)) {
+        !value_range_check(&run->range, run->first.model, true, error)) {
         return false;
     }
     b->range = &run->range;

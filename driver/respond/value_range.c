@@ -32,7 +32,8 @@ static bool read_value(value_range *range, const char *value, const char *text, 
     OWNED char *option = xasprintf("%s=%s", range->path, value);
     case_quantity quantity;
     if (!case_base_convert(base, option, &quantity, error)) {
-        return false;
+        OWNED char *place = xasprintf("--over %s", text), *why = xstrdup(error->message);
+        return evl_error_set(error, error->code, place, "%s", why);
     }
     if (!quantity.is_number || !isfinite(quantity.value)) {
         return refuse(text, HOW, error);
@@ -70,7 +71,23 @@ bool value_range_read(value_range *range, const char *text, const case_base *bas
     return range->from != range->to || refuse(text, "both ends are the same value: give a range", error);
 }
 
-bool value_range_check(const value_range *range, const model *model, evl_error *error)
+/** Whether a parameter of the case may go from value to value. */
+static bool check(const evl_parameter *parameter, evl_error *error)
+{
+    static const char simulation[] = "simulation.";
+    if (model_schema()->rows[parameter->row].type == EVL_INTEGER) {
+        return refuse(parameter->path,
+                      "a whole number changes the structure of the gearbox: no motion can be carried from one value to the "
+                      "next; make a sweep of it",
+                      error);
+    }
+    if (strncmp(parameter->path, simulation, sizeof simulation - 1) == 0) {
+        return refuse(parameter->path, "it says how the case is computed, not what the gearbox is", error);
+    }
+    return parameter->n == 1 || refuse(parameter->path, "a list of numbers is no parameter with one value", error);
+}
+
+bool value_range_check(const value_range *range, const model *model, bool is_there, evl_error *error)
 {
     evl_parameter parameter;
     POOLED memory_pool pool = {NULL};
@@ -78,22 +95,18 @@ bool value_range_check(const value_range *range, const model *model, evl_error *
     int n = 0;
     for (double *numbers = NULL; (numbers = model_parameter_at(model, n, &parameter)) != NULL; n++) {
         free(numbers);
-        const evl_row *row = &model_schema()->rows[parameter.row];
         if (strcmp(parameter.path, range->path) == 0) {
-            if (row->type == EVL_INTEGER) {
-                return refuse(range->path, "a whole number changes the structure of the gearbox: no motion can be carried "
-                                           "from one value to the next; make a sweep of it",
-                              error);
-            }
-            return parameter.n == 1 || refuse(range->path, "a list of numbers is no parameter with one value", error);
+            return check(&parameter, error);
         }
         paths = pool_grow(&pool, paths, (size_t)n, (size_t)n + 1, sizeof *paths);
         paths[n] = pool_copy(&pool, parameter.path);
     }
+    if (!is_there) {
+        return true;
+    }
     OWNED char *meant = suggest_phrase(range->path, n, paths);
-    OWNED char *why = xasprintf("it is no parameter of the gearbox%s; 'evolvent show --parameters' tells "
-                                "which there are",
-                                meant);
+    OWNED char *why = xasprintf(
+        "it is no parameter of the gearbox%s; 'evolvent show --parameters' tells which there are", meant);
     return refuse(range->path, why, error);
 }
 

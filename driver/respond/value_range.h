@@ -16,8 +16,10 @@ typedef struct {
 
 /** Read it. @return false with the reason in `error`: EVL_EXIT_USAGE, or EVL_EXIT_CASE for a path that the case does not have */
 bool value_range_read(value_range *range, const char *text, const case_base *base, evl_error *error);
-/** Whether the path is one of the parameters of a case that has it, and a real number. @return false with the reason in `error` */
-bool value_range_check(const value_range *range, const model *model, evl_error *error);
+/** Whether the path is one of the parameters of a case, and a real number.
+ *  @param is_there  the case has it: else it is no fault if it does not
+ *  @return false with the reason in `error` */
+bool value_range_check(const value_range *range, const model *model, bool is_there, evl_error *error);
 double value_range_at(const value_range *range, int index);
 /** "PATH=VALUE", a new string. */
 char *value_range_option(const value_range *range, double value);
