@@ -1,5 +1,6 @@
 #include "respond/respond.h"
 
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/number.h"
@@ -48,6 +49,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
     const options_t *options = given;
     int most = 0;
     log_set_quiet(options->quiet);
+    interrupt_install();
     if (strcmp(file, "-") == 0) {
         evl_error_set(error, EVL_EXIT_USAGE, "", "respond reads the case for every value: name a file");
         return error->code;

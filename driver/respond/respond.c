@@ -22,6 +22,7 @@ typedef struct {
     parts parts;         /**< a folder, locked, with what is needed to go on */
     checkpoint kept;     /**< what that is of */
     double saved, shown; /**< clock [s] */
+    bool is_shown;       /**< something stands on the terminal's line */
 } response_run;
 
 /* ---- going on ---- */
@@ -90,11 +91,30 @@ static bool save(response_run *run, evl_error *error)
 
 /* ---- the file ---- */
 
+/** The unit of a key as a result has it: "rad s-1" of "rad/s". A new string. */
+static char *result_unit(const char *unit)
+{
+    OWNED char *copy = xstrdup(unit);
+    char *below = strchr(copy, '/'), *rest = NULL;
+    if (below == NULL) {
+        return xstrdup(copy);
+    }
+    *below++ = '\0';
+    char *text = xstrdup(copy);
+    for (const char *word = strtok_r(below, " ", &rest); word != NULL; word = strtok_r(NULL, " ", &rest)) {
+        const size_t letters = strcspn(word, "0123456789");
+        char *longer = xasprintf("%s %.*s-%s", text, (int)letters, word, word[letters] == '\0' ? "1" : word + letters);
+        free(text);
+        text = longer;
+    }
+    return text;
+}
+
 static bool write_file(response_run *run, bool commit, const char *status, const char *message, evl_error *error)
 {
     branch *b = &run->branch;
     const description *description = case_description(run->first.file);
-    OWNED char *warnings = prepare_warnings(&run->first, "\n");
+    OWNED char *warnings = prepare_warnings(&run->first, "\n"), *unit = result_unit(run->range.unit);
     OWNED double *values = xcalloc((size_t)run->range.n, sizeof *values);
     for (int i = 0; i < run->range.n; i++) {
         values[i] = value_range_at(&run->range, i);
@@ -112,7 +132,7 @@ static bool write_file(response_run *run, bool commit, const char *status, const
     const response result = {
         .path = run->options->path,
         .parameter = run->range.path,
-        .units = run->range.unit,
+        .units = unit,
         .n = run->range.n,
         .values = values,
         .names = b->names,
@@ -140,6 +160,7 @@ static void show(response_run *run, const branch_place *at)
         return;
     }
     run->shown = now;
+    run->is_shown = on_terminal;
     OWNED char *option = value_range_option(&run->range, value_range_at(&run->range, at->index));
     OWNED char *text = xasprintf("%s %s, %d of %d values", at->direction == 0 ? "up" : "down", option,
                                  run->branch.step, run->branch.n_steps);
@@ -149,7 +170,7 @@ static void show(response_run *run, const branch_place *at)
 /** All that are left. @return how it ended; the reason of a failure is in `error` */
 static orbit_end go(response_run *run, evl_error *error)
 {
-    static const double interval = 2; /* [s] between two states that are kept */
+    static const double interval = 1; /* [s] between two states that are kept */
     orbit_end end = ORBIT_FOUND;
     while (run->branch.step < run->branch.n_steps && end == ORBIT_FOUND) {
         const branch_place at = branch_at(&run->branch, run->branch.step);
@@ -162,7 +183,9 @@ static orbit_end go(response_run *run, evl_error *error)
             return ORBIT_FAILED;
         }
     }
-    progress_wipe();
+    if (run->is_shown) {
+        progress_wipe();
+    }
     return end;
 }
 

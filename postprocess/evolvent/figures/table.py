@@ -18,12 +18,14 @@ from evolvent.figures.on_path import draw_on_path
 from evolvent.figures.order_map import draw_order_maps
 from evolvent.figures.pairs import draw_pairs, last_pitches
 from evolvent.figures.quantities import draw_quantities
+from evolvent.figures.response import draw_response
 from evolvent.figures.spectrum import draw_spectra
 from evolvent.figures.static import draw_curves, draw_harris, draw_sharing
 from evolvent.history import (
     CAMPBELL,
     HISTORY,
     ORDER_MAP,
+    RESPONSE,
     SPECTRUM,
     STATIC,
     WHAT,
@@ -249,6 +251,18 @@ def spectrum(runs: Sequence[Run]) -> Figure:
 def order_map(runs: Sequence[Run], over_time: bool = False, as_frequency: bool = False) -> Figure:
     """Draw how the lines change as the gearbox runs up."""
     return draw_order_maps([(run.label, run.history) for run in runs], over_time, as_frequency)
+
+
+@figure(
+    "numbers over a parameter that goes up and down, with the jumps of the motion",
+    "transmission_error_standard_deviation",
+    "dynamic_factor",
+    "period",
+    of=RESPONSE,
+)
+def response(run: Run) -> Figure:
+    """Draw deviation of the transmission error, dynamic factor and period over the parameter."""
+    return draw_response(run.history)
 
 
 @figure(

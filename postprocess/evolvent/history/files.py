@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 
 NEWEST_FORMAT = 1
 # values of the attribute `evolvent_kind`
-HISTORY, STATIC = "history", "static"
+HISTORY, STATIC, RESPONSE = "history", "static", "response"
 SPECTRUM, ORDER_MAP, CAMPBELL = "spectrum", "order_map", "campbell"
 DIMENSIONS = {
     HISTORY: ("time", "wheel", "mesh", "axis"),
     STATIC: ("torque", "position", "pair", "harmonic"),
+    RESPONSE: ("direction", "parameter", "jump", "mesh"),
     SPECTRUM: (),  # frequency or order
     ORDER_MAP: ("time", "order"),
     CAMPBELL: ("speed", "mode", "excitation", "crossing"),
@@ -33,12 +34,13 @@ DIMENSIONS = {
 WHAT = {
     HISTORY: "a history",
     STATIC: "a static analysis",
+    RESPONSE: "a response",
     SPECTRUM: "a spectrum",
     ORDER_MAP: "an order map",
     CAMPBELL: "a Campbell picture",
     "stack": "histories of many cases",
 }
-DRAWN = (STATIC, SPECTRUM, ORDER_MAP, CAMPBELL)  # by evolvent-post plot, beside histories
+DRAWN = (STATIC, RESPONSE, SPECTRUM, ORDER_MAP, CAMPBELL)  # by evolvent-post plot, beside histories
 EVENTS = "events"  # group of a file; of a dataset without one, what makes them, in its `encoding`
 EVENT = "event"  # dimension of events, and their number
 DONE, RUNNING = "done", "running"  # values of the attribute `status`

@@ -104,7 +104,8 @@ def plot(
 ) -> None:
     """Draw quantities over time, the roll angle or the path of contact; several histories in one.
 
-    Of a static analysis: over the mesh cycle and over the torque.
+    Of a static analysis: over the mesh cycle and over the torque. Of a response: over its
+    parameter, up and down, with its jumps.
 
     \b
     A run with a window for its numbers shows that window, without what comes before.
@@ -119,6 +120,7 @@ def plot(
       evolvent-post plot spur-pair.h5 --quantity path --quantity pairs
       evolvent-post plot spur-pair.h5 --quantity pair_sliding_velocity --over path
       evolvent-post plot spur-pair-static.h5
+      evolvent-post plot compliant-pair-respond.h5
     """  # noqa: D301 - \b keeps click from filling the lines
     from evolvent.figures.style import save
     from evolvent.figures.table import FIGURES, pairs

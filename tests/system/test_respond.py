@@ -1,0 +1,255 @@
+"""`evolvent respond`: motions over a parameter that goes up and down."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from processes import wait_for
+from system.test_numbers import BASE, FORCE, INERTIA, RATIO, STIFFNESS, TEETH, rectangular
+
+Respond = Callable[..., xr.Dataset]
+UNIT = math.sqrt(STIFFNESS * RATIO) * BASE / math.sqrt(INERTIA) / TEETH  # rad/s of omega = 1
+SPEED = "wheels.a.loads.0.value"
+
+
+def speeds(first: float, last: float, step: float = 0.005) -> str:
+    """The option of frequencies over that of the mean stiffness."""
+    return f"{SPEED}={-first * UNIT!r}:{-last * UNIT!r}:{round(abs(last - first) / step) + 1}"
+
+
+def write_rectangular(folder: Path) -> Path:
+    """The oscillator with rectangular stiffness, whose flanks may part."""
+    case = rectangular(1.0, 1, 1, "radau")
+    del case["simulation"]["numbers"]
+    path = folder / "rectangular.yaml"
+    path.write_text(yaml.safe_dump(case))
+    return path
+
+
+@pytest.fixture
+def respond(evolvent: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path) -> Respond:
+    """What comes of a range of the oscillator's frequency."""
+    case = write_rectangular(tmp_path)
+
+    def run(over: str, *options: Any) -> xr.Dataset:
+        path = tmp_path / "response.h5"
+        result = evolvent("respond", case, "--over", over, "-o", path, "-q", *options)
+        assert result.returncode == 0, result.stderr
+        with xr.open_dataset(path, engine="h5netcdf") as file:
+            return file.load()
+
+    return run
+
+
+def deviation(response: xr.Dataset, direction: str, omega: float) -> float:
+    """Standard deviation of the transmission error over F/k."""
+    told = response["transmission_error_standard_deviation"].sel(direction=direction)
+    return float(told.sel(parameter=-omega * UNIT, method="nearest")[0]) / (FORCE / STIFFNESS)
+
+
+def period(response: xr.Dataset, direction: str, omega: float) -> int:
+    told = response["period"].sel(direction=direction)
+    return int(told.sel(parameter=-omega * UNIT, method="nearest"))
+
+
+def jumps(response: xr.Dataset) -> list[tuple[float, float]]:
+    """Frequencies between which the motion jumps."""
+    ends = (response["jump_before"].values / -UNIT, response["jump_after"].values / -UNIT)
+    return list(zip(*(end.tolist() for end in ends), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("omega", "expected"), [(0.7, 0.363006711), (1.3, 0.182425960), (2.0, 0.652445783)]
+)
+def test_numbers_are_those_of_an_independent_program(respond, omega, expected):
+    """Figures of an event-driven integration of the oscillator by itself, as in test_numbers."""
+    response = respond(speeds(omega, omega + 0.005), "--up")
+    assert deviation(response, "up", omega) == pytest.approx(expected, rel=1e-5)
+    assert period(response, "up", omega) == (2 if omega == 2.0 else 1)
+
+
+def test_motion_jumps_up_where_the_flanks_part(respond):
+    """Of another program: 0.4975 at 0.750 and 1.3310 at 0.755, with all the digits it printed."""
+    response = respond(speeds(0.74, 0.765), "--up")
+    assert deviation(response, "up", 0.75) == pytest.approx(0.4975, abs=6e-5)
+    assert deviation(response, "up", 0.755) == pytest.approx(1.3310, abs=6e-5)
+    ((before, after),) = jumps(response)
+    assert 0.75 < before < after < 0.755
+    assert after - before == pytest.approx(0.005 / 2**10, rel=1e-6)  # it was halved ten times
+    assert response["period"].values.tolist() == [[1] * 6]
+
+
+def test_period_doubles_where_the_mesh_excites_the_second_order(respond):
+    response = respond(speeds(1.84, 1.87), "--up")
+    assert [period(response, "up", omega) for omega in (1.85, 1.855, 1.86, 1.865)] == [2] * 4
+    assert deviation(response, "up", 1.84) < 0.1 < 0.8 < deviation(response, "up", 1.85)
+    assert ((response["followed"] > 1) & (response["followed"] <= 600)).all()
+
+
+def test_motion_of_two_periods_is_kept_on_the_way_down(respond):
+    """Behind 0.825 it falls to the motion of one period, of which another program says 1.0698."""
+    response = respond(speeds(0.8, 2.1), "--down")
+    assert all(period(response, "down", omega) == 2 for omega in np.arange(1.0, 2.1, 0.05))
+    assert deviation(response, "down", 0.83) > 5
+    ((before, after),) = [pair for pair in jumps(response) if pair[0] < 1]
+    assert 0.815 < after < before < 0.83
+    up = respond(speeds(0.825, 0.83), "--up")
+    assert deviation(response, "down", 0.815) == pytest.approx(1.1032, abs=1e-3)
+    assert deviation(up, "up", 0.825) == pytest.approx(1.0698, abs=6e-5)
+
+
+def test_down_goes_on_from_where_up_ended(respond):
+    """Between both jumps there are two motions, and which one it is depends on the way."""
+    response = respond(speeds(0.70, 0.77, 0.01))
+    assert response["direction"].values.tolist() == ["up", "down"]
+    assert deviation(response, "up", 0.77) == pytest.approx(
+        deviation(response, "down", 0.77), rel=1e-5
+    )
+    assert deviation(response, "down", 0.73) > 2 * deviation(response, "up", 0.73)
+
+
+def test_interrupted_and_killed_it_goes_on_with_the_same_bits(tmp_path, evolvent, executable):
+    case = write_rectangular(tmp_path)
+    over = speeds(1.3, 1.8, 0.001)
+    whole, stopped = tmp_path / "whole.h5", tmp_path / "stopped.h5"
+    folder = tmp_path / "stopped.h5.parts"
+    command = [executable, "respond", case, "--over", over, "--up", "-q", "-o", stopped]
+    for sent in (signal.SIGINT, signal.SIGKILL):
+        kept = folder / "checkpoint.h5"
+        before = os.stat(kept).st_mtime_ns if kept.exists() else 0
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+            wait_for(
+                lambda kept=kept, before=before: kept.exists()
+                and os.stat(kept).st_mtime_ns > before
+            )
+            process.send_signal(sent)
+            _, messages = process.communicate(timeout=30)
+        if sent == signal.SIGINT:
+            assert process.returncode == 75
+            assert "the same command goes on" in messages
+            with xr.open_dataset(f"{stopped}.partial", engine="h5netcdf") as partial:
+                done = int(partial.attrs["values_done"])
+                assert partial.attrs["status"] == "interrupted"
+                assert 0 < done == int((partial["period"] >= 0).sum())
+        else:
+            assert process.returncode == -signal.SIGKILL
+        assert not stopped.exists()
+    for path in (stopped, whole):
+        result = evolvent("respond", case, "--over", over, "--up", "-q", "-o", path)
+        assert result.returncode == 0, result.stderr
+    assert not folder.exists()
+    with (
+        xr.open_dataset(stopped, engine="h5netcdf") as a,
+        xr.open_dataset(whole, engine="h5netcdf") as b,
+    ):
+        xr.testing.assert_identical(a.load(), b.load())
+
+
+def test_kept_state_of_another_response_is_refused(tmp_path, evolvent, executable):
+    case = write_rectangular(tmp_path)
+    path = tmp_path / "r.h5"
+    command = [executable, "respond", case, "--over", speeds(1.3, 2.1, 0.001), "-q", "-o", path]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        wait_for(lambda: (tmp_path / "r.h5.parts" / "checkpoint.h5").exists())
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=30)
+    result = evolvent("respond", case, "--over", speeds(1.3, 2.0, 0.001), "-q", "-o", path)
+    assert result.returncode == 3
+    assert "of another response" in result.stderr.splitlines()[-1]
+
+
+def test_common_period_is_that_of_all_meshes(tmp_path, evolvent, examples):
+    """23 teeth of the second mesh's driving wheel for the 47 of the gear that turns with it."""
+    path = tmp_path / "r.h5"
+    result = evolvent(
+        *("respond", examples / "two-stage-gears.yaml"),
+        *("--over", "meshes.first.damping.value=0.05:0.1:2", "--up", "-q", "-o", path),
+    )
+    assert result.returncode == 0, result.stderr
+    with xr.open_dataset(path, engine="h5netcdf") as response:
+        assert response["common_period"].values.tolist() == [[47, 47]]
+        assert response["period"].values.tolist() == [[1, 1]]
+
+
+
+def test_harmonic_loads_count_in_the_common_period(tmp_path, evolvent):
+    """Three cycles of the load in two pitches."""
+    case = write_rectangular(tmp_path)
+    mean = -FORCE * BASE
+    pitch_rate = UNIT * TEETH / (2 * math.pi)
+    load = f"{{kind: harmonic, mean: {mean}, amplitude: {0.1 * mean}, frequency: {1.5 * pitch_rate!r}}}"
+    path = tmp_path / "r.h5"
+    options = ("--set", f"{SPEED}={-UNIT!r}", "--set", f"wheels.b.loads.0={load}")
+    result = evolvent(
+        *("respond", case, "--over", f"wheels.b.loads.0.mean={mean!r}:{1.1 * mean!r}:2"),
+        *("--up", "-q", "-o", path, *options),
+    )
+    assert result.returncode == 0, result.stderr
+    with xr.open_dataset(path, engine="h5netcdf") as response:
+        assert response["common_period"].values.tolist() == [[2, 2]]
+        assert response["period"].values.tolist() == [[1, 1]]
+    result = evolvent("respond", case, "--over", speeds(1, 1.23456, 0.23456), "-o", path, *options)
+    assert result.returncode == 3
+    assert "there is no common period" in result.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("over", "code", "parts"),
+    [
+        ("wheels.a.teeth=20:40", 2, ["structure"]),
+        ("wheels.a.loads.0.kind=1:2", 3, ["must be one of"]),
+        (f"{SPEED}=-500:-500", 2, ["the same value"]),
+        (f"{SPEED}=-500:-600:1", 2, ["from 2 to 100000"]),
+        (f"{SPEED}=-500", 2, ["PATH=FROM:TO"]),
+        ("wheels.a.loads.0.valu=-500:-600", 3, ["did you mean 'value'"]),
+        ("simulation.duration=1:2", 2, ["how the case is computed"]),
+        ("wheels.b.loads.0.value=-1 rpm:-2 rpm", 3, ["rpm"]),
+        ("meshes.ab.contact.stiffness=3e8:-3e8:3", 3, ["greater than 0"]),
+        (f"{SPEED}=-500:500:3", 3, ["no common period"]),
+        (f"{SPEED}=500:600:3", 3, ["driving_rotation"]),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(tmp_path, evolvent, over, code, parts):
+    case = write_rectangular(tmp_path)
+    result = evolvent("respond", case, "--over", over, "-o", tmp_path / "r.h5")
+    assert result.returncode == code, result.stderr
+    (line,) = result.stderr.splitlines()
+    for part in parts:
+        assert part in line
+    assert not (tmp_path / "r.h5").exists()
+    assert not (tmp_path / "r.h5.parts").exists()
+
+
+def test_a_motion_that_fails_says_how_far_it_came(tmp_path, evolvent, examples):
+    """Under 20 kN m the teeth yield more than they are apart."""
+    path = tmp_path / "r.h5"
+    load = "wheels.gear.loads.0"
+    settings = (
+        f"{load}={{kind: torque, value: -178.9}}",
+        "wheels.pinion.loads.0={kind: speed, value: -157}",
+        *(f"wheels.{wheel}.compliance={{model: analytic}}" for wheel in ("pinion", "gear")),
+    )
+    result = evolvent(
+        *("respond", examples / "compliant-pair.yaml", "--over", f"{load}.value=-178:-40000:3"),
+        *("--up", "-o", path, *(word for text in settings for word in ("--set", text))),
+    )
+    assert result.returncode == 4, result.stderr
+    line = result.stderr.splitlines()[-1]
+    assert f"{load}.value=-20089: " in line
+    assert "1 of 3 values are done" in line
+    with xr.open_dataset(f"{path}.partial", engine="h5netcdf") as response:
+        assert response.attrs["status"] == "failed"
+        assert response["period"].values.tolist() == [[1, -1, -1]]
+        assert np.isfinite(response["normal_force_mean"].values[0, 0]).all()
+        assert np.isnan(response["normal_force_mean"].values[0, 1:]).all()
