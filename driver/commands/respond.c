@@ -91,14 +91,17 @@ const command respond_command = {
     .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [-o FILE.h5] [--set "
                 "PATH=VALUE]... [-q]",
     .summary = "follow the motion over a parameter that goes up and down, with its jumps",
-    .text = "Takes the case from value to value of a parameter: at each the motion goes on from where it ended at the value\n"
-            "before, until it repeats after 1 to 16 common periods of all meshes and loads, or for so long that it does\n"
-            "not. Writes its period and its numbers over whole periods for each value, up and down, and where it jumps.\n"
-            "What is stopped goes on when the same command is given again.\n"
-            "\n"
-            "Examples:\n"
-            "  evolvent respond examples/compliant-pair.yaml --over 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'\n"
-            "  evolvent respond examples/compliant-pair.yaml --over wheels.gear.loads.0.value=-20:-200:10 --up -o load.h5\n",
+    .text =
+        "Takes the case from value to value of a parameter: at each the motion goes on from where it ended at the "
+        "value\n"
+        "before, until it repeats after 1 to 16 common periods of all meshes and loads, or for so long that it does\n"
+        "not. Writes its period and its numbers over whole periods for each value, up and down, and where it jumps.\n"
+        "What is stopped goes on when the same command is given again.\n"
+        "\n"
+        "Examples:\n"
+        "  evolvent respond examples/compliant-pair.yaml --over 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'\n"
+        "  evolvent respond examples/compliant-pair.yaml --over wheels.gear.loads.0.value=-20:-200:10 --up -o "
+        "load.h5\n",
     .file = "case file",
     .size = sizeof(options_t),
     OPTION_ROWS(rows),

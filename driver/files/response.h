@@ -9,8 +9,8 @@ enum { RESPONSE_DIRECTIONS = 2 };
 
 /** Where a motion jumps to another one. */
 typedef struct {
-    int direction;                /**< 0 up, 1 down */
-    double before, after;         /**< values of the parameter just before and just behind it */
+    int direction;        /**< 0 up, 1 down */
+    double before, after; /**< values of the parameter just before and just behind it */
     int period_before, period_after;
     double *deviation_before, *deviation_after; /**< [n_meshes] standard deviations of the transmission errors */
 } response_jump;

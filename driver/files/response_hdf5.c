@@ -57,7 +57,7 @@ static bool write_told(writer *w, const netcdf_variable *like, teller *tell)
 {
     netcdf_variable variable = *like;
     const int n = w->from->n;
-    OWNED double *values = xcalloc((size_t)(w->n_directions * n), sizeof *values);
+    OWNED double *values = xcalloc((size_t)w->n_directions * (size_t)n, sizeof *values);
     for (int d = 0; d < w->n_directions; d++) {
         for (int i = 0; i < n; i++) {
             values[d * n + i] = tell(&w->from->points[w->of[d]][i]);
@@ -144,7 +144,7 @@ static bool write_jump_deviation(writer *w, const model_output *like, const char
 {
     netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, "m", "", text);
     const int n = w->from->n_jumps, n_meshes = w->from->names->meshes.n;
-    OWNED double *values = xcalloc((size_t)(n * n_meshes) + 1, sizeof *values);
+    OWNED double *values = xcalloc((size_t)n * (size_t)n_meshes + 1, sizeof *values);
     for (int i = 0; i < n; i++) {
         const response_jump *jump = &w->from->jumps[i];
         for (int m = 0; m < n_meshes; m++) {

@@ -40,8 +40,8 @@ bool model_take_over(const model *model, const dae *other, const dae_state *from
     const dae *own = &model->about.dae;
     evl_status status = {.index = -1};
     if (own->n != other->n) {
-        (void)snprintf(message, DAE_MESSAGE_LENGTH, "the gearbox has %d states and had %d: no motion can be carried over",
-                       own->n, other->n);
+        (void)snprintf(message, DAE_MESSAGE_LENGTH,
+                       "the gearbox has %d states and had %d: no motion can be carried over", own->n, other->n);
         return false;
     }
     const bool alike = own->n_integers == other->n_integers && own->n_reals == other->n_reals;

@@ -35,9 +35,10 @@ bool branch_prepare(branch *b, double value, model_period *period, evl_error *er
         return prepare_refuse(&b->prepared, &refusal, error);
     }
     if (period->sense < 0) {
-        return evl_error_set(error, EVL_EXIT_CASE, option,
-                             "the wheels turn against driving_rotation, and numbers count pitches in its sense: give the "
-                             "other rotation");
+        return evl_error_set(
+            error, EVL_EXIT_CASE, option,
+            "the wheels turn against driving_rotation, and numbers count pitches in its sense: give the "
+            "other rotation");
     }
     return true;
 }
@@ -146,7 +147,7 @@ static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error 
 static orbit_end look_between(branch *b, double last, const response_point *before, double value, response_point *point,
                               carried *state, evl_error *error)
 {
-    enum { MOST_ROUNDS = 8 };
+    enum { MOST_ROUNDS = 24 };
     const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
     gap gap = {.values = {last, value}, .points = {*before, *point}};
     bool jumps = true;

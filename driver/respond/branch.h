@@ -21,7 +21,7 @@ typedef struct {
     int n_values;
     bool goes[RESPONSE_DIRECTIONS];
     /* what is kept */
-    int step, n_steps; /**< values that were looked at, of all directions */
+    int step, n_steps;                           /**< values that were looked at, of all directions */
     response_point *points[RESPONSE_DIRECTIONS]; /**< [range->n] */
     carried state;                               /**< of the last value */
     int n_jumps;

@@ -66,13 +66,13 @@ typedef struct {
     section section;
     double repeats; /**< distance below which states are the same */
     int most;
-    dae_state seen[KEPT];     /**< on the section, taken back to the same place */
-    double t_seen[KEPT];      /**< when [s] */
-    double far[KEPT][KEPT];   /**< [section][orbit] distance to that many periods before; NAN: not known */
-    int n_seen;               /**< since the section stands where it is */
-    dae_state at;             /**< the last one as it was */
-    numbers *numbers;         /**< of the window, once there is one */
-    double t_stop;            /**< end of the window [s] */
+    dae_state seen[KEPT];   /**< on the section, taken back to the same place */
+    double t_seen[KEPT];    /**< when [s] */
+    double far[KEPT][KEPT]; /**< [section][orbit] distance to that many periods before; NAN: not known */
+    int n_seen;             /**< since the section stands where it is */
+    dae_state at;           /**< the last one as it was */
+    numbers *numbers;       /**< of the window, once there is one */
+    double t_stop;          /**< end of the window [s] */
     orbit_result *result;
     stop_reason stop;
 } search;
@@ -272,15 +272,14 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     integrate_counts counts;
     message[0] = '\0';
     if (isnan(options.t_end)) {
-        (void)snprintf(message, DAE_MESSAGE_LENGTH,
-                       "nothing turns the first mesh in its nominal sense where the motion begins; start with speeds, or "
-                       "from a steady state");
+        (void)snprintf(
+            message, DAE_MESSAGE_LENGTH,
+            "nothing turns the first mesh in its nominal sense where the motion begins; start with speeds, or "
+            "from a steady state");
         return ORBIT_FAILED;
     }
     const integrate_code code = integrate(s->dae, &options, &observer, &now, &counts, message);
-    orbit_end end = s->stop == STOP_DONE          ? ORBIT_FOUND
-                    : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED
-                                                  : ORBIT_FAILED;
+    orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
     if (end == ORBIT_FAILED && code == INTEGRATE_DONE) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH,
                        "the first mesh passed %.4g pitches in %.4g s: it all but stands still",

@@ -22,10 +22,11 @@ void carried_copy(carried *to, const carried *from);
 void carried_keep(carried *carried, archive *archive);
 
 typedef struct {
-    int period;      /**< common periods after which it repeats, 1 to 16; 0: it does not */
-    int periods;     /**< how many common periods it was followed */
-    int pitches;     /**< of the first mesh in a common period */
-    double distance; /**< largest difference of a state to that of one orbit before, in its unit; of one that does not repeat the least
+    int period;  /**< common periods after which it repeats, 1 to 16; 0: it does not */
+    int periods; /**< how many common periods it was followed */
+    int pitches; /**< of the first mesh in a common period */
+    double
+        distance; /**< largest difference of a state to that of one orbit before, in its unit; of one that does not repeat the least
                           of all orbits that were tried */
 } orbit_result;
 

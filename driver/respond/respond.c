@@ -36,9 +36,8 @@ static void identify(response_run *run)
     own->texts[CHECKPOINT_PROGRAM] = xstrdup("evolvent " EVOLVENT_VERSION " respond");
     own->texts[CHECKPOINT_INTEGRATOR] = xstrdup("radau");
     own->texts[CHECKPOINT_KERNEL] = xasprintf("%s, compiled for %s", model_tables()->compiler, processor);
-    own->texts[CHECKPOINT_CASE] =
-        xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up, options->down, options->most,
-                  case_text(run->first.file));
+    own->texts[CHECKPOINT_CASE] = xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up,
+                                            options->down, options->most, case_text(run->first.file));
 }
 
 static bool is_same(const checkpoint *a, const checkpoint *b)
@@ -61,10 +60,11 @@ static bool take_up(response_run *run, evl_error *error)
     }
     bool good = checkpoint_read(folder, &found, doubt, error);
     if (good && !is_same(&found, &run->kept)) {
-        good = evl_error_set(error, EVL_EXIT_CASE, "",
-                             "'%s' holds what is done of another response, of another case, range, option or program; go on "
-                             "with that, delete the folder, or write to another file with -o",
-                             folder);
+        good = evl_error_set(
+            error, EVL_EXIT_CASE, "",
+            "'%s' holds what is done of another response, of another case, range, option or program; go on "
+            "with that, delete the folder, or write to another file with -o",
+            folder);
     } else if (good) {
         branch_keep(&run->branch, &found.state);
         good = archive_is_read(&found.state) ||
@@ -162,8 +162,8 @@ static void show(response_run *run, const branch_place *at)
     run->shown = now;
     run->is_shown = on_terminal;
     OWNED char *option = value_range_option(&run->range, value_range_at(&run->range, at->index));
-    OWNED char *text = xasprintf("%s %s, %d of %d values", at->direction == 0 ? "up" : "down", option,
-                                 run->branch.step, run->branch.n_steps);
+    OWNED char *text = xasprintf("%s %s, %d of %d values", at->direction == 0 ? "up" : "down", option, run->branch.step,
+                                 run->branch.n_steps);
     progress_show(on_terminal, text);
 }
 
@@ -230,8 +230,8 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
     OWNED char *why = is_interrupted ? xasprintf("interrupted by %s", interrupt_name((int)interrupt_signal))
                                      : xstrdup(error->message);
     OWNED char *place = xstrdup(is_interrupted ? case_path(run->first.file) : error->place);
-    const bool good = save(run, &other) &&
-                      write_file(run, false, is_interrupted ? "interrupted" : "failed", why, &other);
+    const bool good =
+        save(run, &other) && write_file(run, false, is_interrupted ? "interrupted" : "failed", why, &other);
     if (!good) {
         *error = other;
     } else if (is_interrupted) {

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 
 typedef struct {
-    const char *over;     /**< PATH=FROM:TO[:STEPS] */
+    const char *over; /**< PATH=FROM:TO[:STEPS] */
     bool up, down;
     int most;             /**< common periods at a value; 0: the usual number */
     const char *path;     /**< of the result */

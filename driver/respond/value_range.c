@@ -7,8 +7,9 @@
 #include <math.h>
 #include <string.h>
 
-static const char HOW[] = "it must be PATH=FROM:TO[:STEPS], a parameter of the case, two values of it, and how many values "
-                          "there are, from 2 to 100000, such as 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'";
+static const char HOW[] =
+    "it must be PATH=FROM:TO[:STEPS], a parameter of the case, two values of it, and how many values "
+    "there are, from 2 to 100000, such as 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'";
 
 static bool refuse(const char *text, const char *why, evl_error *error)
 {
@@ -76,10 +77,11 @@ static bool check(const evl_parameter *parameter, evl_error *error)
 {
     static const char simulation[] = "simulation.";
     if (model_schema()->rows[parameter->row].type == EVL_INTEGER) {
-        return refuse(parameter->path,
-                      "a whole number changes the structure of the gearbox: no motion can be carried from one value to the "
-                      "next; make a sweep of it",
-                      error);
+        return refuse(
+            parameter->path,
+            "a whole number changes the structure of the gearbox: no motion can be carried from one value to the "
+            "next; make a sweep of it",
+            error);
     }
     if (strncmp(parameter->path, simulation, sizeof simulation - 1) == 0) {
         return refuse(parameter->path, "it says how the case is computed, not what the gearbox is", error);
@@ -105,8 +107,8 @@ bool value_range_check(const value_range *range, const model *model, bool is_the
         return true;
     }
     OWNED char *meant = suggest_phrase(range->path, n, paths);
-    OWNED char *why = xasprintf(
-        "it is no parameter of the gearbox%s; 'evolvent show --parameters' tells which there are", meant);
+    OWNED char *why =
+        xasprintf("it is no parameter of the gearbox%s; 'evolvent show --parameters' tells which there are", meant);
     return refuse(range->path, why, error);
 }
 

@@ -8,9 +8,9 @@
 enum { RANGE_USUAL_STEPS = 101, RANGE_MOST_STEPS = 100000 };
 
 typedef struct {
-    char *path;   /**< as in --set; owned */
-    char *unit;   /**< of the key, "" if none; owned */
-    int n;        /**< values */
+    char *path;      /**< as in --set; owned */
+    char *unit;      /**< of the key, "" if none; owned */
+    int n;           /**< values */
     double from, to; /**< in the key's unit */
 } value_range;
 

@@ -59,8 +59,8 @@ contains
       end do
    end subroutine take_back
 
-   !> How far two states are from each other: the largest difference of a state in its unit, of an approach speed in that of its contact;
-   !> infinite where the discrete states differ. Energies do not count.
+   !> How far two states are from each other: the largest difference of a state in its unit, of an approach speed in that of its
+   !> contact; infinite where the discrete states differ. Energies do not count.
    pure real(wp) function state_distance(gearbox, scale, y_a, integers_a, reals_a, y_b, integers_b, reals_b) result(distance)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: scale(gearbox%n_states) !! units of the states
@@ -82,8 +82,9 @@ contains
       end do
    end function state_distance
 
-   !> Make a state of a like gearbox, with other parameters, one of this gearbox: speeds that are prescribed become those of its loads,
-   !> all wheels turning with them; penetrations stay; tooth pairs are where its teeth meet, in the modes that belong to that.
+   !> Make a state of a like gearbox, with other parameters, one of this gearbox: speeds that are prescribed become those of its
+   !> loads, all wheels turning with them; penetrations stay; tooth pairs are where its teeth meet, in the modes that belong to
+   !> that.
    !> Errors: code_out_of_domain if a law has no answer there.
    subroutine take_over(gearbox, alike, t, y, yp, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox

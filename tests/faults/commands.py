@@ -161,6 +161,12 @@ def commands(program: Path) -> dict[str, Command]:
             partial(_files, names={"s.h5": _of_hdf5}),
         ),
         Command(
+            "respond",
+            lambda folder: _write_case(folder, example="spur-pair.yaml"),
+            [program, "respond", CASE, "--over", f"{TORQUE}=-40:-50:2", "-o", "r.h5", "-q"],
+            partial(_files, names={"r.h5": _of_hdf5}),
+        ),
+        Command(
             "show",
             _write_case,
             [program, "show", CASE],

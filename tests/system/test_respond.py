@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import signal
 import subprocess
 from collections.abc import Callable
@@ -127,11 +126,10 @@ def test_interrupted_and_killed_it_goes_on_with_the_same_bits(tmp_path, evolvent
     command = [executable, "respond", case, "--over", over, "--up", "-q", "-o", stopped]
     for sent in (signal.SIGINT, signal.SIGKILL):
         kept = folder / "checkpoint.h5"
-        before = os.stat(kept).st_mtime_ns if kept.exists() else 0
+        before = kept.stat().st_mtime_ns if kept.exists() else 0
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
             wait_for(
-                lambda kept=kept, before=before: kept.exists()
-                and os.stat(kept).st_mtime_ns > before
+                lambda kept=kept, before=before: kept.exists() and kept.stat().st_mtime_ns > before
             )
             process.send_signal(sent)
             _, messages = process.communicate(timeout=30)
@@ -182,13 +180,15 @@ def test_common_period_is_that_of_all_meshes(tmp_path, evolvent, examples):
         assert response["period"].values.tolist() == [[1, 1]]
 
 
-
 def test_harmonic_loads_count_in_the_common_period(tmp_path, evolvent):
     """Three cycles of the load in two pitches."""
     case = write_rectangular(tmp_path)
     mean = -FORCE * BASE
     pitch_rate = UNIT * TEETH / (2 * math.pi)
-    load = f"{{kind: harmonic, mean: {mean}, amplitude: {0.1 * mean}, frequency: {1.5 * pitch_rate!r}}}"
+    load = (
+        f"{{kind: harmonic, mean: {mean}, amplitude: {0.1 * mean}, "
+        f"frequency: {1.5 * pitch_rate!r}}}"
+    )
     path = tmp_path / "r.h5"
     options = ("--set", f"{SPEED}={-UNIT!r}", "--set", f"wheels.b.loads.0={load}")
     result = evolvent(

@@ -38,9 +38,9 @@ def draw_response(response: xr.Dataset) -> Figure:
     with rc_context(STYLE):
         figure = Figure(figsize=(7.5, 1.5 + 2.1 * (len(shown) + 0.7)), layout="constrained")
         ratios = [1.0] * len(shown) + [0.7]
-        panels = figure.subplots(
-            len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios
-        )[:, 0]
+        panels = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[
+            :, 0
+        ]
         for panel, (name, mesh) in zip(panels[:-1], shown, strict=True):
             values = response[name].isel(mesh=mesh)
             factor, of = engineering(values.values, str(values.attrs["units"]))
