@@ -99,9 +99,11 @@ const command respond_command = {
         "What is stopped goes on when the same command is given again.\n"
         "\n"
         "Examples:\n"
-        "  evolvent respond examples/compliant-pair.yaml --over 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'\n"
-        "  evolvent respond examples/compliant-pair.yaml --over wheels.gear.loads.0.value=-20:-200:10 --up -o "
-        "load.h5\n",
+        "  evolvent respond examples/spur-pair.yaml --over meshes.pinion-gear.damping.value=0.05:0.1:3\n"
+        "  evolvent respond examples/spur-pair.yaml --over 'wheels.pinion.loads.0.value=-500 rpm:-1000 rpm:3' --set "
+        "'wheels.pinion.loads.0={kind: speed, value: -157}' --set 'wheels.gear.loads.0={kind: torque, value: -90}' "
+        "--up "
+        "-o speeds.h5\n",
     .file = "case file",
     .size = sizeof(options_t),
     OPTION_ROWS(rows),

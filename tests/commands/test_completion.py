@@ -21,7 +21,10 @@ OFFERED = {
     **{"CASE.yaml": CASES, "DESIGN.h5": ["design.h5", "folder"], "DIR": ["folder"]},
     **{
         value: []
-        for value in ("TIME", "TIMES", "MINUTES", "X", "FROM:TO:STEPS", "SPEED", "N", "I/N", "J")
+        for value in (
+            *("TIME", "TIMES", "MINUTES", "X", "FROM:TO:STEPS", "PATH=FROM:TO[:STEPS]"),
+            *("SPEED", "N", "I/N", "J"),
+        )
     },
     **{"NAME": ["pinion-gear"], "bash": list(SHELLS)},
     "NAMES": [
