@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from response_results import backlash_response
 from signal_histories import START, by_angle, signal_history
 
 from evolvent.commands.post.spectrum import make_spectrum
 from evolvent.commands.post.waterfall import make_map
-from evolvent.history import CAMPBELL, ORDER_MAP, SPECTRUM
+from evolvent.history import CAMPBELL, ORDER_MAP, RESPONSE, SPECTRUM
 from evolvent.signals.campbell import Excitation, crossings
 from evolvent.signals.results import campbell_result
 from evolvent.signals.selection import select
@@ -64,4 +65,5 @@ def campbell_of_two_modes() -> xr.Dataset:
 def signal_result(kind: str) -> xr.Dataset:
     """One of a kind."""
     made = {SPECTRUM: spectrum_of_orders, ORDER_MAP: map_of_run_up, CAMPBELL: campbell_of_two_modes}
+    made[RESPONSE] = backlash_response
     return made[kind]()
