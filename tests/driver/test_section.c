@@ -60,19 +60,19 @@ static void test_period_of_a_pair_is_a_pitch(void **state)
     const fixture *f = *state;
     const double pi = 3.14159265358979323846;
     assert_int_equal(f->period.pitches, 1);
-    assert_float_equal(f->period.time, 2 * pi / (19 * 157), 1e-15); /* a rounding of 2e-3 s is 4e-19 s */
+    assert_true(fabs(f->period.time - 2 * pi / (19 * 157)) < 1e-15); /* a rounding of 2e-3 s is 4e-19 s */
 }
 
 static void test_it_stays_where_events_are_far(void **state)
 {
     fixture *f = *state;
-    assert_float_equal(f->section.target, 0.5, 0);
+    assert_true(fabs(f->section.target - 0.5) <= 0);
     happen(f, 0.1);
     happen(f, 0.7);
     section_passed(&f->section);
     happen(f, 0.5 + 2e-6);
     assert_false(section_moves(&f->section));
-    assert_float_equal(f->section.target, 1.5, 0);
+    assert_true(fabs(f->section.target - 1.5) <= 0);
 }
 
 static void test_it_moves_to_the_middle_of_the_longest_way_between_events(void **state)
@@ -84,8 +84,8 @@ static void test_it_moves_to_the_middle_of_the_longest_way_between_events(void *
     happen(f, 0.5 + 5e-7);
     assert_true(section_moves(&f->section));
     /* from 0.5 to 1.1 it is longest */
-    assert_float_equal(f->section.phase, 0.8, 1e-6);
-    assert_float_equal(f->section.target, 0.8, 1e-6);
+    assert_true(fabs(f->section.phase - 0.8) < 1e-6);
+    assert_true(fabs(f->section.target - 0.8) < 1e-6);
     assert_false(section_moves(&f->section)); /* once */
 }
 
@@ -96,8 +96,8 @@ static void test_an_event_before_the_section_counts_as_one_behind(void **state)
     section_passed(&f->section);
     happen(f, 0.9);
     assert_true(section_moves(&f->section));
-    assert_float_equal(f->section.phase, 0.2, 1e-6);
-    assert_float_equal(f->section.target, 1.2, 1e-6); /* behind where the motion is */
+    assert_true(fabs(f->section.phase - 0.2) < 1e-6);
+    assert_true(fabs(f->section.target - 1.2) < 1e-6); /* behind where the motion is */
 }
 
 int main(void)

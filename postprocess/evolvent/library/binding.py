@@ -17,7 +17,7 @@ from evolvent.version import __version__
 
 VARIABLE = "EVOLVENT_LIBRARY"
 NAME = "libevolvent.so.0"
-MOST_DIMENSIONS = 4
+MOST_DIMENSIONS = 5
 REAL, INTEGER, TEXT = range(3)
 
 

@@ -83,7 +83,7 @@ typedef enum evolvent_type {
     EVOLVENT_TEXT = 2     /**< const char * */
 } evolvent_type;
 
-enum { EVOLVENT_MOST_DIMENSIONS = 4 };
+enum { EVOLVENT_MOST_DIMENSIONS = 5 };
 
 /** A variable; it lives as long as its record. */
 typedef struct evolvent_variable {
