@@ -170,7 +170,7 @@ static void show(response_run *run, const branch_place *at)
 /** All that are left. @return how it ended; the reason of a failure is in `error` */
 static orbit_end go(response_run *run, evl_error *error)
 {
-    static const double interval = 1; /* [s] between two states that are kept */
+    static const double interval = 0.25; /* [s] between two states that are kept */
     orbit_end end = ORBIT_FOUND;
     while (run->branch.step < run->branch.n_steps && end == ORBIT_FOUND) {
         const branch_place at = branch_at(&run->branch, run->branch.step);

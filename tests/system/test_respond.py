@@ -120,7 +120,7 @@ def test_down_goes_on_from_where_up_ended(respond):
 
 def test_interrupted_and_killed_it_goes_on_with_the_same_bits(tmp_path, evolvent, executable):
     case = write_rectangular(tmp_path)
-    over = speeds(1.3, 1.8, 0.001)
+    over = speeds(1.3, 1.8, 0.00075)
     whole, stopped = tmp_path / "whole.h5", tmp_path / "stopped.h5"
     folder = tmp_path / "stopped.h5.parts"
     command = [executable, "respond", case, "--over", over, "--up", "-q", "-o", stopped]
