@@ -1,6 +1,6 @@
 /* A simulation that is made anew writes the history that one would have written. */
-#include "base/memory.h"
 #include "analyses/run_history.h"
+#include "base/memory.h"
 #include "simulate/prepare.h"
 
 #include <math.h>
