@@ -111,6 +111,20 @@ def test_two_real_multipliers_with_the_product_1_are_no_neimark_sacker_point(c):
     assert special(points, "neimark_sacker") == []
 
 
+@pytest.mark.parametrize(("start", "end", "period"), [(1, 2, 7.62987448), (-0.5, -1, 6.66328686)])
+def test_a_free_orbit_is_followed_and_its_own_multiplier_is_no_crossing(c, start, end, period):
+    """Van der Pol's equation; backwards in time, m < 0, the orbit is unstable and the same."""
+    system = System(c, "van_der_pol", [start])
+    system.options(between=(min(start, end), max(start, end)), rising=end > start)
+    system.find([2, 0], period=6.5)
+    points = system.follow()
+    assert {point.kind for point in points} == {"ordinary"}
+    assert points[-1].parameter == end
+    assert points[-1].period == pytest.approx(period, abs=1e-8)  # to all digits that are known
+    assert all(min(abs(point.multipliers - 1)) < 1e-6 for point in points)
+    assert all((abs(point.multipliers).max() > 1.5) == (end < 0) for point in points)
+
+
 @pytest.mark.parametrize("damping", [0.05, 0.2])
 def test_where_a_vibration_just_touches_a_stop_is_found(c, damping):
     """Below, it is linear: it touches where a/|1 - W^2 + 2izW| is the distance of the stop."""
