@@ -56,7 +56,7 @@ contains
          if (has_failed(status)) exit
          call go_on(model, options, now%orbit, next, step, status)
          if (has_failed(status)) exit
-         at_end = next%orbit%parameter < options%from .or. next%orbit%parameter > options%to
+         at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
          if (at_end) call stop_at_bound(model, options, now%orbit, next, status)
          if (.not. has_failed(status)) &
             call find_special_points(model, options%orbits, now%orbit, next%orbit, next%way, special, status)
@@ -141,7 +141,7 @@ contains
       real(wp) :: bound, share
 
       associate (orbit => next%orbit)
-         bound = merge(options%to, options%from, orbit%parameter > options%to)
+         bound = merge(options%to, options%from, orbit%parameter >= options%to)
          share = (bound - now%parameter)/(orbit%parameter - now%parameter)
          orbit%y = now%y + share*(orbit%y - now%y)
          orbit%period = now%period + share*(orbit%period - now%period)

@@ -39,6 +39,15 @@ def test_the_boundaries_of_instability_of_meissners_equation(boundaries):
         assert max(seen) <= largest + 1e-6
 
 
+def test_special_points_of_one_step_stand_in_their_order(c):
+    system = System(c, "meissner", [2.5, 1.638, 0.03, 0])
+    system.options(between=(1.25, 2.5), rising=False, steps=(1.25, 1e-7, 1.25))
+    system.find([0, 0])
+    points = system.follow()
+    assert [p.kind for p in points] == ["ordinary", "doubling", "crossing", "ordinary"]
+    assert [p.parameter for p in points] == sorted((p.parameter for p in points), reverse=True)
+
+
 @pytest.mark.parametrize(
     ("ratio", "damping"), [(1.2, 0.01), (1.5, 0.05), (1.638, 0.03), (1.85, 0.02)]
 )
