@@ -80,10 +80,8 @@ static void fill_up(gather *gather)
 
 int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH])
 {
-    *block = (output_block){.n = gather->n,
-                            .t = gather->t,
-                            .values = gather->values,
-                            .marks = gather->has_marks ? gather->marks : NULL};
+    *block = (output_block){
+        .n = gather->n, .t = gather->t, .values = gather->values, .marks = gather->has_marks ? gather->marks : NULL};
     if (model_sampler_in_lanes(gather->sampler)) {
         fill_up(gather);
     }

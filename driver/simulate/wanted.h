@@ -25,8 +25,9 @@ bool wanted_has(const wanted_outputs *wanted, int index);
 
 /** Values at up to DAE_LANES times of one discrete state. */
 typedef struct {
-    int n;                    /**< times */
-    const double *t, *values; /**< t: [n]; value `place` at time k is values[place * DAE_LANES + k]; behind the n there are others
+    int n; /**< times */
+    const double *t,
+        *values; /**< t: [n]; value `place` at time k is values[place * DAE_LANES + k]; behind the n there are others
                                  once more, or zeros */
     const output_mark *marks; /**< [n] of outputs by position; NULL by time */
 } output_block;
