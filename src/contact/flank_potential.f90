@@ -84,12 +84,13 @@ contains
       real(wp), intent(in) :: e_star
       type(flank_potential), intent(in) :: potential
       real(wp) :: change(most_pairs, 3)
+      real(wp) :: along(most_pairs)
       integer :: i
 
       call residual_changes(n, places, feet, compliance, potential, change)
       do i = 1, 3
-         call force_change_of_pairs(potential%answer, feet%rho(by_line), e_star, &
-                                    spread(merge(1.0_wp, 0.0_wp, i == by_line), 1, n), change(:, i))
+         along = merge(1.0_wp, 0.0_wp, i == by_line)
+         call force_change_of_pairs(potential%answer, feet%rho(by_line), e_star, along(:n), change(:, i))
       end do
    end function force_changes_of_places
 
@@ -124,7 +125,7 @@ contains
       type(flank_potential), intent(in) :: potential
       real(wp) :: second(3, 3)
       real(wp) :: right(most_pairs, 3), change(most_pairs, 3)
-      integer :: i, k, l, w
+      integer :: i, j, k, l, w
 
       second = 0
       if (n == 0) return
@@ -145,7 +146,9 @@ contains
          change = force_changes_of_places(n, places, feet, compliance, e_star, potential)
          right(:n, by_line) = right(:n, by_line) - force(:n)/(pi*e_star*line)
          do i = 1, 3
-            second(:, i) = second(:, i) + matmul(transpose(right(:n, :)), change(:n, i))
+            do j = 1, 3 ! no matmul: it takes memory for an answer, and ends the program where there is none
+               second(j, i) = second(j, i) + dot_product(right(:n, j), change(:n, i))
+            end do
          end do
          second = width*second
       end associate

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from evolvent.errors import HistoryError, reason_of, tells_of_system
+from evolvent.errors import HistoryError, is_of_system, reason_of, tells_of_system
 from evolvent.seals import BROKEN, NONE, check
 
 if TYPE_CHECKING:
+    import h5py
     import xarray as xr
 
     from evolvent.history.recording import Recording
@@ -123,8 +125,11 @@ def _recording_of_file(path: Path) -> Iterator[Recording]:
     from evolvent.history.recording import of_file
 
     # A cache of chunks would be a megabyte for each variable; rows are read once, in order.
-    with h5py.File(path, "r", rdcc_nbytes=0) as file:
+    file = h5py.File(path, "r", rdcc_nbytes=0)
+    try:
         yield of_file(file, path.name)
+    finally:
+        _close(path, file)
 
 
 def check_seal(path: Path) -> str | None:
@@ -267,16 +272,28 @@ def _open_file(path: Path, group: str | None) -> xr.Dataset:
 
     with _readable(path, group):
         # Times stay seconds since the start of the run; xarray would make dates of some units.
-        return xr.open_dataset(
+        opened = xr.open_dataset(
             path, engine="h5netcdf", group=group, decode_times=False, phony_dims="access"
         )
+    told = opened.copy(deep=False)  # whose end says which file could not be closed
+    told.set_close(partial(_close, path, opened))
+    return told
+
+
+def _close(path: Path, opened: xr.Dataset | h5py.File) -> None:
+    try:
+        opened.close()
+    except Exception as error:
+        if not is_of_system(error):
+            raise
+        raise HistoryError(f"{path}: cannot be read ({reason_of(error)})") from error
 
 
 def _check_file(path: Path) -> None:
     if not path.exists():
-        partial = path.with_name(path.name + ".partial")
+        unfinished = path.with_name(path.name + ".partial")
         parts = path.with_name(path.name + ".parts")
-        there = next((other.name for other in (partial, parts) if other.exists()), None)
+        there = next((other.name for other in (unfinished, parts) if other.exists()), None)
         hint = f"; its run did not finish, but there is {there}" if there else ""
         raise HistoryError(f"{path}: no such file{hint}")
     if path.is_dir() and not path.name.endswith(".parts"):
