@@ -132,12 +132,8 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
 }
 
 /** Before the library opens it, which takes what is damaged at its word. */
-static bool check_seal(const char *path, evl_error *error)
+static bool admits(seal_answer answer, const char *path, evl_error *error)
 {
-    const seal_answer answer = seal_check(path);
-    if (answer == SEAL_NONE) {
-        log_warning("%s: has no check sum, so that damage would not be noticed", path);
-    }
     return answer == SEAL_HOLDS || answer == SEAL_NONE ||
            (answer == SEAL_UNREADABLE
                 ? evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno))
@@ -153,7 +149,12 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
     stack->path = pool_copy(&stack->pool, layout->path);
     stack->counts = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(int));
     stack->offsets = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(long long));
-    bool good = (access(layout->path, F_OK) == 0 || make_file(layout, error)) && check_seal(layout->path, error);
+    seal_answer seal = SEAL_UNREADABLE;
+    bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
+    if (good) {
+        seal = seal_check(layout->path);
+        good = admits(seal, layout->path, error);
+    }
     if (good) {
         CLOSED const hid_t file = netcdf_open(layout->path);
         const char *fault = "does not hold the histories of this shard and design, or cannot be read: see to that, or "
@@ -164,6 +165,9 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
     if (good) {
         stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
         good = stack->descriptor >= 0 || evl_error_set_unwritten(error, layout->path);
+    }
+    if (good && seal == SEAL_NONE) {
+        log_warning("%s: has no check sum, so that damage would not be noticed", layout->path);
     }
     if (!good) {
         stack_close(stack);
