@@ -1,5 +1,7 @@
 #include "respond/section.h"
 
+#include "base/secant.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,36 +42,28 @@ void section_begin(section *s, memory_pool *pool, const model *model, const mode
     aim(s, section_place(s, state));
 }
 
+typedef struct {
+    section *section;
+    const integrate_step *step;
+} place;
+
 /** How far a place in a step is past the target. */
-static double past(section *s, const integrate_step *step, double t)
+static double past(void *of, double t)
 {
+    const place *place = of;
+    section *s = place->section;
     s->room.t = t;
-    s->room.integers = step->state->integers;
-    return step->interpolate(step->with, t, s->room.y) ? section_place(s, &s->room) - s->target : NAN;
+    s->room.integers = place->step->state->integers;
+    return place->step->interpolate(place->step->with, t, s->room.y) ? section_place(s, &s->room) - s->target : NAN;
 }
 
-/** When an angle reaches the target, in a step that does: by secants that keep the bracket (Illinois). */
+/** When an angle reaches the target, in a step that does. */
 static double time_of(section *s, const integrate_step *step)
 {
-    enum { MOST = 60 };
     static const double close = 1e-13;
-    double t_a = step->t_from, t_b = step->t_to, f_a = past(s, step, t_a), f_b = past(s, step, t_b), t = t_b;
-    for (int i = 0; i < MOST; i++) {
-        t = t_b - f_b * (t_b - t_a) / (f_b - f_a);
-        const double f = past(s, step, t);
-        if (!(fabs(f) > close)) {
-            break;
-        }
-        if ((f > 0) == (f_b > 0)) {
-            f_a *= 0.5;
-        } else {
-            t_a = t_b;
-            f_a = f_b;
-        }
-        t_b = t;
-        f_b = f;
-    }
-    return t;
+    place place = {s, step};
+    return secant_zero(past, &place, step->t_from, past(&place, step->t_from), step->t_to, past(&place, step->t_to),
+                       close);
 }
 
 bool section_reached(section *s, const integrate_step *step, dae_state *state)

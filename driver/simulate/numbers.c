@@ -1,6 +1,7 @@
 #include "simulate/numbers.h"
 
 #include "base/memory.h"
+#include "base/secant.h"
 #include "base/words.h"
 #include "simulate/mesh_numbers.h"
 #include "simulate/number_channel.h"
@@ -215,29 +216,24 @@ static double position_at(numbers *self, const integrate_step *step, double t)
     return self->start_position + self->sense * self->values[wheel];
 }
 
-/** When a position is reached between two times around it: by secants that keep the bracket (Illinois). */
+typedef struct {
+    numbers *self;
+    const integrate_step *step;
+    double target;
+} aim;
+
+static double past(void *of, double t)
+{
+    const aim *aim = of;
+    return position_at(aim->self, aim->step, t) - aim->target;
+}
+
+/** When a position is reached between two times around it. */
 static double time_of(numbers *self, const integrate_step *step, double target, double t_a, double f_a, double t_b,
                       double f_b)
 {
-    enum { MOST = 60 };
     static const double near = 1e-13; /* periods */
-    double t = t_b;
-    for (int i = 0; i < MOST; i++) {
-        t = t_b - f_b * (t_b - t_a) / (f_b - f_a);
-        const double f = position_at(self, step, t) - target;
-        if (!(fabs(f) > near)) {
-            break;
-        }
-        if ((f > 0) == (f_b > 0)) {
-            f_a *= 0.5;
-        } else {
-            t_a = t_b;
-            f_a = f_b;
-        }
-        t_b = t;
-        f_b = f;
-    }
-    return t;
+    return secant_zero(past, &(aim){self, step, target}, t_a, f_a, t_b, f_b, near);
 }
 
 /* ---- sums ---- */
