@@ -51,7 +51,7 @@ static integrate_code give_several(integration *run)
     const integrate_step step = last_step(run);
     double due[DAE_LANES], t[DAE_LANES];
     int n = 0;
-    while ((n = output_grid_ahead(&run->grid, &step, due)) > 0) {
+    while ((n = output_grid_ahead(&run->grid, &step, run->observer->room(run->observer->self), due)) > 0) {
         memcpy(t, due, sizeof t);
         find_states(run, &step, n, t);
         if (run->observer->several(run->observer->self, n, due, run->lanes, run->state, run->reason) != 0) {

@@ -59,12 +59,13 @@ typedef struct {
     /** grid points in order of time, the start and t_end among them; may answer INTEGRATE_ANEW, with a sentence in `reason`.
      *  mark: of an output by position; NULL by time */
     int (*output)(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH]);
-    /** Of outputs by time the same for several of a stepper's step at once, n at most DAE_LANES, and no answer INTEGRATE_ANEW: who takes
-     *  them so looks for missed events himself. NULL: one by one.
+    /** Of outputs by time the same for several of a stepper's step at once, n at most what `room` says then, and no answer INTEGRATE_ANEW:
+     *  who takes them so looks for missed events himself. NULL: one by one.
      *  @param y         [states * DAE_LANES] of each state the times side by side
      *  @param discrete  where the discrete state is taken from */
     int (*several)(void *self, int n, const double *t, const double *y, const dae_state *discrete,
                    char reason[DAE_MESSAGE_LENGTH]);
+    int (*room)(const void *self);                        /**< from 1 to DAE_LANES; with `several` */
     int (*change)(void *self);                            /**< before the discrete state changes */
     int (*event)(void *self, const event_record *record); /**< after it was applied */
     int (*step)(void *self, double t);                    /**< now and then, between steps: progress, interrupts */

@@ -43,10 +43,10 @@ bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *r
     return !integration_is_later(due->t, step->t_to) && due->t < grid->options->t_end;
 }
 
-int output_grid_ahead(const output_grid *grid, const integrate_step *step, double t[DAE_LANES])
+int output_grid_ahead(const output_grid *grid, const integrate_step *step, int most, double t[DAE_LANES])
 {
     int n = 0;
-    for (; n < DAE_LANES; n++) {
+    for (; n < most; n++) {
         t[n] = output_grid_time(grid->options, grid->t_start, grid->next + n);
         if (integration_is_later(t[n], step->t_to) || !(t[n] < grid->options->t_end)) {
             break;

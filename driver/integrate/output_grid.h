@@ -26,8 +26,9 @@ double output_grid_next(const output_grid *grid);
  *  @param room  a state with the integers of the step, and room for its y
  *  @return false if there is none */
 bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *room, output_due *due);
-/** How many outputs by time are due in a step, DAE_LANES at most, and when; what is left of t has the last of these times. */
-int output_grid_ahead(const output_grid *grid, const integrate_step *step, double t[DAE_LANES]);
+/** How many outputs by time are due in a step, and when; what is left of t has the last of these times.
+ *  @param most  no more are told, DAE_LANES or fewer */
+int output_grid_ahead(const output_grid *grid, const integrate_step *step, int most, double t[DAE_LANES]);
 /** Keep how far it is. */
 void output_grid_keep(output_grid *grid, archive *archive);
 /** That output was given: go on behind it. */

@@ -32,23 +32,15 @@ static void take_discrete(gather *gather, const dae_state *discrete)
     }
 }
 
-int gather_put_several(gather *gather, int first, int n, const double *t, const double *y, const dae_state *discrete)
+void gather_put_several(gather *gather, int n, const double *t, const double *y, const dae_state *discrete)
 {
-    const int room = gather->capacity - gather->n, taken = n - first < room ? n - first : room;
     const int n_states = model_about(gather->wanted->model)->dae.n;
     take_discrete(gather, discrete);
     for (int i = 0; i < n_states; i++) {
-        double *to = gather->y + i * DAE_LANES + gather->n;
-        const double *from = y + i * DAE_LANES + first;
-        for (int k = 0; k < taken; k++) {
-            to[k] = from[k];
-        }
+        memcpy(gather->y + i * DAE_LANES + gather->n, y + i * DAE_LANES, (size_t)n * sizeof *y);
     }
-    for (int k = 0; k < taken; k++) {
-        gather->t[gather->n + k] = t[first + k];
-    }
-    gather->n += taken;
-    return first + taken;
+    memcpy(gather->t + gather->n, t, (size_t)n * sizeof *t);
+    gather->n += n;
 }
 
 void gather_put(gather *gather, const dae_state *state, const output_mark *mark)
@@ -88,4 +80,11 @@ int gather_find(gather *gather, bool check, output_block *block, char message[DA
     gather->n = 0;
     return model_sampler_lanes(gather->sampler, block->n, check, gather->t, gather->y, &gather->last, gather->values,
                                message);
+}
+
+int gather_find_at(gather *gather, const double *t, const double *y, const dae_state *discrete, output_block *block,
+                   char message[DAE_MESSAGE_LENGTH])
+{
+    *block = (output_block){.n = DAE_LANES, .t = t, .values = gather->values};
+    return model_sampler_lanes(gather->sampler, DAE_LANES, true, t, y, discrete, gather->values, message);
 }

@@ -23,8 +23,11 @@ void gather_free(gather *gather);
 
 /** Put a state to those that it has, which have its discrete state. */
 void gather_put(gather *gather, const dae_state *state, const output_mark *mark);
-/** Put as many as it has room for. @param first  of the n states. @return the first that it does not have */
-int gather_put_several(gather *gather, int first, int n, const double *t, const double *y, const dae_state *discrete);
+/** Put several, for which there is room. @param y  [states * DAE_LANES] of each state the times side by side */
+void gather_put_several(gather *gather, int n, const double *t, const double *y, const dae_state *discrete);
 /** Find what is wanted at the states that it has, and take leave of these.
  *  @param check  as of model_sampler_lanes. @return a dae_code; the block is valid until the next state comes */
 int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH]);
+/** Find it at DAE_LANES states that were not put, where there are none yet: nothing is copied. The block is valid as long as t. */
+int gather_find_at(gather *gather, const double *t, const double *y, const dae_state *discrete, output_block *block,
+                   char message[DAE_MESSAGE_LENGTH]);

@@ -1,6 +1,7 @@
 #include "simulate/invariant_watch.h"
 
 #include "base/memory.h"
+#include "simulate/each_processor.h"
 
 #include <float.h>
 #include <math.h>
@@ -138,19 +139,19 @@ void invariant_watch_delete(invariant_watch **watch)
     }
 }
 
-static double larger(double largest, double value)
+static inline double larger(double largest, double value)
 {
     return isnan(largest) || fabs(value) <= largest ? largest : fabs(value); /* what is no number stays */
 }
 
 /** The larger one of two, of which the first is a number: fmax is a call. */
-static double largest_of(double largest, double value)
+static inline double largest_of(double largest, double value)
 {
     return value > largest ? value : largest;
 }
 
 /** Largest of DAE_LANES numbers and what was largest before. */
-static double largest_of_lanes(double largest, const double values[DAE_LANES])
+static inline double largest_of_lanes(double largest, const double values[DAE_LANES])
 {
     double two[2] = {largest, largest}; /* which processors compare at once */
     for (int k = 0; k < DAE_LANES; k += 2) {
@@ -161,7 +162,7 @@ static double largest_of_lanes(double largest, const double values[DAE_LANES])
 }
 
 /** Largest factor*value, whatever its sign, at all times of a block. */
-static double largest_in(const output_block *block, int place, double factor, double largest)
+static inline double largest_in(const output_block *block, int place, double factor, double largest)
 {
     const double *values = output_values(block, place);
     double sizes[DAE_LANES];
@@ -172,7 +173,7 @@ static double largest_in(const output_block *block, int place, double factor, do
 }
 
 /** As `larger` of the first n of some numbers, one after the other. */
-static double larger_of(double largest, int n, const double values[DAE_LANES])
+static inline double larger_of(double largest, int n, const double values[DAE_LANES])
 {
     double sizes[DAE_LANES];
     bool are_numbers = true;
@@ -183,7 +184,7 @@ static double larger_of(double largest, int n, const double values[DAE_LANES])
     return are_numbers ? larger(largest, largest_of_lanes(0, sizes)) : NAN;
 }
 
-static void look_at_energy(invariant_watch *watch, const output_block *block)
+static inline void look_at_energy(invariant_watch *watch, const output_block *block)
 {
     const double *of[WORK + 1];
     double power[DAE_LANES] = {0}, balance[DAE_LANES];
@@ -222,7 +223,7 @@ static void look_at_energy(invariant_watch *watch, const output_block *block)
     watch->power = before;
 }
 
-static void look_at_wheel(invariant_watch *watch, int i, const output_block *block)
+static inline void look_at_wheel(invariant_watch *watch, int i, const output_block *block)
 {
     struct of_wheel *wheel = &watch->wheels[i];
     const int *places = watch->places;
@@ -248,7 +249,7 @@ static bool is_constant(int output)
     return output == RIGID || output == REFERENCE_PENETRATION || output == REFERENCE_FORCE;
 }
 
-static void look_at_mesh(invariant_watch *watch, int i, const output_block *block)
+static inline void look_at_mesh(invariant_watch *watch, int i, const output_block *block)
 {
     struct of_mesh *mesh = &watch->meshes[i];
     const double *of[N_OUTPUTS];
@@ -281,7 +282,7 @@ static void look_at_mesh(invariant_watch *watch, int i, const output_block *bloc
     watch->unit += constant(watch, REFERENCE_FORCE, i) * constant(watch, REFERENCE_PENETRATION, i);
 }
 
-void invariant_watch_outputs(invariant_watch *watch, const output_block *block)
+FOR_EACH_PROCESSOR void invariant_watch_outputs(invariant_watch *watch, const output_block *block)
 {
     for (int i = 0; i < N_OUTPUTS; i++) {
         if (watch->places[i] < 0) {

@@ -1,16 +1,11 @@
 #include "simulate/number_channel.h"
 
+#include "simulate/each_processor.h"
+
 #include <math.h>
 #include <string.h>
 
-/* These loops are a third of what the numbers cost: they are compiled for vectors of several lengths, and the processor takes its own.
- * The bits are the same, for no sum changes its order. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \
-    !defined(__SANITIZE_THREAD__)
-#define FOR_EACH_PROCESSOR __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define FOR_EACH_PROCESSOR
-#endif
+/* The loops here are a third of what the numbers cost. */
 
 static const double two_pi = 6.283185307179586;
 

@@ -45,14 +45,9 @@ static bool give(simulation *s, const output_block *block)
     return good;
 }
 
-/** Find and give the outputs that were gathered. @return as of integrate_observer.output */
-static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
+/** Give outputs that were found, or not. @return as of integrate_observer.output */
+static int give_found(simulation *s, int code, const output_block *block)
 {
-    output_block block;
-    if (s->outputs.n == 0) {
-        return 0;
-    }
-    const int code = gather_find(&s->outputs, true, &block, reason);
     if (code == DAE_RECOVERABLE && s->outputs.capacity == 1) {
         return INTEGRATE_ANEW;
     }
@@ -60,7 +55,14 @@ static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
         s->stop = s->outputs.capacity > 1 ? STOP_MISSED : STOP_MODEL; /* one by one it shows at which */
         return 1;
     }
-    return give(s, &block) ? 0 : 1;
+    return give(s, block) ? 0 : 1;
+}
+
+/** Find and give the outputs that were gathered. @return as of integrate_observer.output */
+static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
+{
+    output_block block;
+    return s->outputs.n == 0 ? 0 : give_found(s, gather_find(&s->outputs, true, &block, reason), &block);
 }
 
 static int on_output(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH])
@@ -70,16 +72,22 @@ static int on_output(void *self, const dae_state *state, const output_mark *mark
     return s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
 }
 
+static int room(const void *self)
+{
+    const simulation *s = self;
+    return s->outputs.capacity - s->outputs.n;
+}
+
 static int on_several(void *self, int n, const double *t, const double *y, const dae_state *discrete,
                       char reason[DAE_MESSAGE_LENGTH])
 {
     simulation *s = self;
-    int code = 0;
-    for (int first = 0; first < n && code == 0;) {
-        first = gather_put_several(&s->outputs, first, n, t, y, discrete);
-        code = s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
+    output_block block;
+    if (n == DAE_LANES) {
+        return give_found(s, gather_find_at(&s->outputs, t, y, discrete, &block, reason), &block);
     }
-    return code;
+    gather_put_several(&s->outputs, n, t, y, discrete);
+    return s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
 }
 
 static int on_change(void *self)
@@ -275,6 +283,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
                                          .several = s.outputs.capacity > 1 ? on_several : NULL,
+                                         .room = room,
                                          .change = on_change,
                                          .event = on_event,
                                          .step = on_step,
