@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from mutation import command, trial
 from mutation.entries import ListError, Mutant, read_list, stale
-from mutation.ground import Ground
+from mutation.ground import FOR_PYTHON, Ground
 from mutation.records import KILLED, SURVIVED, Record, append_record, read_records, summary
 
 LIST = """
@@ -145,6 +145,32 @@ def test_what_has_a_verdict_is_not_run_again_unless_asked(tmp_path: Path) -> Non
     assert command.chosen(mutants, {}, options(sample=1)) == sampled
 
 
+def test_who_noticed_mutants_of_a_file_is_asked_first_about_the_next() -> None:
+    by = {"a": "tests/test_x.py::test_1", "b": "tests/test_y.py", "c": "tests/test_x.py::test_1"}
+    records = {key: Record(key, KILLED, test, "", 1.0) for key, test in by.items()}
+    records["d"] = Record("d", SURVIVED, "", "", 1.0)
+    records["e"] = Record("e", KILLED, "tests/test_z.py::test_2", "", 1.0)
+    path_of = {**dict.fromkeys("abcd", "src/a.f90"), "e": "src/b.f90"}
+    mutant = Mutant("src/a.f90", "x", "y", ("tests/test_x.py",))
+    assert command.quickest(mutant, records, path_of) == [by["a"], by["b"]]
+
+
+def test_only_what_the_tests_need_is_built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program of C tests is built by itself; what tests in Python load only for those."""
+    ground = ground_of(tmp_path)
+    rules = ground.build / "CMakeFiles" / "rules.ninja"
+    rules.parent.mkdir(parents=True)
+    rules.touch()
+    ninja = tmp_path / "ninja"
+    ninja.write_text('#!/bin/sh\necho "$@" >>"$0.log"\n')
+    ninja.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    for test in ("tests/driver/test_a.c", "tests/driver/test_a.c", "tests/test_b.py"):
+        assert ground.make((test,))
+    built = [line.split()[3:] for line in (tmp_path / "ninja.log").read_text().splitlines()]
+    assert built == [["test_a"], sorted(FOR_PYTHON)]
+
+
 def test_records_outlast_a_line_that_was_cut_off(tmp_path: Path) -> None:
     file = tmp_path / "records.jsonl"
     assert read_records(file) == {}
@@ -182,10 +208,13 @@ import sys
 from pathlib import Path
 from mutation import trial
 from mutation.ground import Ground
+class Made(Ground):
+    def make(self, tests):
+        return True
 trial.SECONDS = 1
 trial.adopt_orphans()
 folder = Path({folder!r})
-outcome = trial.run_tests(Ground(folder, 1), ("tests/test_one.py",), folder)
+outcome = trial.run_tests(Made(folder, 1), ("tests/test_one.py",), folder, {first!r})
 print(outcome.passed, outcome.by, outcome.how, outcome.left_behind, sep="|")
 """
 
@@ -208,6 +237,14 @@ print(outcome.passed, outcome.by, outcome.how, outcome.left_behind, sep="|")
             "True|||1",
         ),
         ("def test_broken(:\n", "False|tests/test_one.py||0"),
+        (
+            "import pytest\ndef test_good():\n    pass\ndef test_away():\n    pytest.skip()\n",
+            "True||1 skipped|0",
+        ),
+        (
+            "def test_bad():\n    assert False\ndef test_first():\n    assert False\n",
+            "False|tests/test_one.py::test_first||0",
+        ),
     ],
 )
 def test_a_trial_tells_which_test_noticed_and_ends_what_is_left(
@@ -215,7 +252,7 @@ def test_a_trial_tells_which_test_noticed_and_ends_what_is_left(
 ) -> None:
     ground = tree_with(tmp_path, body)
     tools = Path(trial.__file__).parents[1]
-    code = PROBE.format(folder=str(ground.tree.parent))
+    code = PROBE.format(folder=str(ground.tree.parent), first=["tests/test_one.py::test_first"])
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={**os.environ, "PYTHONPATH": str(tools)},

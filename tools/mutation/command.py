@@ -9,10 +9,13 @@ import random
 import signal
 import sys
 import time
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from queue import Empty
 
+from mutation import trial
 from mutation.entries import ROOT, ListError, Mutant, read_list, stale
 from mutation.ground import Ground
 from mutation.records import (
@@ -28,6 +31,7 @@ from mutation.trial import adopt_orphans, run_tests
 
 FOLDER = ROOT / "build" / "mutate"
 RECORDS = FOLDER / "records.jsonl"
+FEW = 8  # tests that are asked first because they noticed mutants of the same file
 REST = ("tests",)  # what --all asks when the named tests have passed
 
 
@@ -55,6 +59,12 @@ def _options() -> argparse.ArgumentParser:
         "--all", action="store_true", help="ask the whole suite where the named tests pass"
     )
     parser.add_argument("-j", type=int, default=1, metavar="N", help="N copies at a time")
+    parser.add_argument(
+        "--seconds", type=int, default=trial.SECONDS, metavar="N", help="that each test may take"
+    )
+    parser.add_argument(
+        "--doubt", action="store_true", help="only ask all that noticed, without a mutant"
+    )
     parser.add_argument("--list", action="store_true", help="only list them")
     parser.add_argument("--report", action="store_true", help="only tell what came out so far")
     return parser
@@ -77,18 +87,28 @@ def chosen(
     return some
 
 
-def judge(ground: Ground, mutant: Mutant, ask_all: bool) -> Record:
-    """Run the tests of one mutant."""
+def judge(ground: Ground, mutant: Mutant, ask_all: bool, first: Sequence[str] = ()) -> Record:
+    """Run the tests of one mutant, `first` those that noticed others."""
     start = time.monotonic()
     ground.put(mutant)
-    if not ground.make(mutant.tests):
-        return Record(mutant.key, WRONG, "it does not compile", "", time.monotonic() - start)
-    outcome = run_tests(ground, mutant.tests, ground.folder)
+    outcome = run_tests(ground, mutant.tests, ground.folder, first)
     if outcome.passed and ask_all:
         outcome = run_tests(ground, REST, ground.folder)
-    verdict = SURVIVED if outcome.passed else KILLED
     seconds = round(time.monotonic() - start, 1)
+    if not outcome.is_built:
+        return Record(mutant.key, WRONG, "it does not compile", "", seconds)
+    verdict = SURVIVED if outcome.passed else KILLED
     return Record(mutant.key, verdict, outcome.by, outcome.how, seconds, outcome.left_behind)
+
+
+def quickest(mutant: Mutant, records: dict[str, Record], path_of: dict[str, str]) -> list[str]:
+    """Tell which tests noticed other mutants of the file, the most often first."""
+    count = Counter(
+        record.by
+        for record in records.values()
+        if record.verdict == KILLED and path_of.get(record.key) == mutant.path
+    )
+    return [test for test, _ in count.most_common(FEW)]
 
 
 def doubted(ground: Ground, records: list[Record]) -> list[Record]:
@@ -96,12 +116,12 @@ def doubted(ground: Ground, records: list[Record]) -> list[Record]:
     killers = sorted({record.by for record in records if record.verdict == KILLED})
     failing = set()
     ground.put(None)
-    if not ground.make(tuple(killers)):
-        raise ListError(f"the tree does not build: {ground.log}")
     while left := tuple(killer for killer in killers if killer not in failing):
         outcome = run_tests(ground, left, ground.folder)
         if outcome.passed:
             break
+        if not outcome.is_built:
+            raise ListError(f"the tree does not build: {ground.log}")
         if outcome.by in left:
             failing.add(outcome.by)
         else:  # one of them cannot even be asked
@@ -119,7 +139,7 @@ def _work(
 ) -> None:
     """Run the mutants of one file after another in a copy of its own."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # what it started ends with it
-    os.nice(10)
+    os.nice(max(0, 10 - os.nice(0)))
     adopt_orphans()
     ground = Ground(FOLDER / str(number), jobs)
     ground.prepare()
@@ -128,8 +148,10 @@ def _work(
             group = files.get(timeout=1)
         except Empty:
             break
+        path_of = {mutant.key: mutant.path for mutant in group}
         for mutant in group:
-            record = judge(ground, mutant, ask_all)
+            first = quickest(mutant, read_records(RECORDS), path_of)
+            record = judge(ground, mutant, ask_all, first)
             append_record(RECORDS, record)
             _tell(record, str(mutant))
 
@@ -190,14 +212,16 @@ def main(arguments: list[str] | None = None) -> int:
     if complaints := stale(mutants):
         print("\n".join(f"tools/mutate: {text}" for text in complaints), file=sys.stderr)
         return 2
+    trial.SECONDS = options.seconds
     FOLDER.mkdir(parents=True, exist_ok=True)
     wanted = chosen(mutants, read_records(RECORDS), options)
     if options.list:
         print("\n".join(f"{mutant.key}  {mutant}" for mutant in wanted))
         return 0
-    ended = options.report or not wanted or _run(wanted, options.j, options.all)
-    if wanted and not options.report:
-        _doubt(mutants, os.cpu_count() or 1)
+    only_told = options.report or options.doubt
+    ended = only_told or not wanted or _run(wanted, options.j, options.all)
+    if options.doubt or (wanted and not options.report):
+        _doubt(mutants if options.doubt else wanted, os.cpu_count() or 1)
     records = read_records(RECORDS)
     print(summary(mutants, records))
     bad = [m for m in wanted if m.key in records and records[m.key].verdict != KILLED]

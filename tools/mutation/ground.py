@@ -16,6 +16,16 @@ OPTIONS = {
     "EVOLVENT_LTO": "OFF",
     "EVOLVENT_VARIANTS": "OFF",
 }
+# What tests in Python load or run: the program, the libraries, the layers below a program.
+FOR_PYTHON = (
+    "evolvent",
+    "evolvent_library",
+    "evolvent_kernel_shared",
+    "kernel_test",
+    "lanes_of_case",
+    "faults",
+    "power_loss",
+)
 INCLUDE = re.compile(r'^\s*include "(.+)"', re.MULTILINE)
 
 SCAN = re.compile(r"^(rule Fortran_SCAN\w*\n)  depfile = .*\n", re.MULTILINE)
@@ -33,7 +43,7 @@ class Ground:
         self._sources: dict[str, str] = {}
         self._mutated: str | None = None
         self._is_dirty = True  # something that is compiled has changed since it was built
-        self._made: set[str] = set()  # C tests as the tree is
+        self._made: set[str] = set()  # targets as the tree is
 
     def prepare(self) -> None:
         """Make the copy as the tree is now, and configure its build."""
@@ -48,6 +58,10 @@ class Ground:
         for path in [path for path in self.tree.rglob("*") if path.is_file()]:
             if str(path.relative_to(self.tree)) not in wanted:
                 path.unlink()
+        # Held against its source when it is loaded: a mutant's is compiled anew, in memory.
+        compiler = [sys.executable, "-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
+        folders = [str(self.tree / "postprocess"), str(self.tree / "tests")]
+        subprocess.run([*compiler, *folders], check=True)
         if not (self.build / "build.ninja").is_file():
             options = [f"-D{key}={value}" for key, value in OPTIONS.items()]
             command = [
@@ -73,13 +87,14 @@ class Ground:
             self._change(mutant.path, mutant.applied(source))
 
     def make(self, tests: tuple[str, ...]) -> bool:
-        """Build the program, the libraries and the C tests that are named."""
+        """Build what the tests are: C tests, or all that tests in Python load or run."""
         named = {Path(test).stem for test in tests if test.endswith(".c")}
+        if any(not test.endswith(".c") for test in tests):
+            named |= set(FOR_PYTHON)
         if not self._is_dirty and named <= self._made:
             return True
-        targets = ["evolvent", "evolvent_kernel_shared", "kernel_test", *named]
         self._quicken()
-        command = ["ninja", "-C", str(self.build), f"-j{self.jobs}", *targets]
+        command = ["ninja", "-C", str(self.build), f"-j{self.jobs}", *sorted(named)]
         with self.log.open("w") as log:
             done = subprocess.run(command, stdout=log, stderr=log, check=False).returncode == 0
         self._made = named | (set() if self._is_dirty else self._made)
@@ -92,6 +107,7 @@ class Ground:
         return {
             **os.environ,
             "EVOLVENT_EXECUTABLE": str(self.build / "evolvent"),
+            "EVOLVENT_LIBRARY": str(self.build / "libevolvent.so.0"),
             "EVOLVENT_KERNEL_LIBRARY": str(self.build / "libevolvent_kernel.so"),
             "EVOLVENT_TEST_LIBRARY": str(self.build / "tests" / "libkernel_test.so"),
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",

@@ -18,7 +18,7 @@ import pytest
 from mutation import limit
 from mutation.ground import Ground
 
-SECONDS = 60
+SECONDS = 60  # each test may take; more of them where the machine does other things, too
 PR_SET_CHILD_SUBREAPER = 36
 BROKEN = re.compile(r"^ERROR (\S+)", re.MULTILINE)  # a file that is not even collected
 
@@ -31,6 +31,7 @@ class Outcome:
     by: str = ""
     how: str = ""  # if it did not simply fail
     left_behind: int = 0
+    is_built: bool = True
 
 
 def adopt_orphans() -> None:
@@ -54,14 +55,24 @@ def _children(parent: int) -> list[int]:
     return [int(pid) for task in tasks for pid in task.read_text().split()]
 
 
-def run_tests(ground: Ground, tests: tuple[str, ...], folder: Path) -> Outcome:
-    """Run tests until one fails: Python files by pytest, C files as the programs they are."""
+def run_tests(
+    ground: Ground, tests: tuple[str, ...], folder: Path, first: Sequence[str] = ()
+) -> Outcome:
+    """Run tests until one fails: C files as the programs they are, then Python files by pytest.
+
+    What tests in Python need is built only where the programs noticed nothing. `first` are tests
+    that are asked before the others.
+    """
     for test in [test for test in tests if test.endswith(".c")]:
+        if not ground.make((test,)):
+            return Outcome(passed=False, is_built=False)
         outcome = _program(ground, test)
         if not outcome.passed:
             return outcome
     python = [test for test in tests if not test.endswith(".c")]
-    return _pytest(ground, python, folder) if python else Outcome(passed=True)
+    if python and not ground.make(tuple(python)):
+        return Outcome(passed=False, is_built=False)
+    return _pytest(ground, python, folder, first) if python else Outcome(passed=True)
 
 
 def _program(ground: Ground, test: str) -> Outcome:
@@ -71,10 +82,15 @@ def _program(ground: Ground, test: str) -> Outcome:
     return Outcome(code == 0, "" if code == 0 else test, _how(code), left)
 
 
-def _pytest(ground: Ground, tests: list[str], folder: Path) -> Outcome:
+def _pytest(ground: Ground, tests: list[str], folder: Path, first: Sequence[str]) -> Outcome:
     running = folder / "running"
     running.write_text("collection")
-    environment = {**ground.environment(), limit.SECONDS: str(SECONDS), limit.RUNNING: str(running)}
+    environment = {
+        **ground.environment(),
+        limit.SECONDS: str(SECONDS),
+        limit.RUNNING: str(running),
+        limit.FIRST: "\n".join(first),
+    }
     options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "mutation.limit", "--no-header"]
     options += [f"--basetemp={folder / 'pytest'}", "--ignore=tests/tools"]  # they hold the list
     command = [sys.executable, "-m", "pytest", *options, *tests]
@@ -82,7 +98,8 @@ def _pytest(ground: Ground, tests: list[str], folder: Path) -> Outcome:
     (folder / "pytest.log").write_text(output)
     left = end_what_is_left()
     if code == 0:
-        return Outcome(passed=True, left_behind=left)
+        skipped = int(running.read_text())
+        return Outcome(passed=True, how=f"{skipped} skipped" * bool(skipped), left_behind=left)
     broken = BROKEN.search(output) if code == pytest.ExitCode.INTERRUPTED else None
     by = broken[1] if broken else running.read_text()
     return Outcome(passed=False, by=by, how=_how(code), left_behind=left)
