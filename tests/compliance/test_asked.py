@@ -128,6 +128,18 @@ def test_table_is_met_and_does_not_overshoot(kernel: Kernel) -> None:
     assert not at.coupled.any()
 
 
+def test_table_that_rises_and_falls_turns_at_its_knots(kernel: Kernel) -> None:
+    """Fritsch and Butland: between two knots c is between their values, flat where it turns."""
+    rho, c = np.array([4.0, 5.0, 7.0, 8.0, 10.0]), np.array([2.0, 5.0, 3.0, 3.5, 1.0])
+    at = ask_table(kernel, rho, c, np.empty(0), 1, rho.copy())
+    assert at.own[1:4, 1] == pytest.approx(0, abs=1e-14)
+    for i in range(4):
+        within = ask_table(kernel, rho, c, np.empty(0), 1, np.linspace(rho[i], rho[i + 1], 50))
+        ends = np.sort(c[i : i + 2])
+        assert within.own[:, 0].min() >= ends[0] - 1e-14
+        assert within.own[:, 0].max() <= ends[1] + 1e-14
+
+
 @pytest.mark.parametrize("wheel", KNOWN)
 def test_formulas_give_the_digits_of_another_program(
     kernel: Kernel, wheel: tuple[int, float, float]

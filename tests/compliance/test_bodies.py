@@ -188,8 +188,11 @@ def test_disc_pressed_across_its_diameter_lacks_nothing_of_johnsons_cylinder(
 
 @pytest.mark.parametrize("p", [4, 8])
 def test_element_that_folds_gives_no_number(kernel: Kernel, p: int) -> None:
-    """The second of two, a corner of which points inwards; both are fine where it points out."""
-    for inner, folds in ((1.5, False), (0.2, True)):
+    """The second of two, a corner of which points inwards; both are fine where it points out.
+
+    At 1 the angle there is flat: just below, the map folds at that corner alone.
+    """
+    for inner, folds in ((1.5, False), (0.99, True), (0.2, True)):
         body = Body(kernel, p)
         for shift in ((-3.0, -3.0), (0.0, 0.0)):
             at = [(0, 0), (2, 0), (inner, inner), (0, 2)] if shift[0] == 0 else SQUARE

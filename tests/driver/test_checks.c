@@ -128,6 +128,12 @@ static void a_seal_of_the_first_bytes_does_not_care_for_what_follows(void **stat
     const off_t digit = 18 + (off_t)strlen("evolvent-seal 1 crc32 cbf43926 of the first ");
     assert_int_equal(pwrite(descriptor, &longer, 1, digit), 1);
     assert_int_equal(seal_check(path), SEAL_BROKEN);
+    /* of more bytes than there are, or of less than none: a word that does not hold, not a file that cannot be read */
+    static const char *const lies[] = {"99 ", "-9 "};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pwrite(descriptor, lies[i], 3, digit), 3);
+        assert_int_equal(seal_check(path), SEAL_BROKEN);
+    }
     assert_int_equal(close(descriptor), 0);
 }
 

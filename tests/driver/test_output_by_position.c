@@ -360,9 +360,13 @@ static int apply_event(const void *self, dae_state *s, const int *fired, bool ti
     return DAE_OK;
 }
 
-static void ida_finds_the_positions_between_its_steps(void **state)
+static void watch_nothing(void *self, const integrate_step *step)
 {
-    (void)state;
+    (void)self, (void)step;
+}
+
+static void swing(bool is_watched)
+{
     const double scale[2] = {1, 1};
     const dae model = {.n = 2,
                        .n_roots = 1, /* half a turn of the swing each: it is started anew there */
@@ -380,7 +384,8 @@ static void ida_finds_the_positions_between_its_steps(void **state)
         .t_end = 1, .per_unit = 4, .position_of = 5, .tolerance = 1e-10, .max_step = 0.1};
     record *heard = calloc(1, sizeof *heard);
     assert_non_null(heard);
-    const integrate_observer observer = {.self = heard, .output = on_output, .step = on_step};
+    const integrate_observer observer = {
+        .self = heard, .output = on_output, .step = on_step, .watch = is_watched ? watch_nothing : NULL};
     dae_state at = dae_state_create(&model, NULL);
     at.y[0] = 1.3;
     at.yp[1] = -w * w * 1.3;
@@ -401,6 +406,19 @@ static void ida_finds_the_positions_between_its_steps(void **state)
     free(heard);
 }
 
+static void ida_finds_the_positions_between_its_steps(void **state)
+{
+    (void)state;
+    swing(false);
+}
+
+/* Who watches is told which steps go on, and steps that go on are passed over where no position is near. */
+static void who_watches_takes_no_position_away(void **state)
+{
+    (void)state;
+    swing(true);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -411,6 +429,7 @@ int main(void)
         cmocka_unit_test(what_stands_on_a_line_gives_start_and_end_only),
         cmocka_unit_test(steps_made_anew_repeat_no_output),
         cmocka_unit_test(ida_finds_the_positions_between_its_steps),
+        cmocka_unit_test(who_watches_takes_no_position_away),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

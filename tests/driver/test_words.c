@@ -185,6 +185,30 @@ static void a_word_is_quoted_if_a_shell_would_see_more_than_one_plain_word(void 
     }
 }
 
+static void a_word_is_found_whole_and_not_by_how_it_begins(void **state)
+{
+    (void)state;
+    assert_true(words_contain("wheel axis  wheels", "axis"));
+    assert_true(words_contain("wheel axis  wheels", "wheels"));
+    assert_true(words_contain("wheel axis  wheels", "wheel"));
+    static const char *const none[] = {"whee", "axis wheels", "wheelss", "", " ", "heel"};
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        assert_false(words_contain("wheel axis  wheels", none[i]));
+    }
+    assert_false(words_contain("wheels", "wheel"));
+    assert_false(words_contain("", "wheel"));
+}
+
+static void a_text_is_cut_between_its_characters(void **state)
+{
+    (void)state;
+    const char *const text = "a\xc2\xb5\xe2\x82\xac\xf0\x9f\x98\x80z"; /* of 1, 2, 3, 4 and 1 byte */
+    static const int shown[] = {0, 1, 1, 3, 3, 3, 6, 6, 6, 6, 10, 11, 11};
+    for (int most = 0; most < 13; most++) {
+        assert_int_equal(words_cut(text, most), shown[most]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -196,6 +220,8 @@ int main(void)
         cmocka_unit_test(an_error_is_one_line),
         cmocka_unit_test(every_exit_code_has_a_meaning),
         cmocka_unit_test(a_word_is_quoted_if_a_shell_would_see_more_than_one_plain_word),
+        cmocka_unit_test(a_word_is_found_whole_and_not_by_how_it_begins),
+        cmocka_unit_test(a_text_is_cut_between_its_characters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -164,6 +164,31 @@ def test_damping_that_turns_negative_on_the_way_is_met(library: Library):
     assert amplitude(solver.state[2]) == pytest.approx(SEED * np.exp(growth), rel=0.1)
 
 
+@pytest.mark.parametrize("share", [0.55, 0.7, 0.85])
+def test_growth_that_begins_behind_the_middle_of_the_last_step_is_told(
+    library: Library, share: float
+) -> None:
+    """Damped until `share` of the one step of the run; no later step would look at it."""
+    h = 0.4
+
+    def ratio(t: float) -> float:
+        return 0.05 * np.tanh((share * h - t) / 0.01)
+
+    problem = Problem(
+        lambda t, y: [y[1], -2 * ratio(t) * OMEGA * y[1] - OMEGA**2 * y[0], np.cos(t) - y[2]],
+        lambda t, y: [1, -(OMEGA**2), -2 * ratio(t) * OMEGA, -1],
+        [1, OMEGA, 1],
+        entries=[(0, 1), (1, 0), (1, 1), (2, 2)],
+        growth=GROWTH_BY_DAMPING,
+    )
+    solver = Solver(library, problem, first_step=h, max_step=h)
+    solver.end(0, [SEED, 0, 0], h)
+    assert solver.counts.growth_cuts >= 1
+    t, eigenvalue = solver.growth
+    assert share * h < t <= h
+    assert eigenvalue == pytest.approx(OMEGA * direction(ratio(t)), rel=1e-12)
+
+
 def test_a_second_start_gives_the_bits_of_the_first(library: Library):
     solver = Solver(library, oscillator(-0.01, GROWTH_BY_DAMPING))
     ends = [solver.end(0, [SEED, 0, 0], 2.0) for _ in range(2)]

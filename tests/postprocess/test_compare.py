@@ -107,6 +107,23 @@ def test_other_grids_are_interpolated_and_the_result_says_so(friction_run):
     assert _row(result, "tooth_pair")[0] == 0.0
 
 
+def test_whole_numbers_between_two_times_are_those_of_the_time_before(friction_run):
+    """A pair that comes in at an output has not come in between the output before and that one."""
+    first = friction_run.history.isel(time=slice(100, 201)).copy(deep=True)
+    times = first["time"].values
+    second = first.isel(time=slice(None, -1)).assign_coords(time=times[:-1] + 0.0003)
+    second = second.copy(deep=True)
+    comes = 50  # output of the second history, 0.3 ms behind that of the first
+    first["tooth_pair"][:, 0] = 4 + (times > times[comes])
+    second["tooth_pair"][:, 0] = 4 + (np.arange(100) >= comes)
+    result = compare_histories(first, second)
+    assert "interpolated" in result.attrs["times"]
+    assert _row(result, "tooth_pair")[0] == 0.0
+    second["tooth_pair"][comes - 1, 0] = 5
+    absolute, _, where = _row(compare_histories(first, second), "tooth_pair")
+    assert (absolute, where) == (1.0, f"t = {times[comes]:.6g} s, pinion-gear")
+
+
 def test_runs_of_different_length_are_compared_where_both_are(friction_run):
     short = friction_run.history.isel(time=slice(0, 1001))
     assert compare_histories(friction_run.history, short).attrs["n_times"] == 1001

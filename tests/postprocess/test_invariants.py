@@ -14,7 +14,7 @@ from evolvent.history.recording import Part, recording_of
 from evolvent.physics.applicable import depth_scale
 from evolvent.physics.contact_invariants import agreement_of_modes
 from evolvent.physics.invariants import DEFAULT_TOLERANCE, INVARIANTS, Verdict
-from evolvent.physics.wheel_torques import contact_torque, rotor_inertia
+from evolvent.physics.wheel_torques import contact_torque, rotor_inertia, shaft_torque
 
 # A change just beyond the bound of an invariant, and one far enough below it.
 BEYOND, WITHIN = 1.1, 0.5
@@ -346,6 +346,22 @@ def test_an_output_beyond_its_extreme_over_the_run_is_found(smooth_run):
     assert beyond.where["extreme"] == "normal_force_max"
 
 
+@pytest.mark.parametrize(("below", "verdict"), [(0.0, "pass"), (-1.0, "pass"), (1e-6, "fail")])
+def test_an_output_below_its_smallest_value_over_the_run_is_found(friction_run, below, verdict):
+    """`below`: how far the smallest output lies under the told one, over the largest size."""
+    sliding = friction_run.history["sliding_velocity"]
+    assert float(sliding.min()) < 0 < float(sliding.max())
+    size = float(np.abs(sliding).max())
+    told = {
+        "sliding_velocity_min": ("mesh", [float(sliding.min()) + below * size]),
+        "sliding_velocity_min_time": ("mesh", [1.0]),
+    }
+    found = _verdict(friction_run.history.assign(told), "extremes")
+    assert found.verdict == verdict
+    # 1e-9 of 1e-6: rounding of the difference of two values of the same size
+    assert found.worst == pytest.approx(max(below, 0.0), rel=1e-9)
+
+
 def test_a_friction_force_that_is_rounding_is_not_beyond_its_extreme(friction_run):
     history = friction_run.history
     normal = float(history["normal_force"].max())
@@ -426,3 +442,17 @@ def test_wheels_that_rigid_shafts_join_share_their_inertia_in_whatever_order_the
     }
     history = xr.Dataset({"inertia": ("wheel", [1.0, 2.0, 4.0, 8.0, 16.0]), **shafts})
     assert rotor_inertia(recording_of(history)).tolist() == [7.0, 7.0, 7.0, 8.0, 16.0]
+
+
+def test_a_shaft_turns_its_second_wheel_by_what_it_holds_back_its_first() -> None:
+    """One torque with two signs; wheel 1 stands on both shafts, and feels their difference."""
+    torque = np.array([[3.0, 10.0], [-5.0, 7.0]])
+    shafts = {
+        "shaft_torque": (("time", "shaft"), torque),
+        "shaft_wheel_first": ("shaft", [0, 1]),
+        "shaft_wheel_second": ("shaft", [1, 2]),
+        "load_torque": (("time", "wheel"), np.zeros((2, 3))),
+    }
+    felt = shaft_torque(whole(xr.Dataset(shafts, coords={"time": [0.0, 1.0]})))
+    expected = np.stack([-torque[:, 0], torque[:, 0] - torque[:, 1], torque[:, 1]], axis=1)
+    np.testing.assert_array_equal(felt, expected)

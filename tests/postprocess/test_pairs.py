@@ -130,6 +130,22 @@ def test_the_contact_ratio_seen_is_that_of_the_geometry(history):
     assert found.pairs == np.unique(numbers).size == 12  # -1 to 10
 
 
+def test_pairs_of_both_flanks_are_counted_each(history):
+    """Teeth that go over to their other flanks touch as other pairs, whatever their numbers."""
+    angles = PITCH * np.arange(505) / 100
+    back = RealPair(coast=True).history(angles)
+    later = back.assign_coords(time=back["time"] + float(history["time"][-1]) + 1.0)
+    over_time = [name for name, values in history.data_vars.items() if "time" in values.dims]
+    parts = [part[over_time] for part in (history, later)]
+    both = history.drop_dims("time").merge(xr.concat(parts, dim="time"))
+    numbers = [part["pair_number"].values[part["pair_normal_force"].values > 0] for part in parts]
+    counts = [np.unique(of_flank).size for of_flank in numbers]
+    assert np.intersect1d(*numbers).size > 1  # some have the same numbers
+    (found,) = mesh_summaries(both)
+    assert counts[0] > counts[1] > 0
+    assert found.pairs == sum(counts)
+
+
 def test_the_efficiency_is_that_of_the_energies(history):
     (found,) = mesh_summaries(history)
     # 0.01 W per newton lost, 2 rad/s times the base radius per newton handed over
