@@ -65,6 +65,7 @@ def _options() -> argparse.ArgumentParser:
     parser.add_argument(
         "--doubt", action="store_true", help="only ask all that noticed, without a mutant"
     )
+    parser.add_argument("--trust", action="store_true", help="leave that for later")
     parser.add_argument("--list", action="store_true", help="only list them")
     parser.add_argument("--report", action="store_true", help="only tell what came out so far")
     return parser
@@ -220,7 +221,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     only_told = options.report or options.doubt
     ended = only_told or not wanted or _run(wanted, options.j, options.all)
-    if options.doubt or (wanted and not options.report):
+    if options.doubt or (wanted and not options.report and not options.trust):
         _doubt(mutants if options.doubt else wanted, os.cpu_count() or 1)
     records = read_records(RECORDS)
     print(summary(mutants, records))
