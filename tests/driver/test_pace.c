@@ -1,6 +1,7 @@
 /* Whether a run gets on. */
 #include "integrate/pace.h"
 
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -58,6 +59,38 @@ static void test_steps_without_progress_are_seen(void **unused)
     assert_true(pace_step(&seen, 1.0 + 2 * grain, grain));
 }
 
+static void test_steps_that_creep_within_the_grain_are_no_progress(void **unused)
+{
+    (void)unused;
+    /* what cannot be told from rounding of the time, or from nothing in a run that has only begun */
+    assert_true(pace_grain(0, 2) == 2e-10);
+    assert_true(pace_grain(1e9, 1) == 64 * DBL_EPSILON * 1e9);
+    pace seen = pace_create();
+    const double grain = pace_grain(0, 2);
+    int n = 0;
+    for (double t = 0; n < 200000 && pace_step(&seen, t, grain); t = n * 5e-6 * grain) {
+        n++;
+    }
+    assert_int_equal(n, 100000); /* they came half a grain far */
+}
+
+static void test_progress_makes_room_for_as_many_again(void **unused)
+{
+    (void)unused;
+    pace seen = pace_create();
+    const double grain = pace_grain(1.0, 1.0);
+    for (int place = 0; place < 3; place++) {
+        for (int i = 0; i < 1000; i++) {
+            assert_true(pace_event(&seen, 1.0 + 2 * place * grain, grain));
+        }
+        for (int i = 0; i < 100000; i++) {
+            assert_true(pace_step(&seen, 1.0 + 2 * place * grain, grain));
+        }
+    }
+    assert_false(pace_event(&seen, 1.0 + 4 * grain, grain));
+    assert_false(pace_step(&seen, 1.0 + 4 * grain, grain));
+}
+
 static pace heard(int n, double restitution)
 {
     pace seen = pace_create();
@@ -106,6 +139,8 @@ int main(void)
         cmocka_unit_test(test_bounces_that_come_to_a_stop_in_time_are_seen),
         cmocka_unit_test(test_bounces_that_go_on_are_no_standstill),
         cmocka_unit_test(test_steps_without_progress_are_seen),
+        cmocka_unit_test(test_steps_that_creep_within_the_grain_are_no_progress),
+        cmocka_unit_test(test_progress_makes_room_for_as_many_again),
         cmocka_unit_test(test_events_that_come_ever_sooner_gather),
         cmocka_unit_test(test_other_events_begin_a_series_anew),
     };

@@ -2,9 +2,11 @@
 #include <evolvent/evolvent.h>
 
 #include <fenv.h>
+#include <locale.h>
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -123,6 +125,52 @@ static void the_caller_s_rounding_changes_no_bit_and_stays(void **state)
         evolvent_case_free(again);
         evolvent_case_free(gearbox);
     }
+}
+
+/* With a decimal comma, where the machine knows a place that has one. */
+static void the_caller_s_locale_changes_no_bit_and_stays(void **state)
+{
+    (void)state;
+    static const char *const places[] = {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "C.UTF-8", "C"};
+    evolvent_case *gearbox = read_case(radau);
+    evolvent_record *expected = run(gearbox);
+    locale_t own = (locale_t)0;
+    for (int i = 0; i < 5 && own == (locale_t)0; i++) {
+        own = newlocale(LC_ALL_MASK, places[i], (locale_t)0);
+    }
+    assert_true(own != (locale_t)0);
+    const locale_t before = uselocale(own);
+    evolvent_case *again = read_case(radau);
+    evolvent_record *record = run(again);
+    const bool stays = uselocale((locale_t)0) == own;
+    (void)uselocale(before);
+    freelocale(own);
+    assert_true(stays);
+    assert_true(same(record, expected));
+    evolvent_record_free(record);
+    evolvent_record_free(expected);
+    evolvent_case_free(again);
+    evolvent_case_free(gearbox);
+}
+
+/* ---- records ---- */
+
+static void a_variable_is_found_by_its_name_and_none_of_the_events(void **state)
+{
+    (void)state;
+    evolvent_case *gearbox = read_case(radau);
+    evolvent_record *record = run(gearbox);
+    int n, n_events = 0;
+    const evolvent_variable *all = evolvent_record_variables(record, &n);
+    for (int i = 0; i < n; i++) {
+        const evolvent_variable *found = evolvent_record_find(record, all[i].name);
+        n_events += all[i].is_of_events;
+        assert_true(all[i].is_of_events ? found == NULL || !found->is_of_events : found == &all[i]);
+    }
+    assert_true(n_events > 0);
+    assert_null(evolvent_record_find(record, "kind"));
+    evolvent_record_free(record);
+    evolvent_case_free(gearbox);
 }
 
 /* ---- stopped ---- */
@@ -249,6 +297,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {MEMORY_TESTS cmocka_unit_test(threads_side_by_side_get_the_bits_of_a_run_alone),
                                        cmocka_unit_test(the_caller_s_rounding_changes_no_bit_and_stays),
+                                       cmocka_unit_test(the_caller_s_locale_changes_no_bit_and_stays),
+                                       cmocka_unit_test(a_variable_is_found_by_its_name_and_none_of_the_events),
                                        cmocka_unit_test(a_run_that_is_stopped_gives_what_there_is)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

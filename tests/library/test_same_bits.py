@@ -6,6 +6,7 @@ import copy
 import pickle
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import xarray as xr
 
 import evolvent as package
 from evolvent.history import STATIC, open_result
+from evolvent.library import records
 from evolvent.library.cases import value_text
 from example_cases import CASES
 
@@ -123,6 +125,18 @@ def test_a_result_outlives_its_record(examples: Path) -> None:
     again = package.run(examples / "paper.yaml", SHORT)["gap"].values
     assert gap.tobytes() == again.tobytes()
     assert len({one.tobytes() for one in others}) == 1
+
+
+def test_a_record_is_freed_once_with_its_last_array(monkeypatch: pytest.MonkeyPatch) -> None:
+    freed: list[int] = []
+    monkeypatch.setattr(records, "load", lambda: SimpleNamespace(evolvent_record_free=freed.append))
+    record, numbers = records.Record(7), np.arange(3.0)
+    values = np.asarray(records._Values(record, numbers.ctypes.data, (3,), "<f8"))
+    part = values[1:]
+    del record, values
+    assert (freed, part.tolist()) == ([], [1.0, 2.0])
+    del part
+    assert freed == [7]
 
 
 def test_a_result_can_be_copied_sent_and_written(examples: Path, tmp_path: Path) -> None:
