@@ -110,6 +110,17 @@ static void the_vertex_of_a_parabola_is_exact(void **state)
     assert_true(isnan(peak_of_parabola(t, (const double[3]){5, NAN, 5})));
 }
 
+static void a_width_beyond_the_bracket_is_what_fits(void **state)
+{
+    (void)state;
+    static const double starts[] = {0, 0.2, 0.5, 0.9, 1};
+    for (int i = 0; i < 5; i++) {
+        const peak_bracket bracket = {0, 1, starts[i], 10, NAN, -INFINITY};
+        /* the vertex of a parabola is exact, from any three places */
+        assert_true(fabs(climbed(parabola, &bracket).largest - 2) <= 8 * DBL_EPSILON);
+    }
+}
+
 static void a_maximum_inside_is_found(void **state)
 {
     (void)state;
@@ -193,6 +204,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_vertex_of_a_parabola_is_exact),
+        cmocka_unit_test(a_width_beyond_the_bracket_is_what_fits),
         cmocka_unit_test(a_maximum_inside_is_found),
         cmocka_unit_test(a_maximum_without_curvature_is_come_near),
         cmocka_unit_test(a_maximum_at_an_end_is_that_end),
