@@ -158,3 +158,43 @@ def test_a_result_can_be_copied_sent_and_written(examples: Path, tmp_path: Path)
 def test_a_dataset_without_events_says_so() -> None:
     with pytest.raises(package.HistoryError, match="no events with it: give the path"):
         package.open_events(xr.Dataset())
+
+
+@pytest.mark.parametrize("case", ["paper.yaml", "two-stage-gears.yaml"])
+def test_a_dataset_is_what_the_constructor_of_xarray_makes(
+    examples: Path, case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def made() -> list[xr.Dataset]:
+        history = package.run(examples / case, SHORT)
+        return [history, package.open_events(history)]
+
+    quick = made()
+    with monkeypatch.context() as patch:
+        patch.setattr(records, "_inner", lambda: xr.Dataset.no_such_procedure)
+        public = made()
+    for ours, other in zip(quick, public, strict=True):
+        parts, coordinates = (
+            {name: one.variable for name, one in some.items()}
+            for some in (ours.data_vars, ours.coords)
+        )
+        rebuilt = xr.Dataset(parts, coordinates, ours.attrs)
+        for expected in (other, rebuilt):
+            assert ours.identical(expected)
+            assert list(ours.variables) == list(expected.variables)
+            assert dict(ours.sizes) == dict(expected.sizes)
+            assert ours.indexes.keys() == expected.indexes.keys()
+            for name, index in expected.indexes.items():
+                assert ours.indexes[name].identical(index), name
+    some = {"wheel": quick[0].wheel.values[-1]}
+    assert quick[0].sel(some).identical(public[0].sel(some))
+
+
+def test_who_changes_a_result_changes_no_other(examples: Path) -> None:
+    first, other, expected = (package.run(examples / "paper.yaml", SHORT) for _ in range(3))
+    for variable in first.variables.values():
+        variable.attrs["units"] = "changed"
+        variable.attrs["more"] = 1
+    first["normal_force"].values[:] = 0
+    first = first.assign_coords(wheel=["a", "b"]).drop_vars("mesh")
+    assert other.identical(expected)
+    assert package.run(examples / "paper.yaml", SHORT).identical(expected)

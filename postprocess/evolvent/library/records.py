@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from ctypes import byref, c_char_p, c_int
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 EVENTS = "events"  # of a result's `encoding`: what makes a dataset of its events
 TYPES: dict[int, np.dtype[Any]] = {REAL: np.dtype("f8"), INTEGER: np.dtype("i4")}
+KINDS = {number: kind.str for number, kind in TYPES.items()}
 
 
 class Record:
@@ -43,22 +44,28 @@ class _Values:
         }
 
 
-def _values(record: Record, variable: Variable, shape: tuple[int, ...]) -> np.ndarray:
-    if variable.type != TEXT:
-        return np.asarray(_Values(record, variable.values, shape, TYPES[variable.type].str))
-    texts = ctypes.cast(variable.values, ctypes.POINTER(c_char_p))
-    return np.array([texts[i].decode() for i in range(shape[0])], dtype=np.str_)
+def _texts(variable: Variable, shape: tuple[int, ...]) -> tuple[bytes, ...]:
+    return tuple(ctypes.cast(variable.values, ctypes.POINTER(c_char_p))[: shape[0]])
 
 
-def _attributes(variable: Variable) -> dict[Hashable, Any]:
+# What results have in common, such as names and units, is decoded once.
+_text = lru_cache(4096)(bytes.decode)
+
+
+@lru_cache(4096)
+def _attributes(
+    units: bytes, long_name: bytes, symbol: bytes, n_flags: int, meanings: bytes
+) -> dict[Hashable, Any]:
+    """The attributes of a variable; who puts them into one copies them, as xarray does."""
     attributes: dict[Hashable, Any] = {
-        "units": variable.units.decode(),
-        "long_name": variable.long_name.decode(),
-        "symbol": variable.symbol.decode(),
+        "units": units.decode(),
+        "long_name": long_name.decode(),
+        "symbol": symbol.decode(),
     }
-    if variable.n_flags > 0:
-        attributes["flag_values"] = np.arange(variable.n_flags, dtype=TYPES[INTEGER])
-        attributes["flag_meanings"] = variable.flag_meanings.decode()
+    if n_flags > 0:
+        attributes["flag_values"] = np.arange(n_flags, dtype=TYPES[INTEGER])
+        attributes["flag_values"].flags.writeable = False  # shared by all results
+        attributes["flag_meanings"] = meanings.decode()
     return attributes
 
 
@@ -104,17 +111,77 @@ def _same(events: xr.Dataset) -> xr.Dataset:
     return events
 
 
+@lru_cache(1024)
+def _names(
+    name: str, texts: tuple[bytes, ...], *attributes: Any
+) -> tuple[xr.Variable, Mapping[Any, Any]]:
+    """A coordinate of names, and its index."""
+    import xarray as xr
+
+    values = np.array([text.decode() for text in texts], dtype=np.str_)
+    made = xr.Coordinates({name: xr.Variable((name,), values, _attributes(*attributes))})
+    return made.variables[name], dict(made.xindexes)
+
+
 def _assembled(
     record: Record, variables: Sequence[Variable], attrs: Mapping[Any, Any]
 ) -> xr.Dataset:
     import xarray as xr
 
-    parts: dict[str, xr.Variable] = {}
-    coordinates: dict[str, xr.Variable] = {}
+    parts: dict[Hashable, xr.Variable] = {}
+    coordinates: dict[Hashable, xr.Variable] = {}
+    indexes: dict[Hashable, Any] = {}
+    sizes: dict[Hashable, int] = {}
     for variable in variables:
-        name, rank = variable.name.decode(), variable.rank
-        dimensions = tuple(text.decode() for text in variable.dimensions[:rank])
-        values = _values(record, variable, tuple(variable.lengths[:rank]))
-        made = xr.Variable(dimensions, values, _attributes(variable), fastpath=True)
-        (coordinates if dimensions == (name,) else parts)[name] = made
-    return xr.Dataset(parts, coordinates, attrs)
+        name, rank = _text(variable.name), variable.rank
+        dimensions = tuple(map(_text, variable.dimensions[:rank]))
+        shape = tuple(variable.lengths[:rank])
+        sizes.update(zip(dimensions, shape, strict=True))
+        told = (
+            variable.units,
+            variable.long_name,
+            variable.symbol,
+            variable.n_flags,
+            variable.flag_meanings,
+        )
+        if variable.type == TEXT:
+            names, index = _names(name, _texts(variable, shape), *told)
+            coordinates[name] = names.copy(deep=False)
+            indexes.update(index)
+            continue
+        values = np.asarray(_Values(record, variable.values, shape, KINDS[variable.type]))
+        made = xr.Variable(dimensions, values, _attributes(*told), fastpath=True)
+        if dimensions == (name,):
+            indexed = xr.Coordinates({name: made})
+            coordinates[name] = indexed.variables[name]
+            indexes.update(indexed.xindexes)
+        else:
+            parts[name] = made
+    return joined(parts, coordinates, indexes, sizes, dict(attrs))
+
+
+def joined(
+    parts: dict[Hashable, xr.Variable],
+    coordinates: dict[Hashable, xr.Variable],
+    indexes: dict[Hashable, Any],
+    sizes: dict[Hashable, int],
+    attrs: dict[Hashable, Any],
+) -> xr.Dataset:
+    """`xr.Dataset(parts, coordinates, attrs)` of variables that are known to fit each other.
+
+    That constructor aligns and compares them, which takes longer than all else that is done with a
+    result. xarray has no public way around it; where the inner one is not what it was, the public
+    one serves.
+    """
+    import xarray as xr
+
+    try:
+        return _inner()({**parts, **coordinates}, set(coordinates), sizes, attrs, indexes)
+    except (AttributeError, TypeError):
+        return xr.Dataset(parts, coordinates, attrs)
+
+
+def _inner() -> Callable[..., xr.Dataset]:
+    import xarray as xr
+
+    return xr.Dataset._construct_direct
