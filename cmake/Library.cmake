@@ -3,7 +3,14 @@
 # It takes from the driver what it needs, with answers of its own where the program writes files or ends itself: the linker looks
 # into the archive only for what is not there yet.
 file(GLOB library_sources CONFIGURE_DEPENDS driver/library/*.c)
-add_library(evolvent_library SHARED ${library_sources} driver/files/history_memory.c)
+add_library(
+  evolvent_library
+  SHARED
+  ${library_sources}
+  driver/files/history_memory.c
+  driver/files/no_files.c
+  driver/files/response_memory.c
+)
 set_target_properties(
   evolvent_library
   PROPERTIES OUTPUT_NAME evolvent SOVERSION 0 BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN"

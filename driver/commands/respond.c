@@ -3,14 +3,10 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "base/number.h"
 #include "commands/command.h"
 #include "commands/result.h"
 
-#include <math.h>
 #include <string.h>
-
-enum { LEAST_MOST = 100, MOST_MOST = 1000000 };
 
 typedef struct {
     const char *over;   /**< PATH=FROM:TO[:STEPS] */
@@ -19,15 +15,6 @@ typedef struct {
     option_values set;
     bool up, down, both, quiet;
 } options_t;
-
-static bool read_most(const char *text, int *most)
-{
-    double value = 0;
-    const bool good = number_read(text, &value) == NUMBER_FINITE && value >= LEAST_MOST && value <= MOST_MOST &&
-                      value == floor(value);
-    *most = good ? (int)value : 0;
-    return good;
-}
 
 static const char *check(const void *given)
 {
@@ -39,9 +26,7 @@ static const char *check(const void *given)
     if (options->up + options->down + options->both > 1) {
         return "--up, --down and --both exclude each other";
     }
-    return options->most == NULL || read_most(options->most, &most)
-               ? NULL
-               : "--periods takes a whole number of common periods from 100 to 1000000";
+    return options->most == NULL || respond_read_most(options->most, &most) ? NULL : respond_periods;
 }
 
 static evl_exit run_respond(const char *file, const void *given, evl_error *error)
@@ -55,7 +40,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
         return error->code;
     }
     OWNED char *path = result_path("response", options->output, file, "-respond", error), *versions = result_versions();
-    (void)(options->most != NULL && read_most(options->most, &most));
+    (void)(options->most != NULL && respond_read_most(options->most, &most));
     if (path == NULL) {
         return error->code;
     }

@@ -68,8 +68,7 @@ static const void *names_of(memory_pool *pool, int n, const char *const *names)
     return own;
 }
 
-/** A variable with texts of its own: those it has may go with the case, or with who puts it. */
-static void add(history *history, const netcdf_variable *variable, bool is_of_events, const void *values)
+void history_keep_variable(history *history, const netcdf_variable *variable, bool is_of_events, const void *values)
 {
     memory_pool *pool = &history->body.pool;
     if (history->n_variables == history->room) {
@@ -85,8 +84,7 @@ static void add(history *history, const netcdf_variable *variable, bool is_of_ev
     own->variable.long_name = pool_copy(pool, variable->long_name);
 }
 
-/** Numbers as a variable of this type has them; doubles stay where they are. */
-static const void *numbers_of(history *history, netcdf_type type, int n, const double *numbers)
+const void *history_numbers(history *history, netcdf_type type, int n, const double *numbers)
 {
     if (type != NETCDF_INTEGER) {
         return numbers;
@@ -98,15 +96,16 @@ static const void *numbers_of(history *history, netcdf_type type, int n, const d
     return integers;
 }
 
-static void add_coordinate(history *history, netcdf_dimension *dimension, const dimension_values *values,
-                           bool is_of_events)
+void history_keep_coordinate(history *history, netcdf_dimension *dimension, const dimension_values *values,
+                             bool is_of_events)
 {
     netcdf_variable variable = values->variable;
     variable.rank = 1;
     variable.dimensions[0] = dimension;
-    add(history, &variable, is_of_events,
-        variable.type == NETCDF_TEXT ? names_of(&history->body.pool, values->n, values->names)
-                                     : numbers_of(history, variable.type, values->n, values->numbers));
+    history_keep_variable(history, &variable, is_of_events,
+                          variable.type == NETCDF_TEXT
+                              ? names_of(&history->body.pool, values->n, values->names)
+                              : history_numbers(history, variable.type, values->n, values->numbers));
 }
 
 static bool add_statics(history *history, int n, const model_output *outputs, const double *values)
@@ -121,7 +120,8 @@ static bool add_statics(history *history, int n, const model_output *outputs, co
         if (output->is_integer && !netcdf_are_integers(history->reason, output->name, output->count, numbers)) {
             return false;
         }
-        add(history, &variable, false, numbers_of(history, variable.type, output->count, numbers));
+        history_keep_variable(history, &variable, false,
+                              history_numbers(history, variable.type, output->count, numbers));
     }
     return true;
 }
@@ -129,7 +129,7 @@ static bool add_statics(history *history, int n, const model_output *outputs, co
 static void add_series(history *history, series *rows, bool is_of_events)
 {
     for (int i = 0; i < rows->n_columns; i++) {
-        add(history, &rows->columns[i].variable, is_of_events, rows->columns[i].block);
+        history_keep_variable(history, &rows->columns[i].variable, is_of_events, rows->columns[i].block);
     }
     rows->dimension = (netcdf_dimension){.name = rows->columns[0].variable.name, .length = rows->filled};
 }
@@ -141,11 +141,11 @@ static bool add_all(history *history)
     const history_layout *layout = &body->layout;
     for (int i = 0; i < N_DIMENSIONS; i++) {
         if (body->dimensions.values[i].is_there) {
-            add_coordinate(history, &body->dimensions.of[i], &body->dimensions.values[i], false);
+            history_keep_coordinate(history, &body->dimensions.of[i], &body->dimensions.values[i], false);
         }
     }
     if (body->has_events) {
-        add_coordinate(history, &body->side, &body->sides, true);
+        history_keep_coordinate(history, &body->side, &body->sides, true);
     }
     if (body->has_statics && !add_statics(history, layout->n_outputs, layout->outputs, body->statics)) {
         return false;
@@ -172,12 +172,15 @@ bool history_put_finals(history *history, int n, const model_output *outputs, co
 
 /* ---- the end ---- */
 
-static void add_attribute(history *history, const history_attribute *attribute)
+void history_keep_attribute(history *history, const history_attribute *attribute)
 {
-    history_attribute *own = &history->attributes[history->n_attributes++];
+    memory_pool *pool = &history->body.pool;
+    const size_t n = (size_t)history->n_attributes++;
+    history->attributes = pool_grow(pool, history->attributes, n, n + 1, sizeof *history->attributes);
+    history_attribute *own = &history->attributes[n];
     *own = *attribute;
-    own->key = pool_copy(&history->body.pool, attribute->key);
-    own->text = attribute->text == NULL ? NULL : pool_copy(&history->body.pool, attribute->text);
+    own->key = pool_copy(pool, attribute->key);
+    own->text = attribute->text == NULL ? NULL : pool_copy(pool, attribute->text);
 }
 
 static void add_attributes(history *history, int n, const history_attribute *at_end)
@@ -185,19 +188,16 @@ static void add_attributes(history *history, int n, const history_attribute *at_
     const history_layout *layout = &history->body.layout;
     history_attribute common[N_COMMON_ATTRIBUTES];
     history_common_attributes(layout, common);
-    history->attributes =
-        pool_calloc(&history->body.pool, N_COMMON_ATTRIBUTES + (size_t)layout->n_attributes + (size_t)n,
-                    sizeof *history->attributes);
     for (int i = 0; i < N_COMMON_ATTRIBUTES; i++) {
-        add_attribute(history, &common[i]);
+        history_keep_attribute(history, &common[i]);
     }
     for (int i = 0; i < layout->n_attributes; i++) {
         if (history_is_kept(&layout->attributes[i], n, at_end)) {
-            add_attribute(history, &layout->attributes[i]);
+            history_keep_attribute(history, &layout->attributes[i]);
         }
     }
     for (int i = 0; i < n; i++) {
-        add_attribute(history, &at_end[i]);
+        history_keep_attribute(history, &at_end[i]);
     }
 }
 

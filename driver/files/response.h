@@ -1,5 +1,5 @@
-/** Motions over a parameter that goes up and down: the result of `evolvent respond`. The interface knows nothing of HDF5;
- *  response_hdf5.c does. */
+/** Motions over a parameter that goes up and down: the result of `evolvent respond`, on file in the program (response_hdf5.c), in memory
+ *  in the library (response_memory.c). Who links chooses; what is in it is told by response_rows.c to both. */
 #pragma once
 
 #include "base/status.h"
@@ -37,6 +37,7 @@ typedef struct {
     const response_jump *jumps;
     int n_attributes;
     const history_attribute *attributes; /**< of the root */
+    struct history **kept;               /**< in memory: where it is then; a file has no need of it */
 } response;
 
 /** Write it as NAME.partial; if `commit`, it becomes NAME. @return false with the reason in `error`, EVL_EXIT_IO */

@@ -73,7 +73,7 @@ static orbit_end look(branch *b, double value, carried *state, response_point *p
     }
     orbit_end end = start(b, &period, state, message, error) ? ORBIT_FOUND : ORBIT_FAILED;
     if (end == ORBIT_FOUND) {
-        end = orbit_find(&b->prepared, &period, state, b->most, &result, point->values, message);
+        end = orbit_find(&b->prepared, &period, state, b->most, b->interrupt, &result, point->values, message);
     }
     if (end == ORBIT_FOUND) {
         point->period = result.period;

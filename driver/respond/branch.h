@@ -14,6 +14,7 @@ typedef struct {
     int n_set;
     const char *const *set;
     int most;
+    const volatile sig_atomic_t *interrupt; /**< as of orbit_find */
     wheel_store *wheels;
     prepared_case prepared; /**< of the value that was looked at last */
     const model_names *names;

@@ -66,6 +66,7 @@ typedef struct {
     section section;
     double repeats; /**< distance below which states are the same */
     int most;
+    const volatile sig_atomic_t *interrupt;
     dae_state seen[KEPT];   /**< on the section, taken back to the same place */
     double t_seen[KEPT];    /**< when [s] */
     double far[KEPT][KEPT]; /**< [section][orbit] distance to that many periods before; NAN: not known */
@@ -192,7 +193,7 @@ static int on_step(void *self, double t)
 {
     search *s = self;
     (void)t;
-    s->stop = interrupt_signal != 0 ? STOP_INTERRUPTED : s->stop;
+    s->stop = *s->interrupt != 0 ? STOP_INTERRUPTED : s->stop;
     return s->stop != STOP_NONE;
 }
 
@@ -246,7 +247,8 @@ static int usual_most(const model_period *period)
 }
 
 orbit_end orbit_find(const prepared_case *prepared, const model_period *period, carried *state, int most,
-                     orbit_result *result, double *values, char message[DAE_MESSAGE_LENGTH])
+                     const volatile sig_atomic_t *interrupt, orbit_result *result, double *values,
+                     char message[DAE_MESSAGE_LENGTH])
 {
     POOLED memory_pool pool = {NULL};
     search *s = pool_calloc(&pool, 1, sizeof *s);
@@ -256,6 +258,7 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     s->prepared = prepared;
     s->dae = &model_about(prepared->model)->dae;
     s->repeats = fmax(smallest, times * options.tolerance);
+    s->interrupt = interrupt != NULL ? interrupt : &interrupt_signal;
     s->most = most > 0 ? most : usual_most(period);
     s->result = result;
     s->at = dae_state_create(s->dae, &pool);

@@ -4,6 +4,8 @@
 #include "respond/section.h"
 #include "simulate/prepare.h"
 
+#include <signal.h>
+
 enum { ORBIT_LONGEST = 16, ORBIT_USUAL_PERIODS = 600, ORBIT_WINDOW = 64, ORBIT_LEAST_PERIODS = 100 };
 
 /** A state that goes from one gearbox to the next: it lies within one common period of the start. */
@@ -35,7 +37,9 @@ typedef enum { ORBIT_FOUND, ORBIT_FAILED, ORBIT_INTERRUPTED } orbit_end;
 /** Follow the motion.
  *  @param state    from where, of this gearbox; becomes the last one on the section
  *  @param most     common periods; 0: the usual number
+ *  @param interrupt  ends it when it is not 0; NULL: the number of a signal to the process
  *  @param values   numbers, as number_rows_place places them
  *  @param message  why it failed */
 orbit_end orbit_find(const prepared_case *prepared, const model_period *period, carried *state, int most,
-                     orbit_result *result, double *values, char message[DAE_MESSAGE_LENGTH]);
+                     const volatile sig_atomic_t *interrupt, orbit_result *result, double *values,
+                     char message[DAE_MESSAGE_LENGTH]);

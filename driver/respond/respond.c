@@ -2,6 +2,7 @@
 
 #include "base/interrupt.h"
 #include "base/log.h"
+#include "base/number.h"
 #include "base/progress.h"
 #include "files/checkpoint.h"
 #include "files/parts.h"
@@ -10,9 +11,13 @@
 #include "simulate/number_channel.h"
 
 #include <evolvent_version.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { LEAST_MOST = 100, MOST_MOST = 1000000 };
+const char respond_periods[] = "--periods takes a whole number of common periods from 100 to 1000000";
 
 typedef struct {
     const respond_options *options;
@@ -21,6 +26,7 @@ typedef struct {
     prepared_case first; /**< at the first value: its text and warnings are the file's */
     parts parts;         /**< a folder, locked, with what is needed to go on */
     checkpoint kept;     /**< what that is of */
+    const volatile sig_atomic_t *interrupt;
     double saved, shown; /**< clock [s] */
     bool is_shown;       /**< something stands on the terminal's line */
 } response_run;
@@ -145,6 +151,7 @@ static bool write_file(response_run *run, bool commit, const char *status, const
         .jumps = b->jumps,
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
+        .kept = run->options->kept,
     };
     return response_write(&result, commit, error);
 }
@@ -176,7 +183,7 @@ static orbit_end go(response_run *run, evl_error *error)
         const branch_place at = branch_at(&run->branch, run->branch.step);
         show(run, &at);
         end = branch_step(&run->branch, error);
-        if (end == ORBIT_FOUND && interrupt_signal != 0) {
+        if (end == ORBIT_FOUND && *run->interrupt != 0) {
             end = ORBIT_INTERRUPTED;
         }
         if (end == ORBIT_FOUND && clock_seconds() - run->saved > interval && !save(run, error)) {
@@ -227,20 +234,20 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
 {
     evl_error other = {.code = EVL_EXIT_OK};
     const branch *b = &run->branch;
-    OWNED char *why = is_interrupted ? xasprintf("interrupted by %s", interrupt_name((int)interrupt_signal))
-                                     : xstrdup(error->message);
+    const respond_options *options = run->options;
+    const char *who = (options->who != NULL ? options->who : interrupt_name)((int)*run->interrupt);
+    OWNED char *why = is_interrupted ? xasprintf("interrupted by %s", who) : xstrdup(error->message);
+    OWNED char *where = options->kept != NULL ? xstrdup("") : xasprintf(" and in '%s.partial'", options->path);
     OWNED char *place = xstrdup(is_interrupted ? case_path(run->first.file) : error->place);
     const bool good =
         save(run, &other) && write_file(run, false, is_interrupted ? "interrupted" : "failed", why, &other);
     if (!good) {
         *error = other;
     } else if (is_interrupted) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place,
-                      "%s; %d of %d values are done and in '%s.partial'; the same command goes on", why, b->step,
-                      b->n_steps, run->options->path);
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "%s; %d of %d values are done%s%s", why, b->step, b->n_steps,
+                      where, options->kept != NULL ? "" : "; the same command goes on");
     } else {
-        evl_error_set(error, error->code, place, "%s; %d of %d values are done and in '%s.partial'", why, b->step,
-                      b->n_steps, run->options->path);
+        evl_error_set(error, error->code, place, "%s; %d of %d values are done%s", why, b->step, b->n_steps, where);
     }
 }
 
@@ -257,16 +264,33 @@ static void run_locked(response_run *run, evl_error *error)
         }
     } else if (write_file(run, true, "done", "", error)) {
         parts_remove(&run->parts);
-        summarise(run);
+        if (!run->options->quiet) {
+            summarise(run);
+        }
     }
+}
+
+static case_base *read_base(const char *name, const char *text, evl_error *error)
+{
+    return text == NULL ? case_base_read(name, model_schema(), error)
+                        : case_base_parse(name, text, model_schema(), error);
+}
+
+static bool prepare(response_run *run, const char *name, int n_set, const char *const *set, evl_error *error)
+{
+    const char *text = run->options->text;
+    return text == NULL ? prepare_case(&run->first, name, n_set, set, error)
+                        : prepare_text(&run->first, name, text, n_set, set, error);
 }
 
 /** The range, whose units are those of the key in the case as --set makes it. */
 static bool read_range(response_run *run, const char *case_path, evl_error *error)
 {
     const respond_options *options = run->options;
-    case_file *file = case_read(case_path, options->n_set, options->set, model_schema(), error);
-    case_base *base = file == NULL ? NULL : case_base_parse(case_path, case_text(file), model_schema(), error);
+    case_file *file = options->text == NULL
+                          ? case_read(case_path, options->n_set, options->set, model_schema(), error)
+                          : case_parse(case_path, options->text, options->n_set, options->set, model_schema(), error);
+    case_base *base = file == NULL ? NULL : read_base(case_path, case_text(file), error);
     const bool good = base != NULL && value_range_read(&run->range, options->over, base, error);
     case_base_delete(&base);
     case_delete(&file);
@@ -279,7 +303,7 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     branch *b = &run->branch;
     const respond_options *options = run->options;
     POOLED memory_pool pool = {NULL};
-    b->base = case_base_read(case_path, model_schema(), error);
+    b->base = read_base(case_path, options->text, error);
     if (b->base == NULL || !read_range(run, case_path, error)) {
         return false;
     }
@@ -290,12 +314,12 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     }
     set[options->n_set] = option; /* the last one: without it the case is what it was, if it is one */
     evl_error other = {.code = EVL_EXIT_OK};
-    if (prepare_case(&run->first, case_path, options->n_set, set, &other) &&
+    if (prepare(run, case_path, options->n_set, set, &other) &&
         !value_range_check(&run->range, run->first.model, false, error)) {
         return false;
     }
     prepared_case_free(&run->first);
-    if (!prepare_case(&run->first, case_path, options->n_set + 1, set, error) ||
+    if (!prepare(run, case_path, options->n_set + 1, set, error) ||
         !value_range_check(&run->range, run->first.model, true, error)) {
         return false;
     }
@@ -303,6 +327,7 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     b->n_set = options->n_set;
     b->set = options->set;
     b->most = options->most;
+    b->interrupt = run->interrupt;
     b->wheels = wheel_store_create();
     b->names = &model_about(run->first.model)->names;
     b->n_values = number_rows_place(&b->pool, b->names, b->rows);
@@ -319,10 +344,20 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     return check_values(run, error);
 }
 
+bool respond_read_most(const char *text, int *most)
+{
+    double value = 0;
+    const bool good = number_read(text, &value) == NUMBER_FINITE && value >= LEAST_MOST && value <= MOST_MOST &&
+                      value == floor(value);
+    *most = good ? (int)value : 0;
+    return good;
+}
+
 evl_exit respond(const char *case_path, const respond_options *options, evl_error *error)
 {
     OWNED response_run *run = xcalloc(1, sizeof *run);
     run->options = options;
+    run->interrupt = options->interrupt != NULL ? options->interrupt : &interrupt_signal;
     if (begin(run, case_path, error) && parts_open(&run->parts, options->path, error)) {
         run_locked(run, error);
         parts_close(&run->parts);

@@ -4,18 +4,29 @@
 
 #include "base/status.h"
 
+#include <signal.h>
 #include <stdbool.h>
 
 typedef struct {
     const char *over; /**< PATH=FROM:TO[:STEPS] */
+    const char *text; /**< of the case; NULL: that of its file */
     bool up, down;
-    int most;             /**< common periods at a value; 0: the usual number */
-    const char *path;     /**< of the result */
-    const char *versions; /**< of all that made it */
+    int most;              /**< common periods at a value; 0: the usual number */
+    const char *path;      /**< of the result */
+    struct history **kept; /**< in memory: where the result is then; NULL: on file */
+    const char *versions;  /**< of all that made it */
     int n_set;
     const char *const *set;
     bool quiet;
+    const volatile sig_atomic_t
+        *interrupt;                    /**< ends it when it is not 0; NULL: the number of a signal to the process */
+    const char *(*who)(int interrupt); /**< by whom; NULL: by that signal */
 } respond_options;
 
-/** @return the exit code, with the reason in `error` */
+/** Read how many common periods there may be at a value. @return false with `respond_periods` to say */
+bool respond_read_most(const char *text, int *most);
+extern const char respond_periods[];
+
+/** @param case_path  file of the case, or what errors call its text
+ *  @return the exit code, with the reason in `error` */
 evl_exit respond(const char *case_path, const respond_options *options, evl_error *error);

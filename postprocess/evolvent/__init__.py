@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from evolvent.errors import AnalysisError, HistoryError
     from evolvent.history import open_events, open_history, run_warning
-    from evolvent.library.calls import modes, parameters, run, show, static
+    from evolvent.library.calls import modes, parameters, respond, run, show, static
     from evolvent.physics.compare import compare_histories
     from evolvent.physics.invariants import check_history
     from evolvent.version import __version__
@@ -23,6 +23,7 @@ __all__ = [
     "open_events",
     "open_history",
     "parameters",
+    "respond",
     "run",
     "run_warning",
     "show",
@@ -39,6 +40,7 @@ _HOMES = {
     "open_events": "history",
     "open_history": "history",
     "parameters": "library.calls",
+    "respond": "library.calls",
     "run": "library.calls",
     "run_warning": "history",
     "show": "library.calls",

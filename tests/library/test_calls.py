@@ -45,6 +45,7 @@ def test_the_binding_s_structures_are_those_of_the_compiler(root: Path, tmp_path
     structures = {
         "evolvent_error": binding.Error,
         "evolvent_static_request": binding.StaticRequest,
+        "evolvent_respond_request": binding.RespondRequest,
         "evolvent_modes_request": binding.ModesRequest,
         "evolvent_variable": binding.Variable,
         "evolvent_attribute": binding.Attribute,

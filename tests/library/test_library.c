@@ -204,6 +204,39 @@ static void a_run_that_is_stopped_gives_what_there_is(void **state)
     evolvent_case_free(gearbox);
 }
 
+static evolvent_code respond(const char *over, const char *direction, const volatile int *stop,
+                             evolvent_record **record, evolvent_error *error)
+{
+    const evolvent_respond_request request = {over, direction, "100"};
+    return evolvent_respond("examples/spur-pair.yaml", NULL, 0, NULL, &request, stop, record, error);
+}
+
+static void a_response_is_done_stopped_or_refused_and_leaves_nothing(void **state)
+{
+    (void)state;
+    static const char over[] = "wheels.pinion.loads.0.value=-40:-50:2";
+    volatile const int stop = 1;
+    evolvent_record *record = NULL;
+    evolvent_error error;
+    assert_int_equal(respond(over, NULL, &stop, &record, &error), EVOLVENT_INTERRUPTED);
+    assert_string_equal(error.message, "interrupted by the caller; 0 of 4 values are done");
+    assert_non_null(record);
+    const evolvent_variable *period = evolvent_record_find(record, "period");
+    assert_int_equal(((const int *)period->values)[0], -1);
+    evolvent_record_free(record);
+    assert_int_equal(respond(over, "up", NULL, &record, &error), EVOLVENT_OK);
+    period = evolvent_record_find(record, "period");
+    assert_int_equal(period->lengths[0] * period->lengths[1], 2);
+    assert_int_equal(((const int *)period->values)[0], 1);
+    evolvent_record_free(record);
+    assert_int_equal(respond("wheels.pinion.teeth=20:21", NULL, NULL, &record, &error), EVOLVENT_USAGE);
+    assert_null(record);
+    assert_int_equal(evolvent_respond("examples/spur-pair.yaml", NULL, 0, NULL, NULL, NULL, &record, &error),
+                     EVOLVENT_USAGE);
+    assert_string_equal(error.place, "over");
+    assert_null(record);
+}
+
 /* ---- memory ---- */
 
 #if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
@@ -299,6 +332,7 @@ int main(void)
                                        cmocka_unit_test(the_caller_s_rounding_changes_no_bit_and_stays),
                                        cmocka_unit_test(the_caller_s_locale_changes_no_bit_and_stays),
                                        cmocka_unit_test(a_variable_is_found_by_its_name_and_none_of_the_events),
-                                       cmocka_unit_test(a_run_that_is_stopped_gives_what_there_is)};
+                                       cmocka_unit_test(a_run_that_is_stopped_gives_what_there_is),
+                                       cmocka_unit_test(a_response_is_done_stopped_or_refused_and_leaves_nothing)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,6 +38,12 @@ class StaticRequest(ctypes.Structure):
     ]
 
 
+class RespondRequest(ctypes.Structure):
+    """evolvent_respond_request."""
+
+    _fields_: ClassVar = [("over", c_char_p), ("direction", c_char_p), ("periods", c_char_p)]
+
+
 class ModesRequest(ctypes.Structure):
     """evolvent_modes_request."""
 
@@ -85,6 +91,10 @@ PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "evolvent_case_free": (None, (c_void_p,)),
     "evolvent_run": (c_int, (c_void_p, _STOP, _RECORD, _ERROR)),
     "evolvent_static": (c_int, (c_void_p, POINTER(StaticRequest), _STOP, _RECORD, _ERROR)),
+    "evolvent_respond": (
+        c_int,
+        (c_char_p, c_char_p, c_int, _TEXTS, POINTER(RespondRequest), _STOP, _RECORD, _ERROR),
+    ),
     "evolvent_modes": (c_void_p, (c_void_p, POINTER(ModesRequest), _STOP, _ERROR)),
     "evolvent_show": (c_void_p, (c_void_p, _ERROR)),
     "evolvent_parameters": (c_void_p, (c_void_p, _ERROR)),

@@ -7,8 +7,16 @@ import json
 from ctypes import byref, c_int, c_void_p
 from typing import TYPE_CHECKING, Any
 
-from evolvent.library.binding import Error, ModesRequest, StaticRequest, load
-from evolvent.library.cases import Case, Settings, encoded_or_none, error_of, opened
+from evolvent.library.binding import Error, ModesRequest, RespondRequest, StaticRequest, load
+from evolvent.library.cases import (
+    Case,
+    Settings,
+    encoded_or_none,
+    error_of,
+    opened,
+    source_of,
+    value_text,
+)
 from evolvent.library.waiting import call
 
 if TYPE_CHECKING:
@@ -19,21 +27,24 @@ _DONE = 0
 
 def _result(case: Case, settings: Settings, procedure: str, *request: Any) -> xr.Dataset:
     """What a procedure of the library records of a case."""
-    library, error, record = load(), Error(), c_void_p()
     with opened(case, settings) as handle:
+        return _recorded(case, procedure, handle, *request)
 
-        def work(stop: c_int) -> int:
-            return int(
-                getattr(library, procedure)(
-                    handle, *request, byref(stop), byref(record), byref(error)
-                )
-            )
 
-        try:
-            code = call(work)
-        except BaseException:
-            library.evolvent_record_free(record)
-            raise
+def _recorded(case: Case, procedure: str, *arguments: Any) -> xr.Dataset:
+    """What a procedure of the library records."""
+    library, error, record = load(), Error(), c_void_p()
+
+    def work(stop: c_int) -> int:
+        return int(
+            getattr(library, procedure)(*arguments, byref(stop), byref(record), byref(error))
+        )
+
+    try:
+        code = call(work)
+    except BaseException:
+        library.evolvent_record_free(record)
+        raise
     result = None
     if record.value is not None:
         from evolvent.library.records import dataset
@@ -128,6 +139,54 @@ def static(
         points=encoded_or_none("points", points),
     )
     return _result(case, set, "evolvent_static", byref(request))
+
+
+def respond(
+    case: Case,
+    set: Settings = None,
+    *,
+    over: str | tuple[str, str | float, str | float] | tuple[str, str | float, str | float, int],
+    direction: str = "both",
+    periods: int | None = None,
+) -> xr.Dataset:
+    """Follow the motion over a parameter that goes up and down, as `evolvent respond` does.
+
+    Parameters
+    ----------
+    case, set : as of `run`.
+    over : the parameter, its first and last value, and how many values there are: (path, from, to),
+        (path, from, to, steps), or the text that the program takes.
+    direction : "up", "down", or "both": up, and from there down.
+    periods : common periods at a value, at most.
+
+    Returns
+    -------
+    Dataset over direction and parameter, with the jumps, as in the file of the program.
+
+    Raises
+    ------
+    AnalysisError
+        The case, a value or the range is refused, or a motion cannot be integrated; `history` is
+        what there is of the values before.
+    """
+    if not isinstance(over, str):
+        path, *values = over
+        over = f"{path}={':'.join(map(value_text, values))}"
+    request = RespondRequest(
+        over=encoded_or_none("over", over),
+        direction=encoded_or_none("direction", direction),
+        periods=encoded_or_none("periods", periods),
+    )
+    source = source_of(case, set)
+    return _recorded(
+        case,
+        "evolvent_respond",
+        source.name,
+        source.text,
+        len(source.options),
+        source.options,
+        byref(request),
+    )
 
 
 def modes(

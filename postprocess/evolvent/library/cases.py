@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import byref, c_char_p
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -62,9 +64,17 @@ def error_of(error: Error, case: Case | None = None) -> AnalysisError:
     return AnalysisError(error.code, place, error.message.decode(errors="replace"))
 
 
-@contextmanager
-def opened(case: Case, settings: Settings) -> Iterator[Any]:
-    """The library's handle of a case.
+@dataclass(frozen=True)
+class Source:
+    """Where the library reads a case."""
+
+    name: bytes  # path, or what errors call the text
+    text: bytes | None  # None: that of the file
+    options: ctypes.Array[c_char_p]  # as after --set
+
+
+def source_of(case: Case, settings: Settings) -> Source:
+    """What a caller gives.
 
     Parameters
     ----------
@@ -73,17 +83,31 @@ def opened(case: Case, settings: Settings) -> Iterator[Any]:
     Raises
     ------
     AnalysisError
+        It cannot be a case.
+    """
+    given = _settings(settings)
+    options = (c_char_p * len(given))(*given)
+    if isinstance(case, Mapping) or (isinstance(case, str) and "\n" in case):
+        return Source(NAME.encode(), _encoded(NAME, value_text(case)), options)
+    return Source(_encoded(NAME, case), None, options)
+
+
+@contextmanager
+def opened(case: Case, settings: Settings) -> Iterator[Any]:
+    """The library's handle of a case, as of `source_of`.
+
+    Raises
+    ------
+    AnalysisError
         It is refused.
     """
     library, error = load(), Error()
-    options = _settings(settings)
-    texts = (c_char_p * len(options))(*options)
-    if isinstance(case, Mapping) or (isinstance(case, str) and "\n" in case):
-        text = _encoded(NAME, value_text(case))
-        handle = library.evolvent_case_parse(NAME.encode(), text, len(options), texts, byref(error))
+    source = source_of(case, settings)
+    set_options = len(source.options), source.options
+    if source.text is None:
+        handle = library.evolvent_case_read(source.name, *set_options, byref(error))
     else:
-        path = _encoded(NAME, case)
-        handle = library.evolvent_case_read(path, len(options), texts, byref(error))
+        handle = library.evolvent_case_parse(source.name, source.text, *set_options, byref(error))
     if handle is None:
         raise error_of(error, case)
     try:

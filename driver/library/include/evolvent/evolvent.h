@@ -60,6 +60,20 @@ typedef struct evolvent_static_request {
 evolvent_code evolvent_static(const evolvent_case *gearbox, const evolvent_static_request *request,
                               const volatile int *stop, evolvent_record **record, evolvent_error *error);
 
+/** What `evolvent respond` is asked for, as texts; NULL: as there. */
+typedef struct evolvent_respond_request {
+    const char *over;      /**< "PATH=FROM:TO[:STEPS]" */
+    const char *direction; /**< "up", "down" or "both", which NULL is */
+    const char *periods;
+} evolvent_respond_request;
+/** Motions over a parameter that goes up and down. The case is prepared for every value: so it is named, not handed over.
+ *  @param name  path of the case file, or of its text what errors call it
+ *  @param text  of the case; NULL: that of the file
+ *  @param set   n_set texts "PATH=VALUE". The others as of evolvent_run: a record has the values that were done */
+evolvent_code evolvent_respond(const char *name, const char *text, int n_set, const char *const *set,
+                               const evolvent_respond_request *request, const volatile int *stop,
+                               evolvent_record **record, evolvent_error *error);
+
 /** What `evolvent modes` is asked for: one of these; neither: the steady state where the case starts. */
 typedef struct evolvent_modes_request {
     const char *at, *mesh_position; /**< as texts; NULL: not asked for */
