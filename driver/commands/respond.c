@@ -12,9 +12,15 @@ typedef struct {
     const char *over;   /**< PATH=FROM:TO[:STEPS] */
     const char *output; /**< NULL: the case's name with -respond.h5 in the current folder */
     const char *most;   /**< common periods at a value */
+    const char *method; /**< "sweep" or "orbits" */
     option_values set;
     bool up, down, both, quiet;
 } options_t;
+
+static bool finds_orbits(const options_t *options)
+{
+    return options->method != NULL && strcmp(options->method, "orbits") == 0;
+}
 
 static const char *check(const void *given)
 {
@@ -25,6 +31,12 @@ static const char *check(const void *given)
     }
     if (options->up + options->down + options->both > 1) {
         return "--up, --down and --both exclude each other";
+    }
+    if (options->method != NULL && strcmp(options->method, "sweep") != 0 && strcmp(options->method, "orbits") != 0) {
+        return "--method takes sweep or orbits";
+    }
+    if (finds_orbits(options) && options->up + options->down + options->both > 0) {
+        return "--method orbits follows branches wherever they lead: it takes none of --up, --down and --both";
     }
     return options->most == NULL || respond_read_most(options->most, &most) ? NULL : respond_periods;
 }
@@ -47,6 +59,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
     const respond_options asked = {.over = options->over,
                                    .up = !options->down,
                                    .down = !options->up,
+                                   .orbits = finds_orbits(options),
                                    .most = most,
                                    .path = path,
                                    .versions = versions,
@@ -64,6 +77,8 @@ static const option_row rows[] = {
     {OPTION_FLAG, 0, "--both", NULL, offsetof(options_t, both), "up, and from there down; so it is if nothing is said"},
     {OPTION_TEXT, 0, "--periods", "N", offsetof(options_t, most),
      "common periods at a value at most; 600 pitches of the first mesh, but 100 periods, if not given"},
+    {OPTION_TEXT, 0, "--method", "NAME", offsetof(options_t, method),
+     "sweep: go on from value to value, as if nothing is said; orbits: follow periodic orbits, stable or not"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(options_t, output),
      "file to write; the case's name with -respond.h5 in the current folder if not given"},
     OPTION_ROW_SET(options_t),
@@ -73,7 +88,8 @@ static const option_row rows[] = {
 
 const command respond_command = {
     .name = "respond",
-    .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [-o FILE.h5] [--set "
+    .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [--method "
+                "sweep|orbits] [-o FILE.h5] [--set "
                 "PATH=VALUE]... [-q]",
     .summary = "follow the motion over a parameter that goes up and down, with its jumps",
     .text =
@@ -82,6 +98,11 @@ const command respond_command = {
         "before, until it repeats after 1 to 16 common periods of all meshes and loads, or for so long that it does\n"
         "not. Writes its period and its numbers over whole periods for each value, up and down, and where it jumps.\n"
         "What is stopped goes on when the same command is given again.\n"
+        "\n"
+        "With --method orbits it finds the periodic orbits of these motions and follows them through folds, stable or\n"
+        "not, and on from period doublings, with their multipliers. STEPS, 2 if not given, are values at which "
+        "motions\n"
+        "to begin with are looked for.\n"
         "\n"
         "Examples:\n"
         "  evolvent respond examples/spur-pair.yaml --over meshes.pinion-gear.damping.value=0.05:0.1:3\n"

@@ -21,6 +21,7 @@ typedef struct {
     int periods; /**< common periods that it was followed */
     int pitches; /**< of the first mesh in a common period */
     double distance;
+    double time;    /**< of one orbit [s], if it was looked at in this run */
     double *values; /**< [n_values] numbers; NULL: not looked at */
 } response_point;
 

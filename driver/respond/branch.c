@@ -14,7 +14,7 @@ branch_place branch_at(const branch *b, int step)
     return (branch_place){direction, direction == 0 ? k : n - 1 - k, k == 0};
 }
 
-bool branch_prepare(branch *b, double value, model_period *period, evl_error *error)
+bool branch_prepare_as(const branch *b, prepared_case *prepared, double value, model_period *period, evl_error *error)
 {
     POOLED memory_pool pool = {NULL};
     OWNED char *option = value_range_option(b->range, value);
@@ -23,16 +23,16 @@ bool branch_prepare(branch *b, double value, model_period *period, evl_error *er
         set[i] = b->set[i];
     }
     set[b->n_set] = option;
-    if (!prepare_edited(&b->prepared, b->base, b->n_set + 1, set, wheel_store_door(b->wheels), error)) {
+    if (!prepare_edited(prepared, b->base, b->n_set + 1, set, wheel_store_door(b->wheels), error)) {
         return false;
     }
     model_message refusal;
-    if (model_about(b->prepared.model)->dae.stepper == NULL) {
-        model_explain_no_stepper(b->prepared.model, &refusal);
-        return prepare_refuse(&b->prepared, &refusal, error);
+    if (model_about(prepared->model)->dae.stepper == NULL) {
+        model_explain_no_stepper(prepared->model, &refusal);
+        return prepare_refuse(prepared, &refusal, error);
     }
-    if (!model_find_period(b->prepared.model, period, &refusal)) {
-        return prepare_refuse(&b->prepared, &refusal, error);
+    if (!model_find_period(prepared->model, period, &refusal)) {
+        return prepare_refuse(prepared, &refusal, error);
     }
     if (period->sense < 0) {
         return evl_error_set(
@@ -41,6 +41,11 @@ bool branch_prepare(branch *b, double value, model_period *period, evl_error *er
             "other rotation");
     }
     return true;
+}
+
+bool branch_prepare(branch *b, double value, model_period *period, evl_error *error)
+{
+    return branch_prepare_as(b, &b->prepared, value, period, error);
 }
 
 /** The state with which the motion at a value begins: the case's own, or the one that was carried so far. */
@@ -61,8 +66,7 @@ static bool start(branch *b, const model_period *period, carried *state, char *m
     return good;
 }
 
-/** The motion at a value. @param state  becomes that of its end */
-static orbit_end look(branch *b, double value, carried *state, response_point *point, evl_error *error)
+orbit_end branch_look(branch *b, double value, carried *state, response_point *point, evl_error *error)
 {
     char message[DAE_MESSAGE_LENGTH] = "";
     model_period period;
@@ -80,6 +84,7 @@ static orbit_end look(branch *b, double value, carried *state, response_point *p
         point->periods = result.periods;
         point->pitches = result.pitches;
         point->distance = result.distance;
+        point->time = result.time;
     } else if (end == ORBIT_FAILED && error->code == EVL_EXIT_OK) {
         OWNED char *option = value_range_option(b->range, value);
         evl_error_set(error, EVL_EXIT_INTEGRATION, option, "%s", message);
@@ -127,7 +132,7 @@ static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error 
         const double middle = 0.5 * (gap->values[0] + gap->values[1]);
         response_point between = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
         carried_copy(&trial, &gap->state);
-        end = look(b, middle, &trial, &between, error);
+        end = branch_look(b, middle, &trial, &between, error);
         if (end == ORBIT_FOUND) {
             const int side = jump_size(row, &gap->points[0], &between) > jump_size(row, &between, &gap->points[1]);
             gap->values[side] = middle;
@@ -159,7 +164,7 @@ static orbit_end look_between(branch *b, double last, const response_point *befo
         carried trial = {.exists = false};
         end = halve(b, &gap, size, &jumps, error);
         carried_copy(&trial, &gap.state);
-        end = end == ORBIT_FOUND && jumps ? look(b, gap.values[1], &trial, &again, error) : end;
+        end = end == ORBIT_FOUND && jumps ? branch_look(b, gap.values[1], &trial, &again, error) : end;
         const bool is_thrown =
             end == ORBIT_FOUND && jumps && jump_size(row, &gap.points[0], &again) < JUMP_STAYS * size;
         if (is_thrown) {
@@ -194,7 +199,7 @@ orbit_end branch_step(branch *b, evl_error *error)
     response_point point = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
     carried state = {.exists = false};
     carried_copy(&state, &b->state);
-    orbit_end end = look(b, value, &state, &point, error);
+    orbit_end end = branch_look(b, value, &state, &point, error);
     if (end == ORBIT_FOUND && !at.begins) {
         const branch_place last = branch_at(b, b->step - 1);
         const response_point *before = &b->points[last.direction][last.index];

@@ -38,6 +38,12 @@ branch_place branch_at(const branch *branch, int step);
 
 /** Prepare the case with a value of the parameter, and find its common period. @return false with the reason in `error` */
 bool branch_prepare(branch *branch, double value, model_period *period, evl_error *error);
+/** The same in another place. */
+bool branch_prepare_as(const branch *branch, prepared_case *prepared, double value, model_period *period,
+                       evl_error *error);
+/** The motion that is come to at a value. @param state  where it begins, or nothing: then as the case says; becomes that of its end
+ *  @param point  with room for its numbers */
+orbit_end branch_look(branch *branch, double value, carried *state, response_point *point, evl_error *error);
 /** Look at the value of the next step, and at what lies between it and the one before if the motion jumped.
  *  @return ORBIT_FAILED with the reason in `error`; then, and when it was interrupted, the step is still to be done */
 orbit_end branch_step(branch *branch, evl_error *error);

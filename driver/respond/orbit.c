@@ -151,6 +151,7 @@ static void on_section(search *s)
         s->result->distance = s->far[k % KEPT][near];
         period = s->result->distance <= s->repeats || period > 0 ? near : 0; /* one that still settles, slowly */
         s->result->period = period;
+        s->result->time = period > 0 ? s->at.t - s->t_seen[(k - near) % KEPT] : 0;
         open_window(s, period > 0 ? period : ORBIT_WINDOW, (s->at.t - s->t_seen[(k - near) % KEPT]) / (near * length));
     }
 }
@@ -291,6 +292,47 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     if (end == ORBIT_FOUND) {
         numbers_conclude(s->numbers, values);
         carry(s, state);
+    }
+    numbers_delete(&s->numbers);
+    return end;
+}
+
+orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
+                     double time, double *values, char message[DAE_MESSAGE_LENGTH])
+{
+    static const double tight = 1e-11; /* tolerance: what is unstable leaves its orbit slowly enough */
+    POOLED memory_pool pool = {NULL};
+    search *s = pool_calloc(&pool, 1, sizeof *s);
+    integrate_options options = simulate_options(prepared);
+    orbit_result result = {.period = periods};
+    const double pitch = time / period->pitches;
+    s->interrupt = &interrupt_signal;
+    s->prepared = prepared;
+    s->dae = &model_about(prepared->model)->dae;
+    s->result = &result;
+    s->at = dae_state_create(s->dae, &pool);
+    for (int i = 0; i < KEPT; i++) {
+        s->seen[i] = dae_state_create(s->dae, &pool);
+    }
+    dae_state now = dae_state_create(s->dae, &pool);
+    if (!model_take_over(prepared->model, s->dae, state, state->t, &now, message)) {
+        return ORBIT_FAILED;
+    }
+    dae_state_copy(s->dae, &s->at, &now);
+    section_begin(&s->section, &pool, prepared->model, period, SECTION_USUAL_PHASE, &now);
+    open_window(s, periods, pitch);
+    options.tolerance = fmin(options.tolerance, tight);
+    options.t_end = s->t_stop + pitch;
+    options.output_interval = options.t_end - now.t;
+    options.per_unit = 0;
+    const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .watch = on_watch};
+    integrate_counts counts;
+    (void)integrate(s->dae, &options, &observer, &now, &counts, message);
+    const orbit_end end = s->stop == STOP_DONE          ? ORBIT_FOUND
+                          : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED
+                                                        : ORBIT_FAILED;
+    if (end == ORBIT_FOUND) {
+        numbers_conclude(s->numbers, values);
     }
     numbers_delete(&s->numbers);
     return end;

@@ -30,6 +30,7 @@ typedef struct {
     double
         distance; /**< largest difference of a state to that of one orbit before, in its unit; of one that does not repeat the least
                           of all orbits that were tried */
+    double time; /**< of one orbit [s]; 0: it does not repeat */
 } orbit_result;
 
 typedef enum { ORBIT_FOUND, ORBIT_FAILED, ORBIT_INTERRUPTED } orbit_end;
@@ -43,3 +44,9 @@ typedef enum { ORBIT_FOUND, ORBIT_FAILED, ORBIT_INTERRUPTED } orbit_end;
 orbit_end orbit_find(const prepared_case *prepared, const model_period *period, carried *state, int most,
                      const volatile sig_atomic_t *interrupt, orbit_result *result, double *values,
                      char message[DAE_MESSAGE_LENGTH]);
+/** The numbers of an orbit that is known.
+ *  @param state   on it, at any place
+ *  @param periods common periods after which it repeats
+ *  @param time    of a common period [s] */
+orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
+                     double time, double *values, char message[DAE_MESSAGE_LENGTH]);

@@ -11,6 +11,7 @@ typedef struct {
     const char *over; /**< PATH=FROM:TO[:STEPS] */
     const char *text; /**< of the case; NULL: that of its file */
     bool up, down;
+    bool orbits;           /**< find periodic orbits and follow them, instead of motions up and down */
     int most;              /**< common periods at a value; 0: the usual number */
     const char *path;      /**< of the result */
     struct history **kept; /**< in memory: where the result is then; NULL: on file */

@@ -64,6 +64,7 @@ bool value_range_read(value_range *range, const char *text, const case_base *bas
     if (!read_steps(steps, &range->n)) {
         return refuse(text, HOW, error);
     }
+    range->is_counted = steps != NULL;
     range->path = xstrdup(copy);
     if (!read_value(range, first, text, base, &range->from, error) ||
         !read_value(range, second, text, base, &range->to, error)) {

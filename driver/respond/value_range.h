@@ -11,6 +11,7 @@ typedef struct {
     char *path;      /**< as in --set; owned */
     char *unit;      /**< of the key, "" if none; owned */
     int n;           /**< values */
+    bool is_counted; /**< how many was said */
     double from, to; /**< in the key's unit */
 } value_range;
 

@@ -28,6 +28,7 @@ module evl_damping_law
       procedure(force), deferred :: force
       procedure :: force_lanes => lane_by_lane
       procedure, nopass :: has_sides => no
+      procedure, nopass :: remembers => no !! the approach speed at the last closing
       procedure :: left_to_mesh
       procedure :: refuse_mesh
       procedure :: complete

@@ -14,6 +14,7 @@
 module evl_impact_damping
    use evl_contact_context, only: contact_context, lane_context
    use evl_damping_law, only: damping_law_t, viscous_result
+   use evl_force_law, only: yes
    use evl_kinds, only: lanes, wp
    use evl_row, only: kind_t, parameter_row, positive, range_t
    implicit none (type, external)
@@ -45,6 +46,7 @@ module evl_impact_damping
       procedure :: describe
       procedure :: force
       procedure :: force_lanes
+      procedure, nopass :: remembers => yes
       procedure :: complete
    end type impact_damping_t
 

@@ -6,11 +6,12 @@
 !> Sources: H. B. Keller, in: Applications of Bifurcation Theory, Academic Press 1977; R. Seydel, Practical Bifurcation and
 !> Stability Analysis, 3rd ed., ch. 4 and 7.
 module evl_branch
+   use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd
    use evl_orbit_model, only: orbit_model
    use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
-   use evl_special_points, only: branch_point, find_special_points
+   use evl_special_points, only: branch_point, find_special_points, kind_fold
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
@@ -28,7 +29,8 @@ module evl_branch
 
 contains
 
-   !> Follow the branch of an orbit until the parameter leaves its range or there are enough points.
+   !> Follow the branch of an orbit until the parameter leaves its range, the branch closes, or there are enough points. One of twice
+   !> the period ends where both halves of its orbits become one.
    subroutine follow_branch(model, options, orbit, points, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
@@ -36,10 +38,10 @@ contains
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
       type(status_t), intent(inout) :: status
       type(branch_point), allocatable :: special(:)
-      type(branch_point) :: now, next
+      type(branch_point) :: first, now, next
       real(wp) :: along(model%n + 2), step
       integer :: i, n_ordinary, n
-      logical :: at_end
+      logical :: at_end, closes
 
       n = 0
       allocate (points(64))
@@ -50,9 +52,10 @@ contains
       if (allocated(orbit%tangent)) along = orbit%tangent
       if (.not. has_failed(status)) call find_tangent(model, options%orbits, now%orbit, along, status)
       if (.not. has_failed(status)) call keep(points, n, now)
+      first = now
       step = options%first_step
       at_end = .false.
-      do n_ordinary = 2, options%most_points
+      along_branch: do n_ordinary = 2, options%most_points
          if (has_failed(status)) exit
          call go_on(model, options, now%orbit, next, step, status)
          if (has_failed(status)) exit
@@ -63,13 +66,58 @@ contains
          if (has_failed(status)) exit
          do i = 1, size(special)
             call keep(points, n, special(i))
+            closes = special(i)%kind == kind_fold
+            if (closes) call repeats_sooner(model, options, special(i)%orbit, closes, status)
+            if (closes) exit along_branch ! the same orbits, half a period later, are all that comes
          end do
+         if (has_failed(status)) exit
          call keep(points, n, next)
-         if (at_end) exit
+         if (at_end .or. n_ordinary > 3 .and. comes_by(model, options, now, next%way, first)) exit
          now = next
-      end do
+      end do along_branch
       points = points(:n)
    end subroutine follow_branch
+
+   !> Whether an orbit repeats after half its periods, as where a branch of twice the period ends.
+   subroutine repeats_sooner(model, options, orbit, sooner, status)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit
+      logical, intent(out) :: sooner
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: near = 1.0e-3_wp !! of the scales: orbits leave such a point with the root of the parameter
+      type(flow_t) :: flow
+      real(wp) :: lack(model%n)
+
+      sooner = .false.
+      if (modulo(orbit%periods, 2) /= 0 .or. model%autonomous) return
+      call model%set_parameter(orbit%parameter, status)
+      if (.not. has_failed(status)) &
+         call follow(model, orbit%y, orbit%periods/2, orbit%period/2, options%orbits%tolerance, .false., flow, status)
+      if (has_failed(status)) return
+      lack = flow%y - orbit%y
+      if (allocated(model%advance)) lack = lack - (orbit%periods/2)*model%advance
+      sooner = maxval(abs(lack)/model%scale, orbit%active) < near
+   end subroutine repeats_sooner
+
+   !> Whether a step passes the first point of the branch once more.
+   pure logical function comes_by(model, options, now, way, first)
+      class(orbit_model), intent(in) :: model
+      type(branch_options), intent(in) :: options
+      type(branch_point), intent(in) :: now
+      real(wp), intent(in) :: way
+      type(branch_point), intent(in) :: first
+      real(wp), parameter :: beside = 0.1_wp, alike = 0.9_wp !! over the way; cosine of the angle between tangents
+      real(wp) :: to_first(model%n + 2), along
+
+      to_first = 0
+      to_first(:model%n) = merge((first%orbit%y - now%orbit%y)/model%scale, 0.0_wp, now%orbit%active)
+      if (model%autonomous) to_first(model%n + 1) = first%orbit%period/now%orbit%period - 1
+      to_first(model%n + 2) = (first%orbit%parameter - now%orbit%parameter)/options%orbits%parameter_scale
+      along = dot_product(to_first, now%orbit%tangent)
+      comes_by = along > 0 .and. along <= way .and. norm2(to_first - along*now%orbit%tangent) <= beside*way &
+                 .and. dot_product(now%orbit%tangent, first%orbit%tangent) > alike
+   end function comes_by
 
    !> The next point of a branch, a step further or less.
    subroutine go_on(model, options, now, next, step, status)

@@ -4,7 +4,7 @@ module evl_flow
    use evl_flow_derivative, only: derivative_along_step, derivative_at_event
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: never
-   use evl_orbit_model, only: orbit_model
+   use evl_orbit_model, only: must_repeat, orbit_model
    use evl_radau, only: outcome_event, radau_advance, radau_create, radau_interpolate_lanes, radau_options, radau_restart, &
                         radau_start, radau_step, radau_t
    use evl_radau_coefficients, only: n_stages, node, slope_at_node
@@ -37,9 +37,10 @@ module evl_flow
 contains
 
    !> Follow a system from y on the section.
-   subroutine follow(model, y, duration, tolerance, differentiate, flow, status)
+   subroutine follow(model, y, periods, duration, tolerance, differentiate, flow, status)
       class(orbit_model), intent(inout) :: model !! its modes are those at the end on return
       real(wp), intent(in) :: y(:)               !! [n]
+      integer, intent(in) :: periods             !! that it is: the end is told as a state on the section
       real(wp), intent(in) :: duration           !! > 0
       real(wp), intent(in) :: tolerance          !! of the integration, and of the derivative
       logical, intent(in) :: differentiate       !! the derivative is wanted, and how near root functions come
@@ -47,11 +48,12 @@ contains
       type(status_t), intent(inout) :: status
       type(radau_t) :: solver
       integer, allocatable :: modes(:)
-      real(wp) :: t_end, t_event, t_known, state(model%n), crossing(model%n_roots)
+      real(wp) :: t_end, t_event, t_known, start(model%n), state(model%n), crossing(model%n_roots)
       integer :: outcome, i
 
+      start = y
       call radau_create(solver, model, radau_options(tolerance=tolerance), status)
-      if (.not. has_failed(status)) call model%settle(model%phase, y, status)
+      if (.not. has_failed(status)) call model%settle(model%phase, start, status)
       if (has_failed(status)) return
       modes = model%modes
       t_end = model%phase + duration
@@ -64,14 +66,14 @@ contains
       allocate (flow%nearest(model%n_roots), source=huge(1.0_wp))
       allocate (flow%slowest(model%n_roots), source=huge(1.0_wp))
       allocate (flow%rate(model%n))
-      call radau_start(solver, model, model%phase, y, status)
+      call radau_start(solver, model, model%phase, start, status)
       do while (solver%t < t_end .and. .not. has_failed(status))
          t_event = model%next_time_event(solver%t)
          if (t_event > solver%t) then
             call radau_advance(solver, model, min(t_end, t_event), outcome, status)
             if (has_failed(status)) return
             flow%steps = flow%steps + 1
-            call check_way(model, solver, y, flow%steps, status)
+            call check_way(model, solver, start, flow%steps, status)
             if (has_failed(status)) return
             if (solver%t > t_known .and. differentiate) then
                call look_around(model, solver, flow, status)
@@ -98,8 +100,9 @@ contains
       end do
       if (has_failed(status)) return
       flow%y = solver%y
-      flow%same_modes = all(model%modes == modes)
       call model%rhs(t_end, flow%y, flow%rate, status)
+      call model%come_back(periods, flow%y, flow%derivative)
+      flow%same_modes = all(model%modes == modes)
    end subroutine follow
 
    !> A flow that runs away, or does not get on, is given up.
@@ -111,8 +114,8 @@ contains
       type(status_t), intent(inout) :: status
       logical :: stays(model%n)
 
-      stays = abs(solver%y - y) <= farthest*model%scale
-      if (allocated(model%repeats)) stays = stays .or. .not. model%repeats
+      stays = abs(solver%y - y) <= farthest*model%scale .or. .not. must_repeat(model)
+      if (allocated(model%reach)) stays = stays .or. model%reach < huge(1.0_wp) ! an angle
       if (.not. all(stays)) then
          call fail(status, code_no_solution, "the state runs away at time "//quantity(solver%t, ""), &
                    index=findloc(stays, .false., 1))

@@ -14,7 +14,7 @@
 module evl_flow_derivative
    use evl_kinds, only: lanes, wp
    use evl_lapack, only: dgesv
-   use evl_orbit_model, only: orbit_model
+   use evl_orbit_model, only: must_repeat, orbit_model
    use evl_radau, only: radau_interpolate_lanes, radau_t
    use evl_radau_coefficients, only: integral_to_node, n_stages, node, to_chebyshev
    use evl_status, only: code_no_solution, code_singular, fail, has_failed, quantity, status_t
@@ -36,13 +36,21 @@ contains
       real(wp), intent(inout) :: derivative(:, :)   !! [n, n]
       type(status_t), intent(inout) :: status
       real(wp), parameter :: shortest = 1.0e-12_wp  !! piece over the step
+      integer, allocatable :: kept(:), moving(:)
+      logical :: moves(model%n)
       real(wp) :: t, h, error, factor
       real(wp) :: next(model%n, model%n)
+      integer :: i
 
+      moves = .false.
+      moves(model%jacobian_row) = .true.
+      kept = pack([(i, i=1, model%n)], must_repeat(model))
+      moving = pack([(i, i=1, model%n)], must_repeat(model) .and. moves) ! a memory rests
       t = t_from
       h = solver%t - t
+      next = derivative
       do while (t < solver%t)
-         call try_piece(model, solver, t, h, derivative, next, error, status)
+         call try_piece(model, solver, t, h, kept, moving, derivative, next, error, status)
          if (has_failed(status)) return
          factor = 0.8_wp*(tolerance/max(error, tolerance*1.0e-14_wp))**(1.0_wp/order)
          if (error <= tolerance) then
@@ -61,57 +69,71 @@ contains
       end do
    end subroutine derivative_along_step
 
-   !> One piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages.
-   subroutine try_piece(model, solver, t, h, derivative, next, error, status)
+   !> One piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages, for the states that move.
+   subroutine try_piece(model, solver, t, h, kept, moving, derivative, next, error, status)
       class(orbit_model), intent(in) :: model
       type(radau_t), intent(in) :: solver
       real(wp), intent(in) :: t, h
+      integer, intent(in) :: kept(:), moving(:)     !! states that repeat; those of them that do not rest
       real(wp), intent(in) :: derivative(:, :)
-      real(wp), intent(out) :: next(:, :)
+      real(wp), intent(inout) :: next(:, :)         !! that at the end of the piece, of these states
       real(wp), intent(out) :: error                !! over the size of the derivative
       type(status_t), intent(inout) :: status
-      real(wp) :: times(lanes), states(lanes, model%n), y(model%n)
-      real(wp) :: entries(size(model%jacobian_row)), matrix(n_stages*model%n, n_stages*model%n), z(n_stages*model%n, model%n)
-      integer :: pivots(n_stages*model%n)
-      integer :: i, j, k, n, info
+      real(wp) :: times(lanes), states(lanes, model%n), y(model%n), entries(size(model%jacobian_row))
+      real(wp) :: matrix(n_stages*size(moving), n_stages*size(moving)), z(n_stages*size(moving), size(kept)), factor
+      integer :: pivots(n_stages*size(moving)), place(model%n)
+      logical :: counts(model%n)
+      integer :: i, j, k, l, n, info, row, column
 
-      n = model%n
+      n = size(moving)
+      error = 0
+      if (n == 0) return
       error = huge(error)
+      place = 0
+      place(moving) = [(i, i=1, n)]
+      counts = .false.
+      counts(kept) = .true.
       times = t + h*node
       call radau_interpolate_lanes(solver, times, states)
       matrix = 0
+      z = 0
       do k = 1, n_stages
          y = states(k, :)
          call model%jacobian(times(k), y, entries, status)
          if (has_failed(status)) return
          do j = 1, size(entries)
+            row = place(model%jacobian_row(j))
+            column = model%jacobian_column(j)
+            if (row == 0 .or. .not. counts(column)) cycle
             do i = 1, n_stages
-               associate (row => (i - 1)*n + model%jacobian_row(j), column => (k - 1)*n + model%jacobian_column(j))
-                  matrix(row, column) = h*integral_to_node(i, k)*entries(j)
-               end associate
+               factor = h*integral_to_node(i, k)*entries(j)
+               if (place(column) > 0) matrix((i - 1)*n + row, (k - 1)*n + place(column)) = -factor
+               do l = 1, size(kept)
+                  z((i - 1)*n + row, l) = z((i - 1)*n + row, l) + factor*derivative(column, kept(l))
+               end do
             end do
          end do
       end do
-      z = 0
-      do k = 1, n_stages
-         z = z + matmul(matrix(:, (k - 1)*n + 1:k*n), derivative)
-      end do
-      matrix = -matrix
       do i = 1, n_stages*n
          matrix(i, i) = matrix(i, i) + 1
       end do
-      call dgesv(n_stages*n, n, matrix, n_stages*n, pivots, z, n_stages*n, info)
+      call dgesv(n_stages*n, size(kept), matrix, n_stages*n, pivots, z, n_stages*n, info)
       if (info /= 0) then
          call fail(status, code_singular, "the variational equations have no solution at time "//quantity(t, ""))
          return
       end if
-      next = derivative + z((n_stages - 1)*n + 1:, :)
-      call estimate(model, derivative, z, error)
+      do j = 1, size(kept)
+         do i = 1, n
+            next(moving(i), kept(j)) = derivative(moving(i), kept(j)) + z((n_stages - 1)*n + i, j)
+         end do
+      end do
+      call estimate(model, kept, moving, derivative, z, error)
    end subroutine try_piece
 
    !> Error of a piece, over the largest entry of the derivative, both in units of the scales.
-   pure subroutine estimate(model, derivative, z, error)
+   pure subroutine estimate(model, kept, moving, derivative, z, error)
       class(orbit_model), intent(in) :: model
+      integer, intent(in) :: kept(:), moving(:)
       real(wp), intent(in) :: derivative(:, :), z(:, :)
       real(wp), intent(out) :: error
       real(wp), parameter :: end_over_pairs = 20, smooth = 0.1_wp
@@ -119,16 +141,18 @@ contains
       integer :: i, j
 
       largest = 0
-      do j = 1, model%n
-         largest = max(largest, maxval(abs(derivative(:, j))/model%scale)*model%scale(j))
+      do j = 1, size(kept)
+         do i = 1, size(kept)
+            largest = max(largest, abs(derivative(kept(i), kept(j)))/model%scale(kept(i))*model%scale(kept(j)))
+         end do
       end do
       error = 0
       if (.not. largest > 0) return
       at_nodes(lanes) = 0
-      do j = 1, model%n
-         do i = 1, model%n
-            unit = model%scale(j)/(model%scale(i)*largest)
-            at_nodes(:n_stages) = z(i::model%n, j)*unit
+      do j = 1, size(kept)
+         do i = 1, size(moving)
+            unit = model%scale(kept(j))/(model%scale(moving(i))*largest)
+            at_nodes(:n_stages) = z(i::size(moving), j)*unit
             c = matmul(to_chebyshev, at_nodes)
             last = norm2(c(lanes - 1:))
             before = norm2(c(lanes - 3:lanes - 2))
@@ -158,6 +182,7 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: before(model%n), after(model%n), by_state(model%n, model%n), by_time(model%n)
       real(wp) :: gradient(model%n), first_gradient(model%n), drift, first_drift
+      logical :: repeats(model%n)
       integer :: first, i
 
       call model%rhs(t, y, before, status)
@@ -187,6 +212,13 @@ contains
             by_state(:, i) = by_state(:, i) + after*first_gradient(i)
          end do
       end if
+      repeats = must_repeat(model)
+      do i = 1, model%n ! what need not repeat hands nothing on
+         if (repeats(i)) cycle
+         by_state(i, :) = 0
+         by_state(:, i) = 0
+         by_state(i, i) = 1
+      end do
       derivative = matmul(by_state, derivative)
    end subroutine derivative_at_event
 

@@ -2,6 +2,9 @@
 !>
 !> The system is driven in time with a known period, or autonomous, with a period to be found. All that must repeat after a period
 !> is in y and in `modes`. A memory variable, such as a speed at first touch, is a state at rest: its rate is 0, and events set it.
+!>
+!> States beside it need not repeat: those on which nothing depends, such as an energy, and those that depend on time alone, such as
+!> the angle of a wheel whose speed is prescribed. The derivative of the flow is that of the others.
 module evl_orbit_model
    use evl_kinds, only: wp
    use evl_ode_model, only: ode_model
@@ -9,7 +12,7 @@ module evl_orbit_model
    implicit none (type, external)
    private
 
-   public :: orbit_model
+   public :: must_repeat, orbit_model
 
    !> The components are set before an orbit is sought; `period` and `modes` change.
    type, abstract, extends(ode_model) :: orbit_model
@@ -17,7 +20,7 @@ module evl_orbit_model
       real(wp) :: phase = 0                 !! time of the section: where a period begins. Away from time events
       real(wp) :: period = 0                !! of what drives, > 0; `set_parameter` may change it. Not used if autonomous
       integer, allocatable :: modes(:)      !! discrete state: changed by `settle` and `apply_event` alone
-      logical, allocatable :: repeats(:)    !! [n] false for a state on which nothing depends, and which need not repeat
+      logical, allocatable :: repeats(:)    !! [n] false for a state that need not repeat, as above. Not allocated: all do
       real(wp), allocatable :: advance(:)   !! [n] by how much a state is larger after a period, such as an angle by a turn
    contains
       procedure(set_parameter_interface), deferred :: set_parameter
@@ -25,6 +28,7 @@ module evl_orbit_model
       procedure(root_gradient_interface), deferred :: root_gradient
       procedure(apply_event_interface), deferred :: apply_event
       procedure :: next_time_event => no_time_event
+      procedure :: come_back => nothing_to_bring
    end type orbit_model
 
    abstract interface
@@ -37,13 +41,13 @@ module evl_orbit_model
          type(status_t), intent(inout) :: status !! touched on failure only: there is no such system
       end subroutine set_parameter_interface
 
-      !> Take the modes that belong to a state on the section.
+      !> Take the modes that belong to a state on the section; what need not repeat, or means nothing in them, gets its value.
       subroutine settle_interface(self, t, y, status)
          import :: orbit_model, status_t, wp
          implicit none (type, external)
          class(orbit_model), intent(inout) :: self
          real(wp), intent(in) :: t
-         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(inout) :: y(self%n)
          type(status_t), intent(inout) :: status !! touched on failure only
       end subroutine settle_interface
 
@@ -84,5 +88,23 @@ contains
 
       time = huge(time)
    end function no_time_event
+
+   !> After so many periods: change state and modes to what they are called on the section where these began, and the derivative
+   !> with them, where that is more than `advance` says: places of memory that change round, for instance.
+   subroutine nothing_to_bring(self, periods, y, derivative)
+      class(orbit_model), intent(inout) :: self
+      integer, intent(in) :: periods
+      real(wp), intent(inout) :: y(self%n)
+      real(wp), intent(inout) :: derivative(self%n, self%n) !! (i, j): state i by state j at the start
+   end subroutine nothing_to_bring
+
+   !> States that have to repeat.
+   pure function must_repeat(self) result(repeats)
+      class(orbit_model), intent(in) :: self
+      logical :: repeats(self%n)
+
+      repeats = .true.
+      if (allocated(self%repeats)) repeats = self%repeats
+   end function must_repeat
 
 end module evl_orbit_model

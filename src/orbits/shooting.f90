@@ -19,7 +19,7 @@ module evl_shooting
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_multipliers, only: find_multipliers
-   use evl_orbit_model, only: orbit_model
+   use evl_orbit_model, only: must_repeat, orbit_model
    use evl_status, only: clear, code_invalid_input, code_no_solution, code_singular, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
@@ -176,7 +176,7 @@ contains
          call fail(status, code_no_solution, "the period of the orbit fell to zero", field="period")
          return
       end if
-      call follow(model, orbit%y, orbit%period, options%tolerance, .true., orbit%flow, status)
+      call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance, .true., orbit%flow, status)
       if (has_failed(status)) return
       call find_active(model, orbit)
       orbit%residual = maxval(abs(difference(model, orbit))/model%scale, orbit%active)
@@ -187,14 +187,15 @@ contains
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(inout) :: orbit
       real(wp) :: row(model%n)
+      logical :: repeats(model%n)
       integer :: i
 
+      repeats = must_repeat(model)
       if (.not. allocated(orbit%active)) allocate (orbit%active(model%n))
       do i = 1, model%n
          row = orbit%flow%derivative(i, :)
          row(i) = row(i) - 1
-         orbit%active(i) = any(abs(row) > 0) .or. abs(orbit%flow%y(i) - orbit%y(i)) > 0
-         if (allocated(model%repeats)) orbit%active(i) = orbit%active(i) .and. model%repeats(i)
+         orbit%active(i) = repeats(i) .and. (any(abs(row) > 0) .or. abs(orbit%flow%y(i) - orbit%y(i)) > 0)
       end do
    end subroutine find_active
 
@@ -214,9 +215,11 @@ contains
       type(orbit_t), intent(in) :: orbit
       real(wp), intent(out) :: row(model%n) !! in units of the scales, of length 1
       type(status_t), intent(inout) :: status
+      real(wp) :: y(model%n)
 
-      call model%settle(model%phase, orbit%y, status)
-      if (.not. has_failed(status)) call model%rhs(model%phase, orbit%y, row, status)
+      y = orbit%y
+      call model%settle(model%phase, y, status)
+      if (.not. has_failed(status)) call model%rhs(model%phase, y, row, status)
       if (has_failed(status)) return
       row = merge(row/model%scale, 0.0_wp, orbit%active)
       if (norm2(row) > 0) then
@@ -288,7 +291,7 @@ contains
          if (has_failed(status)) return
          period = orbit%period
          if (.not. model%autonomous) period = orbit%periods*model%period
-         call follow(model, orbit%y, period, options%tolerance, .false., flow, status)
+         call follow(model, orbit%y, orbit%periods, period, options%tolerance, .false., flow, status)
          if (has_failed(status)) return
          ends(:, side) = flow%y
       end do

@@ -92,7 +92,7 @@ contains
       associate (n => session%model%n)
          call session%model%set_parameter(parameter, session%status)
          if (.not. has_failed(session%status)) &
-            call follow(session%model, y(:n), duration, session%options%orbits%tolerance, .true., flow, session%status)
+            call follow(session%model, y(:n), 1, duration, session%options%orbits%tolerance, .true., flow, session%status)
          code = session%status%code
          if (has_failed(session%status)) return
          end(:n) = flow%y

@@ -89,7 +89,7 @@ contains
    subroutine settle(self, t, y, status)
       class(orbit_system), intent(inout) :: self
       real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(inout) :: y(self%n)
       type(status_t), intent(inout) :: status
 
       self%modes = 0

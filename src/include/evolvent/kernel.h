@@ -389,6 +389,64 @@ EVL_API double evl_gearbox_distance(const evl_gearbox *gearbox, const double *sc
 EVL_API int evl_gearbox_take_over(const evl_gearbox *gearbox, bool alike, double t, double *y, double *yp,
                                   int *integers, double *reals, evl_status *status);
 
+/* ---- orbits ------------------------------------------------------------------------------------------------------------------- */
+
+/** Periodic orbits of gearboxes that differ in one number, the parameter: found by shooting, followed in it. docs/orbits.md. */
+typedef struct evl_orbits evl_orbits;
+typedef struct {
+    void *self; /**< for `take` */
+    /** The gearbox with a value of the parameter and the scales of its states [n_states], which live until the next call.
+     *  @return EVL_OK, or why there is none: any other code, with the reason in `status` */
+    int (*take)(void *self, double value, const evl_gearbox **gearbox, const double **scale, evl_status *status);
+    double from, to;      /**< the parameter stays between these; their distance counts as 1 along a branch */
+    double place;         /**< of the section, where a speed is prescribed: pitches of the first mesh after t = 0; away from events */
+    double tolerance;     /**< of the integration, in units of the scales */
+    double residual;      /**< largest difference after a period, in units of the scales */
+    double first_step, smallest_step, largest_step; /**< along a branch, states in units of their scales */
+    int most_points;      /**< of a branch, special ones not counted */
+} evl_orbits_setup;
+/** What a point of a branch is. */
+typedef enum {
+    EVL_ORBIT_ORDINARY,
+    EVL_ORBIT_FOLD,
+    EVL_ORBIT_CROSSING, /**< another branch crosses */
+    EVL_ORBIT_DOUBLING,
+    EVL_ORBIT_NEIMARK_SACKER,
+    EVL_ORBIT_TOUCH /**< a root function just touches zero: flanks just part */
+} evl_orbit_kind;
+typedef struct {
+    double parameter;
+    double period;   /**< until it repeats [s] */
+    double residual; /**< in units of the scales */
+    double largest;  /**< size of the largest multiplier */
+    int periods;     /**< common periods until it repeats */
+    int kind;        /**< evl_orbit_kind */
+    int mesh;        /**< of a touch; else -1 */
+    int iterations;  /**< of Newton that it took */
+    int n_multipliers;
+    char root[EVL_SHORT_LENGTH]; /**< of a touch: which root function; else "" */
+} evl_orbit;
+/** @param value  a first value, whose gearbox gives the scales
+ *  @return NULL on failure: EVL_INVALID_INPUT where there is no common period, or radau does not integrate it; what `take` said */
+EVL_API evl_orbits *evl_orbits_create(const evl_orbits_setup *setup, double value, evl_status *status);
+/** Delete; sets *orbits to NULL. */
+EVL_API void evl_orbits_delete(evl_orbits **orbits);
+/** Newton's iteration from a state near an orbit: it becomes the present one.
+ *  @param periods  common periods until it repeats
+ *  @param period   about how long that is where no speed is prescribed [s]; else not used
+ *  @return EVL_OK; EVL_NO_SOLUTION, EVL_SINGULAR if none was found */
+EVL_API int evl_orbits_find(evl_orbits *orbits, double value, int periods, double period, const double *y,
+                            const int *integers, const double *reals, evl_orbit *orbit, evl_status *status);
+/** Follow the branch of the present orbit: a new branch, the next number from 0. @param n  its points, also on failure: those until there */
+EVL_API int evl_orbits_follow(evl_orbits *orbits, bool rising, int *n, evl_status *status);
+/** From a doubling to the branch of twice the period: its first orbit becomes the present one, and leads away from there. */
+EVL_API int evl_orbits_switch(evl_orbits *orbits, int branch, int point, double distance, evl_status *status);
+/** @param multipliers  [n_multipliers][2] at most one a state and a tooth contact: real and imaginary part, by falling size */
+EVL_API void evl_orbits_point(const evl_orbits *orbits, int branch, int point, evl_orbit *orbit, double *multipliers);
+/** The state on the section of a point, or of the present orbit if `branch` is negative. */
+EVL_API int evl_orbits_state(evl_orbits *orbits, int branch, int point, double *t, double *y, int *integers, double *reals,
+                             evl_status *status);
+
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
 
 /** Discrete state of the tooth pair that has been longest on the path of a mesh's drive flank. */

@@ -1,0 +1,39 @@
+/** Branches of periodic orbits over a parameter: the result of `evolvent respond --method orbits`. The interface knows nothing of
+ *  HDF5; orbits_hdf5.c does. */
+#pragma once
+
+#include "base/status.h"
+#include "files/history.h"
+#include "model/model_orbits.h"
+
+/** A point of a branch. */
+typedef struct {
+    int branch;
+    model_orbit orbit;
+    double *multipliers; /**< [2 * n_multipliers] */
+    double *values;      /**< [n_values] numbers; NULL: they could not be found */
+} orbit_point;
+
+/** A branch: its points stand together. */
+typedef struct {
+    int parent;      /**< branch at whose doubling it begins; -1: none */
+    int n;           /**< points */
+    const char *end; /**< why it ends where it does; "": at the end of the range */
+} orbit_branch;
+
+typedef struct {
+    const char *path; /**< final name */
+    const char *parameter, *units;
+    const model_names *names;
+    int n_harmonics, n_outputs, n_values;
+    const model_output *outputs; /**< numbers of a point, where they stand */
+    int n_branches;
+    const orbit_branch *branches;
+    int n_points;
+    const orbit_point *points;
+    int n_attributes;
+    const history_attribute *attributes; /**< of the root */
+} orbit_branches;
+
+/** Write it as NAME.partial; if `commit`, it becomes NAME. @return false with the reason in `error`, EVL_EXIT_IO */
+bool orbits_write(const orbit_branches *orbits, bool commit, evl_error *error);

@@ -1,0 +1,259 @@
+/* docs/response.md describes what this file writes. */
+#include "files/orbits.h"
+
+#include "base/memory.h"
+#include "files/dimensions_in_file_hdf5.h"
+#include "files/netcdf_common_hdf5.h"
+#include "files/output_file.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { FORMAT = 1 };
+
+typedef struct {
+    netcdf_file netcdf;
+    const orbit_branches *from;
+    int n_multipliers;
+    netcdf_dimension branch, point, multiplier;
+    dimensions of_outputs;
+} writer;
+
+/* ---- what is told of each point ---- */
+
+typedef double teller(const orbit_point *point);
+
+static double tell_parameter(const orbit_point *point)
+{
+    return point->orbit.parameter;
+}
+
+static double tell_branch(const orbit_point *point)
+{
+    return point->branch;
+}
+
+static double tell_period(const orbit_point *point)
+{
+    return point->orbit.periods;
+}
+
+static double tell_time(const orbit_point *point)
+{
+    return point->orbit.time;
+}
+
+static double tell_stable(const orbit_point *point)
+{
+    return point->orbit.largest < 1;
+}
+
+static double tell_kind(const orbit_point *point)
+{
+    return point->orbit.kind;
+}
+
+static double tell_mesh(const orbit_point *point)
+{
+    return point->orbit.mesh;
+}
+
+static double tell_residual(const orbit_point *point)
+{
+    return point->orbit.residual;
+}
+
+static bool write_real(writer *w, netcdf_variable variable, netcdf_dimension *first, const double *values)
+{
+    variable.dimensions[0] = first;
+    variable.rank = 1;
+    CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &variable, 0);
+    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, H5T_NATIVE_DOUBLE, values);
+}
+
+static bool write_all_told(writer *w)
+{
+    const char *units = w->from->units[0] == '\0' ? "1" : w->from->units;
+    static const char kinds[] = "ordinary fold crossing doubling neimark_sacker touch";
+    const struct {
+        netcdf_variable variable;
+        teller *tell;
+    } rows[] = {
+        {netcdf_describe(NETCDF_REAL, "orbit_parameter", units, "", w->from->parameter), tell_parameter},
+        {netcdf_describe(NETCDF_INTEGER, "orbit_branch", "1", "", "place of its branch in `branch`"), tell_branch},
+        {netcdf_describe(NETCDF_INTEGER, "orbit_period", "1", "p", "common periods after which the orbit repeats"),
+         tell_period},
+        {netcdf_describe(NETCDF_REAL, "orbit_time", "s", "T", "time after which the orbit repeats"), tell_time},
+        {netcdf_describe(NETCDF_INTEGER, "orbit_stable", "1", "", "1: all multipliers are smaller than 1; 0: not"),
+         tell_stable},
+        {{.type = NETCDF_INTEGER,
+          .name = "orbit_kind",
+          .units = "1",
+          .symbol = "",
+          .long_name = "what happens at this point of the branch",
+          .n_flags = MODEL_ORBIT_TOUCH + 1,
+          .flag_meanings = kinds},
+         tell_kind},
+        {netcdf_describe(NETCDF_INTEGER, "orbit_touch_mesh", "1", "",
+                         "place in `mesh` of the flanks that just touch or part; -1: none"),
+         tell_mesh},
+        {netcdf_describe(NETCDF_REAL, "orbit_residual", "1", "", "largest difference after a period, in units of the states"),
+         tell_residual},
+    };
+    OWNED double *values = xcalloc((size_t)w->from->n_points + 1, sizeof *values);
+    bool good = true;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++) {
+        for (int k = 0; k < w->from->n_points; k++) {
+            values[k] = rows[i].tell(&w->from->points[k]);
+        }
+        good = write_real(w, rows[i].variable, &w->point, values);
+    }
+    return good;
+}
+
+static bool write_multipliers(writer *w, const char *name, const char *text, int part)
+{
+    netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, "1", "mu", text);
+    const int n = w->from->n_points, m = w->n_multipliers;
+    OWNED double *values = xcalloc((size_t)n * (size_t)m + 1, sizeof *values);
+    for (int k = 0; k < n; k++) {
+        const orbit_point *point = &w->from->points[k];
+        for (int i = 0; i < m; i++) {
+            values[k * m + i] = i < point->orbit.n_multipliers ? point->multipliers[2 * i + part] : NAN;
+        }
+    }
+    variable.dimensions[0] = &w->point;
+    variable.dimensions[1] = &w->multiplier;
+    variable.rank = 2;
+    CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &variable, 0);
+    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, H5T_NATIVE_DOUBLE, values);
+}
+
+static bool write_touches(writer *w)
+{
+    netcdf_variable variable =
+        netcdf_describe(NETCDF_TEXT, "orbit_touch", "1", "", "what just touches or parts there; empty: nothing");
+    const int n = w->from->n_points;
+    OWNED const char **texts = xcalloc((size_t)n + 1, sizeof *texts);
+    for (int k = 0; k < n; k++) {
+        texts[k] = w->from->points[k].orbit.root;
+    }
+    variable.dimensions[0] = &w->point;
+    variable.rank = 1;
+    CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &variable, 0);
+    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, netcdf_kept.text, texts);
+}
+
+static bool write_branches(writer *w)
+{
+    const int n = w->from->n_branches;
+    OWNED double *parents = xcalloc((size_t)n + 1, sizeof *parents);
+    OWNED const char **ends = xcalloc((size_t)n + 1, sizeof *ends);
+    for (int i = 0; i < n; i++) {
+        parents[i] = w->from->branches[i].parent;
+        ends[i] = w->from->branches[i].end;
+    }
+    netcdf_variable end = netcdf_describe(NETCDF_TEXT, "branch_end", "1", "",
+                                          "why it ends where it does; empty: at the end of the range, or it closes");
+    end.dimensions[0] = &w->branch;
+    end.rank = 1;
+    CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &end, 0);
+    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, netcdf_kept.text, ends) &&
+           write_real(w,
+                      netcdf_describe(NETCDF_INTEGER, "branch_parent", "1", "",
+                                      "place of the branch at whose doubling it begins; -1: none"),
+                      &w->branch, parents);
+}
+
+/* ---- numbers ---- */
+
+static bool write_number(writer *w, const model_output *output)
+{
+    netcdf_variable variable =
+        netcdf_describe(NETCDF_REAL, output->name, output->units, output->symbol, output->long_name);
+    const size_t count = (size_t)output->count, n = (size_t)w->from->n_points;
+    OWNED double *values = xcalloc(n * count + 1, sizeof *values);
+    for (size_t i = 0; i < n; i++) {
+        const orbit_point *point = &w->from->points[i];
+        for (size_t k = 0; k < count; k++) {
+            values[i * count + k] = point->values == NULL ? NAN : point->values[(size_t)output->offset + k];
+        }
+    }
+    variable.dimensions[0] = &w->point;
+    variable.rank = 1;
+    dimensions_append(&w->of_outputs, output, &variable);
+    CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &variable, 0);
+    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, H5T_NATIVE_DOUBLE, values);
+}
+
+/* ---- the file ---- */
+
+/** A dimension whose coordinate counts from 0. */
+static bool define_count(writer *w, netcdf_dimension *dimension, const char *name, const char *text, int n)
+{
+    const netcdf_variable variable = netcdf_describe(NETCDF_INTEGER, name, "1", "", text);
+    OWNED double *numbers = xcalloc((size_t)n + 1, sizeof *numbers);
+    for (int i = 0; i < n; i++) {
+        numbers[i] = i;
+    }
+    return netcdf_define_values(&w->netcdf, w->netcdf.id, dimension, &variable, n, H5T_NATIVE_DOUBLE, numbers);
+}
+
+static bool define_axes(writer *w)
+{
+    for (int k = 0; k < w->from->n_points; k++) {
+        const int n = w->from->points[k].orbit.n_multipliers;
+        w->n_multipliers = n > w->n_multipliers ? n : w->n_multipliers;
+    }
+    dimensions_plan(&w->of_outputs, DIMENSIONS_OF_HISTORY, w->from->names, w->from->n_outputs, w->from->outputs);
+    dimensions_plan_harmonics(&w->of_outputs, &w->netcdf.pool, w->from->n_harmonics);
+    return define_count(w, &w->branch, "branch", "branches in the order of their finding", w->from->n_branches) &&
+           define_count(w, &w->point, "point", "points, branch after branch, along each", w->from->n_points) &&
+           define_count(w, &w->multiplier, "multiplier", "by falling size", w->n_multipliers) &&
+           dimensions_define(&w->of_outputs, &w->netcdf);
+}
+
+static bool put_attributes(writer *w)
+{
+    netcdf_file *netcdf = &w->netcdf;
+    bool good = netcdf_put_text(netcdf, netcdf->id, "Conventions", "CF-1.10") &&
+                netcdf_put_integer(netcdf, netcdf->id, "evolvent_format", FORMAT) &&
+                netcdf_put_text(netcdf, netcdf->id, "evolvent_kind", "orbits");
+    for (int i = 0; i < w->from->n_attributes && good; i++) {
+        const history_attribute *a = &w->from->attributes[i];
+        good = a->text != NULL ? netcdf_put_text(netcdf, netcdf->id, a->key, a->text)
+                               : netcdf_put_integer(netcdf, netcdf->id, a->key, a->integer);
+    }
+    return good;
+}
+
+static bool fill(writer *w)
+{
+    bool good = put_attributes(w) && define_axes(w) && write_branches(w) && write_all_told(w) && write_touches(w) &&
+                write_multipliers(w, "multiplier_real", "Floquet multiplier, real part", 0) &&
+                write_multipliers(w, "multiplier_imaginary", "Floquet multiplier, imaginary part", 1);
+    for (int i = 0; i < w->from->n_outputs && good; i++) {
+        good = w->from->outputs[i].count == 0 || write_number(w, &w->from->outputs[i]);
+    }
+    return good && scale_list_users(&w->netcdf, w->branch.scale) && scale_list_users(&w->netcdf, w->point.scale) &&
+           scale_list_users(&w->netcdf, w->multiplier.scale) && dimensions_finish(&w->of_outputs, &w->netcdf);
+}
+
+bool orbits_write(const orbit_branches *orbits, bool commit, evl_error *error)
+{
+    output_file file;
+    if (!output_file_open(&file, orbits->path, error)) {
+        return false;
+    }
+    OWNED writer *w = xcalloc(1, sizeof *w);
+    w->from = orbits;
+    bool good = netcdf_create(&w->netcdf, file.partial_path) && fill(w);
+    good = netcdf_close(&w->netcdf) && good;
+    if (good) {
+        return output_file_close(&file, commit, error);
+    }
+    output_file_refuse(file.partial_path, w->netcdf.system_error, w->netcdf.system_error != 0 ? NULL : w->netcdf.reason,
+                       error);
+    output_file_drop(&file, true);
+    return false;
+}

@@ -1,0 +1,136 @@
+#include "model/model_orbits.h"
+
+#include "model/model_kernel.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct model_orbits {
+    evl_orbits *orbits;
+    model_orbits_setup setup;
+    const model *model;               /**< the last one that was taken */
+    char refusal[DAE_MESSAGE_LENGTH]; /**< why the last one was not; "" if it was */
+};
+
+static int take(void *self, double value, const evl_gearbox **gearbox, const double **scale, evl_status *status)
+{
+    model_orbits *o = self;
+    o->refusal[0] = '\0';
+    const model *model = o->setup.take(o->setup.self, value, o->refusal);
+    if (model == NULL) {
+        *status = (evl_status){.code = EVL_INVALID_INPUT, .index = -1};
+        (void)snprintf(status->message, sizeof status->message, "%.300s", o->refusal);
+        return status->code;
+    }
+    o->model = model;
+    *gearbox = model->gearbox;
+    *scale = model->about.dae.scale;
+    return EVL_OK;
+}
+
+/** Whether a call succeeded; what its caller said itself is told in full. */
+static bool answered(const model_orbits *o, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+{
+    if (code != EVL_OK) {
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", o->refusal[0] != '\0' ? o->refusal : status->message);
+    }
+    return code == EVL_OK;
+}
+
+model_orbits *model_orbits_create(const model_orbits_setup *setup, double value, char message[DAE_MESSAGE_LENGTH])
+{
+    static const double tolerance = 1e-12, residual = 1e-10; /* of the scales */
+    model_orbits *o = xcalloc(1, sizeof *o);
+    o->setup = *setup;
+    const evl_orbits_setup to_kernel = {
+        .self = o,
+        .take = take,
+        .from = setup->from,
+        .to = setup->to,
+        .place = setup->place,
+        .tolerance = tolerance,
+        .residual = residual,
+        .first_step = 0.02,
+        .smallest_step = 1e-7,
+        .largest_step = 0.2,
+        .most_points = 2000,
+    };
+    evl_status status = {.index = -1};
+    o->orbits = evl_orbits_create(&to_kernel, value, &status);
+    if (!answered(o, o->orbits != NULL ? EVL_OK : EVL_INVALID_INPUT, &status, message)) {
+        free(o);
+        return NULL;
+    }
+    return o;
+}
+
+void model_orbits_delete(model_orbits **orbits)
+{
+    if (*orbits != NULL) {
+        evl_orbits_delete(&(*orbits)->orbits);
+        free(*orbits);
+        *orbits = NULL;
+    }
+}
+
+static void from_kernel(const evl_orbit *told, model_orbit *orbit)
+{
+    _Static_assert((int)MODEL_ORBIT_TOUCH - (int)EVL_ORBIT_TOUCH == 0, "the kernel's kinds");
+    _Static_assert((int)MODEL_ORBIT_ROOT - (int)EVL_SHORT_LENGTH == 0, "as long as the kernel's");
+    *orbit = (model_orbit){.parameter = told->parameter,
+                           .time = told->period,
+                           .residual = told->residual,
+                           .largest = told->largest,
+                           .periods = told->periods,
+                           .kind = told->kind,
+                           .mesh = told->mesh,
+                           .iterations = told->iterations,
+                           .n_multipliers = told->n_multipliers};
+    memcpy(orbit->root, told->root, sizeof orbit->root);
+}
+
+bool model_orbits_find(model_orbits *orbits, double value, int periods, double time, const dae_state *near,
+                       model_orbit *orbit, char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status = {.index = -1};
+    evl_orbit told;
+    orbits->refusal[0] = '\0';
+    const int code = evl_orbits_find(orbits->orbits, value, periods, time, near->y, near->integers, near->reals, &told,
+                                     &status);
+    if (code == EVL_OK) {
+        from_kernel(&told, orbit);
+    }
+    return answered(orbits, code, &status, message);
+}
+
+bool model_orbits_follow(model_orbits *orbits, bool rising, int *n, char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status = {.index = -1};
+    orbits->refusal[0] = '\0';
+    return answered(orbits, evl_orbits_follow(orbits->orbits, rising, n, &status), &status, message);
+}
+
+bool model_orbits_switch(model_orbits *orbits, int branch, int point, char message[DAE_MESSAGE_LENGTH])
+{
+    static const double distance = 0.02; /* in units of the states */
+    evl_status status = {.index = -1};
+    orbits->refusal[0] = '\0';
+    return answered(orbits, evl_orbits_switch(orbits->orbits, branch, point, distance, &status), &status, message);
+}
+
+void model_orbits_point(const model_orbits *orbits, int branch, int point, model_orbit *orbit, double *multipliers)
+{
+    evl_orbit told;
+    evl_orbits_point(orbits->orbits, branch, point, &told, multipliers);
+    from_kernel(&told, orbit);
+}
+
+bool model_orbits_state(model_orbits *orbits, int branch, int point, dae_state *state, char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status = {.index = -1};
+    orbits->refusal[0] = '\0';
+    const int code = evl_orbits_state(orbits->orbits, branch, point, &state->t, state->y, state->integers, state->reals,
+                                      &status);
+    return answered(orbits, code, &status, message);
+}

@@ -1,0 +1,54 @@
+/** Periodic orbits of models that differ in one number: found, followed, told. docs/orbits.md. */
+#pragma once
+
+#include "model/model.h"
+
+enum { MODEL_ORBIT_ROOT = 32 };
+
+typedef enum {
+    MODEL_ORBIT_ORDINARY,
+    MODEL_ORBIT_FOLD,
+    MODEL_ORBIT_CROSSING,
+    MODEL_ORBIT_DOUBLING,
+    MODEL_ORBIT_NEIMARK_SACKER,
+    MODEL_ORBIT_TOUCH
+} model_orbit_kind;
+
+typedef struct {
+    double parameter;
+    double time;     /**< until it repeats [s] */
+    double residual; /**< what is left after a period, in units of the states */
+    double largest;  /**< size of the largest multiplier */
+    int periods;     /**< common periods until it repeats */
+    int kind;        /**< model_orbit_kind */
+    int mesh;        /**< where flanks just touch; -1: nowhere */
+    int iterations;
+    int n_multipliers;
+    char root[MODEL_ORBIT_ROOT]; /**< what just touches there */
+} model_orbit;
+
+typedef struct {
+    void *self;
+    /** The model with a value of the parameter, until the next call; NULL with the reason in `message`. */
+    const model *(*take)(void *self, double value, char message[DAE_MESSAGE_LENGTH]);
+    double from, to; /**< range of the parameter */
+    double place;    /**< of the section where a speed is prescribed [pitches of the first mesh after t = 0] */
+} model_orbits_setup;
+
+typedef struct model_orbits model_orbits;
+/** @return NULL with the reason in `message` */
+model_orbits *model_orbits_create(const model_orbits_setup *setup, double value, char message[DAE_MESSAGE_LENGTH]);
+void model_orbits_delete(model_orbits **orbits);
+/** Find an orbit, which becomes the present one, from a state near it. @param time  until it repeats, about [s].
+ *  @return false with the reason in `message` */
+bool model_orbits_find(model_orbits *orbits, double value, int periods, double time, const dae_state *near,
+                       model_orbit *orbit, char message[DAE_MESSAGE_LENGTH]);
+/** Follow the branch of the present one. @param n  its points, also where it fails. @return false with the reason in `message` */
+bool model_orbits_follow(model_orbits *orbits, bool rising, int *n, char message[DAE_MESSAGE_LENGTH]);
+/** Make the first orbit of twice the period the present one. @return false with the reason in `message` */
+bool model_orbits_switch(model_orbits *orbits, int branch, int point, char message[DAE_MESSAGE_LENGTH]);
+/** @param multipliers  [2 * n_multipliers] of a point, real and imaginary parts; room for two a state and a real */
+void model_orbits_point(const model_orbits *orbits, int branch, int point, model_orbit *orbit, double *multipliers);
+/** The state of a point on the section, without y', or of the present one if `branch` is negative; take was asked for its model last.
+ *  @return false with the reason in `message` */
+bool model_orbits_state(model_orbits *orbits, int branch, int point, dae_state *state, char message[DAE_MESSAGE_LENGTH]);

@@ -1,0 +1,312 @@
+!> C interface of the search for periodic orbits of a gearbox over one parameter.
+!>
+!> The header's section "orbits" documents each procedure; here is only the passage from C to Fortran.
+module evl_capi_orbits
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
+                                          c_funptr, c_int, c_loc, c_null_ptr, c_ptr
+   use evl_branch, only: branch_options, follow_branch, switch_at_doubling
+   use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_from_c, to_c
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_create, gearbox_orbits_start, &
+                                 gearbox_orbits_state, root_place
+   use evl_kinds, only: wp
+   use evl_shooting, only: find_orbit, orbit_t, own_multipliers
+   use evl_special_points, only: branch_point, kind_touch
+   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_orbits_create, evl_orbits_delete, evl_orbits_find, evl_orbits_follow, evl_orbits_point, evl_orbits_state, &
+             evl_orbits_switch
+
+   !> evl_orbits_setup
+   type, bind(c) :: c_setup
+      type(c_ptr) :: self
+      type(c_funptr) :: take
+      real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step
+      integer(c_int) :: most_points
+   end type c_setup
+
+   !> evl_orbit
+   type, bind(c) :: c_orbit
+      real(c_double) :: parameter, period, residual, largest
+      integer(c_int) :: periods, kind, mesh, iterations, n_multipliers
+      character(kind=c_char) :: root(c_name_length)
+   end type c_orbit
+
+   abstract interface
+      integer(c_int) function c_take(self, value, gearbox, scale, status) bind(c)
+         import :: c_double, c_int, c_ptr, c_status
+         implicit none (type, external)
+         type(c_ptr), value :: self
+         real(c_double), value :: value
+         type(c_ptr), intent(out) :: gearbox, scale
+         type(c_status), intent(inout) :: status
+      end function c_take
+   end interface
+
+   type, extends(gearbox_family) :: callers_family
+      type(c_ptr) :: self = c_null_ptr
+      procedure(c_take), pointer, nopass :: ask => null()
+   contains
+      procedure :: take
+   end type callers_family
+
+   type :: points_t
+      type(branch_point), allocatable :: points(:)
+   end type points_t
+
+   !> evl_orbits
+   type :: orbits_t
+      type(callers_family) :: family
+      type(gearbox_orbits) :: model
+      type(branch_options) :: options
+      type(orbit_t) :: orbit                      !! the last that was found, or switched to
+      type(points_t), allocatable :: branches(:)
+      integer :: n_branches = 0
+   end type orbits_t
+
+contains
+
+   !> Ask the caller for a gearbox.
+   subroutine take(self, value, gearbox, scale, status)
+      class(callers_family), intent(inout) :: self
+      real(wp), intent(in) :: value
+      type(gearbox_t), pointer, intent(out) :: gearbox
+      real(wp), allocatable, intent(out) :: scale(:)
+      type(status_t), intent(inout) :: status
+      type(c_ptr) :: handle, scale_handle
+      real(c_double), pointer :: of_caller(:)
+      type(c_status) :: refusal
+      character(len=size(refusal%message)) :: message
+      integer :: i
+
+      gearbox => null()
+      if (self%ask(self%self, value, handle, scale_handle, refusal) /= code_ok) then
+         message = ""
+         do i = 1, size(refusal%message)
+            if (iachar(refusal%message(i)) == 0) exit
+            message(i:i) = refusal%message(i)
+         end do
+         status = status_from_c(refusal)
+         call fail(status, refusal%code, trim(message))
+         return
+      end if
+      gearbox => gearbox_of(handle)
+      call c_f_pointer(scale_handle, of_caller, [gearbox%n_states])
+      scale = of_caller
+   end subroutine take
+
+   type(c_ptr) function evl_orbits_create(setup, value, status) result(handle) bind(c)
+      type(c_setup), intent(in) :: setup
+      real(c_double), intent(in), value :: value
+      type(c_status), intent(inout), optional :: status
+      type(orbits_t), pointer :: self
+      type(status_t) :: s
+      integer :: stat, code
+
+      handle = c_null_ptr
+      allocate (self, stat=stat)
+      if (stat /= 0) then
+         call fail(s, code_no_memory, "there is no memory for orbits")
+         code = answer(s, status)
+         return
+      end if
+      self%family%self = setup%self
+      call c_f_procpointer(setup%take, self%family%ask)
+      associate (o => self%options)
+         o%from = min(setup%from, setup%to)
+         o%to = max(setup%from, setup%to)
+         o%first_step = setup%first_step
+         o%smallest_step = setup%smallest_step
+         o%largest_step = setup%largest_step
+         o%most_points = setup%most_points
+         o%orbits%tolerance = setup%tolerance
+         o%orbits%residual = setup%residual
+         o%orbits%parameter_scale = o%to - o%from
+      end associate
+      allocate (self%branches(4))
+      call gearbox_orbits_create(self%model, self%family, value, setup%place, s)
+      code = answer(s, status)
+      if (code == code_ok) then
+         handle = c_loc(self)
+      else
+         deallocate (self)
+      end if
+   end function evl_orbits_create
+
+   subroutine evl_orbits_delete(handle) bind(c)
+      type(c_ptr), intent(inout), optional :: handle
+      type(orbits_t), pointer :: self
+
+      if (.not. present(handle)) return
+      call c_f_pointer(handle, self)
+      if (associated(self)) deallocate (self)
+      handle = c_null_ptr
+   end subroutine evl_orbits_delete
+
+   integer(c_int) function evl_orbits_find(handle, value, periods, period, y, integers, reals, orbit, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in), value :: value, period
+      integer(c_int), intent(in), value :: periods
+      real(c_double), intent(in) :: y(*), reals(*)
+      integer(c_int), intent(in) :: integers(*)
+      type(c_orbit), intent(out) :: orbit
+      type(c_status), intent(inout), optional :: status
+      type(orbits_t), pointer :: self
+      type(status_t) :: s
+
+      call c_f_pointer(handle, self)
+      call self%model%set_parameter(value, s)
+      if (.not. has_failed(s)) then
+         block
+            real(wp) :: start(self%model%n)
+
+            associate (g => self%model%gearbox)
+               call gearbox_orbits_start(self%model, y(:g%n_states), integers(1), reals(:size(g%contacts)), start)
+            end associate
+            call find_orbit(self%model, self%options%orbits, value, periods, start, period, self%orbit, s)
+         end block
+      end if
+      if (.not. has_failed(s)) call tell(self, self%orbit, orbit)
+      code = answer(s, status)
+   end function evl_orbits_find
+
+   integer(c_int) function evl_orbits_follow(handle, rising, n, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      logical(c_bool), intent(in), value :: rising
+      integer(c_int), intent(out) :: n
+      type(c_status), intent(inout), optional :: status
+      type(orbits_t), pointer :: self
+      type(points_t), allocatable :: more(:)
+      type(status_t) :: s
+      integer :: i
+
+      call c_f_pointer(handle, self)
+      if (self%n_branches == size(self%branches)) then
+         allocate (more(2*self%n_branches))
+         do i = 1, self%n_branches
+            call move_alloc(self%branches(i)%points, more(i)%points)
+         end do
+         call move_alloc(more, self%branches)
+      end if
+      self%n_branches = self%n_branches + 1
+      self%options%rising = rising
+      associate (branch => self%branches(self%n_branches))
+         call follow_branch(self%model, self%options, self%orbit, branch%points, s)
+         n = size(branch%points)
+      end associate
+      code = answer(s, status)
+   end function evl_orbits_follow
+
+   integer(c_int) function evl_orbits_switch(handle, branch, point, distance, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: branch, point
+      real(c_double), intent(in), value :: distance
+      type(c_status), intent(inout), optional :: status
+      type(orbits_t), pointer :: self
+      type(status_t) :: s
+
+      call c_f_pointer(handle, self)
+      associate (from => self%branches(branch + 1)%points(point + 1)%orbit)
+         call self%model%set_parameter(from%parameter, s)
+         if (.not. has_failed(s)) call switch_at_doubling(self%model, self%options, from, distance, self%orbit, s)
+      end associate
+      code = answer(s, status)
+   end function evl_orbits_switch
+
+   subroutine evl_orbits_point(handle, branch, point, orbit, multipliers) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: branch, point
+      type(c_orbit), intent(out) :: orbit
+      real(c_double), intent(inout) :: multipliers(2, *)
+      type(orbits_t), pointer :: self
+      complex(wp), allocatable :: mu(:)
+      integer :: i
+
+      call c_f_pointer(handle, self)
+      associate (at => self%branches(branch + 1)%points(point + 1))
+         call tell(self, at%orbit, orbit)
+         orbit%kind = at%kind
+         if (at%kind == kind_touch) then
+            call tell_root(self, at%root, orbit)
+         end if
+         allocate (mu, source=own_multipliers(self%model, at%orbit))
+      end associate
+      do i = 1, size(mu)
+         multipliers(:, i) = [mu(i)%re, mu(i)%im]
+      end do
+   end subroutine evl_orbits_point
+
+   integer(c_int) function evl_orbits_state(handle, branch, point, t, y, integers, reals, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: branch, point
+      real(c_double), intent(out) :: t
+      real(c_double), intent(inout) :: y(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(c_status), intent(inout), optional :: status
+      type(orbits_t), pointer :: self
+      type(status_t) :: s
+
+      call c_f_pointer(handle, self)
+      if (branch < 0) then
+         call state_of(self, self%orbit, t, y, integers, reals, s)
+      else
+         call state_of(self, self%branches(branch + 1)%points(point + 1)%orbit, t, y, integers, reals, s)
+      end if
+      code = answer(s, status)
+   end function evl_orbits_state
+
+   !> The state of an orbit on the section.
+   subroutine state_of(self, orbit, t, y, integers, reals, status)
+      type(orbits_t), intent(inout) :: self
+      type(orbit_t), intent(in) :: orbit
+      real(c_double), intent(out) :: t
+      real(c_double), intent(inout) :: y(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(status_t), intent(inout) :: status
+
+      t = 0
+      call self%model%set_parameter(orbit%parameter, status)
+      if (has_failed(status)) return
+      associate (g => self%model%gearbox)
+         call gearbox_orbits_state(self%model, orbit%y, y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), status)
+      end associate
+      t = self%model%phase
+   end subroutine state_of
+
+   !> What an orbit is.
+   subroutine tell(self, orbit, told)
+      type(orbits_t), intent(in) :: self
+      type(orbit_t), intent(in) :: orbit
+      type(c_orbit), intent(out) :: told
+
+      associate (mu => own_multipliers(self%model, orbit))
+         told%n_multipliers = size(mu)
+         told%largest = 0
+         if (size(mu) > 0) told%largest = maxval(abs(mu))
+      end associate
+      told%parameter = orbit%parameter
+      told%period = orbit%period
+      told%residual = orbit%residual
+      told%periods = orbit%periods
+      told%iterations = orbit%iterations
+      told%kind = 0
+      told%mesh = -1
+      call to_c("", told%root)
+   end subroutine tell
+
+   !> What a root function is that touches zero.
+   subroutine tell_root(self, root, told)
+      type(orbits_t), intent(in) :: self
+      integer, intent(in) :: root
+      type(c_orbit), intent(inout) :: told
+      character(len=:), allocatable :: name
+      integer :: mesh
+
+      call root_place(self%model%gearbox, root, mesh, name)
+      told%mesh = mesh - 1
+      call to_c(name, told%root)
+   end subroutine tell_root
+
+end module evl_capi_orbits
