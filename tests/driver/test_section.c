@@ -100,6 +100,36 @@ static void test_an_event_before_the_section_counts_as_one_behind(void **state)
     assert_true(fabs(f->section.target - 1.2) < 1e-6); /* behind where the motion is */
 }
 
+static void test_events_of_two_periods_count_by_their_places_in_one(void **state)
+{
+    fixture *f = *state;
+    section_passed(&f->section); /* at 0.5 */
+    happen(f, 0.6);
+    happen(f, 1.0);
+    happen(f, 1.5 - 5e-7);
+    section_passed(&f->section);
+    happen(f, 2.45);
+    assert_true(section_moves(&f->section));
+    /* 0, 0.45, 0.5 and 0.6: from 0 to 0.45 it is longest */
+    assert_true(fabs(f->section.phase - 0.225) < 1e-6);
+    assert_true(fabs(f->section.target - 3.225) < 1e-6);
+}
+
+static void test_it_gives_up_where_events_are_everywhere(void **state)
+{
+    fixture *f = *state;
+    int n = 0;
+    bool moves = true;
+    while (moves && n < 1000) {
+        section_passed(&f->section);
+        happen(f, f->section.here);
+        moves = section_moves(&f->section);
+        n += moves;
+    }
+    assert_int_equal(n, 32);
+    assert_false(f->section.is_crossed);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -108,6 +138,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_it_moves_to_the_middle_of_the_longest_way_between_events, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(test_an_event_before_the_section_counts_as_one_behind, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_events_of_two_periods_count_by_their_places_in_one, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_it_gives_up_where_events_are_everywhere, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -289,6 +289,7 @@ def refusal(kernel: Kernel, description: Block) -> KernelError:
             "must not overlap",
         ),
         ({"pitch_errors": PITCH[1:]}, "pitch_errors", "19 pitch errors are given for 20 teeth"),
+        ({"pitch_errors": [*PITCH, 0.0]}, "pitch_errors", "21 pitch errors are given for 20 teeth"),
         ({"pitch_errors": [*PITCH[1:], np.nan]}, "pitch_errors", "finite"),
         ({"pitch_errors": PITCH, "accuracy_class": 6}, "accuracy", "not both"),
         ({"accuracy_class": 12}, "accuracy.class", "class = 12 must be at most 11"),
