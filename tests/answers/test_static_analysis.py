@@ -288,6 +288,28 @@ def test_contact_alone_shares_alike(kernel: Kernel, unequal: bool):
     assert curve.loaded_contact_ratio == pytest.approx(geometry.contact_ratio, abs=0.011)
 
 
+@pytest.mark.parametrize("soft", ["driving", "driven"])
+def test_one_pair_of_two_materials_at_the_pitch_point_is_as_stiff_as_told(
+    kernel: Kernel, soft: str
+):
+    """C_kk has (K_A - K_B)/2 ln(rho_A/rho_B): `pair_stiffness_per_width` by itself, and the flank.
+
+    Of steel and aluminium that term is 2 % of the compliance; the wrong way round, twice as far.
+    """
+    youngs, poisson = (0.7e11, E), (0.34, NU)
+    order = slice(None, None, 1 if soft == "driving" else -1)
+    gearbox = pair(kernel, youngs=youngs[order], poisson=poisson[order])
+    geometry, wheel_a = gearbox.mesh_geometry(), gearbox.wheel_geometry(0)
+    curve = curve_of(gearbox, 150e3, points=400)
+    along = wheel_a.base_radius * np.tan(geometry.working_pressure_angle)
+    place = (along - geometry.rho_start_driving) / geometry.base_pitch
+    at = int(np.argmin(np.abs(curve.position - place)))
+    assert curve.loaded_pairs[at] == 1
+    stiffness = np.interp(place, curve.position, curve.secant_stiffness) / geometry.common_width
+    # 22 um of deflection are 2e-3 of the radii of curvature
+    assert stiffness == pytest.approx(curve.pair_stiffness_per_width, rel=2e-3)
+
+
 BENDING = {"contact alone": {}, "alone": {"tooth_coupling": "false"}, "coupled": {}}
 
 
