@@ -360,6 +360,14 @@ static int apply_event(const void *self, dae_state *s, const int *fired, bool ti
     return DAE_OK;
 }
 
+/* Of who watches no channel. */
+static int roots_and_nothing(const void *self, const dae_state *s, const double *highest, double *kept, double *values,
+                             double *watched, char *message)
+{
+    (void)highest, (void)kept, (void)watched;
+    return roots(self, s, values, message);
+}
+
 static void watch_nothing(void *self, const integrate_step *step)
 {
     (void)self, (void)step;
@@ -376,6 +384,7 @@ static void swing(bool is_watched)
                        .residual = residual,
                        .jacobian = jacobian,
                        .roots = roots,
+                       .roots_and_watched = roots_and_nothing,
                        .root_directions = root_directions,
                        .next_time_event = no_time_event,
                        .apply_event = apply_event,
