@@ -68,7 +68,7 @@ static void test_steps_that_creep_within_the_grain_are_no_progress(void **unused
     pace seen = pace_create();
     const double grain = pace_grain(0, 2);
     int n = 0;
-    for (double t = 0; n < 200000 && pace_step(&seen, t, grain); t = n * 5e-6 * grain) {
+    while (n < 200000 && pace_step(&seen, n * 5e-6 * grain, grain)) {
         n++;
     }
     assert_int_equal(n, 100000); /* they came half a grain far */
