@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from kernel.gearbox import MESH, WHEEL, Gearbox
@@ -69,6 +71,32 @@ def test_a_face_width_above_a_metre_is_unlikely(kernel: Kernel):
     assert (warned.subject, warned.index) == (MESH, 0)
     assert warned.message == ("its common face width is 1.01 m: are millimetres given as metres?")
     assert real_pair(kernel, 0.002, width=1.0).warnings() == []
+
+
+@pytest.mark.parametrize("pinion", [0, 1], ids=["the pinion drives", "the wheel drives"])
+def test_a_contact_strip_is_measured_by_the_smallest_radius_of_either_flank(
+    kernel: Kernel, pinion: int
+):
+    """Near the pinion's base circle, where its path begins or ends: whoever drives."""
+    teeth = (17, 60) if pinion == 0 else (60, 17)
+    gear = gear_description(0.003)
+    wheels = [wheel(teeth=z, width=0.02, gear=gear, mass=1.0, inertia=0.1) for z in teeth]
+    description = mesh(kernel, backlash=1e-4)
+    description.pop("pressure_angle")
+    torque = (1 if pinion else -1) * 3000.0  # of the pinion
+    gearbox = Gearbox(kernel, wheels, [load(pinion, TORQUE, torque)], [description])
+    (warned,) = (w for w in gearbox.warnings() if "contact strip" in w.message)
+    geometry = gearbox.mesh_geometry()
+    wheel_b = gearbox.wheel_geometry(1)
+    ends = (
+        geometry.rho_start_driving,
+        np.sqrt(geometry.tip_radius_driving**2 - gearbox.wheel_geometry(0).base_radius ** 2),
+    )
+    radii = (ends[0], geometry.line_of_action_length - ends[1])
+    assert radii[pinion] == min(radii)
+    assert np.hypot(wheel_b.base_radius, radii[1]) < geometry.tip_radius_driven
+    told = float(re.search(r"smallest radius of curvature (\S+) m", warned.message)[1])
+    assert told == pytest.approx(min(radii), rel=1e-5)  # six digits are told
 
 
 @pytest.mark.parametrize(
