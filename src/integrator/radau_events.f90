@@ -1,13 +1,17 @@
 !> How a step of the integrator ends: where it was meant to, or at the first event in it.
 submodule(evl_radau) evl_radau_events
    use evl_extreme_finder, only: find_candidates
-   use evl_radau_coefficients, only: n_stages
-   use evl_root_finder, only: find_crossings, step_state, values_at
+   use evl_distant_roots, only: sign_of
+   use evl_radau_coefficients, only: n_stages, node
+   use evl_root_finder, only: find_crossings, locate, step_state, values_at
    implicit none (type, external)
 
    !> A function is located where it is this near zero. Time may be too coarse for that: where a function runs through its size in a
    !> nanosecond, one digit of a time of seconds is 1e-6 of it. So the state goes on where time does not.
    real(wp), parameter :: located = 1.0e-8_wp
+
+   !> How exact a time on a polynomial is beside that on the one made anew, in units of the step.
+   real(wp), parameter :: accuracy = 1.0e-4_wp
 
 contains
 
@@ -78,26 +82,71 @@ contains
       integer, intent(in) :: first
       logical, intent(out) :: done
       type(status_t), intent(inout) :: status
-      integer, parameter :: most_turns = 6
-      real(wp), parameter :: small = 1.0e-4_wp !! correction over the step up to which the polynomial is continued
-      real(wp) :: at, at_next, h_now, slope, shift, last_shift
-      integer :: outcome, turn
-      logical :: good
+      integer, parameter :: most_hidden = 8 !! functions found so, each before the last one
+      real(wp) :: at, h_now, slope
+      integer :: earlier, event, turn
+      logical :: good, at_start
 
       done = .false.
-      at = self%roots%tau(first)*h
-      at_next = at
+      event = first
+      at = self%roots%tau(event)*h
       if (at <= smallest_step*abs(self%t)) then
-         call fire_at_start(self, model, first, h, at, status)
+         call fire_at_start(self, model, event, h, at, status)
          done = .true.
          return
       end if
-      call slope_at(self%roots, first, slope)
+      call slope_at(self%roots, event, slope)
       slope = slope/h
       self%old_z = self%stages%z
       self%old_h = h
       h_now = h
+      do turn = 1, most_hidden
+         call come_to(self, model, h, event, slope, h_now, at, good, at_start, status)
+         if (has_failed(status) .or. .not. good) exit
+         if (at_start) then
+            call fire_at_start(self, model, event, h_now, max(at, 0.0_wp), status)
+            self%old_h = 0
+            done = .true.
+            return
+         end if
+         call find_hidden(self, model, h, h_now, at, earlier, slope, status)
+         if (has_failed(status) .or. earlier == 0) exit
+         event = earlier
+         at = self%roots%tau(event)*h
+      end do
+      self%matrix_may_stay = .false.
+      if (has_failed(status) .or. .not. good) then
+         ! the shorter step does not work: come nearer in ordinary ones
+         self%old_h = 0
+         self%h = at/2
+         return
+      end if
+      call note_fired(self, event, h)
+      call take(self, h_now, self%t + at, self%roots%y)
+      self%counts%events = self%counts%events + 1
+      done = .true.
+   end subroutine go_to_event
+
+   !> Make the step anew to where a function crosses zero.
+   subroutine come_to(self, model, h, event, slope, h_now, at, good, at_start, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(inout) :: model
+      real(wp), intent(in) :: h         !! of the step that was searched
+      integer, intent(in) :: event      !! the function
+      real(wp), intent(in) :: slope     !! of it there
+      real(wp), intent(inout) :: h_now  !! of the stages
+      real(wp), intent(inout) :: at     !! the crossing, from the start; in: on the polynomial of the stages
+      logical, intent(out) :: good      !! false: Newton failed, of no use
+      logical, intent(out) :: at_start  !! no time passes up to there: of the roots and the state there nothing is known
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_turns = 6
+      real(wp), parameter :: small = 1.0e-4_wp !! correction over the step up to which the polynomial is continued
+      real(wp) :: at_next, shift, last_shift
+      integer :: outcome, turn
+
       good = .true.
+      at_start = .false.
+      at_next = at
       last_shift = huge(last_shift)
       do turn = 1, most_turns
          at = at_next
@@ -107,40 +156,96 @@ contains
             if (good) then
                call predict_from(self%stages, self%y, self%old_z, 0.0_wp, h_now, self%old_h)
                call solve_stages(self%stages, model, self%t, self%y, h_now, outcome, status)
-               if (has_failed(status)) exit
+               if (has_failed(status)) return
                good = outcome == newton_converged
             end if
-            if (.not. good) exit
+            if (.not. good) return
             self%old_z = self%stages%z
             self%old_h = h_now
          end if
          call values_at(self%roots, model, step_state(self%t, h_now), self%y, self%stages%z, at/h_now, status)
-         if (has_failed(status)) exit
-         shift = -self%roots%value(first)/slope
-         shift = max(self%roots%left(first)*h - at, min(self%roots%right(first)*h - at, shift))
-         if (.not. abs(shift) < abs(last_shift)) exit
+         if (has_failed(status)) return
+         shift = -self%roots%value(event)/slope
+         shift = max(self%roots%left(event)*h - at, min(self%roots%right(event)*h - at, shift))
+         if (.not. abs(shift) < abs(last_shift)) return
          last_shift = shift
-         if (abs(shift) <= 4*eps*max(abs(self%t + at), at) .and. abs(self%roots%value(first)) <= located) exit
+         if (abs(shift) <= 4*eps*max(abs(self%t + at), at) .and. abs(self%roots%value(event)) <= located) return
          at_next = at + shift
          if (at_next <= smallest_step*abs(self%t)) then ! as of a function that crosses just after another one
-            call fire_at_start(self, model, first, h_now, max(at_next, 0.0_wp), status)
-            self%old_h = 0
-            done = .true.
+            at = at_next
+            at_start = .true.
             return
          end if
       end do
-      self%matrix_may_stay = .false.
-      if (has_failed(status) .or. .not. good) then
-         ! the shorter step does not work: come nearer in ordinary ones
-         self%old_h = 0
-         self%h = at/2
-         return
-      end if
-      call note_fired(self, first, h)
-      call take(self, h_now, self%t + at, self%roots%y)
-      self%counts%events = self%counts%events + 1
-      done = .true.
-   end subroutine go_to_event
+   end subroutine come_to
+
+   !> A function that is past zero at an event, though no node of the step that was searched showed it, as one that turns just
+   !> behind the event: it crossed before.
+   subroutine find_hidden(self, model, h, h_now, at, first, slope, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: h       !! of the step that was searched
+      real(wp), intent(in) :: h_now   !! of the stages
+      real(wp), intent(in) :: at      !! the event, from the start, with the functions' values
+      integer, intent(out) :: first   !! such a function, 0: there is none
+      real(wp), intent(inout) :: slope !! of it where it crosses
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_cuts = 8    !! by 16 each: of the way from the node before to the crossing
+      real(wp), parameter :: small = 1.0e-2_wp   !! of the value at the event: where a slope is that at zero
+      type(step_state) :: step
+      real(wp) :: at_zero, before
+      integer :: i, k, last
+
+      first = 0
+      last = lanes ! node before the event, or the start
+      do k = 1, n_stages
+         if (node(k)*h < at) last = k
+      end do
+      do k = 1, self%roots%n_live
+         i = self%roots%live(k)
+         if (is_past(i)) first = i
+      end do
+      if (first == 0) return
+      i = first
+      step = step_state(self%t, h_now)
+      self%roots%change(i) = -sign_of(self%roots%g(last, i))
+      self%roots%left(i) = node(last)*h/h_now
+      self%roots%right(i) = at/h_now
+      self%roots%at_left(i) = self%roots%g(last, i)
+      self%roots%at_right(i) = self%roots%value(i)
+      call locate(self%roots, model, step, self%y, self%stages%z, i, status)
+      if (has_failed(status)) return
+      associate (roots => self%roots)
+         call values_at(roots, model, step, self%y, self%stages%z, roots%tau(i), status, i)
+         at_zero = roots%value(i)
+         before = roots%tau(i) - roots%left(i)
+         do k = 1, most_cuts
+            if (has_failed(status)) return
+            before = before/16
+            call values_at(roots, model, step, self%y, self%stages%z, roots%tau(i) - before, status, i)
+            if (abs(roots%value(i)) <= small*abs(roots%at_right(i))) exit
+         end do
+         slope = (at_zero - roots%value(i))/(before*h_now)
+         roots%tau(i) = roots%tau(i)*(h_now/h)
+         roots%left(i) = roots%left(i)*(h_now/h)
+         roots%right(i) = roots%right(i)*(h_now/h)
+      end associate
+
+   contains
+
+      !> Whether a function without a crossing, or with a later one, is past zero: of one that has just fired only nodes tell the
+      !> sign.
+      pure logical function is_past(i)
+         integer, intent(in) :: i
+         integer :: s
+
+         s = merge(self%roots%sign_after(i), -self%roots%change(i), self%roots%change(i) == 0)
+         is_past = self%roots%direction(i) /= s .and. s*self%roots%g(last, i) > 0 .and. s*self%roots%value(i) < -located &
+                   .and. .not. (last == lanes .and. self%roots%fresh(i))
+         if (self%roots%change(i) /= 0) is_past = is_past .and. (self%roots%tau(i) - at/h > accuracy)
+      end function is_past
+
+   end subroutine find_hidden
 
    !> The event is where the step begins, as far as time can tell: no time passes.
    subroutine fire_at_start(self, model, first, h, at, status)
@@ -177,7 +282,6 @@ contains
       type(radau_t), intent(inout) :: self
       integer, intent(in) :: first
       real(wp), intent(in) :: h
-      real(wp), parameter :: accuracy = 1.0e-4_wp !! of a time on the first polynomial, in units of the step
       real(wp) :: same_time, later
       integer :: i
 

@@ -21,7 +21,7 @@ module evl_root_finder
    implicit none (type, external)
    private
 
-   public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, step_state, values_at
+   public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, locate, step_state, values_at
 
    real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
    real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one

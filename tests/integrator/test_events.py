@@ -92,6 +92,39 @@ def test_two_crossings_of_one_function_in_one_step_are_both_found(library: Libra
     assert events.fired == [[-1], [1]]
 
 
+def events_up_to_the_one_at_2(library: Library, other) -> Recorded:
+    """Events of t - 2 and of another function, which means nothing after that."""
+    mode = {"over": False}
+
+    def change(y: Floats, fired: NDArray[np.int32]) -> Floats:
+        mode["over"] = fired[0] != 0
+        return y
+
+    problem = clock(lambda t, y: [1, -1] if mode["over"] else [t - 2, other(t)], 2)
+    return run(library, problem, [0], 10, change)[0]
+
+
+@pytest.mark.parametrize("half", [1e-2, 1e-3, 1e-4])
+def test_a_function_above_zero_at_the_event_of_another_has_crossed_before(library, half: float):
+    # a bump narrower than any distance of the nodes: only the event in its midst shows it
+    bump = half / np.sqrt(np.log(2))
+    events = events_up_to_the_one_at_2(library, lambda t: np.exp(-(((t - 2) / bump) ** 2)) - 0.5)
+    assert events.fired == [[0, 1], [1, 0]]
+    # the time has digits of 4e-16
+    assert events.times == pytest.approx([2 - half, 2], abs=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_of_three_crossings_between_two_nodes_the_one_before_another_event_comes_first(
+    library: Library, seed: int
+) -> None:
+    before, *after = np.random.default_rng(seed).uniform(1e-3, 5e-2, 3)
+    times = [2 - before, *(2 + at for at in after)]
+    events = events_up_to_the_one_at_2(library, lambda t: 1e6 * np.prod([t - at for at in times]))
+    assert events.fired == [[0, 1], [1, 0]]
+    assert events.times == pytest.approx([times[0], 2], abs=1e-13)
+
+
 @pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_a_touch_and_return_between_two_stages_is_found(library: Library, depth: float):
     # y = sin t rises past 1 - depth for a time of 2 sqrt(2 depth): no stage may lie in it

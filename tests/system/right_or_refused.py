@@ -281,7 +281,8 @@ def main() -> None:
     """Run the seeds that are not in the results yet, two at a time, and tell what came out."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path)
-    parser.add_argument("--seeds", type=int, default=0, help="how many, from 0 up")
+    parser.add_argument("--seeds", type=int, default=0, help="up to, without this one")
+    parser.add_argument("--first", type=int, default=0, help="of them")
     parser.add_argument("--seed", type=int, help="this one, with its case on stdout")
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args()
@@ -290,7 +291,7 @@ def main() -> None:
         print(judged_here(given.seed), file=sys.stderr)
         return
     known = {row["seed"] for row in read(given.results)}
-    left = [seed for seed in range(given.seeds) if seed not in known]
+    left = [seed for seed in range(given.first, given.seeds) if seed not in known]
     with ProcessPoolExecutor(given.jobs) as pool, given.results.open("a") as file:
         for judged in pool.map(judged_here, left, chunksize=1):
             file.write(json.dumps(asdict(judged)) + "\n")
