@@ -14,14 +14,15 @@ import numpy as np
 
 from designs import paper_case, read_journal, write_design
 from faults.trial import BAD_INPUT, Command
+from faults.warm import START
 
 CASE, DESIGN, JOURNAL, STACK = "case.yaml", "design.h5", "shard-1-of-1.jsonl", "shard-1-of-1.h5"
 TORQUE = "wheels.pinion.loads.0.value"
 TIMINGS_COLLECTED = ("cpu_time", "recorded_at")
 N_CASES = 6
 WHEEL = "{hub_diameter: 0.026, order: 5}"  # whose teeth bend: cheap elements
-FILES = ("write", "fsync", "rename", "open", "close", "truncate", "link")
-START = Path(__file__).with_name("start_python.py")
+# Of Python: what it asks the system for beside files is not the program's business.
+FILES = ("write", "fsync", "rename", "open", "close", "truncate", "read", "link", "lock")
 SWEEPS, POST = (sys.executable, START, "sweep"), (sys.executable, START, "post")
 SWEEP = f"""\
 format: 1
@@ -50,6 +51,9 @@ def _of_bytes(content: bytes) -> object:
         for key, value in thing.attrs.items():
             found[f"{name}@{key}"] = repr(value)
         if isinstance(thing, h5py.Dataset) and name not in TIMINGS_COLLECTED:
+            if thing.is_virtual:  # where its values are
+                found[name] = repr(thing.virtual_sources())
+                return
             value = thing[()]
             found[name] = repr(value) if thing.dtype == object else np.asarray(value).tobytes()
 
@@ -219,6 +223,21 @@ def commands(program: Path) -> dict[str, Command]:
             [*SWEEPS, "collect", "r", "-o", "all.h5", "--copy-histories"],
             partial(_files, names={"all.h5": _of_hdf5}),
             recorded=_rows,
+            kinds=FILES,
+        ),
+        Command(
+            "collect-refers",
+            lambda folder: _write_sweep(folder, is_run=True),
+            [*SWEEPS, "collect", "r", "-o", "all.h5"],
+            partial(_files, names={"all.h5": _of_hdf5}),
+            recorded=_rows,
+            kinds=FILES,
+        ),
+        Command(
+            "plot",
+            lambda folder: _with_old(folder, program, "run", CASE, "-o", "h.h5"),
+            [*POST, "plot", "h.h5", "--quantity", "normal_force", "--format", "svg"],
+            partial(_files, names={"h-normal_force.svg": Path.read_bytes}),
             kinds=FILES,
         ),
         Command(

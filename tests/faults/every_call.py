@@ -22,6 +22,7 @@ sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "postprocess")]
 
 from faults.commands import commands  # noqa: E402
 from faults.trial import KINDS, Command, Workshop  # noqa: E402
+from faults.warm import starter  # noqa: E402
 
 VERDICTS = ("tried", "lost", "code", "line", "again", "missed")
 
@@ -36,12 +37,14 @@ def try_all(
     """Try the faults of a command, all or so many of each kind; count, and tell what is wrong."""
     counts: Counter[str] = Counter()
     told: list[str] = []
-    workshop = Workshop(command, layer, place.resolve() / "trials")
-    for fault in workshop.faults([kind for kind in kinds if kind in command.kinds], most):
-        wrong = workshop.judge(fault)
-        counts["tried"] += 1
-        counts.update({one.split(":")[0] for one in wrong})
-        told += wrong
+    place = place.resolve()
+    with starter(command.words, layer, place / "warm") as start:
+        workshop = Workshop(command, layer, place / "trials", start)
+        for fault in workshop.faults([kind for kind in kinds if kind in command.kinds], most):
+            wrong = workshop.judge(fault)
+            counts["tried"] += 1
+            counts.update({one.split(":")[0] for one in wrong})
+            told += wrong
     return counts, told
 
 

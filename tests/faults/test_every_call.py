@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from faults.commands import commands
+from faults.commands import FILES, commands
 from faults.every_call import try_all
 from faults.trial import KINDS, Fault, Workshop
+from faults.warm import starter
 
 NAMES = tuple(commands(Path()))
-PYTHON = ("plan", "collect", "report")  # a second a trial
+PYTHON = ("plan", "collect", "collect-refers", "plot", "report")
 MEMORY = "malloc"
 
 
@@ -20,12 +21,23 @@ MEMORY = "malloc"
 def test_some_calls_that_fail(
     executable: Path, faults_layer: Path, tmp_path: Path, name: str
 ) -> None:
-    kinds = ("rename", "write") if name in PYTHON else tuple(k for k in KINDS if k != MEMORY)
+    kinds = tuple(k for k in KINDS if k != MEMORY)
     # HDF5 crashes over some of the many writes of a history.
-    most = 1 if name in PYTHON else 12 if name == "run" else 3
+    most = 12 if name == "run" else 3
     counts, told = try_all(commands(executable)[name], faults_layer, tmp_path, kinds, most)
     assert counts["tried"] > 1
     assert not [line for line in told if not line.startswith("missed")]
+
+
+def test_a_python_that_has_its_modules_calls_for_files_as_one_that_loads_them(
+    executable: Path, faults_layer: Path, tmp_path: Path
+) -> None:
+    command = commands(executable)["collect"]
+    cold = Workshop(command, faults_layer, tmp_path / "cold").whole.calls[0]
+    with starter(command.words, faults_layer, tmp_path / "warm") as start:
+        warm = Workshop(command, faults_layer, tmp_path / "trials", start).whole.calls[0]
+    assert {kind: warm[kind] for kind in FILES} == {kind: cold[kind] for kind in FILES}
+    assert cold["write"] > 0
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in PYTHON])

@@ -6,10 +6,11 @@ import errno
 import os
 import shutil
 import struct
-import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from faults.warm import Starter, by_system
 
 KINDS = (
     *("write", "fsync", "rename", "open", "close", "truncate"),
@@ -18,7 +19,6 @@ KINDS = (
 STATE_BYTES, MOST_PROCESSES = 65536, 64
 HALF_THEN_FULL, HALF = 0, -1  # instead of an error: half is written, then the disk is full or not
 HARMLESS = (errno.EINTR, HALF)  # the rest is written with the next call
-SECONDS = 60.0
 EFFECTS: dict[str, tuple[tuple[int, bool], ...]] = {  # errors of each kind, and whether they last
     "write": (
         *((errno.ENOSPC, True), (errno.EIO, False), (errno.EINTR, False)),
@@ -128,8 +128,10 @@ class Ended:
 class Workshop:
     """Folders in which one command is tried again and again."""
 
-    def __init__(self, command: Command, layer: Path, place: Path) -> None:
-        self.command, self.layer, self.place = command, layer, place
+    def __init__(
+        self, command: Command, layer: Path, place: Path, start: Starter = by_system
+    ) -> None:
+        self.command, self.layer, self.place, self.start = command, layer, place, start
         self.origin, self.folder = place / "origin", place / "tried"
         self.state = place / "state"
         self.origin.mkdir(parents=True)
@@ -209,8 +211,9 @@ class Workshop:
         if fault.kind not in NAMELESS and not any(name in lines[0] for name in self.known):
             return ["line: does not tell where"]
         # What cannot be read may be taken for damaged.
-        why = {"lock": "another run", "malloc": "memory"}.get(fault.kind, fault.reason)
-        is_told = why in lines[0] or (fault.kind == "read" and ended.code == BAD_INPUT)
+        words = {"malloc": ["memory"], "lock": ["another run", fault.reason]}
+        is_told = any(word in lines[0] for word in words.get(fault.kind, [fault.reason]))
+        is_told |= fault.kind == "read" and ended.code == BAD_INPUT
         return [] if is_told else ["line: does not tell why"]
 
     def _read(self, wrong: list[str]) -> Mapping[str, object]:
@@ -242,23 +245,7 @@ class Workshop:
             **(fault.variables if fault else {}),
         }
         printed = self.folder / self.command.prints if self.command.prints else Path(os.devnull)
-        try:
-            with printed.open("w") as output:
-                done = subprocess.run(
-                    words,
-                    cwd=self.folder,
-                    env=environment,
-                    stdin=subprocess.DEVNULL,
-                    stdout=output,
-                    stderr=subprocess.PIPE,
-                    text=True,
-                    errors="replace",
-                    timeout=SECONDS,
-                    check=False,
-                )
-            code, said = done.returncode, done.stderr
-        except subprocess.TimeoutExpired as error:
-            code, said = -1, f"no end after {error.timeout} s"
+        code, said = self.start(words, self.folder, environment, printed)
         return Ended(code, said, *self._read_state())
 
     def _read_state(self) -> tuple[bool, list[dict[str, int]]]:

@@ -309,7 +309,7 @@ def _readable(path: Path, group: str | None = None) -> Iterator[None]:
         raise HistoryError(f"{path}: may not be read") from error
     except BlockingIOError as error:
         raise HistoryError(f"{path}: is being written; wait until its run has ended") from error
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
         if tells_of_system(error):
             raise HistoryError(f"{path}: cannot be read ({reason_of(error)})") from error
         if group is not None:

@@ -88,7 +88,7 @@ def open_summary(path: Path) -> xr.Dataset:
                 f"{path}: is damaged, or was changed: its check sum is wrong; collect it anew"
             )
         summary = xr.open_dataset(path, engine="h5netcdf", decode_times=False)
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise SweepError(f"{path}: is no readable summary ({reason})") from error
     if seal == NONE:

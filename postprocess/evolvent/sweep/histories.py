@@ -41,7 +41,7 @@ def history_coordinates(folder: Path, records: Records) -> xr.Dataset:
         try:
             with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as stack:
                 found = stack.coords.to_dataset().drop_vars("case").load()
-        except (OSError, KeyError, ValueError) as error:
+        except (OSError, KeyError, ValueError, RuntimeError) as error:
             raise _unreadable(path, error) from error
         for values in found.variables.values():
             values.attrs = {key: values.attrs[key] for key in TOLD if key in values.attrs}
@@ -89,7 +89,8 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
         with h5py.File(sources[0][0], "r") as first:
             checks = _Checks(records) if copy else None
             # Its check goes over a row in the order in which the file has its variables.
-            histories = [(name, one) for name, one in first.items() if not one.is_scale]
+            named = ((name, first[name]) for name in first)  # items() has None for what fails
+            histories = [(name, one) for name, one in named if not one.is_scale]
             for name, pattern in sorted(histories, key=lambda one: one[1].id.get_offset() or 0):
                 _add(file, name, pattern, sources, place, checks)
             if checks is not None:

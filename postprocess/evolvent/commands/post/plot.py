@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -142,16 +143,17 @@ def plot(
     )
     if choice and not requests:
         raise WrongUsageError(f"is needed by {choice.options()}", "--quantity")
-    runs = [
-        _open(file, label, (begin, end), last, whole)
-        for file, label in zip(files, labels(files), strict=True)
-    ]
     drawn: dict[str, Figure] = {}
     usual = [[row.name] for row in FIGURES.values() if row.by_default]
-    for names in requests or usual:
-        shown = runs if requests else [run for run in runs if FIGURES[names[0]].fits(run)]
-        if shown:
-            drawn |= _draw(names, shown, choice)
+    with ExitStack() as opened:
+        runs = [
+            _open(file, label, (begin, end), last, whole, opened)
+            for file, label in zip(files, labels(files), strict=True)
+        ]
+        for names in requests or usual:
+            shown = runs if requests else [run for run in runs if FIGURES[names[0]].fits(run)]
+            if shown:
+                drawn |= _draw(names, shown, choice)
     while drawn:
         name = next(iter(drawn))
         figure = drawn.pop(name)
@@ -256,14 +258,24 @@ def _chosen(given: dict[str, Names], others: Names) -> dict[str, list[str]]:
 
 
 def _open(
-    file: Path, label: str, times: tuple[float, float], last: float | None, whole: bool
+    file: Path,
+    label: str,
+    times: tuple[float, float],
+    last: float | None,
+    whole: bool,
+    opened: ExitStack,
 ) -> Run:
-    """Open a file of any kind that has figures; of a history what is to be shown."""
+    """Open a file of any kind that has figures; of a history what is to be shown.
+
+    Parameters
+    ----------
+    opened : closes it.
+    """
     from evolvent.figures.pairs import last_pitches
     from evolvent.figures.table import Run
     from evolvent.physics.numbers import steady_window
 
-    result = open_with_warning(file, HISTORY, *DRAWN)
+    result = opened.enter_context(open_with_warning(file, HISTORY, *DRAWN))
     is_chosen = times != WHOLE_TIME or last is not None
     kind = result_kind(result)
     if kind != HISTORY:
@@ -284,7 +296,7 @@ def _open(
     if part.sizes["time"] == 0:
         raise HistoryError(f"{file}: has no output between --from and --to", USAGE)
     part = part if last is None else last_pitches(part, last)
-    return Run(part, open_events(file), label, not is_chosen)
+    return Run(part, opened.enter_context(open_events(file)), label, not is_chosen)
 
 
 def _between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
@@ -293,16 +305,23 @@ def _between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
 
 def _list(files: Sequence[Path]) -> None:
     """Print the table of the pictures, and of all variables of files."""
+    from evolvent.figures.table import Run
+
+    with ExitStack() as opened:
+        results = (open_with_warning(file, HISTORY, *DRAWN) for file in files)
+        _print_list(files, [Run(opened.enter_context(result)) for result in results])
+
+
+def _print_list(files: Sequence[Path], runs: Sequence[Run]) -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from evolvent.figures.table import FIGURES, Run
+    from evolvent.figures.table import FIGURES
     from evolvent.signals.selection import over_time as variables_over_time
 
     console = new_console()
     if not console.is_terminal:
         console.width = WIDE
-    runs = [Run(open_with_warning(file, HISTORY, *DRAWN)) for file in files]
     rows = [row for row in FIGURES.values() if not runs or any(row.fits(run) for run in runs)]
     table = Table("picture", "what is drawn", "of the variables", box=None)
     for row in rows:
