@@ -243,6 +243,7 @@ contains
          call take_mode(self%gearbox, m, self%integers, self%reals, mode)
          associate (modes => self%modes(per_contact*(m - 1) + 1:per_contact*m))
             modes = [mode%tooth_pair, mode%flanks, mode%zone_a, mode%zone_b]
+            if (.not. touches(mode)) modes(3:) = 0 ! they mean nothing
          end associate
       end do
    end subroutine take_modes

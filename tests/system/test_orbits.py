@@ -1,0 +1,175 @@
+"""`evolvent respond --method orbits`: periodic orbits over a parameter, stable or not."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from system.test_numbers import BASE, FORCE, INERTIA, RATIO, STIFFNESS, TEETH, rectangular
+from system.test_respond import SPEED, UNIT, speeds
+
+Orbits = Callable[..., xr.Dataset]
+FOLD, CROSSING, DOUBLING = 1, 2, 3
+OMEGA_1 = math.sqrt(STIFFNESS) * BASE / math.sqrt(INERTIA)  # of one pair [rad/s]
+
+
+@pytest.fixture
+def orbits(evolvent: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path) -> Orbits:
+    """Orbits of the oscillator with rectangular stiffness over its frequency."""
+
+    def run(first: float, last: float, *options: Any) -> xr.Dataset:
+        case = rectangular(1.0, 1, 1, "radau")
+        del case["simulation"]["numbers"]
+        path, result = tmp_path / "case.yaml", tmp_path / "orbits.h5"
+        path.write_text(yaml.safe_dump(case))
+        over = f"{SPEED}={-first * UNIT!r}:{-last * UNIT!r}"
+        done = evolvent(
+            *("respond", path, "--over", over, "--method", "orbits", "-o", result, "-q", *options)
+        )
+        assert done.returncode == 0, done.stderr
+        with xr.open_dataset(result, engine="h5netcdf") as file:
+            return file.load()
+
+    return run
+
+
+def frequencies(found: xr.Dataset, kind: int | None = None) -> np.ndarray:
+    """Mesh frequencies of all points, or those of a kind, in units of UNIT."""
+    which = slice(None) if kind is None else found["orbit_kind"].values == kind
+    return -found["orbit_parameter"].values[which] / UNIT
+
+
+def largest(found: xr.Dataset) -> np.ndarray:
+    """Size of the largest multiplier of each point."""
+    return np.hypot(found["multiplier_real"], found["multiplier_imaginary"]).values[:, 0]
+
+
+def deviations(found: xr.Dataset) -> np.ndarray:
+    """Standard deviations of the transmission error over F/k."""
+    return found["transmission_error_standard_deviation"].values[:, 0] / (FORCE / STIFFNESS)
+
+
+def monodromy(omega: float, ratio: float, damping: float) -> np.ndarray:
+    """Of a pitch of Meissner's equation with stiffness 1 and 2; the damper is that of a pair."""
+    pairs = [expm(np.array([[0, 1], [-k, -2 * damping * k]]) * t * 2 * math.pi / omega)
+             for k, t in ((2, ratio - 1), (1, 2 - ratio))]  # fmt: skip
+    return pairs[1] @ pairs[0]
+
+
+def boundary(low: float, high: float, ratio: float, damping: float) -> float:
+    """Frequency over omega_1 at which a multiplier is -1."""
+    def over(omega: float) -> float:
+        d = monodromy(omega, ratio, damping)
+        return float(np.trace(d) + 1 + np.linalg.det(d))
+
+    return float(brentq(over, low, high, xtol=1e-12))
+
+
+def test_meissners_boundaries_are_the_figures_that_are_known() -> None:
+    """2.358078198 and 2.753118529, of another program."""
+    assert boundary(2.2, 2.5, RATIO, 0.03) == pytest.approx(2.358078198, abs=1e-9)
+    assert boundary(2.6, 2.9, RATIO, 0.03) == pytest.approx(2.753118529, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "damping"), [(RATIO, 0.03), (1.4, 0.03), (1.7, 0.02), (RATIO, 0.05)]
+)
+def test_doublings_without_parting_are_meissners_boundaries(
+    monkeypatch: pytest.MonkeyPatch, orbits: Orbits, ratio: float, damping: float
+) -> None:
+    """F/(k p_b) = 7.5e-7 of a pitch longer the pairs stay: 1e-6 of the frequency.
+
+    Between the boundaries the orbit goes on, unstable: its largest multiplier is that of the
+    equation at the same frequency.
+    """
+    monkeypatch.setattr("system.test_numbers.RATIO", ratio)
+    low, high = (
+        boundary(*ends, ratio, damping) for ends in _around(ratio, damping)
+    )
+    scale = UNIT / OMEGA_1 * TEETH
+    found = orbits(
+        *(0.97 * low / scale, 1.03 * high / scale),
+        *("--set", f"meshes.ab.damping.value={damping}"),
+    )
+    first = found.isel(point=found["orbit_branch"] == 0)
+    at = np.sort(frequencies(first, DOUBLING)) * scale
+    assert at == pytest.approx([low, high], rel=1e-6)
+    inside = (frequencies(first) * scale > low) & (frequencies(first) * scale < high)
+    assert inside.sum() > 3
+    assert not first["orbit_stable"].values[inside & (first["orbit_kind"].values == 0)].any()
+    for omega, mu in zip(frequencies(first) * scale, largest(first), strict=True):
+        exact = np.abs(np.linalg.eigvals(monodromy(omega, ratio, damping))).max()
+        # the root of a multiplier splits near the boundaries
+        assert mu == pytest.approx(exact, abs=1e-4)
+
+
+def _around(ratio: float, damping: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Frequencies between which each boundary of the first instability lies."""
+    omega = np.linspace(2.0, 3.2, 1201)
+    over = [float(np.trace(d) + 1 + np.linalg.det(d))
+            for d in (monodromy(o, ratio, damping) for o in omega)]  # fmt: skip
+    (change,) = np.nonzero(np.diff(np.sign(over)))
+    assert len(change) == 2
+    return tuple((omega[i], omega[i + 1]) for i in change)  # type: ignore[return-value]
+
+
+def test_fold_is_where_a_sweep_jumps(orbits: Orbits, evolvent, tmp_path: Path) -> None:
+    """A sweep halves the step of a jump ten times."""
+    found = orbits(0.74, 0.765)
+    (fold,) = frequencies(found, FOLD)
+    over = speeds(0.74, 0.765)
+    path = tmp_path / "sweep.h5"
+    done = evolvent("respond", tmp_path / "case.yaml", "--over", over, "--up", "-q", "-o", path)
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(path, engine="h5netcdf") as sweep:
+        assert -float(sweep["jump_before"][0]) / UNIT == pytest.approx(fold, abs=1e-4)
+        assert -float(sweep["jump_after"][0]) / UNIT == pytest.approx(fold, abs=1e-4)
+
+
+def test_unstable_branch_is_followed_from_the_fold(orbits: Orbits) -> None:
+    """At a fold one multiplier is 1, beyond it larger; all orbits close to 1e-10 of the scales."""
+    found = orbits(0.7, 0.765)
+    first = found.isel(point=found["orbit_branch"] == 0)
+    stable = first["orbit_stable"].values == 1
+    (fold,) = np.flatnonzero(first["orbit_kind"].values == FOLD)
+    assert largest(first)[fold] == pytest.approx(1, abs=1e-6)
+    assert stable[:fold].all()
+    assert not stable[fold + 1 :].any()
+    assert frequencies(first)[-1] == pytest.approx(0.7, rel=1e-12)  # back at the end of the range
+    assert np.all(np.diff(deviations(first)[fold:]) > 0)
+    assert (found["orbit_residual"].values <= 1e-10).all()
+
+
+@pytest.mark.parametrize("omega", [0.7, 1.3, 2.0])
+def test_numbers_of_an_orbit_are_those_at_the_end_of_a_long_run(
+    orbits: Orbits, evolvent, tmp_path: Path, omega: float
+) -> None:
+    """At 2 the stable orbit has two pitches."""
+    found = orbits(omega, omega + 0.002)
+    case = rectangular(omega, 1200, 60, "radau")
+    case["simulation"]["tolerance"] = 1e-12
+    path, result = tmp_path / "long.yaml", tmp_path / "long.h5"
+    path.write_text(yaml.safe_dump(case))
+    done = evolvent("run", path, "-o", result, "-q")
+    assert done.returncode == 0, done.stderr
+    here = _near(frequencies(found), omega) & (found["orbit_stable"].values == 1)
+    orbit = found.isel(point=np.flatnonzero(here))
+    assert set(orbit["orbit_period"].values.tolist()) == {2 if omega == 2.0 else 1}
+    with xr.open_dataset(result, engine="h5netcdf") as run:
+        for name in ("transmission_error_standard_deviation", "normal_force_max"):
+            told = float(run[f"window_{name}"][0])
+            assert float(orbit[name][0, 0]) == pytest.approx(told, rel=1e-8)
+
+
+def _near(values: np.ndarray, value: float) -> np.ndarray:
+    return np.abs(values - value) < 1e-9
