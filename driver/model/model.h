@@ -89,7 +89,10 @@ void model_sampler_delete(model_sampler **sampler);
  *  @param values    one wanted output behind the other, of each value the n states side by side. @return a dae_code */
 int model_sampler_ask(const model_sampler *sampler, int n, const double *t, const double *y, const dae_state *discrete,
                       double *values, char message[DAE_MESSAGE_LENGTH]);
-/** The same at DAE_LANES states, of which the first n count; the others are any that have an answer, as the last one once more.
+/** At one state. @param check  as of model_sampler_lanes */
+int model_sampler_at(const model_sampler *sampler, bool check, const dae_state *state, double *values,
+                     char message[DAE_MESSAGE_LENGTH]);
+/** As model_sampler_ask at DAE_LANES states, of which the first n count; the others are any that have an answer, as the last one once more.
  *  @param check  whether it is DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed */
 int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const double *t, const double *y,
                         const dae_state *discrete, double *values, char message[DAE_MESSAGE_LENGTH]);

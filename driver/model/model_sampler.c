@@ -34,6 +34,15 @@ int model_sampler_ask(const model_sampler *self, int n, const double *t, const d
     return model_answer(self->model, code, &status, message);
 }
 
+int model_sampler_at(const model_sampler *self, bool check, const dae_state *state, double *values,
+                     char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status;
+    const int code = evl_sampler_ask(self->sampler, 1, 1, &state->t, state->y, state->integers, state->reals, check,
+                                     values, &status);
+    return model_answer(self->model, code, &status, message);
+}
+
 bool model_sampler_in_lanes(const model_sampler *self)
 {
     return evl_sampler_in_lanes(self->sampler);

@@ -14,6 +14,7 @@ module evl_constant_load
    contains
       procedure :: describe
       procedure :: take
+      procedure :: feed
       procedure :: ask
       procedure :: largest
       procedure :: add_in_lanes
@@ -35,7 +36,15 @@ contains
       type(given_t), intent(in) :: given
 
       self%value = given%number("value")
+      self%is_input = .true.
    end subroutine take
+
+   subroutine feed(self, value, rate)
+      class(constant_load), intent(inout) :: self
+      real(wp), intent(in) :: value, rate
+
+      self%value = value
+   end subroutine feed
 
    pure subroutine ask(self, at, torque, damping, stiffness)
       class(constant_load), intent(in) :: self

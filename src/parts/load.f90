@@ -41,6 +41,7 @@ module evl_load
       real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; a steady state sets it to 0
       real(wp) :: cycle = huge(1.0_wp)      !! of the swing: of time [s], or by_angle of the wheel's angle [rad]; huge: none
       real(wp) :: fastest = 0.0_wp          !! largest magnitude of the prescribed speed [rad/s]
+      logical :: is_input = .false.         !! its torque or speed is one number, which may be given anew: `feed`
       character(len=short_length) :: sense = "value" !! parameter that gives its torque or speed its sense
    contains
       procedure(take_numbers), deferred :: take
@@ -49,6 +50,7 @@ module evl_load
       procedure, nopass :: refusal => no_refusal
       procedure :: add_in_lanes => ask_one_by_one
       procedure :: spin_torque
+      procedure :: feed => feed_nothing
       procedure :: speed => no_speed
       procedure :: acceleration => no_acceleration
    end type load_t
@@ -126,6 +128,14 @@ contains
       call self%ask(seen, torque, damping, stiffness)
       torque = torque - here
    end function spin_torque
+
+   !> Take the torque, or the prescribed speed and its rate, that holds from now on; only of a load that is an input.
+   subroutine feed_nothing(self, value, rate)
+      class(load_t), intent(inout) :: self
+      real(wp), intent(in) :: value !! [N m] or [rad/s]
+      real(wp), intent(in) :: rate  !! of a speed [rad/s^2]
+
+   end subroutine feed_nothing
 
    !> Prescribed speed [rad/s].
    pure real(wp) function no_speed(self, t, segment) result(speed)

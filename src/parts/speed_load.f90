@@ -12,10 +12,12 @@ module evl_speed_load
 
    type, extends(load_t) :: speed_load
       real(wp) :: value = 0.0_wp !! [rad/s] without a table
+      real(wp) :: rate = 0.0_wp  !! of that, where it was given anew [rad/s^2]
    contains
       procedure :: describe
       procedure, nopass :: refusal
       procedure :: take
+      procedure :: feed
       procedure :: ask
       procedure :: largest
       procedure :: speed
@@ -58,12 +60,21 @@ contains
       if (given%has("value")) then
          self%value = given%number("value")
          self%fastest = abs(self%value)
+         self%is_input = .true.
       else
          self%knots = knots_t(given%numbers("time"), given%numbers("speed"))
          self%fastest = maxval(abs(self%knots%values))
          self%sense = "speed"
       end if
    end subroutine take
+
+   subroutine feed(self, value, rate)
+      class(speed_load), intent(inout) :: self
+      real(wp), intent(in) :: value, rate
+
+      self%value = value
+      self%rate = rate
+   end subroutine feed
 
    pure subroutine ask(self, at, torque, damping, stiffness)
       class(speed_load), intent(in) :: self
@@ -95,7 +106,7 @@ contains
       class(speed_load), intent(in) :: self
       integer, intent(in) :: segment
 
-      acceleration = 0
+      acceleration = self%rate
       if (allocated(self%knots%time)) acceleration = knot_slope(self%knots, segment)
    end function acceleration
 

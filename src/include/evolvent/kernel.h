@@ -1,6 +1,6 @@
 /** evolvent kernel: the mechanics of spur gearboxes, in one C interface.
  *
- *  A gearbox is made once by evl_gearbox_create and never changes after that. Everything that does change is a state, held by the
+ *  A gearbox is made once by evl_gearbox_create and never changes after that, but for inputs that its owner gives anew (evl_gearbox_feed). Everything that does change is a state, held by the
  *  caller in plain arrays whose lengths evl_gearbox_sizes tells:
  *
  *    y, yp     [n_states]    continuous state and its time derivative, SI units
@@ -194,6 +194,28 @@ EVL_API double evl_gearbox_next_time_event(const evl_gearbox *gearbox, const int
 EVL_API int evl_gearbox_apply_event(const evl_gearbox *gearbox, double t, const int *fired, bool time_event, double *y,
                                     double *yp, int *integers, double *reals, evl_event *events, int *n_events,
                                     evl_status *status);
+
+/* ---- inputs ---------------------------------------------------------------------------------------------------------------- */
+
+/** A load that is one number, which its caller may give anew while the gearbox moves: a constant torque, or a prescribed speed without
+ *  a table. */
+typedef struct {
+    int load;      /**< for evl_gearbox_feed */
+    int wheel;     /**< on which it acts */
+    int place;     /**< among the loads of that wheel, from 0 */
+    bool is_speed; /**< a speed, else a torque */
+    double value;  /**< now [N m] or [rad/s] */
+} evl_input;
+
+/** Input `index` (from 0) of a gearbox, wheel after wheel. @return whether there is one */
+EVL_API bool evl_gearbox_input(const evl_gearbox *gearbox, int index, evl_input *input);
+/** Give an input anew, the one thing of a gearbox that changes: whoever does so has the gearbox to himself, and an integration of it
+ *  goes on by evl_radau_restart.
+ *  @param value  torque [N m], or the speed [rad/s], which counts where a motion starts: later the wheel turns as it does
+ *  @param rate   of a speed [rad/s^2], as which the wheel turns on; 0 for a torque */
+EVL_API void evl_gearbox_feed(evl_gearbox *gearbox, int load, double value, double rate);
+/** Angular velocity of a wheel in the housing [rad/s]. */
+EVL_API double evl_gearbox_wheel_speed(const evl_gearbox *gearbox, int wheel, const double *y);
 
 /* ---- integration ----------------------------------------------------------------------------------------------------------- */
 

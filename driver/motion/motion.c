@@ -1,0 +1,316 @@
+/* What a motion is made of, and its beginning. */
+#include "motion/motion_parts.h"
+
+#include "base/number.h"
+#include "model/output_groups.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <string.h>
+
+/** Parameters of a case that a motion does not have: it ends, and is told, as its caller likes. */
+static bool is_parameter(const char *path)
+{
+    static const char simulation[] = "simulation.";
+    return strcmp(path, "format") != 0 &&
+           (strncmp(path, simulation, strlen(simulation)) != 0 || strcmp(path, "simulation.tolerance") == 0 ||
+            strcmp(path, "simulation.max_step") == 0 || strncmp(path, "simulation.initial.", 19) == 0);
+}
+
+static void find_parameters(motion *m)
+{
+    const model *model = m->prepared.model;
+    evl_parameter parameter;
+    double *numbers = NULL;
+    int n = 0;
+    for (int i = 0; (numbers = model_parameter_at(model, i, &parameter)) != NULL; i++) {
+        free(numbers);
+        n++;
+    }
+    m->about.parameters = pool_calloc(&m->pool, (size_t)n, sizeof *m->about.parameters);
+    for (int i = 0; (numbers = model_parameter_at(model, i, &parameter)) != NULL; i++) {
+        if (is_parameter(parameter.path)) {
+            motion_parameter *own = &m->about.parameters[m->about.n_parameters++];
+            *own = (motion_parameter){parameter, model_schema()->rows[parameter.row].text,
+                                      pool_calloc(&m->pool, (size_t)parameter.n, sizeof *numbers), false};
+            memcpy(own->numbers, numbers, (size_t)parameter.n * sizeof *numbers);
+        }
+        free(numbers);
+    }
+}
+
+static void find_inputs(motion *m)
+{
+    model_input *inputs;
+    const int n = model_inputs(m->prepared.model, &m->pool, &inputs);
+    m->about.n_inputs = n;
+    m->about.inputs = pool_calloc(&m->pool, (size_t)n, sizeof *m->about.inputs);
+    for (int i = 0; i < n; i++) {
+        m->about.inputs[i] = (motion_input){.of = inputs[i], .value = inputs[i].value};
+    }
+}
+
+/** The outputs that the case chooses and has. */
+static void find_outputs(motion *m)
+{
+    const model_facts *facts = model_about(m->prepared.model);
+    const char *words = case_description(m->prepared.file)->simulation.outputs;
+    OWNED bool *chosen = xcalloc((size_t)facts->n_outputs, sizeof *chosen);
+    OWNED char *why = output_groups_choose(words == NULL ? "all" : words, facts->n_outputs, facts->outputs, chosen);
+    int *outputs = pool_calloc(&m->pool, (size_t)facts->n_outputs, sizeof *outputs);
+    m->about.n_outputs = m->about.n_values = 0;
+    for (int i = 0; i < facts->n_outputs && why == NULL; i++) {
+        if (chosen[i] && facts->outputs[i].count > 0) {
+            outputs[m->about.n_outputs++] = i;
+            m->about.n_values += facts->outputs[i].count;
+        }
+    }
+    m->about.outputs = outputs;
+}
+
+/** Of a model that was made: what is asked of it. */
+static void take_model(motion *m)
+{
+    m->dae = &model_about(m->prepared.model)->dae;
+    model_sampler_delete(&m->sampler);
+    m->sampler = model_sampler_create(m->prepared.model, m->about.n_outputs, m->about.outputs);
+}
+
+static bool begin(motion *m, evl_error *error)
+{
+    model_message refusal;
+    m->about.prepared = &m->prepared;
+    if (model_about(m->prepared.model)->dae.stepper == NULL) {
+        model_explain_no_stepper(m->prepared.model, &refusal);
+        return prepare_refuse(&m->prepared, &refusal, error);
+    }
+    m->name = xstrdup(case_path(m->prepared.file));
+    m->text = xstrdup(case_text(m->prepared.file));
+    find_parameters(m);
+    find_inputs(m);
+    find_outputs(m);
+    take_model(m);
+    const dae *dae = m->dae;
+    m->about.n_states = dae->n;
+    m->about.n_indicators = dae->n_roots;
+    m->now = dae_state_create(dae, &m->pool);
+    m->reach = dae_state_create(dae, &m->pool);
+    m->old = dae_state_create(dae, &m->pool);
+    m->fired = pool_calloc(&m->pool, (size_t)dae->n_roots, sizeof *m->fired);
+    m->directions = pool_calloc(&m->pool, (size_t)dae->n_roots, sizeof *m->directions);
+    m->roots = pool_calloc(&m->pool, (size_t)dae->n_roots, sizeof *m->roots);
+    m->events = pool_calloc(&m->pool, (size_t)dae->n_events, sizeof *m->events);
+    m->values = pool_calloc(&m->pool, (size_t)m->about.n_values, sizeof *m->values);
+    m->t_end = DBL_MAX;
+    return true;
+}
+
+motion *motion_create(prepared_case *prepared, evl_error *error)
+{
+    motion *m = xcalloc(1, sizeof *m);
+    m->prepared = *prepared;
+    *prepared = (prepared_case){0};
+    if (!begin(m, error)) {
+        motion_delete(&m);
+    }
+    return m;
+}
+
+motion *motion_read(const char *name, const char *text, evl_error *error)
+{
+    prepared_case prepared = {0};
+    if (!prepare_text(&prepared, name, text, 0, NULL, error)) {
+        prepared_case_free(&prepared);
+        return NULL;
+    }
+    return motion_create(&prepared, error);
+}
+
+void motion_stop_stepper(motion *m)
+{
+    if (m->stepper != NULL) {
+        m->dae->stepper->destroy(m->stepper);
+        m->stepper = NULL;
+    }
+}
+
+void motion_delete(motion **pointer)
+{
+    motion *m = *pointer;
+    *pointer = NULL;
+    if (m != NULL) {
+        motion_stop_stepper(m);
+        model_sampler_delete(&m->sampler);
+        prepared_case_free(&m->prepared);
+        free(m->name);
+        free(m->text);
+        pool_free(&m->pool);
+        free(m);
+    }
+}
+
+const motion_facts *motion_about(const motion *m)
+{
+    return &m->about;
+}
+
+const evl_error *motion_error(const motion *m)
+{
+    return &m->error;
+}
+
+bool motion_fail(motion *m, const char *reason)
+{
+    OWNED char *place = xasprintf("%s: t = %.9g s", m->name, m->now.t);
+    return evl_error_set(&m->error, EVL_EXIT_INTEGRATION, place, "%s", reason);
+}
+
+/* ---- parameters and inputs ---- */
+
+void motion_set_parameter(motion *m, int index, const double *numbers)
+{
+    motion_parameter *parameter = &m->about.parameters[index];
+    memcpy(parameter->numbers, numbers, (size_t)parameter->of.n * sizeof *numbers);
+    parameter->is_given = true;
+}
+
+void motion_set_input(motion *m, int index, bool is_rate, double value)
+{
+    motion_input *input = &m->about.inputs[index];
+    *(is_rate ? &input->rate : &input->value) = value;
+    input->is_new = true;
+    m->has_outputs = false;
+    if (m->stepper == NULL) {
+        input->used = input->rate;
+        model_feed(m->prepared.model, input->of.load, input->value, input->rate);
+    }
+}
+
+/** "PATH=VALUE", as an option would set it. */
+static char *option_of(memory_pool *pool, const motion_parameter *parameter)
+{
+    char *text = pool_printf(pool, "%s=%s", parameter->of.path, parameter->of.n == 1 ? "" : "[");
+    for (int i = 0; i < parameter->of.n; i++) {
+        char number[NUMBER_TEXT_LENGTH];
+        number_write(number, parameter->numbers[i]);
+        text = pool_printf(pool, "%s%s%s", text, i == 0 ? "" : ", ", number);
+    }
+    return parameter->of.n == 1 ? text : pool_printf(pool, "%s]", text);
+}
+
+static bool is_alike(const motion *m, const prepared_case *other)
+{
+    const model_facts *now = model_about(m->prepared.model), *then = model_about(other->model);
+    bool is_alike = then->dae.stepper != NULL && now->dae.n == then->dae.n && now->dae.n_roots == then->dae.n_roots &&
+                    now->dae.n_integers == then->dae.n_integers && now->dae.n_reals == then->dae.n_reals &&
+                    now->n_outputs == then->n_outputs && now->dae.n_events == then->dae.n_events;
+    for (int i = 0; i < now->n_outputs && is_alike; i++) {
+        is_alike = now->outputs[i].count == then->outputs[i].count;
+    }
+    return is_alike;
+}
+
+bool motion_renew(motion *m)
+{
+    POOLED memory_pool pool = {NULL};
+    const int n = m->about.n_parameters;
+    const char **set = pool_calloc(&pool, (size_t)n, sizeof *set);
+    int n_set = 0;
+    for (int i = 0; i < n; i++) {
+        if (m->about.parameters[i].is_given) {
+            set[n_set++] = option_of(&pool, &m->about.parameters[i]);
+        }
+    }
+    if (n_set == 0 && !m->is_altered) {
+        return true;
+    }
+    prepared_case other = {0};
+    bool good = prepare_text(&other, m->name, m->text, n_set, set, &m->error);
+    if (good && !is_alike(m, &other)) {
+        good = evl_error_set(&m->error, EVL_EXIT_CASE, m->name,
+                             "with these parameters the gearbox has other states, tooth pairs or outputs: change the "
+                             "case, and make what imports it anew");
+    }
+    if (good) {
+        motion_stop_stepper(m);
+        const prepared_case before = m->prepared;
+        m->prepared = other;
+        other = before;
+        take_model(m);
+        m->is_altered = n_set > 0;
+    }
+    prepared_case_free(&other);
+    return good;
+}
+
+/* ---- beginning ---- */
+
+static void feed(const motion *m, bool with_rates)
+{
+    for (int i = 0; i < m->about.n_inputs; i++) {
+        motion_input *input = &m->about.inputs[i];
+        input->used = with_rates ? input->rate : 0;
+        input->is_new = input->is_new && !with_rates;
+        model_feed(m->prepared.model, input->of.load, input->value, input->used);
+    }
+}
+
+bool motion_make_stepper(motion *m)
+{
+    const simulation_description *simulation = &case_description(m->prepared.file)->simulation;
+    motion_stop_stepper(m);
+    m->stepper = m->dae->stepper->create(m->dae->self, simulation->tolerance, simulation->max_step, m->message);
+    return m->stepper != NULL || motion_fail(m, m->message);
+}
+
+bool motion_start(motion *m, bool by_steps, double t_end)
+{
+    m->error = (evl_error){EVL_EXIT_OK, "", ""};
+    m->has_outputs = m->at_event = m->at_time_event = false;
+    m->t_end = t_end;
+    m->pace = pace_create();
+    motion_stop_stepper(m);
+    if (!motion_renew(m)) {
+        return false;
+    }
+    feed(m, false);
+    dae_state start;
+    if (!prepare_start(&m->prepared, &start, &m->error)) {
+        return false;
+    }
+    dae_state_copy(m->dae, &m->now, &start);
+    dae_state_copy(m->dae, &m->reach, &start);
+    dae_state_free(&start);
+    feed(m, true);
+    if (!by_steps) {
+        return true;
+    }
+    return motion_make_stepper(m) &&
+           (m->dae->stepper->start(m->stepper, &m->reach, m->message) == DAE_OK || motion_fail(m, m->message));
+}
+
+bool motion_reset(motion *m)
+{
+    for (int i = 0; i < m->about.n_parameters; i++) {
+        m->about.parameters[i].is_given = false;
+    }
+    for (int i = 0; i < m->about.n_inputs; i++) {
+        motion_input *input = &m->about.inputs[i];
+        *input = (motion_input){.of = input->of, .value = input->of.value};
+    }
+    motion_stop_stepper(m);
+    m->has_outputs = false;
+    if (!motion_renew(m)) {
+        return false;
+    }
+    double *numbers;
+    evl_parameter parameter;
+    int place = 0;
+    for (int i = 0; (numbers = model_parameter_at(m->prepared.model, i, &parameter)) != NULL; i++) {
+        if (is_parameter(parameter.path)) {
+            memcpy(m->about.parameters[place++].numbers, numbers, (size_t)parameter.n * sizeof *numbers);
+        }
+        free(numbers);
+    }
+    return true;
+}
