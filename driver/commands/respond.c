@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "commands/command.h"
 #include "commands/result.h"
+#include "respond/respond_orbits.h"
 
 #include <string.h>
 
@@ -59,7 +60,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
     const respond_options asked = {.over = options->over,
                                    .up = !options->down,
                                    .down = !options->up,
-                                   .orbits = finds_orbits(options),
+                                   .orbits = finds_orbits(options) ? respond_orbits : NULL,
                                    .most = most,
                                    .path = path,
                                    .versions = versions,

@@ -290,7 +290,7 @@ static void find_orbits(response_run *run, evl_error *error)
     OWNED char *unit = result_unit(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
     const respond_orbits_setup setup = {
         .sweep = &run->branch, .first = &run->first, .unit = unit, .warnings = warnings, .options = run->options};
-    respond_orbits(&setup, error);
+    run->options->orbits(&setup, error);
 }
 
 /** The range, whose units are those of the key in the case as --set makes it. */
@@ -304,7 +304,7 @@ static bool read_range(response_run *run, const char *case_path, evl_error *erro
     const bool good = base != NULL && value_range_read(&run->range, options->over, base, error);
     case_base_delete(&base);
     case_delete(&file);
-    if (options->orbits && !run->range.is_counted) {
+    if (options->orbits != NULL && !run->range.is_counted) {
         run->range.n = 2; /* motions to begin with: those at both ends */
     }
     return good;
@@ -371,7 +371,7 @@ evl_exit respond(const char *case_path, const respond_options *options, evl_erro
     OWNED response_run *run = xcalloc(1, sizeof *run);
     run->options = options;
     run->interrupt = options->interrupt != NULL ? options->interrupt : &interrupt_signal;
-    if (begin(run, case_path, error) && options->orbits) {
+    if (begin(run, case_path, error) && options->orbits != NULL) {
         find_orbits(run, error);
     } else if (error->code == EVL_EXIT_OK && parts_open(&run->parts, options->path, error)) {
         run_locked(run, error);

@@ -7,11 +7,14 @@
 #include <signal.h>
 #include <stdbool.h>
 
+struct respond_orbits_setup;
+
 typedef struct {
     const char *over; /**< PATH=FROM:TO[:STEPS] */
     const char *text; /**< of the case; NULL: that of its file */
     bool up, down;
-    bool orbits;           /**< find periodic orbits and follow them, instead of motions up and down */
+    /** finds periodic orbits and follows them: respond_orbits; NULL: motions, up and down. Who has no use for it, links none of it */
+    bool (*orbits)(const struct respond_orbits_setup *setup, evl_error *error);
     int most;              /**< common periods at a value; 0: the usual number */
     const char *path;      /**< of the result */
     struct history **kept; /**< in memory: where the result is then; NULL: on file */

@@ -4,7 +4,7 @@
 #include "respond/branch.h"
 #include "respond/respond.h"
 
-typedef struct {
+typedef struct respond_orbits_setup {
     branch *sweep;              /**< the case over its range */
     const prepared_case *first; /**< at its first value */
     const char *unit, *warnings;
