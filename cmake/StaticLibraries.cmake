@@ -1,4 +1,5 @@
-# EVOLVENT_STATIC: SUNDIALS, HDF5 and libyaml become part of the program, where static libraries lie beside the shared ones.
+# EVOLVENT_STATIC: SUNDIALS, HDF5, libyaml, minizip and Mini-XML become part of the program, where static libraries lie beside the
+# shared ones.
 #
 # Of the loader's work at each start they and what they need cost nine tenths: Debian's shared HDF5 takes a client of the network
 # with it, of which a program that links the static one needs nothing. What is not there, or does not link, stays shared.
@@ -6,7 +7,7 @@ include(CheckCSourceCompiles)
 
 option(
   EVOLVENT_STATIC
-  "Make SUNDIALS, HDF5 and libyaml part of the program where their static libraries are found"
+  "Make SUNDIALS, HDF5, libyaml, minizip and Mini-XML part of the program where their static libraries are found"
   ON
 )
 
@@ -107,6 +108,28 @@ evolvent_links(EVOLVENT_LINKS_STATIC_YAML yaml_parser_load "${yaml_static}")
 if(EVOLVENT_LINKS_STATIC_YAML)
   set_property(TARGET PkgConfig::YAML PROPERTY INTERFACE_LINK_LIBRARIES "${yaml_static}")
   list(APPEND evolvent_static_names libyaml)
+endif()
+
+# minizip and Mini-XML, which only `evolvent fmu` needs
+if(EVOLVENT_FMU)
+  evolvent_static_beside(fmu_static ${MINIZIP_LINK_LIBRARIES})
+  evolvent_links(EVOLVENT_LINKS_STATIC_MINIZIP zipOpen "${fmu_static}" "${EVOLVENT_LIBRARY_z}")
+  if(EVOLVENT_LINKS_STATIC_MINIZIP)
+    set_property(
+      TARGET PkgConfig::MINIZIP
+      PROPERTY INTERFACE_LINK_LIBRARIES "${fmu_static};${EVOLVENT_LIBRARY_z}"
+    )
+    list(APPEND evolvent_static_names minizip)
+  endif()
+  evolvent_static_beside(fmu_static ${MXML_LINK_LIBRARIES})
+  evolvent_links(EVOLVENT_LINKS_STATIC_MXML mxmlNewXML "${fmu_static}" ${CMAKE_THREAD_LIBS_INIT})
+  if(EVOLVENT_LINKS_STATIC_MXML)
+    set_property(
+      TARGET PkgConfig::MXML
+      PROPERTY INTERFACE_LINK_LIBRARIES "${fmu_static};${CMAKE_THREAD_LIBS_INIT}"
+    )
+    list(APPEND evolvent_static_names Mini-XML)
+  endif()
 endif()
 
 if(evolvent_static_names)

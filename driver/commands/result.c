@@ -15,14 +15,14 @@ static bool is_case(const char *path, const char *case_path, bool by_input)
            S_ISREG(first.st_mode) && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
 }
 
-/** The case's name with SUFFIX.h5. */
+/** The case's name with the suffix. */
 static char *path_of_case(const char *case_path, const char *suffix)
 {
     const char *slash = strrchr(case_path, '/');
     const char *name = slash == NULL ? case_path : slash + 1;
     const char *dot = strrchr(name, '.');
     const size_t length = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    return xasprintf("%.*s%s.h5", (int)length, name, suffix);
+    return xasprintf("%.*s%s", (int)length, name, suffix);
 }
 
 char *result_path(const char *what, const char *given, const char *case_path, const char *suffix, evl_error *error)

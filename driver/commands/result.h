@@ -4,7 +4,7 @@
 #include "analyses/versions.h"
 #include "base/status.h"
 
-/** The given name, or the case's with SUFFIX.h5 in the current folder.
+/** The given name, or the case's with a suffix such as -static.h5 in the current folder.
  *  @param what       it is, for the message
  *  @param case_path  "-": standard input
  *  @return a new string; NULL with the reason in `error` if there is no name, or if it is that of the case itself */

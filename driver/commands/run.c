@@ -296,7 +296,7 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     run run = {.error = error};
     log_set_quiet(options->quiet);
     interrupt_install();
-    OWNED char *path = result_path("history", options->output, file, "", error);
+    OWNED char *path = result_path("history", options->output, file, ".h5", error);
     OWNED const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
     OWNED char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
     const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);

@@ -59,7 +59,7 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
         return error->code;
     }
     OWNED static_analysis *a = xcalloc(1, sizeof *a);
-    OWNED char *path = result_path("result", options->output, file, "-static", error);
+    OWNED char *path = result_path("result", options->output, file, "-static.h5", error);
     a->prepared = &prepared;
     a->path = path;
     if (path != NULL && prepare_case(&prepared, file, options->set.n, options->set.values, error)) {

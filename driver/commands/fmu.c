@@ -1,0 +1,123 @@
+#include "base/log.h"
+#include "base/memory.h"
+#include "commands/command.h"
+#include "commands/result.h"
+#include "commands/warn.h"
+#include "fmu/fmu_write.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    const char *output, *outputs;
+    option_values inputs, set;
+    bool quiet;
+} fmu_options;
+
+/** The name of a model: that of its file. */
+static char *name_of(memory_pool *pool, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *name = pool_copy(pool, slash == NULL ? path : slash + 1), *point = strrchr(name, '.');
+    if (point != NULL && point != name) {
+        *point = '\0';
+    }
+    return name;
+}
+
+static void write_fmu(const fmu_plan *plan, const char *path, evl_error *error)
+{
+    POOLED memory_pool pool = {NULL};
+    const motion_facts *about = motion_about(plan->motion);
+    fmu_file *binary;
+    const int n = fmu_binary(&pool, &binary, error);
+    if (n == 0) {
+        return;
+    }
+    OWNED char *description = fmu_description(plan);
+    fmu_file *files = pool_calloc(&pool, (size_t)n + 2, sizeof *files);
+    files[0] = (fmu_file){"modelDescription.xml", NULL, description};
+    files[1] = (fmu_file){"resources/" FMU_CASE, NULL, case_text(about->prepared->file)};
+    memcpy(files + 2, binary, (size_t)n * sizeof *files);
+    if (fmu_archive(path, n + 2, files, error)) {
+        int n_chosen = 0;
+        for (int i = 0; i < about->n_inputs; i++) {
+            n_chosen += plan->is_chosen[i];
+        }
+        log_note("%d input%s, %d values of outputs, %d parameters: %s", n_chosen, n_chosen == 1 ? "" : "s",
+                 about->n_values, about->n_parameters, path);
+    }
+}
+
+static void make_fmu(prepared_case *prepared, const fmu_options *options, const char *path, evl_error *error)
+{
+    POOLED memory_pool pool = {NULL};
+    warn_of_case(prepared);
+    motion *motion = motion_create(prepared, error);
+    if (motion == NULL) {
+        return;
+    }
+    const motion_facts *about = motion_about(motion);
+    const fmu_plan plan = {motion, name_of(&pool, path),
+                           pool_calloc(&pool, (size_t)about->n_inputs, sizeof *plan.is_chosen)};
+    if (fmu_choose_inputs(&plan, options->inputs.n, options->inputs.values, error) &&
+        prepare_check_start(about->prepared, error)) {
+        write_fmu(&plan, path, error);
+    }
+    motion_delete(&motion);
+}
+
+static evl_exit fmu(const char *file, const void *given, evl_error *error)
+{
+    const fmu_options *options = given;
+    prepared_case prepared = {0};
+    log_set_quiet(options->quiet);
+    OWNED char *path = result_path("FMU", options->output, file, ".fmu", error);
+    OWNED const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
+    OWNED char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
+    const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
+    for (int i = 0; i < n_set; i++) {
+        set[i] = i < options->set.n ? options->set.values[i] : outputs;
+    }
+    if (path != NULL && prepare_case(&prepared, file, n_set, set, error)) {
+        make_fmu(&prepared, options, path, error);
+    }
+    prepared_case_free(&prepared);
+    return error->code;
+}
+
+static const option_row rows[] = {
+    {OPTION_TEXT, 'o', "--output", "FILE.fmu", offsetof(fmu_options, output),
+     "file to write; the case's name with .fmu in the current folder if not given"},
+    {OPTION_LIST, 0, "--input", "wheel:NAME:torque|speed", offsetof(fmu_options, inputs),
+     "make an input of the constant torque, or of the prescribed speed, that the case gives this wheel; may be "
+     "repeated"},
+    {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(fmu_options, outputs),
+     "variables over time and groups of them, with commas, that the FMU has, as of simulation.outputs"},
+    OPTION_ROW_SET(fmu_options),
+    OPTION_ROW_QUIET(fmu_options),
+    OPTION_ROW_HELP,
+};
+
+const command fmu_command = {
+    .name = "fmu",
+    .synopsis = "CASE.yaml [-o FILE.fmu] [--input wheel:NAME:torque|speed]... [--outputs NAMES] [--set PATH=VALUE]... "
+                "[-q]",
+    .summary = "make a case an FMU, for other simulation programs",
+    .text = "Writes the case as a Functional Mock-up Unit of FMI 3.0, for co-simulation, with the integrator radau "
+            "inside, and\n"
+            "for model exchange. It runs on any Linux on x86-64 without evolvent. An input takes the place of a "
+            "load\n"
+            "{kind: torque, value: ...} or {kind: speed, value: ...} of its wheel; a speed comes with its "
+            "acceleration. The\n"
+            "numbers of the case are parameters. docs/fmi.md tells more.\n"
+            "\n"
+            "Examples:\n"
+            "  evolvent fmu examples/spur-pair.yaml\n"
+            "  evolvent fmu examples/paper.yaml --set meshes.0.tracking=closed_form --input wheel:pinion:torque -o "
+            "pair.fmu\n",
+    .file = "case file",
+    .size = sizeof(fmu_options),
+    OPTION_ROWS(rows),
+    .run = fmu,
+};

@@ -1,0 +1,60 @@
+/* An FMU as a zip archive, by minizip. */
+#include "base/memory.h"
+#include "files/output_file.h"
+#include "fmu/fmu_write.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <zip.h>
+#include <zlib.h>
+
+static bool copy(zipFile archive, const char *path)
+{
+    char part[1 << 16];
+    size_t n = sizeof part;
+    FILE *from = fopen(path, "rb");
+    bool good = from != NULL;
+    while (good && n == sizeof part) { /* less is the end, or an error */
+        n = fread(part, 1, sizeof part, from);
+        good = zipWriteInFileInZip(archive, part, (unsigned)n) == ZIP_OK;
+    }
+    good = good && ferror(from) == 0;
+    return from != NULL && fclose(from) == 0 && good;
+}
+
+static bool put(zipFile archive, const fmu_file *file)
+{
+    /* one date for all, the first that a zip archive can have: the same case gives the same bytes */
+    const zip_fileinfo info = {.tmz_date = {.tm_mday = 1, .tm_year = 1980}};
+    if (zipOpenNewFileInZip(archive, file->name, &info, NULL, 0, NULL, 0, NULL, Z_DEFLATED, Z_DEFAULT_COMPRESSION) !=
+        ZIP_OK) {
+        return false;
+    }
+    const bool good = file->path != NULL
+                          ? copy(archive, file->path)
+                          : zipWriteInFileInZip(archive, file->text, (unsigned)strlen(file->text)) == ZIP_OK;
+    return zipCloseFileInZip(archive) == ZIP_OK && good;
+}
+
+bool fmu_archive(const char *path, int n, const fmu_file *files, evl_error *error)
+{
+    output_file output;
+    if (!output_file_open(&output, path, error)) {
+        return false;
+    }
+    output.is_open_end = true; /* an archive has check sums of its own, and nothing behind its end */
+    errno = 0;
+    zipFile archive = zipOpen(output.partial_path, APPEND_STATUS_CREATE);
+    bool good = archive != NULL;
+    for (int i = 0; i < n && good; i++) {
+        good = put(archive, &files[i]);
+    }
+    good = archive != NULL && zipClose(archive, NULL) == ZIP_OK && good;
+    if (!good) {
+        (void)output_file_refuse(path, errno == 0 ? EIO : errno, NULL, error);
+        output_file_drop(&output, true);
+        return false;
+    }
+    return output_file_close(&output, true, error);
+}

@@ -1,0 +1,90 @@
+/* The binary that the program puts into an FMU, and the libraries that have to lie beside it. */
+#include "base/memory.h"
+#include "base/words.h"
+#include "fmu/fmu_write.h"
+
+#include <errno.h>
+#include <link.h>
+#include <string.h>
+#include <unistd.h>
+
+/** Where importers look for it. */
+static const char folder[] = "binaries/x86_64-linux";
+
+typedef struct {
+    memory_pool *pool;
+    int n, n_names;
+    fmu_file *files;
+    char **names; /**< of libraries, without lib and behind */
+} search;
+
+/** Whether a library has one of the names: libgfortran.so.5, or in a wheel libgfortran-1a2b3c.so.5. */
+static bool is_carried(const search *s, const char *base)
+{
+    if (strncmp(base, "lib", 3) != 0) {
+        return false;
+    }
+    for (int i = 0; i < s->n_names; i++) {
+        const size_t n = strlen(s->names[i]);
+        if (strncmp(base + 3, s->names[i], n) == 0 && (base[3 + n] == '.' || base[3 + n] == '-')) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void add(search *s, const char *name, const char *path)
+{
+    s->files = pool_grow(s->pool, s->files, (size_t)s->n, (size_t)s->n + 1, sizeof *s->files);
+    s->files[s->n++] = (fmu_file){pool_printf(s->pool, "%s/%s", folder, name), pool_copy(s->pool, path), NULL};
+}
+
+/** A library that this program has. */
+static int look(struct dl_phdr_info *info, size_t size, void *with)
+{
+    search *s = with;
+    const char *slash = info->dlpi_name == NULL ? NULL : strrchr(info->dlpi_name, '/');
+    (void)size;
+    if (slash != NULL && is_carried(s, slash + 1)) {
+        add(s, slash + 1, info->dlpi_name);
+    }
+    return 0;
+}
+
+/** The binary, in this program's folder or in that of its libraries; NULL if it is in neither. */
+static char *find_binary(memory_pool *pool)
+{
+    static const char *const folders[] = {"", FMU_FOLDER "/"};
+    char own[4096];
+    const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
+    if (n <= 0) {
+        return NULL;
+    }
+    own[n] = '\0';
+    *(strrchr(own, '/') + 1) = '\0';
+    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
+        char *path = pool_printf(pool, "%s%s%s", own, folders[i], FMU_BINARY);
+        if (access(path, R_OK) == 0) {
+            return path;
+        }
+    }
+    return NULL;
+}
+
+int fmu_binary(memory_pool *pool, fmu_file **files, evl_error *error)
+{
+    search s = {.pool = pool};
+    const char *path = find_binary(pool);
+    if (path == NULL) {
+        (void)evl_error_set(error, EVL_EXIT_USAGE, FMU_BINARY,
+                            "the binary of FMUs is not beside the program, nor in " FMU_FOLDER " from there: install "
+                            "evolvent as a whole");
+        return 0;
+    }
+    s.n_names = words_split(FMU_CARRIES, &s.names);
+    add(&s, FMU_MODEL_IDENTIFIER ".so", path);
+    (void)dl_iterate_phdr(look, &s);
+    free(s.names);
+    *files = s.files;
+    return s.n;
+}
