@@ -40,6 +40,18 @@ bool batch_checkpoints_has(const batch_checkpoints *self, long index)
     return checkpoint_exists(path);
 }
 
+double batch_checkpoints_reach(const batch_checkpoints *self, long index)
+{
+    char doubt[EVL_ERROR_MESSAGE_LENGTH];
+    evl_error why = {.code = EVL_EXIT_OK};
+    checkpoint found = {.t = 0};
+    OWNED char *path = batch_checkpoints_path(self, index);
+    const bool is_there = batch_checkpoints_has(self, index) && checkpoint_read(path, &found, doubt, &why);
+    const double t = is_there ? found.t : -INFINITY;
+    checkpoint_free(&found);
+    return t;
+}
+
 static bool make_folder(const char *path, evl_error *error)
 {
     struct stat status;

@@ -14,6 +14,8 @@ bool batch_checkpoints_read(const char *minutes, double *interval);
 
 /** Whether a case has some. Costs next to nothing where no case has. */
 bool batch_checkpoints_has(const batch_checkpoints *self, long index);
+/** How far its newest checkpoint is: model time [s]; -INFINITY if there is none that can be read. */
+double batch_checkpoints_reach(const batch_checkpoints *self, long index);
 /** The folder of a case: a new string. */
 char *batch_checkpoints_path(const batch_checkpoints *self, long index);
 /** Make it, on the disk. @return false with the reason in `error`, EVL_EXIT_IO; a link is no folder */

@@ -23,6 +23,12 @@ static const double patience = 10.0;         /* [s] for workers that put away wh
 static const double sync_interval = 1.0;     /* [s] between two times that all is brought to the disk */
 static const double terminal_interval = 1.0; /* [s] between two lines of progress on a terminal */
 
+/** What became of the processes that ran a case. */
+typedef struct {
+    int n_deaths; /**< of those that got no further than the one before; -1: the case is recorded */
+    double reach; /**< model time of the checkpoint from which the next one goes on [s] */
+} tries;
+
 typedef struct pool {
     memory_pool memory; /**< of the arrays */
     batch_work work;    /**< its list is that of the state, of which it keeps what is left */
@@ -31,7 +37,7 @@ typedef struct pool {
     int n_workers;
     batch_worker *workers;
     long n_left;        /**< length of the list */
-    int *n_tries;       /**< [n_left] how often the process died that ran it; -1: the case is recorded */
+    tries *tries;       /**< [n_left] */
     long n_bad;         /**< failed or refused in this run */
     long n_kept, *kept; /**< cases that were recorded since the last sync and have checkpoints */
     double started, synced, shown;
@@ -112,7 +118,7 @@ static bool record(pool *pool, long place, batch_row *row)
         pool->state->cases[pool->work.todo[place]].status = row->status;
         pool->state->n_finished++;
         pool->n_bad += row->status == JOURNAL_DONE ? 0 : 1;
-        pool->n_tries[place] = -1;
+        pool->tries[place].n_deaths = -1;
         note_kept(pool, row->has_checkpoints, pool->work.todo[place]);
     }
     free(row->line);
@@ -143,17 +149,27 @@ static bool start_worker(pool *pool, int number, long first)
                               pool->error);
 }
 
-/** A worker is gone: because there is nothing left to do, or in the middle of a case. Once that may be anyone's fault, twice it
- *  is the case's. */
+/** One more process of a case has died. @return whether the case is to be given up: once it may be anyone's fault; twice it is the
+ *  case's, unless it got further in between. */
+static bool is_given_up(pool *pool, long place)
+{
+    tries *tries = &pool->tries[place];
+    const double reach = batch_checkpoints_reach(&pool->work.plan->checkpoints, pool->work.todo[place]);
+    tries->n_deaths = reach > tries->reach ? 1 : tries->n_deaths + 1;
+    tries->reach = fmax(reach, tries->reach);
+    return tries->n_deaths == MOST_TRIES;
+}
+
+/** A worker is gone: because there is nothing left to do, or in the middle of a case. */
 static bool replace_worker(pool *pool, int number)
 {
     const long place = batch_queue_last(pool->work.queue, number);
     const int status = batch_worker_end(&pool->workers[number]);
-    const bool in_case = place >= 0 && pool->n_tries[place] >= 0;
+    const bool in_case = place >= 0 && pool->tries[place].n_deaths >= 0;
     if (!in_case && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
         return true;
     }
-    if (in_case && ++pool->n_tries[place] == MOST_TRIES) {
+    if (in_case && is_given_up(pool, place)) {
         return record_lost(pool, place, status) && start_worker(pool, number, -1);
     }
     return start_worker(pool, number, in_case ? place : -1);
@@ -263,7 +279,10 @@ static bool begin(pool *pool, int jobs)
         pool->workers[i].socket = -1;
     }
     pool->n_left = n;
-    pool->n_tries = pool_calloc(&pool->memory, (size_t)n, sizeof *pool->n_tries);
+    pool->tries = pool_calloc(&pool->memory, (size_t)n, sizeof *pool->tries);
+    for (long i = 0; i < n; i++) {
+        pool->tries[i].reach = -INFINITY;
+    }
     pool->work.todo = pool->state->todo;
     pool->work.queue = batch_queue_create(n, pool->n_workers);
     if (pool->work.queue == NULL) {
@@ -279,9 +298,9 @@ static void keep_unrecorded(pool *pool)
 {
     long n = 0;
     for (long i = 0; i < pool->n_left; i++) {
-        if (pool->n_tries[i] >= 0) {
+        if (pool->tries[i].n_deaths >= 0) {
             pool->state->todo[n] = pool->state->todo[i];
-            pool->n_tries[n++] = pool->n_tries[i];
+            pool->tries[n++] = pool->tries[i];
         }
     }
     pool->n_left = n;

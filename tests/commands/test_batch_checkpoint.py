@@ -181,6 +181,52 @@ def test_a_worker_that_was_killed_loses_no_more_than_since_the_last_checkpoint(
     assert_undisturbed(tmp_path, long_case)
 
 
+def reach(folder: Path) -> float:
+    """Model time of the checkpoint of case 0; 0 if there is none."""
+    try:
+        with h5py.File(folder / FOLDER / "0" / "checkpoint.h5") as file:
+            return float(np.frombuffer(bytes(file["time"][:]))[0])
+    except OSError:  # none, or the next one takes its place
+        return 0.0
+
+
+def test_a_case_whose_workers_die_is_not_given_up_as_long_as_it_gets_on(
+    executable: Path, tmp_path: Path, long_case: Undisturbed
+) -> None:
+    n_deaths, last, killed = 3, 0.0, set[int]()
+    with running(batch(executable, long_case[0]), tmp_path, stderr=subprocess.DEVNULL) as parent:
+        for _ in range(n_deaths):
+            wait_for(lambda: not killed.issuperset(children(parent.pid)))
+            wait_for(lambda reached=last: reach(tmp_path) > reached)
+            (worker,) = children(parent.pid)
+            os.kill(worker, signal.SIGSTOP)  # so that nothing comes between both
+            last = reach(tmp_path)
+            os.kill(worker, signal.SIGKILL)
+            killed.add(worker)
+    assert len(killed) == n_deaths
+    assert parent.returncode == 0
+    assert_undisturbed(tmp_path, long_case)
+
+
+def test_a_case_whose_workers_die_twice_at_the_same_checkpoint_is_given_up(
+    executable: Path, tmp_path: Path, long_case: Undisturbed
+) -> None:
+    stop(batch(executable, long_case[0]), tmp_path)
+    command = [*batch(executable, long_case[0])[:-1], "10", "-q"]  # no more of them
+    found, killed = reach(tmp_path), set[int]()
+    assert found > 0
+    with running(command, tmp_path) as parent:
+        for _ in range(2):
+            wait_for(lambda: not killed.issuperset(children(parent.pid)))
+            (worker,) = set(children(parent.pid)) - killed
+            os.kill(worker, signal.SIGKILL)
+            killed.add(worker)
+    assert parent.returncode == 1
+    row = read_journal(tmp_path / JOURNAL).cases[0]
+    assert row["status"] == "failed"
+    assert row["message"] == "the process that ran it was ended by signal 9 (Killed), twice"
+
+
 def test_cases_shorter_than_the_interval_make_no_file(executable: Path, tmp_path: Path) -> None:
     design = write_design(tmp_path / "design.h5", {TORQUE: list(np.linspace(-2.0, -1.0, 20))})
     with running([executable, "batch", design, "-o", "r", "-q"], tmp_path) as parent:

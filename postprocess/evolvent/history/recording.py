@@ -247,8 +247,8 @@ def of_file(file: h5py.File, source: str) -> Recording:
     """Read the root group of an open file in pieces."""
     import h5py
 
-    named = ((name, file[name]) for name in file)  # items() has None for what cannot be read
-    datasets = {name: one for name, one in named if isinstance(one, h5py.Dataset)}
+    members = ((name, file[name]) for name in file)  # items() has None for what cannot be read
+    datasets = {name: one for name, one in members if isinstance(one, h5py.Dataset)}
     sizes = {
         name: one.shape[0]
         for name, one in datasets.items()
