@@ -200,6 +200,8 @@ bool checkpoints_again(checkpoints *self, evl_error *error)
         return good;
     }
     self->n_rows = self->n_events = 0;
+    self->times[0] = '\0'; /* the missed event may have shown as the first one was made */
+    self->n_times = 0;
     return parts_keep(&self->parts, 0, error);
 }
 
