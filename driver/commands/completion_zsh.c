@@ -9,7 +9,7 @@ static const char script[] =
     "# the word of the line that names the case: its numbers have paths, its meshes names\n"
     "_evolvent_parameters() {\n"
     "    local word\n"
-    "    for word in \"${words[@]}\"; do\n"
+    "    for word in \"${(@Q)words}\"; do # as it is without its quotes\n"
     "        case $word in\n"
     "        *.yaml|*.yml) evolvent show \"$word\" --parameters 2>/dev/null && return ;;\n"
     "        esac\n"

@@ -1,4 +1,4 @@
-"""Completion: what bash makes of its script, and that zsh and fish read theirs."""
+"""Completion: what bash, zsh and fish make of their scripts."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from zsh import zsh
 
 SHELLS = ("bash", "zsh", "fish")
 Complete = Callable[..., list[str]]
@@ -32,6 +34,28 @@ OFFERED = {
         *("accelerometers", "energies", "losses", "forces", "tracking", "check"),
     ],
 }
+
+
+ODD = "p$(touch${IFS}PWNED)`touch${IFS}PWNED`';&|-%s\\"  # a wheel
+ODD_MESH = "-$(touch${IFS}PWNED)"
+ODD_FILES = ("$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml")
+
+
+def write_odd_cases(folder: Path, examples: Path) -> None:
+    """A case whose names are commands, in files whose names are."""
+    quoted = f"'{ODD.replace(chr(39), 2 * chr(39))}'"
+    case = (examples / "paper.yaml").read_text().replace("pinion", quoted)
+    case = case.replace(f"name: {quoted}-gear", f"name: {ODD_MESH}")
+    for name in ("odd.yaml", *ODD_FILES):
+        (folder / name).write_text(case)
+
+
+def unquoted(shell: str, word: str, folder: Path) -> str:
+    """What a shell takes a word for."""
+    told = [shell, "-c", f"printf %s {word}"]
+    if word.startswith("-"):
+        told = [shell, "-c", f"printf -- '%s' {word}"]
+    return subprocess.run(told, cwd=folder, capture_output=True, text=True, check=True).stdout
 
 
 def script(executable: Path, shell: str) -> str:
@@ -143,30 +167,49 @@ def test_a_word_that_begins_a_name_with_a_blank_is_one_word(complete: Complete) 
 def test_names_of_a_case_are_quoted_and_nothing_in_them_is_run(
     complete: Complete, examples: Path, tmp_path: Path
 ) -> None:
-    odd = "p$(touch${IFS}PWNED)`touch${IFS}PWNED`';&|-%s\\"
-    case = (
-        (examples / "paper.yaml")
-        .read_text()
-        .replace("pinion", f"'{odd.replace(chr(39), 2 * chr(39))}'")
-    )
-    case = case.replace(
-        f"name: '{odd.replace(chr(39), 2 * chr(39))}'-gear", "name: -$(touch${IFS}PWNED)"
-    )
     folder = tmp_path / "work"
-    for name in ("odd.yaml", "$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml"):
-        (folder / name).write_text(case)
+    write_odd_cases(folder, examples)
     offered = complete("run", "odd.yaml", "--set", "wheels.p")
     assert len(offered) > 3
     for word in offered:
-        told = ["bash", "-c", f"printf %s {word}"]
-        said = subprocess.run(told, cwd=folder, capture_output=True, text=True, check=True)
-        assert said.stdout.startswith(f"wheels.{odd}.")
+        assert unquoted("bash", word, folder).startswith(f"wheels.{ODD}.")
     assert complete("run", "odd.yaml", "--set", offered[0][:-3])
     assert complete("static", "odd.yaml", "--mesh", "") == ["-\\$\\(touch\\$\\{IFS\\}PWNED\\)"]
-    for name in ("$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml"):
+    for name in ODD_FILES:
         complete("run", name, "--set", "wheels.p")
-    assert set(complete("run", "")) >= {"$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml"}
+    assert set(complete("run", "")) >= set(ODD_FILES)
     assert not (folder / "PWNED").exists()
+
+
+def test_zsh_completes_and_runs_nothing_that_names_say(
+    executable: Path, examples: Path, tmp_path: Path
+) -> None:
+    if shutil.which("zsh") is None:
+        pytest.skip("no zsh here")
+    folder = tmp_path / "work"
+    folder.mkdir()
+    write_odd_cases(folder, examples)
+    names = [*ODD_FILES, "a\nb.yaml"]
+    shutil.copyfile(folder / "odd.yaml", folder / names[-1])
+    (tmp_path / "_evolvent").write_text(script(executable, "zsh"))
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "evolvent").symlink_to(executable)
+    with zsh(folder, f"{tmp_path / 'bin'}:{os.environ['PATH']}") as shell:
+        assert shell.complete("evolvent s")[0] == ["show", "static"]
+        assert shell.complete("evolvent va")[1] == "evolvent validate "
+        assert shell.complete("evolvent run --q")[1] == "evolvent run --quiet "
+        assert shell.complete("evolvent completion ")[0] == list(SHELLS)
+        offered = shell.complete("evolvent run ")[0]
+        assert {unquoted("zsh", word, folder) for word in offered} == {*names, "odd.yaml"}
+        for case in ("odd.yaml", *(word for word in offered if not word.startswith("-"))):
+            settings, line = shell.complete(f"evolvent run {case} --set wheels.p")
+            assert len(settings) > 3, case
+            for word in settings:
+                assert unquoted("zsh", word, folder).startswith(f"wheels.{ODD}.")
+            assert unquoted("zsh", line.split("--set ")[1], folder) == f"wheels.{ODD}."
+        (mesh,), _ = shell.complete("evolvent static odd.yaml --mesh ")
+        assert unquoted("zsh", mesh, folder) == ODD_MESH
+    assert not list(tmp_path.rglob("PWNED*"))
 
 
 def test_an_unknown_shell_is_named(executable: Path) -> None:
@@ -224,3 +267,11 @@ def test_fish_completes_commands_options_and_settings(
     assert offered("evolvent va") == ["validate"]
     assert offered("evolvent run --q") == ["--quiet"]
     assert offered("evolvent run case.yaml --set wheels.pinion.te") == ["wheels.pinion.teeth="]
+    write_odd_cases(tmp_path, examples)
+    assert offered("evolvent static odd.yaml --mesh ") == [ODD_MESH]
+    assert {*ODD_FILES[:1], *ODD_FILES[2:]} <= set(offered("evolvent run "))
+    for case in ("odd.yaml", "\\$\\(touch\\ PWNED\\).yaml", "%s.yaml"):
+        settings = offered(f"evolvent run {case} --set wheels.p")
+        assert len(settings) > 3, case
+        assert all(word.startswith(f"wheels.{ODD}.") for word in settings)
+    assert not list(tmp_path.rglob("PWNED*"))

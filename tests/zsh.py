@@ -1,0 +1,75 @@
+"""zsh as somebody types at it: what it offers for a line, and what it makes of the line."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+SECONDS = 30.0
+TELL = b"\x14"  # the key that completes the line, tells what comes of it, and wipes it
+SETUP = r"""
+fpath=(.. $fpath); autoload -U compinit; compinit -u -d ../dump; PROMPT= ; unsetopt beep
+compadd() {
+    if [[ ${@[1,(i)(-|--)]} == *-(O|A|D)\ * ]]; then builtin compadd "$@"; return; fi
+    local -a hits; builtin compadd -A hits "$@"
+    (($#hits)) && print -rN -- $hits >>../offered
+    builtin compadd "$@"
+}
+zle -C offer complete-word _main_complete
+tell() { : >../offered; zle offer; print -rn -- "$BUFFER" >../line; zle kill-buffer; : >../told }
+zle -N tell; bindkey '^T' tell
+: >../ready
+"""
+
+
+class Zsh:
+    """One that runs in a folder; beside it lies what it has told."""
+
+    def __init__(self, terminal: int, place: Path) -> None:
+        self.terminal, self.place = terminal, place
+
+    def wait_for(self, name: str) -> None:
+        """Read what it shows until it has made a file."""
+        end = time.monotonic() + SECONDS
+        while not (self.place / name).exists():
+            assert time.monotonic() < end, f"zsh made no {name}"
+            if select.select([self.terminal], [], [], 0.01)[0]:
+                os.read(self.terminal, 65536)
+        (self.place / name).unlink()
+
+    def complete(self, line: str) -> tuple[list[str], str]:
+        """Return what is offered for the last word of a line, quoted, and the line then."""
+        os.write(self.terminal, line.encode() + TELL)
+        self.wait_for("told")
+        offered = (self.place / "offered").read_text().split("\0")
+        return [word for word in offered if word], (self.place / "line").read_text()
+
+
+@contextmanager
+def zsh(folder: Path, path: str) -> Iterator[Zsh]:
+    """Start one that has the functions of the folder above, and end it."""
+    place = folder.parent
+    (place / "setup").write_text(SETUP)
+    pid, terminal = pty.fork()
+    if pid == 0:
+        try:
+            os.chdir(folder)
+            own = {"PATH": path, "TERM": "dumb", "HOME": str(place)}
+            os.execvpe("zsh", ["zsh", "-f", "-i"], {**os.environ, **own})
+        finally:
+            os._exit(1)
+    try:
+        shell = Zsh(terminal, place)
+        os.write(terminal, b"source ../setup\n")
+        shell.wait_for("ready")
+        yield shell
+    finally:
+        os.kill(pid, signal.SIGKILL)
+        os.waitpid(pid, 0)
+        os.close(terminal)
