@@ -419,3 +419,32 @@ def test_a_contact_ratio_below_1_is_a_warning(kernel: Kernel) -> None:
     (warning,) = warnings(kernel, wheels, centre_distance=0.0618)
     assert (warning.subject, warning.index, warning.field) == (MESH, 0, "")
     assert warning.message.startswith("its contact ratio is 0.")
+
+
+@pytest.mark.parametrize(("change", "fits"), [(1e-10, True), (1e-8, False), (1e-4, False)])
+def test_base_pitches_that_differ_by_more_than_rounding_do_not_mesh(
+    kernel: Kernel, change: float, fits: bool
+) -> None:
+    """1e-9 is the same length, src/geometry/gear.f90; a tenth of a micrometre in a metre is not."""
+    wheels = [gear_wheel(20), gear_wheel(30, module=0.002 * (1 + change))]
+    if fits:
+        Gearbox(kernel, wheels, [], [real(kernel)])
+    else:
+        assert "base pitch" in refusal(kernel, wheels, [real(kernel)]).message
+
+
+@pytest.mark.parametrize("short", [0, 1], ids=["driving", "driven"])
+def test_teeth_that_end_below_their_pitch_circle_never_meet_at_the_pitch_point(
+    kernel: Kernel, short: int
+) -> None:
+    """Short teeth of the driving wheel leave approach alone, of the driven one recess alone."""
+
+    def warned(alteration: float) -> bool:
+        given = [{"tip_alteration": alteration} if i == short else {} for i in (0, 1)]
+        wheels = [gear_wheel(40, module=0.002, **given[i]) for i in (0, 1)]
+        gearbox = Gearbox(kernel, wheels, [], [real(kernel)])
+        return any("does not contain the pitch" in w.message for w in gearbox.warnings())
+
+    # the addendum is 1 module; the pitch circle is the reference circle but for the backlash
+    assert not warned(-0.9)
+    assert warned(-1.1)
