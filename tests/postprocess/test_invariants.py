@@ -362,6 +362,21 @@ def test_an_output_below_its_smallest_value_over_the_run_is_found(friction_run, 
     assert found.worst == pytest.approx(max(below, 0.0), rel=1e-9)
 
 
+def test_a_force_of_hardly_any_load_is_beyond_its_extreme_only_by_more_than_its_digits(smooth_run):
+    # of a reference force of 1 a place has digits of 1e-13 or so, of whatever force acts
+    history = smooth_run.history
+    reference = history["reference_force"].values
+    light = history["normal_force"] * 0 + 1e-6 * reference[0]
+
+    def judged(beyond: float) -> str:
+        told = {"normal_force_max": ("mesh", light.max("time").values - beyond * reference)}
+        told |= {"normal_force_max_time": ("mesh", [1.0])}
+        return _verdict(history.assign({"normal_force": light, **told}), "extremes").verdict
+
+    assert judged(0.9e-12) == "pass"
+    assert judged(1.1e-12) == "fail"
+
+
 def test_a_friction_force_that_is_rounding_is_not_beyond_its_extreme(friction_run):
     history = friction_run.history
     normal = float(history["normal_force"].max())

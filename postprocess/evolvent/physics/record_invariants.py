@@ -26,6 +26,7 @@ OF_VIBRATING_MESHES = frozenset(
     }
 )
 OF_PATH = ("pair_position", "pair_penetration", "pair_sliding_velocity")
+FORCES = ("normal_force", "pair_normal_force")
 TRACKED_ONLY = frozenset(
     {
         "gradient_ratio",
@@ -42,8 +43,9 @@ def beyond_extremes(run: Recording) -> Deviation:
     """How far an output lies beyond its extreme over the run, over its largest value.
 
     Dims (extreme, mesh): found between the outputs, an extreme is none if an output exceeds it. The
-    penetration of rigid contacts is rounding: it is measured by the reference penetration; and a
-    friction force that is rounding, by the normal force.
+    penetration of rigid contacts is rounding: it is measured by the reference penetration; a
+    friction force that is rounding, by the normal force; and a normal force under hardly any load,
+    which has digits of places, by a thousandth of the reference force at least.
     """
     told = list(told_names(run.variables))
     if not told:
@@ -56,6 +58,8 @@ def beyond_extremes(run: Recording) -> Deviation:
         scale = _largest_of_meshes(run, measure)
         if output == "penetration":
             scale = depth_scale(run)
+        elif measure in FORCES:
+            scale = np.where(scale > 0.0, np.maximum(scale, 1e-3 * run["reference_force"]), 0.0)
         excess = np.where(scale > 0.0, reached - sense * run[name], 0.0)
         beyond.append(np.clip(excess / np.where(scale > 0.0, scale, 1.0), 0.0, None))
     return Deviation(("extreme", "mesh"), np.stack(beyond), {"extreme": [row[0] for row in told]})
