@@ -29,7 +29,7 @@ def test_more_wide_gearboxes_run_right_or_are_refused(
 
 
 # Seeds beyond the short ones that came out wrong once.
-MENDED = (678, 921)
+MENDED = (678, 921, 2052)
 
 
 @pytest.mark.parametrize("seed", MENDED)
@@ -43,7 +43,8 @@ def judge_all(program: Path, folder: Path, first: int) -> None:
     judge = Judge(program, folder)
     judged = [judge(seed) for seed in range(first, first + TOGETHER) if seed not in OPEN]
     assert [str(one) for one in judged if not one.is_sound] == []
-    ran = [one for one in judged if one.outcome in ("agree", "alone", "says so", "converges")]
+    kinds = ("agree", "alone", "says so", "converges", "ida lags")
+    ran = [one for one in judged if one.outcome in kinds]
     assert len(ran) >= TOGETHER // 2, "a set that is refused shows nothing"
 
 

@@ -19,6 +19,7 @@ from system.wild_gearboxes import WildGearbox, tracked_gearbox, wild_gearbox
 
 PERIODS = 300  # natural periods of a mesh in a run, at most
 OUTPUTS = 40
+IDA_LONGEST_STEP = 0.02  # [s], if a case does not say one
 KINDS = (
     *("wide", "wide", "wide", "wide", "scaled", "wild", "tracked"),
     *("falling friction", "bending", "bouncing"),
@@ -43,14 +44,16 @@ def wide_case(program: Path, seed: int) -> Block:
         return with_few_outputs(BendingPair(number).case())
     if kind == "bouncing":
         return _BouncingGearbox(number).case()
-    made = _WideGearbox(number)
-    case = made.case()
-    return scaled_case(program, case, made.scales()) if kind == "scaled" else case
+    if kind == "scaled":
+        return scaled_case(program, unscaled_case(seed), scales_of(seed))
+    return _WideGearbox(number).case()
 
 
 def unscaled_case(seed: int) -> Block:
     """Make the case of a seed of kind "scaled" in its first units."""
-    return _WideGearbox(10_000 + seed).case()
+    case = _WideGearbox(10_000 + seed).case()
+    case["simulation"]["max_step"] = IDA_LONGEST_STEP
+    return case
 
 
 def scales_of(seed: int) -> Scales:
