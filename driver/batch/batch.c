@@ -8,6 +8,7 @@
 #include "base/write_bytes.h"
 #include "batch/batch_check.h"
 #include "batch/batch_pool.h"
+#include "batch/batch_response.h"
 #include "batch/batch_todo.h"
 
 #include <errno.h>
@@ -217,7 +218,8 @@ static bool run_locked(shard_run *run, evl_error *error)
     bool is_partial = false;
     if (open_journal(run, error) &&
         batch_todo(&run->plan, run->options->cases, state->cases, &state->todo, &state->n_todo, error) &&
-        (state->n_todo == 0 || (open_histories(run, error) && sync_names(run, error))) &&
+        (state->n_todo == 0 ||
+         (open_histories(run, error) && batch_response_folder(&run->plan, error) && sync_names(run, error))) &&
         drop_checkpoints(run, error)) {
         const double start = clock_seconds();
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
@@ -235,8 +237,10 @@ static bool run_shard(shard_run *run, evl_error *error)
     bool is_partial = false;
     run->state.journal.descriptor = -1;
     OWNED char *stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
+    OWNED char *responses = xasprintf("%s/responses", run->options->folder);
     OWNED char *lock_path = xasprintf("%s.lock", stem), *checkpoints = xasprintf("%s.checkpoints", stem);
     run->stem = stem;
+    run->plan.responses = responses;
     run->plan.checkpoints = (batch_checkpoints){checkpoints, run->share.checkpoint_interval};
     if (claim_folder(run->options->folder, run->design->hash, error) &&
         wheel_store_share(run->plan.wheels, run->options->folder, error) && file_lock_take(&lock, lock_path, error)) {

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/words.h"
 #include "batch/batch_keeper.h"
+#include "batch/batch_response.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -25,10 +26,8 @@ typedef struct {
 
 /* ---- the row ---- */
 
-/** @param results  [n scalars], NULL: none
- *  @param history  row of the stack, NULL: none */
-static void write_row(const batch_plan *plan, long index, journal_status status, const char *message,
-                      const double *results, const float *history, batch_row *row)
+void batch_row_write(const batch_plan *plan, long index, journal_status status, const char *message,
+                     const double *results, const float *history, batch_row *row)
 {
     static const int exits[] = {
         [JOURNAL_DONE] = EVL_EXIT_OK, [JOURNAL_FAILED] = EVL_EXIT_INTEGRATION, [JOURNAL_REFUSED] = EVL_EXIT_CASE};
@@ -56,7 +55,7 @@ static void write_row(const batch_plan *plan, long index, journal_status status,
 
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row)
 {
-    write_row(plan, index, JOURNAL_FAILED, message, NULL, NULL, row);
+    batch_row_write(plan, index, JOURNAL_FAILED, message, NULL, NULL, row);
 }
 
 /* ---- what a case has to have ---- */
@@ -237,7 +236,7 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     OWNED char *remark = words_join(n_told, told, "; ");
     OWNED char *message =
         is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
-    write_row(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);
+    batch_row_write(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);
 }
 
 static void sink_start(batch_sink *sink, const prepared_case *prepared, const number_window *window)
@@ -323,6 +322,9 @@ bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepa
                         evl_error *refusal)
 {
     *start = (batch_start){.window = {.wheel = -1}};
+    if (plan->design->respond_over[0] != '\0') {
+        return batch_response_check(plan, index, refusal);
+    }
     return batch_prepare(plan, index, prepared, refusal) && check_case(plan, prepared, &start->window, refusal) &&
            prepare_start(prepared, &start->state, refusal);
 }
@@ -340,8 +342,11 @@ bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index
             return false;
         }
         OWNED char *message = evl_error_text(&refusal);
-        write_row(plan, index, JOURNAL_REFUSED, message, NULL, NULL, row);
+        batch_row_write(plan, index, JOURNAL_REFUSED, message, NULL, NULL, row);
         return true;
+    }
+    if (plan->design->respond_over[0] != '\0') {
+        return batch_response_run(plan, queue, index, row, error);
     }
     batch_keeper_begin(&keeper, plan, queue, index, prepared, error);
     const bool good = simulate_prepared(&keeper, &start, row, error);

@@ -1,16 +1,8 @@
 /** One case of a batch: from its row in the design to its line in the journal. */
 #pragma once
 
-#include "batch/batch_plan.h"
 #include "batch/batch_queue.h"
-#include "batch/journal.h"
-
-typedef struct {
-    journal_status status;
-    char *line; /**< of the journal, with its newline; to be freed */
-    size_t length;
-    bool has_checkpoints; /**< which are of no use when it is recorded */
-} batch_row;
+#include "batch/batch_row.h"
 
 /** How a case begins. */
 typedef struct {

@@ -43,7 +43,9 @@ bool batch_check(const batch_plan *plan, evl_error *error)
         batch_start start;
         found.checked++;
         if (batch_case_prepare(plan, i, &prepared, &start, &refusal)) {
-            found.shortest = fmin(found.shortest, case_description(prepared.file)->simulation.duration);
+            if (prepared.file != NULL) { /* a response has no duration */
+                found.shortest = fmin(found.shortest, case_description(prepared.file)->simulation.duration);
+            }
             dae_state_free(&start.state);
         } else {
             found.refused++;

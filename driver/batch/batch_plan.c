@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "base/words.h"
+#include "batch/batch_response.h"
 #include "batch/journal_line.h"
 
 #include <evolvent_version.h>
@@ -35,7 +36,12 @@ static bool take_table(batch_plan *plan, evl_error *error)
         case_base_elements(plan->base, "housing.accelerometers", pool, &names.accelerometers.n);
     OWNED char **words = NULL;
     const int n = words_split(plan->design->numbers, &words);
-    const char *unknown = statistics_table_init(&plan->table, &names, n, (const char *const *)words);
+    const bool responds = plan->design->respond_over[0] != '\0';
+    if (responds && !batch_response_check_design(plan->design, error)) {
+        return false;
+    }
+    const char *unknown = responds ? batch_response_table(&plan->table, &names, n, (const char *const *)words)
+                                   : statistics_table_init(&plan->table, &names, n, (const char *const *)words);
     if (unknown == NULL) {
         return true;
     }

@@ -25,6 +25,7 @@ typedef struct {
     batch_histories histories; /**< n_variables 0: none */
     stack stack;               /**< open if there are histories */
     batch_checkpoints checkpoints;
+    const char *responses;   /**< folder of their files, if cases are responses */
     wheel_store *wheels;     /**< that give way and are known; each worker has its own copy */
     long first_case, stride; /**< of the shard, whose rows the stack has */
 } batch_plan;

@@ -11,6 +11,7 @@ struct batch_queue {
     size_t size; /**< of all this [bytes] */
     int n_workers;
     atomic_bool is_stopped;
+    volatile sig_atomic_t stop; /**< the same */
     atomic_long n, next;
     atomic_long last[]; /**< [n_workers] */
 };
@@ -39,6 +40,7 @@ void batch_queue_delete(batch_queue **queue)
 void batch_queue_restart(batch_queue *queue, long n)
 {
     atomic_store(&queue->is_stopped, false);
+    queue->stop = 0;
     atomic_store(&queue->n, n);
     atomic_store(&queue->next, 0);
     for (int i = 0; i < queue->n_workers; i++) {
@@ -67,9 +69,15 @@ long batch_queue_last(const batch_queue *queue, int worker)
 void batch_queue_stop(batch_queue *queue)
 {
     atomic_store(&queue->is_stopped, true);
+    queue->stop = 1;
 }
 
 bool batch_queue_is_stopped(const batch_queue *queue)
 {
     return atomic_load_explicit(&queue->is_stopped, memory_order_relaxed);
+}
+
+const volatile sig_atomic_t *batch_queue_stop_word(const batch_queue *queue)
+{
+    return &queue->stop;
 }

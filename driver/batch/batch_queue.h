@@ -2,6 +2,7 @@
  *  all are busy until the last case is taken. */
 #pragma once
 
+#include <signal.h>
 #include <stdbool.h>
 
 /** Lies in memory that a process shares with those it forks. */
@@ -21,3 +22,5 @@ void batch_queue_restart(batch_queue *queue, long n);
 /** Ask the workers to end: nothing is taken any more, and who runs a case puts it away. */
 void batch_queue_stop(batch_queue *queue);
 bool batch_queue_is_stopped(const batch_queue *queue);
+/** The same as a number that is not 0 then. */
+const volatile sig_atomic_t *batch_queue_stop_word(const batch_queue *queue);

@@ -120,28 +120,37 @@ static void add_numbers(statistics_table *table)
     }
 }
 
+/** An empty table with room for what is asked for, and `more`. @return as of statistics_table_init */
+static const char *begin_table(statistics_table *table, const model_names *names, int n_words, const char *const *words,
+                               int more)
+{
+    *table = (statistics_table){.names = *names, .n_meshes = names->meshes.n};
+    model_output rows[N_NUMBER_ROWS];
+    const int most = number_rows_place(&table->pool, names, rows);
+    table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
+    table->numbers = pool_calloc(&table->pool, (size_t)most, sizeof *table->numbers);
+    table->scalars = pool_calloc(&table->pool, (size_t)most + (size_t)more, sizeof *table->scalars);
+    return number_rows_take(n_words, words, table->taken);
+}
+
+const char *statistics_table_of_numbers(statistics_table *table, const model_names *names, int n_words,
+                                        const char *const *words, int more)
+{
+    const char *unknown = begin_table(table, names, n_words, words, more);
+    add_numbers(table);
+    return unknown;
+}
+
 const char *statistics_table_init(statistics_table *table, const model_names *names, int n_words,
                                   const char *const *words)
 {
     const int n_kinds = model_tables()->n_event_kinds, n_meshes = names->meshes.n;
-    *table = (statistics_table){.names = *names, .n_meshes = n_meshes};
-    POOLED memory_pool pool = {NULL};
-    model_output rows[N_NUMBER_ROWS];
-    const int most = number_rows_place(&pool, names, rows);
-    table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
-    table->numbers = pool_calloc(&table->pool, (size_t)most, sizeof *table->numbers);
-    table->scalars =
-        pool_calloc(&table->pool, (size_t)n_meshes * N_OF_MESH + N_OF_CASE + (size_t)n_kinds + (size_t)most,
-                    sizeof *table->scalars);
-    for (int mesh = 0; mesh < n_meshes; mesh++) {
-        for (int i = 0; i < N_OF_MESH; i++) {
-            if (n_meshes == 1) {
-                add(table, of_mesh[i].name, of_mesh[i].units, of_mesh[i].long_name);
-            } else {
-                add(table, own_name_of(table, of_mesh[i].name, mesh, names->meshes.names[mesh]), of_mesh[i].units,
-                    pool_printf(&table->pool, "%s, mesh '%s'", of_mesh[i].long_name, names->meshes.names[mesh]));
-            }
-        }
+    const char *unknown = begin_table(table, names, n_words, words, n_meshes * N_OF_MESH + N_OF_CASE + n_kinds);
+    for (int i = 0; i < n_meshes * N_OF_MESH; i++) {
+        const int mesh = i / N_OF_MESH, row = i % N_OF_MESH;
+        const char *of = n_meshes == 1 ? NULL : names->meshes.names[mesh], *text = of_mesh[row].long_name;
+        add(table, of == NULL ? of_mesh[row].name : own_name_of(table, of_mesh[row].name, mesh, of), of_mesh[row].units,
+            of == NULL ? text : pool_printf(&table->pool, "%s, mesh '%s'", text, of));
     }
     for (int i = 0; i < N_OF_CASE; i++) {
         add(table, of_case[i].name, of_case[i].units, of_case[i].long_name);
@@ -151,7 +160,6 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
         add(table, pool_printf(&table->pool, "events_%s", name), "1",
             pool_printf(&table->pool, "number of events %s", name));
     }
-    const char *unknown = number_rows_take(n_words, words, table->taken);
     add_numbers(table);
     return unknown;
 }

@@ -35,6 +35,10 @@ typedef struct {
 const char *statistics_table_init(statistics_table *table, const model_names *names, int n_words,
                                   const char *const *words);
 
+/** A table of numbers over whole periods alone, with room for `more` scalars behind them. @return as above */
+const char *statistics_table_of_numbers(statistics_table *table, const model_names *names, int n_words,
+                                        const char *const *words, int more);
+
 typedef struct statistics statistics;
 
 /** Begin a case with meshes and wheels as in the table; it wants what the numbers are made of.

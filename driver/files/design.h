@@ -31,6 +31,9 @@ typedef struct {
     char *history_variables; /**< names, separated by blanks; "" if no histories are wanted */
     long history_every;      /**< of the outputs one is kept */
     long history_rows;       /**< how many are kept of outputs by position; 0: not said */
+    char *respond_over;      /**< "PATH=FROM:TO[:STEPS]": each case is a response; "": each is a run */
+    char *respond_direction; /**< "up", "down" or "both" */
+    long respond_periods;    /**< at a value; 0: the usual number */
     long n_cases;
     int n_columns; /**< those with a path */
     design_column *columns;

@@ -74,6 +74,12 @@ void design_hash(const design *design, const char *maker, char text[SHA256_TEXT]
     add_words(&hash, design->history_variables);
     add_integer(&hash, design->history_every);
     add_integer(&hash, design->history_rows);
+    if (design->respond_over[0] != '\0') {
+        add_text(&hash, "respond");
+        add_text(&hash, design->respond_over);
+        add_text(&hash, design->respond_direction);
+        add_integer(&hash, design->respond_periods);
+    }
     add_integer(&hash, design->n_cases);
     add_integer(&hash, design->n_columns);
     for (int i = 0; i < design->n_columns; i++) {

@@ -58,6 +58,23 @@ static bool check_maker(const reader *reader)
                 EVOLVENT_VERSION));
 }
 
+/** Of what each case is, if that is no run; may be missing. */
+static bool read_respond(const reader *reader, design *design)
+{
+    long long periods = 0;
+    char *over = netcdf_get_text(reader->file, "respond_over", &design->pool);
+    char *direction = netcdf_get_text(reader->file, "respond_direction", &design->pool);
+    design->respond_over = over == NULL ? pool_copy(&design->pool, "") : over;
+    design->respond_direction = direction == NULL ? pool_copy(&design->pool, "both") : direction;
+    if (H5Aexists(reader->file, "respond_periods") > 0 &&
+        (!netcdf_get_numbers(reader->file, "respond_periods", H5T_NATIVE_LLONG, 1, &periods) || periods < 0 ||
+         periods > 1000000)) {
+        return refuse(reader, "respond_periods", "this attribute of the design is no count of common periods");
+    }
+    design->respond_periods = (long)periods;
+    return true;
+}
+
 static bool read_head(const reader *reader, design *design)
 {
     long long n_cases = 0, every = 1, rows = 0;
@@ -89,6 +106,9 @@ static bool read_head(const reader *reader, design *design)
         (!netcdf_get_numbers(reader->file, "history_rows", H5T_NATIVE_LLONG, 1, &rows) || rows < 0 ||
          rows > 1000000000)) {
         return refuse(reader, "history_rows", "this attribute of the design is no count");
+    }
+    if (!read_respond(reader, design)) {
+        return false;
     }
     design->n_cases = (long)n_cases;
     design->history_every = (long)every;

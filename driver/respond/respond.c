@@ -154,6 +154,9 @@ static bool write_file(response_run *run, bool commit, const char *status, const
         .attributes = attributes,
         .kept = run->options->kept,
     };
+    if (commit && run->options->told != NULL) {
+        run->options->told(run->options->self, &result);
+    }
     return response_write(&result, commit, error);
 }
 
@@ -341,7 +344,7 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     b->set = options->set;
     b->most = options->most;
     b->interrupt = run->interrupt;
-    b->wheels = wheel_store_create();
+    b->wheels = options->wheels != NULL ? options->wheels : wheel_store_create();
     b->names = &model_about(run->first.model)->names;
     b->n_values = number_rows_place(&b->pool, b->names, b->rows);
     b->goes[0] = options->up;
@@ -366,20 +369,43 @@ bool respond_read_most(const char *text, int *most)
     return good;
 }
 
-evl_exit respond(const char *case_path, const respond_options *options, evl_error *error)
+static response_run *run_create(const respond_options *options)
 {
-    OWNED response_run *run = xcalloc(1, sizeof *run);
+    response_run *run = xcalloc(1, sizeof *run);
     run->options = options;
     run->interrupt = options->interrupt != NULL ? options->interrupt : &interrupt_signal;
+    return run;
+}
+
+static void run_delete(response_run *run)
+{
+    if (run->options->wheels != NULL) {
+        run->branch.wheels = NULL; /* the caller's */
+    }
+    branch_free(&run->branch);
+    prepared_case_free(&run->first);
+    value_range_free(&run->range);
+    checkpoint_free(&run->kept);
+    free(run);
+}
+
+evl_exit respond_check(const char *case_path, const respond_options *options, evl_error *error)
+{
+    response_run *run = run_create(options);
+    (void)begin(run, case_path, error);
+    run_delete(run);
+    return error->code;
+}
+
+evl_exit respond(const char *case_path, const respond_options *options, evl_error *error)
+{
+    response_run *run = run_create(options);
     if (begin(run, case_path, error) && options->orbits != NULL) {
         find_orbits(run, error);
     } else if (error->code == EVL_EXIT_OK && parts_open(&run->parts, options->path, error)) {
         run_locked(run, error);
         parts_close(&run->parts);
     }
-    branch_free(&run->branch);
-    prepared_case_free(&run->first);
-    value_range_free(&run->range);
-    checkpoint_free(&run->kept);
+    run_delete(run);
     return error->code;
 }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "base/status.h"
+#include "files/response.h"
+#include "files/wheel_store.h"
 
 #include <signal.h>
 #include <stdbool.h>
@@ -25,12 +27,17 @@ typedef struct {
     const volatile sig_atomic_t
         *interrupt;                    /**< ends it when it is not 0; NULL: the number of a signal to the process */
     const char *(*who)(int interrupt); /**< by whom; NULL: by that signal */
+    wheel_store *wheels;               /**< known ones that give way, of the caller; NULL: none */
+    void *self;
+    void (*told)(void *self, const response *response); /**< hears of a response that is done; NULL: nobody does */
 } respond_options;
 
 /** Read how many common periods there may be at a value. @return false with `respond_periods` to say */
 bool respond_read_most(const char *text, int *most);
 extern const char respond_periods[];
 
+/** Whether anything of it would be refused. @return the exit code, with the reason in `error` */
+evl_exit respond_check(const char *case_path, const respond_options *options, evl_error *error);
 /** @param case_path  file of the case, or what errors call its text
  *  @return the exit code, with the reason in `error` */
 evl_exit respond(const char *case_path, const respond_options *options, evl_error *error);

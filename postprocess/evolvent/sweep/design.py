@@ -55,6 +55,15 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Respond:
+    """What each case is, if it is no run: a response (docs/response.md)."""
+
+    over: str  # PATH=FROM:TO[:STEPS]
+    direction: str  # up, down or both
+    periods: int  # at a value; 0: the usual number
+
+
+@dataclass(frozen=True)
 class Design:
     """All that a sweep computes."""
 
@@ -74,6 +83,7 @@ class Design:
     sampling: dict[str, Any] = field(default_factory=dict)
 
     history_rows: int = 0  # kept of outputs by position; 0 where outputs go by time
+    respond: Respond | None = None  # None: each case is a run
     maker: str = ""  # what another program named the design by
 
     @cached_property
@@ -87,7 +97,12 @@ class Design:
         digest.update(np.array(self.window, dtype="<f8").tobytes())
         for words in (self.numbers, self.history_variables):
             digest.update(_integer(len(words)) + b"".join(map(_text, words)))
-        for number in (self.history_every, self.history_rows, self.n_cases, len(columns)):
+        for number in (self.history_every, self.history_rows):
+            digest.update(_integer(number))
+        if self.respond is not None:
+            words = ("respond", self.respond.over, self.respond.direction)
+            digest.update(b"".join(map(_text, words)) + _integer(self.respond.periods))
+        for number in (self.n_cases, len(columns)):
             digest.update(_integer(number))
         for p in columns:
             kind = "text" if p.is_text else "real" if p.values.dtype.kind == "f" else "integer"
@@ -181,6 +196,10 @@ def _write(design: Design, file: h5py.File) -> None:
         history_variables=" ".join(design.history_variables),
         sampling=design.sampling_text,
     )
+    if design.respond is not None:
+        file.attrs.update(
+            {f"respond_{key}": value for key, value in dataclasses.asdict(design.respond).items()}
+        )
     group = file.create_group("parameters")
     for number, parameter in enumerate(design.parameters):
         kind = TEXT if parameter.is_text else parameter.values.dtype
@@ -207,6 +226,9 @@ def _read(file: h5py.File) -> tuple[Design, str]:
     begin, end = (float(t) for t in attrs["window"])
     texts: dict[str, Any] = {name: str(attrs[name]) for name in TEXTS}
     numbers: dict[str, Any] = {name: int(attrs[name]) for name in NUMBERS}
+    over = str(attrs.get("respond_over", ""))
+    direction = str(attrs.get("respond_direction", "both"))
+    respond = Respond(over, direction, int(attrs.get("respond_periods", 0))) if over else None
     design = Design(
         **texts,
         **numbers,
@@ -216,6 +238,7 @@ def _read(file: h5py.File) -> tuple[Design, str]:
         history_variables=tuple(str(attrs["history_variables"]).split()),
         version=str(attrs["evolvent_version"]),
         sampling=json.loads(str(attrs["sampling"])),
+        respond=respond,
         maker="" if attrs["plan"] else str(attrs["hash"]),
     )
     if design.n_cases < 1 or any(p.values.shape != (design.n_cases,) for p in parameters):

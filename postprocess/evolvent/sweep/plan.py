@@ -33,7 +33,10 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
     case = read_text(spec.case, f"{path}: case {spec.case}")
     design = Design(
         title=spec.title,
-        case=with_accuracy(case, (parameter.path for parameter in parameters)),
+        # responses are those of `evolvent respond`, at the tolerance of the case
+        case=case
+        if spec.respond
+        else with_accuracy(case, (parameter.path for parameter in parameters)),
         parameters=tuple(parameters),
         n_cases=n_cases,
         window=spec.window or LAST_HALF,
@@ -46,6 +49,7 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
         seed=spec.seed,
         version=program_version(program),
         sampling=sampling,
+        respond=spec.respond,
     )
     checked = check_design(design, program, case_name=str(spec.case), name=str(path))
     if checked.refused == design.n_cases:

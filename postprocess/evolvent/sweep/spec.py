@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from evolvent.errors import SweepError, reason_of
-from evolvent.sweep.design import NAME, identifier
+from evolvent.sweep.design import NAME, Respond, identifier
 from evolvent.sweep.quantities import may_have_unit, with_units_read
 from evolvent.sweep.yaml_text import read_yaml
 
@@ -23,12 +23,14 @@ SCALES = ("linear", "log")
 TAKEN = ("case", "time", "status", "message", "exit_code", "recorded_at", "pi", "e")
 TOP_KEYS = (
     "format", "title", "case", "method", "samples", "seed", "second_order", "file",
-    "parameters", "window", "numbers", "histories",
+    "parameters", "window", "numbers", "histories", "respond",
 )  # fmt: skip
 PARAMETER_KEYS = (
     "path", "name", "units", "value", "values", "from", "to", "number", "scale", "whole",
     "expression", "column",
 )  # fmt: skip
+DIRECTIONS = ("up", "down", "both")
+LEAST_PERIODS = 100  # as `evolvent respond` takes them
 # Ways to give the values of a parameter; exactly one.
 SOURCES = ("value", "values", "from", "expression", "column")
 
@@ -72,6 +74,7 @@ class Spec:
     history_variables: tuple[str, ...]
     history_every: int
     history_rows: int  # 0: not given
+    respond: Respond | None  # None: each case is a run
 
 
 def read_spec(path: Path, program: Path | None = None) -> Spec:
@@ -132,6 +135,24 @@ def _spec(path: Path, text: str, top: Mapping[str, Any], program: Path | None) -
         history_variables=variables,
         history_every=_whole(histories.get("every", 1), "histories.every", 1),
         history_rows=_whole(histories["rows"], "histories.rows", 1) if "rows" in histories else 0,
+        respond=_respond(top) if "respond" in top else None,
+    )
+
+
+def _respond(top: Mapping[str, Any]) -> Respond:
+    for key in ("window", "histories"):
+        if key in top:
+            raise SweepError(f"{key}: has no meaning with respond, whose cases are no runs")
+    keys = _mapping(top["respond"], "respond", ("over", "direction", "periods"))
+    over = _text(keys.get("over"), "respond.over")
+    if "=" not in over:
+        raise SweepError(f"respond.over: is '{over}', must be PATH=FROM:TO[:STEPS]")
+    return Respond(
+        over=over,
+        direction=_one_of(keys.get("direction", "both"), DIRECTIONS, "respond.direction"),
+        periods=_whole(keys["periods"], "respond.periods", LEAST_PERIODS)
+        if "periods" in keys
+        else 0,
     )
 
 

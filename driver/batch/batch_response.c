@@ -1,0 +1,201 @@
+#include "batch/batch_response.h"
+
+#include "analyses/versions.h"
+#include "base/memory.h"
+#include "base/write_bytes.h"
+#include "respond/respond.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+/** What is told of a response, behind the numbers. */
+enum { JUMPS_UP, JUMPS_DOWN, JUMP_UP_AT, JUMP_DOWN_AT, LONGEST_PERIOD, NOT_PERIODIC, CPU_TIME, N_OF_RESPONSE };
+static const statistics_scalar of_response[N_OF_RESPONSE] = {
+    [JUMPS_UP] = {"jumps_up", "1", "number of jumps on the way up"},
+    [JUMPS_DOWN] = {"jumps_down", "1", "number of jumps on the way down"},
+    [JUMP_UP_AT] = {"jump_up_at", "", "parameter behind the first jump on the way up"},
+    [JUMP_DOWN_AT] = {"jump_down_at", "", "parameter behind the first jump on the way down"},
+    [LONGEST_PERIOD] = {"longest_period", "1", "common periods after which the motion repeats, at most"},
+    [NOT_PERIODIC] = {"not_periodic", "1", "number of values at which the motion does not repeat"},
+    [CPU_TIME] = {"cpu_time", "s", "processor time since it was begun or gone on with"},
+};
+
+bool batch_response_check_design(const design *design, evl_error *error)
+{
+    const char *direction = design->respond_direction;
+    if (strcmp(direction, "up") != 0 && strcmp(direction, "down") != 0 && strcmp(direction, "both") != 0) {
+        return evl_error_set(error, EVL_EXIT_CASE, design->file,
+                             "respond_direction: is '%.64s', must be up, down or both", direction);
+    }
+    return design->history_variables[0] == '\0' ||
+           evl_error_set(error, EVL_EXIT_CASE, design->file, "history_variables: responses have no histories");
+}
+
+const char *batch_response_table(statistics_table *table, const model_names *names, int n_words,
+                                 const char *const *words)
+{
+    const char *unknown = statistics_table_of_numbers(table, names, n_words, words, N_OF_RESPONSE);
+    for (int i = 0; i < table->n; i++) {
+        statistics_scalar *scalar = &table->scalars[i];
+        scalar->name = pool_printf(&table->pool, "%s_largest", scalar->name);
+        scalar->long_name = pool_printf(&table->pool, "%s, largest over the parameter", scalar->long_name);
+    }
+    for (int i = 0; i < N_OF_RESPONSE; i++) {
+        table->scalars[table->n++] = of_response[i];
+    }
+    return unknown;
+}
+
+bool batch_response_folder(const batch_plan *plan, evl_error *error)
+{
+    return plan->design->respond_over[0] == '\0' || mkdir(plan->responses, 0777) == 0 || errno == EEXIST ||
+           evl_error_set_unwritten(error, plan->responses);
+}
+
+/* ---- a case ---- */
+
+typedef struct {
+    const batch_plan *plan;
+    double *results; /**< [n scalars] */
+    char *warnings;
+    bool has_other_sizes;
+} listener;
+
+static double larger(double a, double b)
+{
+    return isnan(a) || b > a ? b : a;
+}
+
+static void hear_point(const listener *listener, const response_point *point)
+{
+    const statistics_table *table = &listener->plan->table;
+    double *own = listener->results + table->n - N_OF_RESPONSE;
+    own[LONGEST_PERIOD] = larger(own[LONGEST_PERIOD], point->period);
+    own[NOT_PERIODIC] += point->period == 0;
+    for (int i = 0; i < table->n_numbers && !listener->has_other_sizes; i++) {
+        double *result = &listener->results[table->numbers[i].scalar];
+        *result = larger(*result, point->values[table->numbers[i].place]);
+    }
+}
+
+static void hear_jumps(double *own, const response *response)
+{
+    for (int i = response->n_jumps - 1; i >= 0; i--) {
+        const response_jump *jump = &response->jumps[i];
+        own[jump->direction == 0 ? JUMPS_UP : JUMPS_DOWN]++;
+        own[jump->direction == 0 ? JUMP_UP_AT : JUMP_DOWN_AT] = jump->after;
+    }
+}
+
+static char *warnings_of(const response *response)
+{
+    char *text = NULL;
+    for (int i = 0; i < response->n_attributes && text == NULL; i++) {
+        text = strcmp(response->attributes[i].key, "warnings") == 0 ? xstrdup(response->attributes[i].text) : NULL;
+    }
+    for (char *c = text; c != NULL && *c != '\0'; c++) {
+        *c = (char)(*c == '\n' ? ';' : *c);
+    }
+    return text;
+}
+
+static void hear(void *self, const response *response)
+{
+    listener *listener = self;
+    const statistics_table *table = &listener->plan->table;
+    const model_names *names = response->names;
+    double *own = listener->results + table->n - N_OF_RESPONSE;
+    listener->has_other_sizes =
+        table->n_numbers > 0 && (names->meshes.n != table->names.meshes.n || names->wheels.n != table->names.wheels.n ||
+                                 names->accelerometers.n != table->names.accelerometers.n);
+    own[JUMPS_UP] = own[JUMPS_DOWN] = own[LONGEST_PERIOD] = own[NOT_PERIODIC] = 0;
+    hear_jumps(own, response);
+    for (int d = 0; d < RESPONSE_DIRECTIONS; d++) {
+        for (int i = 0; i < response->n && response->points[d] != NULL; i++) {
+            hear_point(listener, &response->points[d][i]);
+        }
+    }
+    listener->warnings = warnings_of(response);
+}
+
+/** What is asked for of a case: its settings are in the pool. */
+static respond_options options_of(const batch_plan *plan, long index, memory_pool *pool)
+{
+    const design *design = plan->design;
+    const char **set = pool_calloc(pool, (size_t)design->n_columns, sizeof *set);
+    for (int i = 0; i < design->n_columns; i++) {
+        set[i] = design_option(design, i, index, pool);
+    }
+    return (respond_options){.over = design->respond_over,
+                             .text = design->base_case,
+                             .up = strcmp(design->respond_direction, "down") != 0,
+                             .down = strcmp(design->respond_direction, "up") != 0,
+                             .most = (int)design->respond_periods,
+                             .n_set = design->n_columns,
+                             .set = set,
+                             .quiet = true,
+                             .wheels = plan->wheels};
+}
+
+bool batch_response_check(const batch_plan *plan, long index, evl_error *refusal)
+{
+    POOLED memory_pool pool = {NULL};
+    const respond_options options = options_of(plan, index, &pool);
+    const char *name = pool_printf(&pool, "%s: base case", plan->design->file);
+    refusal->code = EVL_EXIT_OK;
+    return respond_check(name, &options, refusal) == EVL_EXIT_OK;
+}
+
+static const char *by_the_batch(int stop)
+{
+    (void)stop;
+    return "the end of the batch";
+}
+
+/** @return false if it ends the batch: what is in `error` is no fault of the case */
+static bool write_row(const batch_plan *plan, long index, const listener *listener, evl_exit code, batch_row *row,
+                      evl_error *error)
+{
+    OWNED char *message = evl_error_text(error);
+    if (code == EVL_EXIT_OK && listener->has_other_sizes) {
+        batch_row_write(plan, index, JOURNAL_REFUSED,
+                        "has other numbers of meshes, wheels or accelerometers than the base case; with `numbers` all "
+                        "cases have the same",
+                        NULL, NULL, row);
+    } else if (code == EVL_EXIT_OK) {
+        batch_row_write(plan, index, JOURNAL_DONE, listener->warnings, listener->results, NULL, row);
+    } else if (code == EVL_EXIT_INTEGRATION) {
+        batch_row_write(plan, index, JOURNAL_FAILED, message, NULL, NULL, row);
+    }
+    return code == EVL_EXIT_OK || code == EVL_EXIT_INTEGRATION || code == EVL_EXIT_INTERRUPTED;
+}
+
+bool batch_response_run(const batch_plan *plan, const batch_queue *queue, long index, batch_row *row, evl_error *error)
+{
+    static const double second = CLOCKS_PER_SEC;
+    POOLED memory_pool pool = {NULL};
+    const int n = plan->table.n;
+    OWNED char *versions = result_versions();
+    listener listener = {.plan = plan, .results = pool_calloc(&pool, (size_t)n, sizeof(double))};
+    for (int i = 0; i < n; i++) {
+        listener.results[i] = NAN;
+    }
+    respond_options options = options_of(plan, index, &pool);
+    options.path = pool_printf(&pool, "%s/case-%ld.h5", plan->responses, index);
+    options.versions = versions;
+    options.interrupt = batch_queue_stop_word(queue);
+    options.who = by_the_batch;
+    options.self = &listener;
+    options.told = hear;
+    const clock_t begun = clock();
+    const char *name = pool_printf(&pool, "%s: base case", plan->design->file);
+    const evl_exit code = respond(name, &options, error);
+    listener.results[n - N_OF_RESPONSE + CPU_TIME] = (double)(clock() - begun) / second;
+    const bool good = write_row(plan, index, &listener, code, row, error);
+    free(listener.warnings);
+    return good;
+}

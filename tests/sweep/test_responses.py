@@ -1,0 +1,191 @@
+"""A plan that names a response: its cases are files of `evolvent respond`, their numbers rows."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from evolvent.errors import SweepError
+from evolvent.sweep.plan import make_plan
+from evolvent.sweep.program import find_program
+from processes import wait_for
+from system.test_respond import SPEED, speeds, write_rectangular
+
+NUMBER = "transmission_error_standard_deviation"
+DAMPING = "meshes.ab.damping.value"
+JUMPING = speeds(0.74, 0.76, 0.02)
+
+
+def write_plan(folder: Path, values: list[float], **changes: Any) -> Path:
+    write_rectangular(folder)
+    path = folder / "plan.yaml"
+    plan = {
+        "format": 1,
+        "case": "rectangular.yaml",
+        "method": "list",
+        "numbers": [NUMBER],
+        "respond": {"over": JUMPING},
+        "parameters": [{"path": DAMPING, "name": "damping", "values": values}],
+        **changes,
+    }
+    path.write_text(yaml.safe_dump(plan))
+    return path
+
+
+def rows_of(folder: Path) -> dict[int, dict[str, Any]]:
+    """Numbers of the recorded cases, without what a clock says."""
+    lines = [line for path in folder.glob("*.jsonl") for line in path.read_text().splitlines()]
+    rows = [row for row in map(json.loads, lines) if "case" in row]
+    return {
+        row["case"]: {key: row[key] for key in row if key not in ("cpu_time", "at", "check")}
+        for row in rows
+    }
+
+
+def assert_same_file(one: Path, other: Path) -> None:
+    with (
+        xr.open_dataset(one, engine="h5netcdf") as a,
+        xr.open_dataset(other, engine="h5netcdf") as b,
+    ):
+        xr.testing.assert_identical(a.load(), b.load())
+
+
+def test_cases_are_the_files_of_respond_and_the_summary_has_their_numbers(
+    sweep: Callable[..., Any], evolvent: Callable[..., Any], tmp_path: Path
+) -> None:
+    values = [0.03, 0.05, 0.1]
+    assert sweep("plan", write_plan(tmp_path, values), "-o", "d.h5")[0] == 0
+    assert sweep("run", "d.h5", "-o", "two", "--jobs", "2")[0] == 0
+    assert sweep("run", "d.h5", "-o", "one", "--jobs", "1", "--shards", "2")[0] == 0
+    assert rows_of(Path("one")) == rows_of(Path("two"))
+    assert sweep("collect", "two", "-o", "s.h5")[0] == 0
+    with xr.open_dataset("s.h5", engine="h5netcdf") as summary:
+        summary.load()
+    assert summary.status.values.tolist() == [1, 1, 1]
+    for case, value in enumerate(values):
+        words = ["--over", JUMPING, "--set", f"{DAMPING}={value}", "-q", "-o", f"{case}.h5"]
+        assert evolvent("respond", tmp_path / "rectangular.yaml", *words).returncode == 0
+        for folder in ("one", "two"):
+            assert_same_file(Path(folder, "responses", f"case-{case}.h5"), Path(f"{case}.h5"))
+        with xr.open_dataset(f"{case}.h5", engine="h5netcdf") as file:
+            row = summary.sel(case=case)
+            assert float(row[f"{NUMBER}_largest"]) == float(file[NUMBER].max())
+            for number, direction in enumerate(("up", "down")):
+                at = file["jump_after"].values[file["jump_direction"].values == number]
+                assert int(row[f"jumps_{direction}"]) == at.size
+                np.testing.assert_equal(
+                    float(row[f"jump_{direction}_at"]), at[0] if at.size else np.nan
+                )
+            assert int(row["longest_period"]) == int(file["period"].max())
+            assert int(row["not_periodic"]) == int((file["period"] == 0).sum())
+    assert summary["jumps_up"].values.tolist() == [1, 1, 0]
+
+
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGKILL])
+def test_stopped_within_a_case_it_goes_on_with_the_same_bits(
+    sweep: Callable[..., Any], executable: Path, tmp_path: Path, sent: signal.Signals
+) -> None:
+    over = {"over": speeds(1.3, 1.8, 0.0015), "direction": "up"}
+    plan = write_plan(tmp_path, [0.03, 0.031], respond=over)
+    assert sweep("plan", plan, "-o", "d.h5")[0] == 0
+    command = [executable, "batch", "d.h5", "-o", "stopped", "--resume", "-q"]
+    kept = Path("stopped", "responses", "case-0.h5.parts", "checkpoint.h5")
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        wait_for(kept.exists)
+        process.send_signal(sent)
+        process.communicate(timeout=30)
+    assert process.returncode == (75 if sent == signal.SIGTERM else -sent)
+    wait_for(lambda: not is_locked_by_another(kept.parent))
+    assert rows_of(Path("stopped")) == {}
+    assert kept.exists()
+    for folder in ("stopped", "whole"):
+        done = subprocess.run([*command[:4], folder, "--resume", "-q"], check=False)
+        assert done.returncode == 0
+        assert not list(Path(folder, "responses").glob("*.par*"))
+    assert rows_of(Path("stopped")) == rows_of(Path("whole"))
+    for case in (0, 1):
+        name = f"case-{case}.h5"
+        assert_same_file(Path("stopped/responses", name), Path("whole/responses", name))
+
+
+def is_locked_by_another(folder: Path) -> bool:
+    """Whether the worker of a killed batch is still there."""
+    import fcntl
+
+    with (folder / "lock").open("r+b") as lock:
+        try:
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return True
+    return False
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"window": {"from": 0, "to": 1}}, "window: has no meaning with respond"),
+        ({"histories": {"variables": ["gap"]}}, "histories: has no meaning with respond"),
+        ({"respond": {}}, "respond.over: is missing, must be a text"),
+        ({"respond": {"over": "speed"}}, "respond.over: is 'speed', must be PATH=FROM:TO"),
+        ({"respond": {"over": JUMPING, "direction": "left"}}, "must be one of up, down, both"),
+        ({"respond": {"over": JUMPING, "periods": 9}}, "a whole number of at least 100"),
+        ({"respond": {"over": JUMPING, "method": "x"}}, "unknown key 'method'"),
+        ({"respond": {"over": f"{SPEED}=-500:-500"}}, "all 2 cases would be refused"),
+        ({"respond": {"over": "wheels.a.teeth=20:40"}}, "changes the structure"),
+        ({"numbers": ["no_such"]}, "there is no number 'no_such'"),
+    ],
+)
+def test_what_a_plan_cannot_ask_is_refused_in_one_line(
+    tmp_path: Path, changes: dict[str, Any], what: str
+) -> None:
+    plan = write_plan(tmp_path, [0.03, 0.05], **changes)
+    with pytest.raises(SweepError) as refused:
+        make_plan(plan, find_program())
+    assert what in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_case_that_is_refused_is_told_before_and_recorded(
+    sweep: Callable[..., Any], tmp_path: Path
+) -> None:
+    assert sweep("plan", write_plan(tmp_path, [7, 0.1]), "-o", "d.h5")[0] == 1
+    assert sweep("run", "d.h5", "-o", "d")[0] == 1
+    rows = rows_of(Path("d"))
+    assert [rows[case]["status"] for case in (0, 1)] == ["refused", "done"]
+    assert DAMPING in rows[0]["message"]
+
+
+def test_what_a_response_is_of_decides_about_its_design(tmp_path: Path) -> None:
+    responds: list[dict[str, Any]] = [
+        {"over": JUMPING},
+        {"over": JUMPING, "direction": "up"},
+        {"over": JUMPING, "periods": 700},
+        {"over": speeds(0.74, 0.76, 0.01)},
+    ]
+    designs = [
+        make_plan(write_plan(tmp_path, [0.1], respond=one), find_program())[0] for one in responds
+    ]
+    assert len({design.hash for design in designs}) == len(responds)
+
+
+def test_a_design_of_another_program_is_held_to_the_same(
+    sweep: Callable[..., Any], evolvent: Callable[..., Any], tmp_path: Path
+) -> None:
+    assert sweep("plan", write_plan(tmp_path, [0.1]), "-o", "d.h5")[0] == 0
+    with h5py.File("d.h5", "r") as design, h5py.File("other.h5", "w") as other:
+        other.attrs.update({key: value for key, value in design.attrs.items() if key != "plan"})
+        design.copy("parameters", other)
+        other.attrs["respond_direction"] = "left"
+    done = evolvent("batch", "other.h5", "-o", "d")
+    assert done.returncode == 3
+    assert "respond_direction: is 'left', must be up, down or both" in done.stderr
