@@ -222,6 +222,7 @@ static bool run_locked(shard_run *run, evl_error *error)
          (open_histories(run, error) && batch_response_folder(&run->plan, error) && sync_names(run, error))) &&
         drop_checkpoints(run, error)) {
         const double start = clock_seconds();
+        batch_response_keep(&run->plan, state->n_todo, state->todo);
         batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
         is_partial = error->code == EVL_EXIT_OK && summarise(run, clock_seconds() - start);
     }

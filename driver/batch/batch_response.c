@@ -3,8 +3,10 @@
 #include "analyses/versions.h"
 #include "base/memory.h"
 #include "base/write_bytes.h"
+#include "files/parts.h"
 #include "respond/respond.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -54,6 +56,39 @@ bool batch_response_folder(const batch_plan *plan, evl_error *error)
 {
     return plan->design->respond_over[0] == '\0' || mkdir(plan->responses, 0777) == 0 || errno == EEXIST ||
            evl_error_set_unwritten(error, plan->responses);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const long *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/** The case of which a folder of the responses keeps the state; -1: of none. */
+static long case_of(const char *name)
+{
+    static const char begin[] = "case-", end[] = ".h5.parts";
+    char *rest = NULL;
+    if (strncmp(name, begin, sizeof begin - 1) != 0 || name[sizeof begin - 1] < '0' || name[sizeof begin - 1] > '9') {
+        return -1;
+    }
+    errno = 0;
+    const long index = strtol(name + sizeof begin - 1, &rest, 10);
+    return errno == 0 && strcmp(rest, end) == 0 ? index : -1;
+}
+
+void batch_response_keep(const batch_plan *plan, long n, const long *todo)
+{
+    DIR *folder = plan->design->respond_over[0] == '\0' ? NULL : opendir(plan->responses);
+    for (const struct dirent *entry = folder == NULL ? NULL : readdir(folder); entry != NULL; entry = readdir(folder)) {
+        const long index = case_of(entry->d_name);
+        const bool is_ours = index >= 0 && index % plan->stride == plan->first_case;
+        if (is_ours && bsearch(&index, todo, (size_t)n, sizeof *todo, compare) == NULL) {
+            OWNED char *path = xasprintf("%s/%s", plan->responses, entry->d_name);
+            parts_remove(&(parts){.folder = path});
+        }
+    }
+    (void)(folder != NULL && closedir(folder));
 }
 
 /* ---- a case ---- */

@@ -12,6 +12,9 @@ const char *batch_response_table(statistics_table *table, const model_names *nam
                                  const char *const *words);
 /** Make the folder of their files, if cases are responses. @return false with the reason in `error` */
 bool batch_response_folder(const batch_plan *plan, evl_error *error);
+/** Delete what is kept of this shard's cases that are not to be run, which a run that could not delete it may have left.
+ *  @param todo  [n] numbers of the cases that are, rising */
+void batch_response_keep(const batch_plan *plan, long n, const long *todo);
 /** @return false with the reason in `refusal` */
 bool batch_response_check(const batch_plan *plan, long index, evl_error *refusal);
 /** As batch_case_run, of a case that was checked. */

@@ -110,6 +110,17 @@ def _write_wheels(folder: Path) -> None:
     write_design(folder / DESIGN, columns, paper_case(0.001, "spur-pair.yaml"))
 
 
+def _write_responses(folder: Path) -> None:
+    """A design whose cases are responses."""
+    write_design(
+        folder / DESIGN,
+        {"meshes.0.damping.value": [0.07, 0.1]},
+        paper_case(0.001, "spur-pair.yaml"),
+        respond_over=f"{TORQUE}=-40:-50:2",
+        respond_direction="up",
+    )
+
+
 def _write_sweep(folder: Path, is_run: bool) -> None:
     """A plan, and what came of it."""
     _write_case(folder)
@@ -126,7 +137,8 @@ def _batch_contents(folder: Path) -> dict[str, object]:
     """What a batch has made so far: its rows, each with its history; a row may not be there."""
     journal, stack = folder / "r" / JOURNAL, folder / "r" / STACK
     found: dict[str, object] = _files(folder, {"r/design.txt": Path.read_bytes})
-    found |= {f"r/{path.name}": _of_hdf5(path) for path in folder.glob("r/compliance-*.h5")}
+    for pattern in ("compliance-*.h5", "responses/case-*.h5"):
+        found |= {f"r/{path.name}": _of_hdf5(path) for path in folder.glob(f"r/{pattern}")}
     if journal.exists() and journal.read_bytes().count(b"\n") > 0:
         read = read_journal(journal)
         assert len(read.cases) == len(read.rows), "a case is there twice"
@@ -196,6 +208,14 @@ def commands(program: Path) -> dict[str, Command]:
         Command(
             "batch-wheels",
             _write_wheels,
+            batch,
+            _batch_contents,
+            again=[*batch, "--resume"],
+            recorded=_rows,
+        ),
+        Command(
+            "batch-responses",
+            _write_responses,
             batch,
             _batch_contents,
             again=[*batch, "--resume"],
