@@ -97,7 +97,8 @@ static bool write_all_told(writer *w)
         {netcdf_describe(NETCDF_INTEGER, "orbit_touch_mesh", "1", "",
                          "place in `mesh` of the flanks that just touch or part; -1: none"),
          tell_mesh},
-        {netcdf_describe(NETCDF_REAL, "orbit_residual", "1", "", "largest difference after a period, in units of the states"),
+        {netcdf_describe(NETCDF_REAL, "orbit_residual", "1", "",
+                         "largest difference after a period, in units of the states"),
          tell_residual},
     };
     OWNED double *values = xcalloc((size_t)w->from->n_points + 1, sizeof *values);

@@ -96,8 +96,8 @@ bool model_orbits_find(model_orbits *orbits, double value, int periods, double t
     evl_status status = {.index = -1};
     evl_orbit told;
     orbits->refusal[0] = '\0';
-    const int code = evl_orbits_find(orbits->orbits, value, periods, time, near->y, near->integers, near->reals, &told,
-                                     &status);
+    const int code =
+        evl_orbits_find(orbits->orbits, value, periods, time, near->y, near->integers, near->reals, &told, &status);
     if (code == EVL_OK) {
         from_kernel(&told, orbit);
     }
@@ -130,7 +130,7 @@ bool model_orbits_state(model_orbits *orbits, int branch, int point, dae_state *
 {
     evl_status status = {.index = -1};
     orbits->refusal[0] = '\0';
-    const int code = evl_orbits_state(orbits->orbits, branch, point, &state->t, state->y, state->integers, state->reals,
-                                      &status);
+    const int code =
+        evl_orbits_state(orbits->orbits, branch, point, &state->t, state->y, state->integers, state->reals, &status);
     return answered(orbits, code, &status, message);
 }

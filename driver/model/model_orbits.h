@@ -51,4 +51,5 @@ bool model_orbits_switch(model_orbits *orbits, int branch, int point, char messa
 void model_orbits_point(const model_orbits *orbits, int branch, int point, model_orbit *orbit, double *multipliers);
 /** The state of a point on the section, without y', or of the present one if `branch` is negative; take was asked for its model last.
  *  @return false with the reason in `message` */
-bool model_orbits_state(model_orbits *orbits, int branch, int point, dae_state *state, char message[DAE_MESSAGE_LENGTH]);
+bool model_orbits_state(model_orbits *orbits, int branch, int point, dae_state *state,
+                        char message[DAE_MESSAGE_LENGTH]);

@@ -3,7 +3,7 @@
 !> The header's section "orbits" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_orbits
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
-                                          c_funptr, c_int, c_loc, c_null_ptr, c_ptr
+                                                                             c_funptr, c_int, c_loc, c_null_ptr, c_ptr
    use evl_branch, only: branch_options, follow_branch, switch_at_doubling
    use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_from_c, to_c
    use evl_gearbox, only: gearbox_t

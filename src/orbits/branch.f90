@@ -40,10 +40,13 @@ contains
       type(branch_point), allocatable :: special(:)
       type(branch_point) :: first, now, next
       real(wp) :: along(model%n + 2), step
-      integer :: i, n_ordinary, n
+      real(wp), parameter :: crawling = 1.0e-3_wp !! step over the largest that is no progress
+      integer, parameter :: most_crawls = 60      !! of such steps, one after the other
+      integer :: crawls, i, n_ordinary, n
       logical :: at_end, closes
 
       n = 0
+      crawls = 0
       allocate (points(64))
       call check_range(options, orbit, status)
       now%orbit = orbit
@@ -58,6 +61,10 @@ contains
       along_branch: do n_ordinary = 2, options%most_points
          if (has_failed(status)) exit
          call go_on(model, options, now%orbit, next, step, status)
+         if (has_failed(status)) exit
+         crawls = merge(crawls + 1, 0, next%way < crawling*options%largest_step)
+         if (crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
+                                             quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
          if (has_failed(status)) exit
          at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
          if (at_end) call stop_at_bound(model, options, now%orbit, next, status)

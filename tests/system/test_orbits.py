@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import signal
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +17,17 @@ import yaml
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from system.test_numbers import BASE, FORCE, INERTIA, RATIO, STIFFNESS, TEETH, rectangular
+from system.test_numbers import (
+    BASE,
+    FORCE,
+    HALF_GAP,
+    INERTIA,
+    RATIO,
+    STIFFNESS,
+    TEETH,
+    oscillator,
+    rectangular,
+)
 from system.test_respond import SPEED, UNIT, speeds
 
 Orbits = Callable[..., xr.Dataset]
@@ -68,6 +80,7 @@ def monodromy(omega: float, ratio: float, damping: float) -> np.ndarray:
 
 def boundary(low: float, high: float, ratio: float, damping: float) -> float:
     """Frequency over omega_1 at which a multiplier is -1."""
+
     def over(omega: float) -> float:
         d = monodromy(omega, ratio, damping)
         return float(np.trace(d) + 1 + np.linalg.det(d))
@@ -93,9 +106,7 @@ def test_doublings_without_parting_are_meissners_boundaries(
     equation at the same frequency.
     """
     monkeypatch.setattr("system.test_numbers.RATIO", ratio)
-    low, high = (
-        boundary(*ends, ratio, damping) for ends in _around(ratio, damping)
-    )
+    low, high = (boundary(*ends, ratio, damping) for ends in _around(ratio, damping))
     scale = UNIT / OMEGA_1 * TEETH
     found = orbits(
         *(0.97 * low / scale, 1.03 * high / scale),
@@ -173,3 +184,143 @@ def test_numbers_of_an_orbit_are_those_at_the_end_of_a_long_run(
 
 def _near(values: np.ndarray, value: float) -> np.ndarray:
     return np.abs(values - value) < 1e-9
+
+
+# ---- backlash: a curve with two folds ----
+
+AMPLITUDE = "wheels.b.loads.0.amplitude"
+
+
+@pytest.fixture
+def stops(tmp_path: Path) -> Path:
+    """The oscillator with backlash at 0.8 of its frequency."""
+    case = oscillator(0.8, HALF_GAP)
+    del case["simulation"]["numbers"]
+    path = tmp_path / "stops.yaml"
+    path.write_text(yaml.safe_dump(case))
+    return path
+
+
+def follow(evolvent, case: Path, over: str, *options: str) -> xr.Dataset:
+    """What comes of a case over a parameter."""
+    result = case.with_name("follow.h5")
+    done = evolvent("respond", case, "--over", over, "-q", "-o", result, *options)
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(result, engine="h5netcdf") as file:
+        return file.load()
+
+
+def test_unstable_branch_joins_both_jumps_of_a_sweep(evolvent, stops: Path) -> None:
+    """A sweep jumps at the folds, to 1e-4; between them one branch holds all three orbits."""
+    found = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300", "--method", "orbits")
+    sweep = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300:57", "--both")
+    assert found.sizes["branch"] == 1
+    kind, parameter = found["orbit_kind"].values, found["orbit_parameter"].values
+    folds = np.flatnonzero(kind == FOLD)
+    assert len(folds) == 2
+    jumps = (sweep["jump_before"].values + sweep["jump_after"].values) / 2
+    np.testing.assert_allclose(parameter[folds], jumps, rtol=1e-4)
+    stable = found["orbit_stable"].values == 1
+    assert stable[: folds[0]].all()
+    assert not stable[folds[0] + 1 : folds[1]].any()
+    assert stable[folds[1] + 1 :].all()
+    assert (found["orbit_residual"].values <= 1e-10).all()
+    assert parameter[[0, -1]] == pytest.approx([-20, -300], rel=1e-12)
+
+
+def test_orbits_of_the_ends_are_those_of_the_sweep(evolvent, stops: Path) -> None:
+    """The sweep comes within 1e-6 of an orbit."""
+    found = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300", "--method", "orbits")
+    sweep = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300:57", "--up")
+    for place, end in ((0, 0), (-1, -1)):
+        for name in ("transmission_error_standard_deviation", "dynamic_factor"):
+            assert float(found[name][place, 0]) == pytest.approx(
+                float(sweep[name][0, end, 0]), rel=1e-5
+            )
+
+
+# ---- unknown periods ----
+
+
+@pytest.mark.parametrize("damping", ["ratio", "flores"])
+def test_period_under_torques_alone_is_found(evolvent, examples, tmp_path, damping: str) -> None:
+    """Nothing goes by time; the numbers are those of the sweep, which comes within 1e-6."""
+    law = "{law: flores, restitution: 0.8}" if damping == "flores" else "{law: ratio, value: 0.07}"
+    case = tmp_path / "torques.yaml"
+    case.write_text((examples / "spur-pair.yaml").read_text())
+    over = "wheels.pinion.loads.0.value=-50:-45:2"
+    options = ("--set", f"meshes.pinion-gear.damping={law}")
+    found = follow(evolvent, case, over, "--method", "orbits", *options)
+    sweep = follow(evolvent, case, over, "--up", *options)
+    assert (found["orbit_stable"].values == 1).all()
+    assert (found["orbit_residual"].values <= 1e-10).all()
+    assert (np.diff(found["orbit_time"].values) > 0).all()  # less torque: slower
+    for name in ("transmission_error_standard_deviation", "normal_force_mean"):
+        np.testing.assert_allclose(
+            found[name].values[[0, -1], 0], sweep[name].values[0, :, 0], rtol=1e-5
+        )
+
+
+# ---- what cannot be ----
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "part"),
+    [
+        (("--over", "wheels.a.teeth=20:40"), 2, "structure"),
+        (("--over", f"{SPEED}=-500:-500"), 2, "the same value"),
+        (("--over", f"{SPEED}=-500:500:3"), 3, "no common period"),
+        (("--over", f"{SPEED}=-500:-600", "--both"), 2, "none of --up, --down and --both"),
+        (("--over", f"{SPEED}=-500:-600", "--method", "shooting"), 2, "sweep or orbits"),
+        (("--over", "wheels.a.loads.0.kind=1:2"), 3, "must be one of"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(
+    evolvent, tmp_path: Path, options: tuple[str, ...], code: int, part: str
+) -> None:
+    case = rectangular(1.0, 1, 1, "radau")
+    del case["simulation"]["numbers"]
+    path = tmp_path / "case.yaml"
+    path.write_text(yaml.safe_dump(case))
+    method = () if "--method" in options else ("--method", "orbits")
+    done = evolvent("respond", path, "-o", tmp_path / "o.h5", *options, *method)
+    assert done.returncode == code
+    *_, line = done.stderr.strip().splitlines()
+    assert part in done.stderr, line
+    assert not list(tmp_path.glob("o.h5*"))
+
+
+def test_where_no_motion_repeats_it_says_so(evolvent, tmp_path: Path) -> None:
+    """Behind the last doubling on the way down the motion of some speeds is chaotic."""
+    case = rectangular(1.0, 1, 1, "radau")
+    del case["simulation"]["numbers"]
+    case["meshes"][0]["damping"] = {"law": "none"}
+    path = tmp_path / "case.yaml"
+    path.write_text(yaml.safe_dump(case))
+    over = f"{SPEED}={-1.31 * UNIT!r}:{-1.32 * UNIT!r}"
+    done = evolvent(
+        *("respond", path, "--over", over, "--method", "orbits", "-o", tmp_path / "o.h5")
+    )
+    assert done.returncode == 4, done.stderr
+    *_, line = done.stderr.strip().splitlines()
+    assert "no orbit was found: wheels.a.loads.0.value=" in line
+    assert "the motion is not periodic" in line
+    assert "0 branches with 0 points are in" in line
+
+
+def test_interrupted_it_keeps_what_was_found(tmp_path: Path, executable) -> None:
+    case = rectangular(1.0, 1, 1, "radau")
+    del case["simulation"]["numbers"]
+    path, result = tmp_path / "case.yaml", tmp_path / "o.h5"
+    path.write_text(yaml.safe_dump(case))
+    over = f"{SPEED}={-0.4 * UNIT!r}:{-2.4 * UNIT!r}"
+    command = [executable, "respond", path, "--over", over, "--method", "orbits", "-o", result]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        _, messages = process.communicate(timeout=30)
+    assert process.returncode == 75, messages
+    assert "interrupted by SIGINT" in messages.splitlines()[-1]
+    with xr.open_dataset(f"{result}.partial", engine="h5netcdf") as partial:
+        assert partial.attrs["status"] == "interrupted"
+    assert not result.exists()

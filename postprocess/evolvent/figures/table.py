@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from evolvent.errors import HistoryError
 from evolvent.figures.campbell import draw_campbell
 from evolvent.figures.on_path import draw_on_path
+from evolvent.figures.orbits import draw_orbits
 from evolvent.figures.order_map import draw_order_maps
 from evolvent.figures.pairs import draw_pairs, last_pitches
 from evolvent.figures.quantities import draw_quantities
@@ -24,6 +25,7 @@ from evolvent.figures.static import draw_curves, draw_harris, draw_sharing
 from evolvent.history import (
     CAMPBELL,
     HISTORY,
+    ORBITS,
     ORDER_MAP,
     RESPONSE,
     SPECTRUM,
@@ -263,6 +265,17 @@ def order_map(runs: Sequence[Run], over_time: bool = False, as_frequency: bool =
 def response(run: Run) -> Figure:
     """Draw deviation of the transmission error, dynamic factor and period over the parameter."""
     return draw_response(run.history)
+
+
+@figure(
+    "branches of periodic orbits over a parameter, stable and unstable, with their special points",
+    "transmission_error_standard_deviation",
+    "dynamic_factor",
+    of=ORBITS,
+)
+def orbits(run: Run) -> Figure:
+    """Draw deviation of the transmission error and dynamic factor of all orbits."""
+    return draw_orbits(run.history)
 
 
 @figure(

@@ -23,12 +23,13 @@ if TYPE_CHECKING:
 
 NEWEST_FORMAT = 1
 # values of the attribute `evolvent_kind`
-HISTORY, STATIC, RESPONSE = "history", "static", "response"
+HISTORY, STATIC, RESPONSE, ORBITS = "history", "static", "response", "orbits"
 SPECTRUM, ORDER_MAP, CAMPBELL = "spectrum", "order_map", "campbell"
 DIMENSIONS = {
     HISTORY: ("time", "wheel", "mesh", "axis"),
     STATIC: ("torque", "position", "pair", "harmonic"),
     RESPONSE: ("direction", "parameter", "jump", "mesh"),
+    ORBITS: ("branch", "point", "multiplier", "mesh"),
     SPECTRUM: (),  # frequency or order
     ORDER_MAP: ("time", "order"),
     CAMPBELL: ("speed", "mode", "excitation", "crossing"),
@@ -37,12 +38,20 @@ WHAT = {
     HISTORY: "a history",
     STATIC: "a static analysis",
     RESPONSE: "a response",
+    ORBITS: "branches of orbits",
     SPECTRUM: "a spectrum",
     ORDER_MAP: "an order map",
     CAMPBELL: "a Campbell picture",
     "stack": "histories of many cases",
 }
-DRAWN = (STATIC, RESPONSE, SPECTRUM, ORDER_MAP, CAMPBELL)  # by evolvent-post plot, beside histories
+DRAWN = (
+    STATIC,
+    RESPONSE,
+    ORBITS,
+    SPECTRUM,
+    ORDER_MAP,
+    CAMPBELL,
+)  # by evolvent-post plot, beside histories
 EVENTS = "events"  # group of a file; of a dataset without one, what makes them, in its `encoding`
 EVENT = "event"  # dimension of events, and their number
 DONE, RUNNING = "done", "running"  # values of the attribute `status`

@@ -420,12 +420,13 @@ typedef struct {
     /** The gearbox with a value of the parameter and the scales of its states [n_states], which live until the next call.
      *  @return EVL_OK, or why there is none: any other code, with the reason in `status` */
     int (*take)(void *self, double value, const evl_gearbox **gearbox, const double **scale, evl_status *status);
-    double from, to;      /**< the parameter stays between these; their distance counts as 1 along a branch */
-    double place;         /**< of the section, where a speed is prescribed: pitches of the first mesh after t = 0; away from events */
-    double tolerance;     /**< of the integration, in units of the scales */
-    double residual;      /**< largest difference after a period, in units of the scales */
+    double from, to; /**< the parameter stays between these; their distance counts as 1 along a branch */
+    double
+        place; /**< of the section, where a speed is prescribed: pitches of the first mesh after t = 0; away from events */
+    double tolerance;                               /**< of the integration, in units of the scales */
+    double residual;                                /**< largest difference after a period, in units of the scales */
     double first_step, smallest_step, largest_step; /**< along a branch, states in units of their scales */
-    int most_points;      /**< of a branch, special ones not counted */
+    int most_points;                                /**< of a branch, special ones not counted */
 } evl_orbits_setup;
 /** What a point of a branch is. */
 typedef enum {
@@ -466,8 +467,8 @@ EVL_API int evl_orbits_switch(evl_orbits *orbits, int branch, int point, double 
 /** @param multipliers  [n_multipliers][2] at most one a state and a tooth contact: real and imaginary part, by falling size */
 EVL_API void evl_orbits_point(const evl_orbits *orbits, int branch, int point, evl_orbit *orbit, double *multipliers);
 /** The state on the section of a point, or of the present orbit if `branch` is negative. */
-EVL_API int evl_orbits_state(evl_orbits *orbits, int branch, int point, double *t, double *y, int *integers, double *reals,
-                             evl_status *status);
+EVL_API int evl_orbits_state(evl_orbits *orbits, int branch, int point, double *t, double *y, int *integers,
+                             double *reals, evl_status *status);
 
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
 

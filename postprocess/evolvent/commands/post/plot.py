@@ -106,7 +106,7 @@ def plot(
     """Draw quantities over time, the roll angle or the path of contact; several histories in one.
 
     Of a static analysis: over the mesh cycle and over the torque. Of a response: over its
-    parameter, up and down, with its jumps.
+    parameter, up and down, with its jumps. Of orbits: stable ones solid, unstable ones dashed.
 
     \b
     A run with a window for its numbers shows that window, without what comes before.

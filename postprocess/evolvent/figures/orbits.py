@@ -1,0 +1,100 @@
+"""Branches of periodic orbits over a parameter: what is stable, what is not, where that changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from evolvent.figures.response import SHOWN
+from evolvent.figures.style import LINES, STYLE, legend
+from evolvent.units import axis_label, engineering
+
+# by the numbers of `orbit_kind`; what is ordinary has no mark
+MARKS: dict[int, tuple[str, dict[str, Any]]] = {
+    1: ("fold", {"marker": "o", "markersize": 5}),
+    2: ("crossing", {"marker": "X", "markersize": 6}),
+    3: ("period doubling", {"marker": "D", "markersize": 5}),
+    4: ("Neimark-Sacker", {"marker": "^", "markersize": 6}),
+    5: ("flanks just part", {"marker": "|", "markersize": 9}),
+}
+MARK_COLOR = "#8c1c3a"
+UNSTABLE = (0, (3, 2))
+
+
+def draw_orbits(orbits: xr.Dataset) -> Figure:
+    """Draw numbers of each mesh over the parameter: stable orbits solid, unstable ones dashed.
+
+    Orbits of one common period, of two and so on have their own colours; folds and other special
+    points have marks.
+
+    Parameters
+    ----------
+    orbits : as `evolvent respond --method orbits` writes it.
+    """
+    meshes = [str(name) for name in orbits["mesh"].values]
+    shown = [(name, mesh) for mesh in range(len(meshes)) for name in SHOWN]
+    scale, unit = engineering(
+        orbits["orbit_parameter"].values, orbits["orbit_parameter"].attrs["units"]
+    )
+    x = orbits["orbit_parameter"].values * scale
+    with rc_context(STYLE):
+        figure = Figure(figsize=(7.5, 1.8 + 2.6 * len(shown)), layout="constrained")
+        panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+        for panel, (name, mesh) in zip(panels, shown, strict=True):
+            values = orbits[name].isel(mesh=mesh)
+            factor, of = engineering(values.values, str(values.attrs["units"]))
+            _draw_branches(panel, orbits, x, values.values * factor)
+            _draw_marks(panel, orbits, x, values.values * factor)
+            text = SHOWN[name] if len(meshes) == 1 else f"{SHOWN[name]}, {meshes[mesh]}"
+            panel.set_ylabel(axis_label(text, of))
+            panel.set_ylim(bottom=0.0)
+        panels[-1].set_xlabel(axis_label(str(orbits.attrs["parameter"]), unit))
+        handles, labels = panels[0].get_legend_handles_labels()
+        legend(figure, dict(zip(labels, handles, strict=True)))
+        if x.size > 0 and np.all(x <= 0):
+            panels[-1].invert_xaxis()  # a faster one is on the right
+    return figure
+
+
+def _draw_branches(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray) -> None:
+    """Draw all branches, the colour by the period."""
+    periods = sorted({int(period) for period in orbits["orbit_period"].values})
+    for piece, period, is_stable in _pieces(orbits):
+        color = LINES[periods.index(period) % len(LINES)]["color"]
+        text = f"period {period}, {'stable' if is_stable else 'unstable'}"
+        panel.plot(x[piece], y[piece], color=color, label=text,
+                   linestyle="-" if is_stable else UNSTABLE)  # fmt: skip
+
+
+def _pieces(orbits: xr.Dataset) -> Iterator[tuple[slice, int, bool]]:
+    """Pieces of branches of one stability; a special point belongs to both sides of it."""
+    branch = orbits["orbit_branch"].values
+    ordinary = orbits["orbit_kind"].values == 0
+    stable = orbits["orbit_stable"].values == 1
+    period = orbits["orbit_period"].values
+    for number in np.unique(branch):
+        (points,) = np.nonzero(branch == number)
+        first, now = int(points[0]), None
+        last = first
+        for k in points.tolist():
+            if ordinary[k]:
+                if now is not None and bool(stable[k]) != now:
+                    yield slice(first, max(last + 1, k)), int(period[k]), now
+                    first = max(last, k - 1)
+                now, last = bool(stable[k]), k
+        if now is not None:
+            yield slice(first, int(points[-1]) + 1), int(period[points[-1]]), now
+
+
+def _draw_marks(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray) -> None:
+    """Draw what is special."""
+    for kind, (text, style) in MARKS.items():
+        at = orbits["orbit_kind"].values == kind
+        if at.any():
+            panel.plot(x[at], y[at], linestyle="none", color=MARK_COLOR, label=text, **style)
