@@ -29,8 +29,8 @@ module evl_branch
 
 contains
 
-   !> Follow the branch of an orbit until the parameter leaves its range, the branch closes, or there are enough points. One of twice
-   !> the period ends where both halves of its orbits become one.
+   !> Follow the branch of an orbit until the parameter leaves its range, the branch closes, or there are enough points. One of
+   !> twice the period ends where both halves of its orbits become one.
    subroutine follow_branch(model, options, orbit, points, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
@@ -59,27 +59,27 @@ contains
       step = options%first_step
       at_end = .false.
       along_branch: do n_ordinary = 2, options%most_points
-         if (has_failed(status)) exit
+         if (has_failed(status)) exit along_branch
          call go_on(model, options, now%orbit, next, step, status)
-         if (has_failed(status)) exit
+         if (has_failed(status)) exit along_branch
          crawls = merge(crawls + 1, 0, next%way < crawling*options%largest_step)
          if (crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
                                              quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
-         if (has_failed(status)) exit
+         if (has_failed(status)) exit along_branch
          at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
          if (at_end) call stop_at_bound(model, options, now%orbit, next, status)
          if (.not. has_failed(status)) &
             call find_special_points(model, options%orbits, now%orbit, next%orbit, next%way, special, status)
-         if (has_failed(status)) exit
+         if (has_failed(status)) exit along_branch
          do i = 1, size(special)
             call keep(points, n, special(i))
             closes = special(i)%kind == kind_fold
             if (closes) call repeats_sooner(model, options, special(i)%orbit, closes, status)
             if (closes) exit along_branch ! the same orbits, half a period later, are all that comes
          end do
-         if (has_failed(status)) exit
+         if (has_failed(status)) exit along_branch
          call keep(points, n, next)
-         if (at_end .or. n_ordinary > 3 .and. comes_by(model, options, now, next%way, first)) exit
+         if (at_end .or. n_ordinary > 3 .and. comes_by(model, options, now, next%way, first)) exit along_branch
          now = next
       end do along_branch
       points = points(:n)
@@ -97,7 +97,7 @@ contains
       real(wp) :: lack(model%n)
 
       sooner = .false.
-      if (modulo(orbit%periods, 2) /= 0 .or. model%autonomous) return
+      if (modulo(orbit%periods, 2) /= 0) return
       call model%set_parameter(orbit%parameter, status)
       if (.not. has_failed(status)) &
          call follow(model, orbit%y, orbit%periods/2, orbit%period/2, options%orbits%tolerance, .false., flow, status)

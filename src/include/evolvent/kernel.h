@@ -415,11 +415,13 @@ EVL_API int evl_gearbox_take_over(const evl_gearbox *gearbox, bool alike, double
 
 /** Periodic orbits of gearboxes that differ in one number, the parameter: found by shooting, followed in it. docs/orbits.md. */
 typedef struct evl_orbits evl_orbits;
+/** The gearbox with a value of the parameter and the scales of its states [n_states], which live until the next call.
+ *  @return EVL_OK, or why there is none: any other code, with the reason in `status` */
+typedef int evl_orbits_take(void *self, double value, const evl_gearbox **gearbox, const double **scale,
+                            evl_status *status);
 typedef struct {
     void *self; /**< for `take` */
-    /** The gearbox with a value of the parameter and the scales of its states [n_states], which live until the next call.
-     *  @return EVL_OK, or why there is none: any other code, with the reason in `status` */
-    int (*take)(void *self, double value, const evl_gearbox **gearbox, const double **scale, evl_status *status);
+    evl_orbits_take *take;
     double from, to; /**< the parameter stays between these; their distance counts as 1 along a branch */
     double
         place; /**< of the section, where a speed is prescribed: pitches of the first mesh after t = 0; away from events */

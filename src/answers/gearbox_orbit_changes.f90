@@ -1,0 +1,213 @@
+!> How a gearbox as a system of orbits changes: on the section, at events, and with its approach speeds.
+!>
+!> Root functions and approach speeds are differentiated by differences of fourth order over a thousandth of the scales: they are
+!> smooth there, and exact to 1e-9. Residuals do not contain them.
+submodule(evl_gearbox_orbits) evl_gearbox_orbit_changes
+   use evl_carried_state, only: take_back, take_over
+   use evl_contacts_at_state, only: look_at
+   use evl_discrete_state, only: take_mode
+   use evl_event_log, only: event_log
+   use evl_gearbox, only: i_turns
+   use evl_gearbox_events, only: gearbox_apply_event, gearbox_root
+   use evl_gearbox_ode, only: gearbox_ode_set
+   use evl_gearbox_rates, only: gearbox_rates
+   use evl_tooth_contact, only: contact_mode, contact_state, touches
+   implicit none (type, external)
+
+   real(wp), parameter :: step = 1.0e-3_wp       !! of differences, over the scales
+
+contains
+
+   !> Put the discrete state where it is used.
+   subroutine take_modes(self)
+      type(gearbox_orbits), intent(inout) :: self
+      type(contact_mode) :: mode
+      integer :: m
+
+      call gearbox_ode_set(self%ode, self%integers, self%reals)
+      do m = 1, size(self%reals)
+         call take_mode(self%gearbox, m, self%integers, self%reals, mode)
+         associate (modes => self%modes(per_contact*(m - 1) + 1:per_contact*m))
+            modes = [mode%tooth_pair, mode%flanks, mode%zone_a, mode%zone_b]
+            if (.not. touches(mode)) modes(3:) = 0 ! they mean nothing
+         end associate
+      end do
+   end subroutine take_modes
+
+   !> The modes of a state on the section.
+   module subroutine settle(self, t, y, status)
+      class(gearbox_orbits), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(self%n)
+      type(status_t), intent(inout) :: status
+      type(contact_mode) :: mode
+      type(event_log) :: log
+      integer :: nothing(self%n_roots), k
+      real(wp) :: yp(self%n_gears)
+
+      self%integers = 0
+      self%reals = 0
+      call take_over(self%gearbox, .false., t, y(:self%n_gears), yp, self%integers, self%reals, status)
+      if (has_failed(status)) return
+      self%reals = 0
+      do k = 1, size(self%memory)
+         call take_mode(self%gearbox, self%memory(k), self%integers, self%reals, mode)
+         if (.not. touches(mode)) y(self%n_gears + k) = 0
+         self%reals(self%memory(k)) = y(self%n_gears + k)
+      end do
+      nothing = 0
+      if (size(self%memory) > 0) & ! whether flanks pull depends on it
+         call gearbox_apply_event(self%gearbox, t, nothing, .false., y(:self%n_gears), yp, self%integers, self%reals, log, status)
+      if (.not. has_failed(status)) call take_modes(self)
+   end subroutine settle
+
+   !> Tooth pairs that are as many pitches further take the names of those where the motion began.
+   module subroutine come_back(self, periods, y, derivative)
+      class(gearbox_orbits), intent(inout) :: self
+      integer, intent(in) :: periods
+      real(wp), intent(inout) :: y(self%n)
+      real(wp), intent(inout) :: derivative(self%n, self%n)
+      real(wp) :: from(size(self%reals)), before(self%n), rows(self%n, self%n), scrap(self%n_gears)
+      integer :: moved(size(self%integers)), k, old
+      type(contact_mode) :: mode
+
+      from = [(real(k, wp), k=1, size(from))]
+      moved = self%integers
+      scrap = y(:self%n_gears)
+      call take_back(self%gearbox, self%common, periods, scrap, moved, from) ! where each contact's memory comes from
+      before = y
+      rows = derivative
+      y(:self%n_gears) = scrap
+      y(i_theta) = y(i_theta) + 2*pi*moved(i_turns)
+      moved(i_turns) = 0
+      self%integers = moved
+      self%reals = 0
+      do k = 1, size(self%memory)
+         old = findloc(self%memory, nint(from(self%memory(k))), 1)
+         call take_mode(self%gearbox, self%memory(k), self%integers, self%reals, mode)
+         y(self%n_gears + k) = merge(before(self%n_gears + old), 0.0_wp, touches(mode))
+         derivative(self%n_gears + k, :) = 0
+         if (touches(mode)) derivative(self%n_gears + k, :) = rows(self%n_gears + old, :)
+         self%reals(self%memory(k)) = y(self%n_gears + k)
+      end do
+      call take_modes(self)
+   end subroutine come_back
+
+   !> How f changes with an approach speed.
+   module subroutine by_memory(self, m, t, y, slope, status)
+      type(gearbox_orbits), intent(in) :: self
+      integer, intent(in) :: m
+      real(wp), intent(in) :: t, y(self%n_gears)
+      real(wp), intent(out) :: slope(self%n_gears)
+      type(status_t), intent(inout) :: status
+      real(wp) :: reals(size(self%reals)), f(self%n_gears, -2:2)
+      type(contact_mode) :: mode
+      integer :: k
+
+      slope = 0
+      call take_mode(self%gearbox, m, self%integers, self%reals, mode)
+      if (.not. touches(mode) .or. .not. self%reals(m) > 0) return
+      reals = self%reals
+      do k = -2, 2
+         reals(m) = self%reals(m)*(1 + k*step)
+         call gearbox_rates(self%gearbox, t, y, self%integers, reals, f(:, k), status)
+         if (has_failed(status)) return
+      end do
+      slope = (8*(f(:, 1) - f(:, -1)) - (f(:, 2) - f(:, -2)))/(12*step*self%reals(m))
+   end subroutine by_memory
+
+   !> How a root function changes with the states it depends on; none depends on time alone.
+   module subroutine root_gradient(self, t, y, root, by_state, by_time, status)
+      class(gearbox_orbits), intent(in) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(self%n)
+      integer, intent(in) :: root
+      real(wp), intent(out) :: by_state(self%n), by_time
+      type(status_t), intent(inout) :: status
+      real(wp) :: roots(self%n_roots), moved(self%n_gears), values(-2:2)
+      integer :: i, k
+
+      by_state = 0
+      by_time = 0
+      do i = self%root_first(root), self%root_last(root)
+         associate (state => self%root_states(i))
+            do k = -2, 2
+               moved = y(:self%n_gears)
+               moved(state) = moved(state) + k*step*self%scale(state)
+               call gearbox_root(self%gearbox, root, moved, self%integers, self%reals, roots, status)
+               if (has_failed(status)) return
+               values(k) = roots(root)
+            end do
+            by_state(state) = slope_of(values)/(step*self%scale(state))
+         end associate
+      end do
+   end subroutine root_gradient
+
+   !> Slope in the middle of five values, by their number.
+   pure real(wp) function slope_of(values) result(slope)
+      real(wp), intent(in) :: values(-2:2)
+
+      slope = (8*(values(1) - values(-1)) - (values(2) - values(-2)))/12
+   end function slope_of
+
+   !> What an event changes: modes, and the approach speeds of what closes or leaves.
+   module subroutine apply_event(self, t, fired, time_event, y, by_state, by_time, status)
+      class(gearbox_orbits), intent(inout) :: self
+      real(wp), intent(in) :: t
+      integer, intent(in) :: fired(self%n_roots)
+      logical, intent(in) :: time_event
+      real(wp), intent(inout) :: y(self%n)
+      real(wp), intent(out) :: by_state(self%n, self%n), by_time(self%n)
+      type(status_t), intent(inout) :: status
+      real(wp) :: before(size(self%reals)), yp(self%n_gears)
+      type(event_log) :: log
+      type(contact_mode) :: mode
+      integer :: i, k
+
+      by_time = 0
+      by_state = 0
+      do i = 1, self%n
+         by_state(i, i) = 1
+      end do
+      before = self%reals
+      call gearbox_apply_event(self%gearbox, t, fired, time_event, y(:self%n_gears), yp, self%integers, self%reals, log, status)
+      if (has_failed(status)) return
+      do k = 1, size(self%memory)
+         associate (m => self%memory(k), row => self%n_gears + k)
+            call take_mode(self%gearbox, m, self%integers, self%reals, mode)
+            y(row) = self%reals(m)
+            if (touches(mode) .and. .not. abs(self%reals(m) - before(m)) > 0) cycle
+            by_state(row, :) = 0
+            if (touches(mode) .and. self%reals(m) > 0) call approach_gradient(self, m, y, by_state(row, :self%n_gears), status)
+         end associate
+         if (has_failed(status)) return
+      end do
+      call take_modes(self)
+   end subroutine apply_event
+
+   !> How the speed at which a contact closes changes with the state.
+   subroutine approach_gradient(self, m, y, gradient, status)
+      type(gearbox_orbits), intent(in) :: self
+      integer, intent(in) :: m
+      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(out) :: gradient(self%n_gears)
+      type(status_t), intent(inout) :: status
+      type(contact_state) :: at(size(self%reals))
+      real(wp) :: moved(self%n_gears), values(-2:2)
+      integer :: first, i, k, last
+
+      gradient = 0
+      call self%gearbox%flanks(self%gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
+      do i = 1, self%n_gears
+         do k = -2, 2
+            moved = y(:self%n_gears)
+            moved(i) = moved(i) + k*step*self%scale(i)
+            call look_at(self%gearbox, first, last, moved, self%integers, self%reals, at, status)
+            if (has_failed(status)) return
+            values(k) = at(m)%point%h_dot
+         end do
+         gradient(i) = slope_of(values)/(step*self%scale(i))
+      end do
+   end subroutine approach_gradient
+
+end submodule evl_gearbox_orbit_changes
