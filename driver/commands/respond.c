@@ -52,7 +52,8 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
         evl_error_set(error, EVL_EXIT_USAGE, "", "respond reads the case for every value: name a file");
         return error->code;
     }
-    OWNED char *path = result_path("response", options->output, file, "-respond.h5", error), *versions = result_versions();
+    OWNED char *path = result_path("response", options->output, file, "-respond.h5", error),
+               *versions = result_versions();
     (void)(options->most != NULL && respond_read_most(options->most, &most));
     if (path == NULL) {
         return error->code;

@@ -98,8 +98,8 @@ contains
       end associate
    end subroutine solve_steady
 
-   !> Corrections below this that no longer shrink are rounding: where heavy axles sag under gears with hardly any load, one digit of
-   !> a place is more than 1e-9 of the penetration.
+   !> Corrections below this that no longer shrink are rounding: where heavy axles sag under gears with hardly any load, one digit
+   !> of a place is more than 1e-9 of the penetration.
    pure real(wp) function at_rounding(x) result(least)
       real(wp), intent(in) :: x(:) !! what is looked for, in units of its scales
       real(wp), parameter :: few = 16 !! digits that a sum of forces may lose
