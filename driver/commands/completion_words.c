@@ -8,9 +8,10 @@ word_kind completion_kind(const char *called)
         const char *called;
         word_kind kind;
     } rows[] = {
-        {"case file", WORD_CASE},     {"design", WORD_DESIGN}, {"folder", WORD_FOLDER}, {COMPLETION_SHELL, WORD_SHELL},
-        {"HISTORY.h5", WORD_FILE},    {"FILE.h5", WORD_FILE},  {"FILE", WORD_FILE},     {"DIR", WORD_FOLDER},
-        {"PATH=VALUE", WORD_SETTING}, {"NAME", WORD_MESH},     {"NAMES", WORD_OUTPUTS},
+        {"case file", WORD_CASE},       {"design", WORD_DESIGN},   {"folder", WORD_FOLDER},
+        {COMPLETION_SHELL, WORD_SHELL}, {"HISTORY.h5", WORD_FILE}, {"FILE.h5", WORD_FILE},
+        {"FILE.fmu", WORD_FILE},        {"FILE", WORD_FILE},       {"DIR", WORD_FOLDER},
+        {"PATH=VALUE", WORD_SETTING},   {"NAME", WORD_MESH},       {"NAMES", WORD_OUTPUTS},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         if (strcmp(rows[i].called, called) == 0) {

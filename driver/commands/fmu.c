@@ -89,9 +89,9 @@ static evl_exit fmu(const char *file, const void *given, evl_error *error)
 static const option_row rows[] = {
     {OPTION_TEXT, 'o', "--output", "FILE.fmu", offsetof(fmu_options, output),
      "file to write; the case's name with .fmu in the current folder if not given"},
-    {OPTION_LIST, 0, "--input", "wheel:NAME:torque|speed", offsetof(fmu_options, inputs),
-     "make an input of the constant torque, or of the prescribed speed, that the case gives this wheel; may be "
-     "repeated"},
+    {OPTION_LIST, 0, "--input", "INPUT", offsetof(fmu_options, inputs),
+     "wheel:NAME:torque or wheel:NAME:speed: make an input of the constant torque, or of the prescribed speed, that "
+     "the case gives this wheel; may be repeated"},
     {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(fmu_options, outputs),
      "variables over time and groups of them, with commas, that the FMU has, as of simulation.outputs"},
     OPTION_ROW_SET(fmu_options),
@@ -101,7 +101,7 @@ static const option_row rows[] = {
 
 const command fmu_command = {
     .name = "fmu",
-    .synopsis = "CASE.yaml [-o FILE.fmu] [--input wheel:NAME:torque|speed]... [--outputs NAMES] [--set PATH=VALUE]... "
+    .synopsis = "CASE.yaml [-o FILE.fmu] [--input INPUT]... [--outputs NAMES] [--set PATH=VALUE]... "
                 "[-q]",
     .summary = "make a case an FMU, for other simulation programs",
     .text = "Writes the case as a Functional Mock-up Unit of FMI 3.0, for co-simulation, with the integrator radau "

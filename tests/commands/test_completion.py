@@ -19,13 +19,13 @@ Complete = Callable[..., list[str]]
 FILES = ["a b.yaml", "case.yaml", "design.h5", "folder", "notes.txt", "other.yml"]
 CASES = ["a b.yaml", "case.yaml", "folder", "other.yml"]
 OFFERED = {
-    **dict.fromkeys(("HISTORY.h5", "FILE.h5", "FILE"), FILES),
+    **dict.fromkeys(("HISTORY.h5", "FILE.h5", "FILE.fmu", "FILE"), FILES),
     **{"CASE.yaml": CASES, "DESIGN.h5": ["design.h5", "folder"], "DIR": ["folder"]},
     **{
         value: []
         for value in (
             *("TIME", "TIMES", "MINUTES", "X", "FROM:TO:STEPS", "PATH=FROM:TO[:STEPS]"),
-            *("SPEED", "N", "I/N", "J"),
+            *("SPEED", "N", "I/N", "J", "INPUT"),
         )
     },
     **{"NAME": ["pinion-gear"], "bash": list(SHELLS)},

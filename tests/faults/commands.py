@@ -183,6 +183,12 @@ def commands(program: Path) -> dict[str, Command]:
             partial(_files, names={"r.h5": _of_hdf5}),
         ),
         Command(
+            "fmu",
+            _write_case,
+            [program, "fmu", CASE, "-o", "g.fmu", "-q", "--set", "meshes.0.tracking=closed_form"],
+            partial(_files, names={"g.fmu": Path.read_bytes}),
+        ),
+        Command(
             "show",
             _write_case,
             [program, "show", CASE],
