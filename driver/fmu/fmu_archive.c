@@ -1,5 +1,6 @@
 /* An FMU as a zip archive, by minizip. */
 #include "base/memory.h"
+#include "base/write_bytes.h"
 #include "files/output_file.h"
 #include "fmu/fmu_write.h"
 
@@ -37,20 +38,45 @@ static bool put(zipFile archive, const fmu_file *file)
     return zipCloseFileInZip(archive) == ZIP_OK && good;
 }
 
+/** Where an archive grows. */
+typedef struct {
+    char *bytes;
+    size_t n;
+} heap;
+
+static voidpf open_heap(voidpf opaque, const char *name, int mode)
+{
+    heap *h = opaque;
+    (void)name, (void)mode;
+    return memory_open(&h->bytes, &h->n);
+}
+
+/** All files in memory: minizip goes back in what it writes, and what is interrupted there would be lost. */
+static bool fill(heap *h, int n, const fmu_file *files)
+{
+    zlib_filefunc_def in_memory;
+    fill_fopen_filefunc(&in_memory);
+    in_memory.zopen_file = open_heap;
+    in_memory.opaque = h;
+    zipFile archive = zipOpen2("", APPEND_STATUS_CREATE, NULL, &in_memory);
+    bool good = archive != NULL;
+    for (int i = 0; i < n && good; i++) {
+        good = put(archive, &files[i]);
+    }
+    return archive != NULL && zipClose(archive, NULL) == ZIP_OK && good;
+}
+
 bool fmu_archive(const char *path, int n, const fmu_file *files, evl_error *error)
 {
     output_file output;
+    heap h = {NULL, 0};
     if (!output_file_open(&output, path, error)) {
         return false;
     }
     output.is_open_end = true; /* an archive has check sums of its own, and nothing behind its end */
     errno = 0;
-    zipFile archive = zipOpen(output.partial_path, APPEND_STATUS_CREATE);
-    bool good = archive != NULL;
-    for (int i = 0; i < n && good; i++) {
-        good = put(archive, &files[i]);
-    }
-    good = archive != NULL && zipClose(archive, NULL) == ZIP_OK && good;
+    const bool good = fill(&h, n, files) && write_bytes(output.descriptor, 0, h.bytes, h.n) == h.n;
+    free(h.bytes);
     if (!good) {
         (void)output_file_refuse(path, errno == 0 ? EIO : errno, NULL, error);
         output_file_drop(&output, true);
