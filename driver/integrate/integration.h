@@ -1,5 +1,5 @@
 /** What every integration has, whatever makes its steps: the output grid, events and their observers. Private to
- *  integrate/. */
+ *  integrate/, but for integration_is_later. */
 #pragma once
 
 #include "integrate/output_grid.h"
