@@ -148,7 +148,7 @@ static bool name_image(const char *folder, const char *path, evl_error *error)
 {
     OWNED char *newer = xasprintf("%s/%s", folder, names[0]), *older = xasprintf("%s/%s", folder, names[1]);
     (void)unlink(older);
-    const bool is_safe = link(newer, older) == 0 || errno == ENOENT || rename(newer, older) == 0;
+    const bool is_safe = link(newer, older) == 0 || errno == ENOENT || rename(newer, older) == 0 || errno == ENOENT;
     return (is_safe && rename(path, newer) == 0 && sync_name(newer)) || output_file_refuse(newer, errno, NULL, error);
 }
 
