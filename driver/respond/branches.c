@@ -103,7 +103,7 @@ static orbit_end follow(branches *o, bool rising, int parent)
     int n = 0;
     const bool good = model_orbits_follow(o->orbits, rising, &n, message);
     const int number = o->n_branches;
-    o->points = pool_grow(&o->pool, o->points, (size_t)o->n_points, (size_t)(o->n_points + n), sizeof *o->points);
+    o->points = pool_grow(&o->pool, o->points, (size_t)o->n_points, (size_t)o->n_points + (size_t)n, sizeof *o->points);
     o->branches =
         pool_grow(&o->pool, o->branches, (size_t)o->n_branches, (size_t)o->n_branches + 1, sizeof *o->branches);
     for (int k = 0; k < n; k++) {

@@ -297,6 +297,24 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     return end;
 }
 
+/** Whether a run came back to where it began, after so many common periods. What is grazed may throw it off its orbit. */
+static bool has_come_back(search *s, const dae_state *start, int periods)
+{
+    static const double near = 1e-4; /* in units of the states */
+    enum { OMEGA = 1 };              /* behind the angle, which grows */
+    if (s->n_seen < periods) {
+        return false;
+    }
+    dae_state *last = &s->seen[(periods - 1) % KEPT];
+    model_take_back(s->prepared->model, &s->section.period, 1, last);
+    for (int i = OMEGA; i < s->dae->n; i++) {
+        if (!(fabs(last->y[i] - start->y[i]) <= near * s->dae->scale[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
                      double time, double *values, char message[DAE_MESSAGE_LENGTH])
 {
@@ -320,6 +338,11 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     }
     dae_state_copy(s->dae, &s->at, &now);
     section_begin(&s->section, &pool, prepared->model, period, SECTION_USUAL_PHASE, &now);
+    const double place = section_place(&s->section, &now);
+    section_begin(&s->section, &pool, prepared->model, period, place - period->pitches * floor(place / period->pitches),
+                  &now);
+    dae_state began = dae_state_create(s->dae, &pool);
+    dae_state_copy(s->dae, &began, &now);
     open_window(s, periods, pitch);
     options.tolerance = fmin(options.tolerance, tight);
     options.t_end = s->t_stop + pitch;
@@ -328,9 +351,11 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .watch = on_watch};
     integrate_counts counts;
     (void)integrate(s->dae, &options, &observer, &now, &counts, message);
-    const orbit_end end = s->stop == STOP_DONE          ? ORBIT_FOUND
-                          : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED
-                                                        : ORBIT_FAILED;
+    orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
+    if (end == ORBIT_FOUND && !has_come_back(s, &began, periods)) {
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "a run leaves the orbit: its numbers are left out");
+        end = ORBIT_FAILED;
+    }
     if (end == ORBIT_FOUND) {
         numbers_conclude(s->numbers, values);
     }
