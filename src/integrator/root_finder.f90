@@ -34,7 +34,7 @@ module evl_root_finder
       real(wp), allocatable :: slope(:, :)  !! [8, n] slopes of their interpolants, per step
       real(wp), allocatable :: value(:)     !! [n] values at one time
       real(wp), allocatable :: y(:)         !! state there; for one function, as much of it as that needs
-      integer, allocatable :: sign_now(:)   !! [n] at the end of the last step; 0: not known yet
+      integer, allocatable :: sign_now(:)   !! [n] at the end of the last step, or where an event took it; 0: not known yet
       integer, allocatable :: sign_after(:) !! [n] at the end of the step last searched
       integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
       integer :: n_live = 0                 !! functions that may become zero before the next event
@@ -79,10 +79,10 @@ contains
       integer :: i
 
       self%fresh = fired /= 0
-      self%sign_now = 0
       self%sign_after = 0
       self%change = 0
       call model%root_directions(self%direction)
+      self%sign_now = merge(fired, 0, self%direction == -fired) ! what may come back is where it went
       self%n_live = 0
       do i = 1, self%n
          if (self%direction(i) == never) cycle
@@ -147,12 +147,14 @@ contains
       real(wp) :: last, at_last, middle, at_middle
 
       s = self%sign_now(i)
-      if (s == 0) s = sign_of(self%g(lanes, i))
+      if (s == 0 .or. self%fresh(i)) s = sign_of(self%g(lanes, i))
       last = 0
       at_last = self%g(lanes, i)
       if (starts_at_zero()) then
          s = sign_of(self%slope(lanes, i))
-         if (s*self%g(1, i) < 0) then ! away from zero and back before the first stage, or rounding
+         if (s*self%sign_now(i) < 0 .and. s*at_last < 0) then ! it grazed zero, and is on its way back
+            s = -s
+         else if (s*self%g(1, i) < 0) then ! away from zero and back before the first stage, or rounding
             s = 0
             if (self%slope(lanes, i)*self%slope(1, i) < 0) then
                last = extremum_between(0.0_wp, node(1), self%slope(:, i))
