@@ -52,7 +52,10 @@ def _of_bytes(content: bytes) -> object:
             found[f"{name}@{key}"] = repr(value)
         if isinstance(thing, h5py.Dataset) and name not in TIMINGS_COLLECTED:
             if thing.is_virtual:  # where its values are
-                found[name] = repr(thing.virtual_sources())
+                found[name] = [
+                    (one.file_name, one.dset_name, one.vspace.get_select_bounds())
+                    for one in thing.virtual_sources()
+                ]
                 return
             value = thing[()]
             found[name] = repr(value) if thing.dtype == object else np.asarray(value).tobytes()
@@ -262,8 +265,8 @@ def commands(program: Path) -> dict[str, Command]:
         Command(
             "plot",
             lambda folder: _with_old(folder, program, "run", CASE, "-o", "h.h5"),
-            [*POST, "plot", "h.h5", "--quantity", "normal_force", "--format", "svg"],
-            partial(_files, names={"h-normal_force.svg": Path.read_bytes}),
+            [*POST, "plot", "h.h5", "--quantity", "normal_force"],
+            partial(_files, names={"h-normal_force.png": Path.read_bytes}),
             kinds=FILES,
         ),
         Command(
