@@ -46,6 +46,7 @@ PROMISED: dict[str, set[int]] = {kind: {DONE, NOT_WRITTEN} for kind in KINDS} | 
     "fork": {DONE, NOT_STARTED},
     "lock": {DONE, BAD_INPUT, NOT_WRITTEN},
 }
+LOCKED = ["another run", "is being written", "may not be read"]
 NAMELESS = ("mmap", "malloc", "fork")  # these happen to no file
 
 
@@ -211,7 +212,7 @@ class Workshop:
         if fault.kind not in NAMELESS and not any(name in lines[0] for name in self.known):
             return ["line: does not tell where"]
         # What cannot be read may be taken for damaged.
-        words = {"malloc": ["memory"], "lock": ["another run", fault.reason]}
+        words = {"malloc": ["memory"], "lock": [*LOCKED, fault.reason]}
         is_told = any(word in lines[0] for word in words.get(fault.kind, [fault.reason]))
         is_told |= fault.kind == "read" and ended.code == BAD_INPUT
         return [] if is_told else ["line: does not tell why"]
