@@ -189,3 +189,20 @@ def test_a_design_of_another_program_is_held_to_the_same(
     done = evolvent("batch", "other.h5", "-o", "d")
     assert done.returncode == 3
     assert "respond_direction: is 'left', must be up, down or both" in done.stderr
+
+
+def test_direction_and_periods_are_those_of_the_plan(
+    sweep: Callable[..., Any], evolvent: Callable[..., Any], tmp_path: Path
+) -> None:
+    """With little damping a motion has not settled after 100 periods."""
+    over = speeds(1.3, 1.31, 0.01)
+    respond = {"over": over, "direction": "down", "periods": 100}
+    assert sweep("plan", write_plan(tmp_path, [1e-4], respond=respond), "-o", "d.h5")[0] == 0
+    assert sweep("run", "d.h5", "-o", "d")[0] == 0
+    words = ["--over", over, "--down", "--periods", "100", "--set", f"{DAMPING}=1e-4"]
+    case = tmp_path / "rectangular.yaml"
+    assert evolvent("respond", case, *words, "-q", "-o", "r.h5").returncode == 0
+    assert_same_file(Path("d/responses/case-0.h5"), Path("r.h5"))
+    with xr.open_dataset("r.h5", engine="h5netcdf") as file:
+        settled = file["period"].values > 0
+    assert rows_of(Path("d"))[0]["not_periodic"] == np.count_nonzero(~settled) > 0
