@@ -200,11 +200,11 @@ static orbit_end go(response_run *run, evl_error *error)
     return end;
 }
 
-/** What could be wrong with any value is said before the first one. */
+/** What could be wrong with any value is said before the first one; who is interrupted does not wait for that. */
 static bool check_values(response_run *run, evl_error *error)
 {
     model_period period;
-    for (int i = 0; i < run->range.n; i++) {
+    for (int i = 0; i < run->range.n && *run->interrupt == 0; i++) {
         if (!branch_prepare(&run->branch, value_range_at(&run->range, i), &period, error)) {
             return false;
         }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import signal
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -152,6 +153,18 @@ def test_interrupted_and_killed_it_goes_on_with_the_same_bits(tmp_path, evolvent
         xr.open_dataset(whole, engine="h5netcdf") as b,
     ):
         xr.testing.assert_identical(a.load(), b.load())
+
+
+def test_who_is_interrupted_does_not_wait_for_the_check_of_all_values(tmp_path, executable):
+    case = write_rectangular(tmp_path)
+    path = tmp_path / "r.h5"
+    command = [executable, "respond", case, "--over", speeds(1.3, 2.1, 1e-5)]
+    with subprocess.Popen([*command, "-o", path], stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(1)  # the check takes some hundred microseconds a value: a minute in all
+        process.send_signal(signal.SIGINT)
+        _, messages = process.communicate(timeout=15)
+    assert process.returncode == 75
+    assert "0 of 160002 values are done" in messages
 
 
 def test_kept_state_of_another_response_is_refused(tmp_path, evolvent, executable):
