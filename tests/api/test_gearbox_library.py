@@ -158,7 +158,6 @@ def test_the_library_exports_what_the_header_declares(
 FOR_OTHER_PROGRAMS = {
     "evl_description_set": "`evolvent` takes parameters from --set before there is a description;"
     " a program that varies them has no case file. tests/driver/test_parameters.c is one",
-    "evl_gearbox_derivative": "an integrator of another program needs y'; IDA takes the residual",
 }
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from orbits_results import folded_orbits
 from response_results import backlash_response
 from signal_histories import START, by_angle, signal_history
 
 from evolvent.commands.post.spectrum import make_spectrum
 from evolvent.commands.post.waterfall import make_map
-from evolvent.history import CAMPBELL, ORDER_MAP, RESPONSE, SPECTRUM
+from evolvent.history import CAMPBELL, ORBITS, ORDER_MAP, RESPONSE, SPECTRUM
 from evolvent.signals.campbell import Excitation, crossings
 from evolvent.signals.results import campbell_result
 from evolvent.signals.selection import select
@@ -66,4 +67,5 @@ def signal_result(kind: str) -> xr.Dataset:
     """One of a kind."""
     made = {SPECTRUM: spectrum_of_orders, ORDER_MAP: map_of_run_up, CAMPBELL: campbell_of_two_modes}
     made[RESPONSE] = backlash_response
+    made[ORBITS] = folded_orbits
     return made[kind]()

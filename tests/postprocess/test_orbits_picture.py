@@ -3,39 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
+from orbits_results import folded_orbits
 
 from evolvent.figures.orbits import UNSTABLE, draw_orbits
 
-PARAMETER = [1.0, 2.0, 3.0, 3.5, 3.0, 2.5, 2.0]  # a fold at 3.5, a doubling at 2.5
-
-
-def folded() -> xr.Dataset:
-    """One branch that turns back, and one of twice the period."""
-    other = [2.5, 3.0]
-    n, m = len(PARAMETER), len(other)
-    numbers = np.arange(1.0, n + m + 1)[:, None]
-    return xr.Dataset(
-        {
-            "orbit_parameter": ("point", [*PARAMETER, *other], {"units": "N m"}),
-            "orbit_branch": ("point", [0] * n + [1] * m),
-            "orbit_period": ("point", [1] * n + [2] * m),
-            "orbit_stable": ("point", [1, 1, 1, 0, 0, 0, 1, 1, 1]),
-            "orbit_kind": ("point", [0, 0, 0, 1, 0, 3, 0, 0, 0]),
-            "transmission_error_standard_deviation": (
-                ("point", "mesh"),
-                1e-6 * numbers,
-                {"units": "m"},
-            ),
-            "dynamic_factor": (("point", "mesh"), numbers, {"units": "1"}),
-        },
-        {"mesh": ["pair"]},
-        {"evolvent_kind": "orbits", "parameter": "wheels.gear.loads.0.value"},
-    )
-
 
 def test_picture_tells_stable_from_unstable_and_marks_where_that_changes() -> None:
-    panel, factor = draw_orbits(folded()).axes
+    panel, factor = draw_orbits(folded_orbits()).axes
     for axes in (panel, factor):
         drawn = [
             (str(line.get_label()), np.asarray(line.get_xdata()).tolist()) for line in axes.lines
