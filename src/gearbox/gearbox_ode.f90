@@ -22,7 +22,7 @@ module evl_gearbox_ode
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
    use evl_tooth_contact, only: contact_state, nominal_start, touches, tracking_closed_form, unclipped
-   use evl_watch_lanes, only: most_rows, watched_in_lanes
+   use evl_watch_lanes, only: most_rows, rough_channels, watched_in_lanes
    implicit none (type, external)
    private
 
@@ -106,6 +106,7 @@ contains
       call find_cycles(gearbox, self%reach(i_theta), self%cycle)
       self%n_watched = n_channels(gearbox)
       self%n_rows = most_rows(gearbox)
+      self%is_rough = rough_channels(gearbox)
       allocate (self%scale(gearbox%n_states), source=scale/weight)
       self%scale(i_theta) = self%scale(i_theta)/theta_weight
       self%scale(i_omega) = self%scale(i_omega)/omega_weight

@@ -6,8 +6,8 @@ module evl_watch_lanes
    use evl_discrete_state, only: leading_contact
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_watch, only: channel_of, watch_error, watch_friction, watch_normal, watch_pair_normal, watch_pair_pressure, &
-                                watch_penetration, watch_sliding
+   use evl_gearbox_watch, only: channel_of, n_channels, watch_error, watch_friction, watch_normal, watch_pair_normal, &
+                                watch_pair_pressure, watch_penetration, watch_sliding
    use evl_kinds, only: lanes, pi, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_pair_place, only: by_a, by_b
@@ -18,7 +18,7 @@ module evl_watch_lanes
    implicit none (type, external)
    private
 
-   public :: most_rows, watched_in_lanes
+   public :: most_rows, rough_channels, watched_in_lanes
 
 contains
 
@@ -31,6 +31,18 @@ contains
 
       n = 4*size(gearbox%pairs) + 3*size(gearbox%contacts)
    end function most_rows
+
+   !> Channels that the rows estimate: the curvature of flanks that deviate is not found everywhere.
+   pure function rough_channels(gearbox) result(is_rough)
+      type(gearbox_t), intent(in) :: gearbox
+      logical, allocatable :: is_rough(:)
+      integer :: c
+
+      allocate (is_rough(n_channels(gearbox)), source=.false.)
+      do c = 1, size(gearbox%contacts)
+         if (gearbox%contacts(c)%deviates) is_rough(channel_of(gearbox%contacts(c)%mesh, watch_pair_pressure)) = .true.
+      end do
+   end function rough_channels
 
    !> Rows of channels that are not 0 in the present discrete state, less those that others stand for; each pair has its own,
    !> smooth between events.

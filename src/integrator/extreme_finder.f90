@@ -8,11 +8,13 @@
 !>   values than `most_hidden` of their range (found by linear programming).
 !> - Of each maximum of the interpolant that is left, the time is sought.
 !>
-!> What passes is a candidate: the caller asks the model itself, around that time.
+!> What passes is a candidate: the caller asks the model itself, around that time. Of a channel that is estimated alone it may have to
+!> look at all of the step: where an estimate is largest tells little of where the channel is.
 module evl_extreme_finder
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_collocation, only: combine, extremum_between, lagrange_matrix, polynomial_at, slopes_of
    use evl_kinds, only: lanes, wp
+   use evl_ode_model, only: ode_model
    use evl_radau_coefficients, only: n_stages, node
    implicit none (type, external)
    private
@@ -47,19 +49,22 @@ module evl_extreme_finder
    type :: extreme_finder_t
       integer :: n = 0
       integer, allocatable :: channels(:) !! [n_rows] the first n of these: to which channel a row belongs
+      logical, allocatable :: is_rough(:) !! [n_watched] channels that are estimated alone
       real(wp), allocatable :: values(:, :) !! [8, n_rows] the rows
       real(wp) :: to_between(lanes, lanes) = 0 !! from values at the nodes to those between
    end type extreme_finder_t
 
 contains
 
-   !> Room for n rows.
-   subroutine extreme_finder_create(self, n)
+   !> Room for the rows of a model.
+   subroutine extreme_finder_create(self, model)
       type(extreme_finder_t), intent(out) :: self
-      integer, intent(in) :: n
+      class(ode_model), intent(in) :: model
 
-      allocate (self%channels(n), self%values(lanes, n))
+      allocate (self%channels(model%n_rows), self%values(lanes, model%n_rows), self%is_rough(model%n_watched))
       self%channels = 0
+      self%is_rough = .false.
+      if (allocated(model%is_rough)) self%is_rough = model%is_rough
       call lagrange_matrix(between, self%to_between)
    end subroutine extreme_finder_create
 
@@ -97,7 +102,9 @@ contains
       integer, intent(inout) :: n
       type(candidate_t), intent(inout) :: found(:)
       real(wp) :: samples(n_samples), slopes(lanes, 1), most, least, hidden
+      logical :: is_rough
 
+      is_rough = self%is_rough(self%channels(k))
       samples(:lanes) = self%values(:, k)
       call combine(1, self%to_between, self%values(:, k), samples(lanes + 1:))
       most = maxval(samples)
@@ -106,14 +113,15 @@ contains
       if (most + hidden <= upper .and. least - hidden >= lower) return
       call combine(1, slopes_of, self%values(:, k), slopes)
       if (most + hidden > upper) &
-         call list_maxima(1, self%channels(k), upper, samples, self%values(:, k), slopes(:, 1), n, found)
+         call list_maxima(1, self%channels(k), is_rough, upper, samples, self%values(:, k), slopes(:, 1), n, found)
       if (least - hidden < lower) &
-         call list_maxima(-1, self%channels(k), lower, samples, self%values(:, k), slopes(:, 1), n, found)
+         call list_maxima(-1, self%channels(k), is_rough, lower, samples, self%values(:, k), slopes(:, 1), n, found)
    end subroutine look_between
 
    !> The third look: maxima of the interpolant, or minima, that come near the limit.
-   pure subroutine list_maxima(sense, channel, limit, samples, values, slopes, n, found)
+   pure subroutine list_maxima(sense, channel, is_rough, limit, samples, values, slopes, n, found)
       integer, intent(in) :: sense, channel
+      logical, intent(in) :: is_rough !! the channel is estimated alone
       real(wp), intent(in) :: limit, samples(n_samples), values(lanes), slopes(lanes)
       integer, intent(inout) :: n
       type(candidate_t), intent(inout) :: found(:)
@@ -133,8 +141,8 @@ contains
          if (ends_outward()) then
             if (here + nearly*(range + abs(here)) <= sense*limit) cycle
             n = n + 1
-            candidate%left = candidate%tau
-            candidate%right = candidate%tau
+            candidate%left = merge(0.0_wp, candidate%tau, is_rough)
+            candidate%right = merge(1.0_wp, candidate%tau, is_rough)
             candidate%value = sense*here
             found(n) = candidate
             cycle
@@ -147,6 +155,10 @@ contains
             candidate%value = samples(in_time(i))
          end if
          if (sense*candidate%value + roughness*range <= sense*limit) cycle
+         if (is_rough) then
+            candidate%left = 0
+            candidate%right = 1
+         end if
          n = n + 1
          found(n) = candidate
       end do

@@ -28,6 +28,7 @@ module evl_ode_model
       integer :: n_roots = 0                  !! root functions
       integer :: n_watched = 0                !! channels whose extremes may be asked for
       integer :: n_rows = 0                   !! most rows of `watched_nearby`
+      logical, allocatable :: is_rough(:)     !! [n_watched] what it tells of these is an estimate. Not allocated: of none
       integer, allocatable :: jacobian_row(:) !! [nnz] row of each entry that df/dy may have, from 1; no entry twice
       integer, allocatable :: jacobian_column(:) !! [nnz] its column
       !> States on which each root function depends: from root_first(i) to root_last(i) of the list. Not allocated: on all of them

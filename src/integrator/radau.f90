@@ -231,7 +231,7 @@ contains
       call root_finder_create(self%roots, model)
       if (model%growth /= growth_never) call growth_create(self%growth, self%stages%integrals%n_coupled, model%jacobian_row, &
                                                            model%jacobian_column, model%scale)
-      call extreme_finder_create(self%watched, model%n_rows)
+      call extreme_finder_create(self%watched, model)
    end subroutine radau_create
 
    !> Begin at (t, y).

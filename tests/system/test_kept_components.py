@@ -127,7 +127,7 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
         "integrator/search_archive.f90",
         "keep_extremes",
         "self",
-        {"to_between": GIVEN},
+        {"to_between": GIVEN, "is_rough": GIVEN},
     ),
     "growth_t": (
         "integrator/growth.f90",
