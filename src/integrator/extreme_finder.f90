@@ -8,8 +8,8 @@
 !>   values than `most_hidden` of their range (found by linear programming).
 !> - Of each maximum of the interpolant that is left, the time is sought.
 !>
-!> What passes is a candidate: the caller asks the model itself, around that time. Of a channel that is estimated alone it may have to
-!> look at all of the step: where an estimate is largest tells little of where the channel is.
+!> What passes is a candidate: the caller asks the model itself, around that time. Of a channel that is estimated alone it may
+!> have to look at all of the step: where an estimate is largest tells little of where the channel is.
 module evl_extreme_finder
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_collocation, only: combine, extremum_between, lagrange_matrix, polynomial_at, slopes_of
