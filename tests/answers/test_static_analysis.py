@@ -382,6 +382,26 @@ def test_crowning_is_the_transmission_error_without_load(kernel: Kernel):
     assert np.abs(curve.transmission_error - h_0).max() < 0.1e-6
 
 
+def test_stiffness_goes_by_the_deflection_that_load_adds(kernel: Kernel):
+    """Crowned flanks are apart beside the middle before there is a load."""
+    curve = curve_of(pair(kernel, deviation=(deviations(profile_crowning=8e-6), None)), 50e3)
+    added = curve.transmission_error - curve.free_transmission_error
+    assert curve.mean_secant_stiffness == pytest.approx(
+        (curve.tooth_force / added).mean(), rel=1e-13
+    )
+    plain = (curve.tooth_force / curve.transmission_error).mean()
+    assert plain < 0.99 * curve.mean_secant_stiffness
+
+
+def test_mesh_of_iso_6336_has_three_quarters_of_its_contact_ratio_in_pairs(spur: Gearbox):
+    """ISO 6336-1: c_gamma_alpha = c' (0.75 epsilon_alpha + 0.25)."""
+    curve = curve_of(spur, 300e3)
+    pairs = 0.75 * spur.mesh_geometry().contact_ratio + 0.25
+    assert curve.iso_mesh_stiffness_per_width == pytest.approx(
+        pairs * curve.iso_pair_stiffness_per_width, rel=1e-14
+    )
+
+
 def test_relief_lowers_the_peaks_at_its_load(kernel: Kernel):
     """Linear relief of what teeth yield by, from where one pair carries alone: a calm mesh."""
     ease = [deviations(tip_relief=relief(8e-6, diameter=d)) for d in (0.0608, 0.1048)]
@@ -409,6 +429,11 @@ def test_all_teeth_are_met_where_they_differ(kernel: Kernel, deviation: tuple, p
     assert len(curve.position) == 25 * pitches
     whole = curve.transmission_error.reshape(pitches, 25)
     assert (np.ptp(whole, axis=0).min() > 1e-7) == (pitches > 1)
+
+
+def test_tooth_cycle_of_wheels_with_a_common_divisor_is_the_least_that_both_divide(kernel: Kernel):
+    gearbox = pair(kernel, teeth=(20, 34), deviation=(RUNOUT, RUNOUT), compliance=ANALYTIC)
+    assert static_plan(gearbox, points=25).n_pitches == 340
 
 
 def test_runout_of_the_driven_wheel_is_its_long_wave(kernel: Kernel):
