@@ -20,7 +20,7 @@ LOOKS: dict[str, tuple[str, str]] = {
     "scipy": ("#3a9a5b", "v"),
     "scikit-sundae": ("#999999", "P"),
 }
-LINES = ("-", "--")
+LINES = ("-", "--", ":")
 
 
 def draw(runs: Sequence[Any], labels: Sequence[str], path: Path) -> None:
@@ -50,7 +50,7 @@ def draw(runs: Sequence[Any], labels: Sequence[str], path: Path) -> None:
             )
     for friction, axis in zip(frictions, axes, strict=True):
         axis.set_title(f"f = {friction:g}")
-        axis.set_xlabel("processor time of the integration [ms]")
+        axis.set_xlabel("processor time of a case [ms]")
         axis.grid(which="major", color="#d0d0d0", linewidth=0.8)
         axis.set_ylim(1e-9, 1e-4)
     axes[0].set_ylabel("largest error of h / 2.967e-9 m")
