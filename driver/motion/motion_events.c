@@ -129,11 +129,7 @@ bool motion_check_speeds(motion *m)
         const motion_input *input = &m->about.inputs[i];
         const double turns = model_wheel_speed(m->prepared.model, input->of.wheel, &m->now);
         if (input->of.is_speed && !(fabs(input->value - turns) <= agreement * fmax(fabs(input->value), fabs(turns)))) {
-            OWNED char *text =
-                xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns "
-                          "at %.9g rad/s; a speed has to go with the acceleration that is given with it",
-                          case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
-            return motion_fail(m, text);
+            return motion_fail_speed(m, input, turns);
         }
     }
     return true;

@@ -29,6 +29,8 @@ struct motion {
 
 /** Say why a motion failed at its time. @return false */
 bool motion_fail(motion *motion, const char *reason);
+/** Say that the speed given to an input has jumped from that of its wheel. @return false */
+bool motion_fail_speed(motion *motion, const motion_input *input, double turns);
 /** Apply what has fired at a state. @return false with the reason */
 bool motion_apply(motion *motion, dae_state *state, bool time_event);
 /** Make the model anew if parameters have changed since it was made. */

@@ -21,11 +21,7 @@ static bool follow_speed(motion *m, const motion_input *input, double t, double 
     const double apart = input->value - turns, size = fmax(fabs(input->value), fabs(turns));
     const double most = noise * size + h * (fabs(input->rate) + fabs(input->used));
     if (!(fabs(apart) <= most)) {
-        const char *wheel = case_description(m->prepared.file)->wheels[input->of.wheel];
-        OWNED char *text = xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at "
-                                     "%.9g rad/s; a speed has to go with the acceleration that is given with it",
-                                     wheel, input->value, turns);
-        return motion_fail(m, text);
+        return motion_fail_speed(m, input, turns);
     }
     *rate = fabs(apart) <= rounding * size ? input->rate : input->rate + apart / h;
     return true;
