@@ -1,5 +1,7 @@
 #include "case/unit_spelling.h"
 
+#include "base/memory.h"
+
 #include <ctype.h>
 #include <stddef.h>
 #include <string.h>
@@ -74,6 +76,12 @@ static void spell(const char *name, const style *style, char text[UNIT_SPELLING_
     }
 }
 
+/** Has no spelling but its name: N/m^exponent. */
+static bool is_verbatim(const char *name)
+{
+    return strpbrk(name, "^(") != NULL;
+}
+
 /** Whether the name in this style is another spelling than in the earlier ones. Symbols without anything between them are read
  *  behind N and kg, as in Nm. */
 static bool has_style(const char *name, const style *style)
@@ -82,11 +90,10 @@ static bool has_style(const char *name, const style *style)
     const bool has_power = strpbrk(name, "23") != NULL || style->quotient == 1;
     const bool has_product = has_blank || (style->quotient == 1 && name[0] != '1');
     const bool may_join = has_blank && style->quotient == 0 && (strstr(name, "N ") || strstr(name, "kg "));
-    const bool is_verbatim = strpbrk(name, "^(") != NULL;
     return (style->micro == 0 || strchr(name, 'u') != NULL) && (style->power == 0 || has_power) &&
            (style->product == 0 || (has_product && (style->product < N_PRODUCTS - 1 || may_join))) &&
            (style->quotient == 0 || has_stroke) &&
-           (!is_verbatim || style->micro + style->power + style->product + style->quotient == 0);
+           (!is_verbatim(name) || style->micro + style->power + style->product + style->quotient == 0);
 }
 
 bool unit_spelling(const char *name, int i, char text[UNIT_SPELLING_LENGTH])
@@ -140,4 +147,23 @@ bool unit_is_spelled(const char *name, const char *text)
         is_spelled = unit_spelling(name, i, spelling) && strcmp(spelling, text) == 0;
     }
     return is_spelled;
+}
+
+char *unit_of_results(const char *name)
+{
+    OWNED char *copy = xstrdup(name);
+    char *below = strchr(copy, '/'), *rest = NULL;
+    if (below == NULL || is_verbatim(name)) {
+        return xstrdup(name);
+    }
+    *below++ = '\0';
+    char *text = xstrdup(strcmp(copy, "1") == 0 ? "" : copy); /* 1/Pa is Pa-1 */
+    for (const char *word = strtok_r(below, " ", &rest); word != NULL; word = strtok_r(NULL, " ", &rest)) {
+        const size_t letters = strcspn(word, "0123456789");
+        char *longer = xasprintf("%s%s%.*s-%s", text, text[0] == '\0' ? "" : " ", (int)letters, word,
+                                 word[letters] == '\0' ? "1" : word + letters);
+        free(text);
+        text = longer;
+    }
+    return text;
 }

@@ -10,3 +10,5 @@ enum { N_UNIT_SPELLINGS = 90, UNIT_SPELLING_LENGTH = 64 };
 bool unit_spelling(const char *name, int i, char text[UNIT_SPELLING_LENGTH]);
 /** Whether a text is one of them. */
 bool unit_is_spelled(const char *name, const char *text);
+/** The one of them that results have: "rad s-1" of "rad/s"; a name that has one spelling ("N/m^exponent") as it is. A new string. */
+char *unit_of_results(const char *name);

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/words.h"
+#include "case/unit_spelling.h"
 #include "files/dimensions.h"
 #include "fmu/fmu_write.h"
 
@@ -43,12 +44,13 @@ static void put_reference(mxml_node_t *node, const char *name, unsigned referenc
     mxmlElementSetAttr(node, name, text);
 }
 
-/** The unit of a variable, which is defined where it comes first. */
-static void put_unit(writer *w, mxml_node_t *variable, const char *unit)
+/** The unit of a variable, in the spelling of results, which is defined where it comes first. */
+static void put_unit(writer *w, mxml_node_t *variable, const char *name)
 {
-    if (unit[0] == '\0' || strcmp(unit, "1") == 0) {
+    if (name[0] == '\0' || strcmp(name, "1") == 0) {
         return;
     }
+    OWNED char *unit = unit_of_results(name);
     mxmlElementSetAttr(variable, "unit", unit);
     if (words_index(unit, w->n_units, w->unit_names) < 0) {
         w->unit_names =

@@ -11,6 +11,7 @@
 
 #include "base/memory.h"
 #include "case/unit.h"
+#include "case/unit_spelling.h"
 #include "model/model.h"
 
 /** What one of the unit is in that of the key. */
@@ -358,12 +359,30 @@ static void what_is_no_number_with_a_unit_is_told_from_an_unknown_unit(void **st
     assert_true(value == 1e307);
 }
 
+/** And so one unit has one spelling there, whichever its key has. */
+static void units_of_results_are_spellings_without_a_slash(void **state)
+{
+    (void)state;
+    for (int i = 0; unit_of_keys(i) != NULL; i++) {
+        const char *unit = unit_of_keys(i);
+        OWNED char *told = unit_of_results(unit);
+        const bool has_stroke = strchr(told, '/') != NULL && strchr(unit, '^') == NULL;
+        if (has_stroke || !unit_is_spelled(unit, told)) {
+            fail_msg("'%s' is told as '%s'", unit, told);
+        }
+    }
+    OWNED char *speed = unit_of_results("rad/s"), *density = unit_of_results("kg/m3");
+    assert_string_equal(speed, "rad s-1");
+    assert_string_equal(density, "kg m-3");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_in_every_unit_are_those_of_the_keys_unit),
         cmocka_unit_test(every_spelling_is_read_and_means_one_unit),
         cmocka_unit_test(usual_spellings_are_among_them),
+        cmocka_unit_test(units_of_results_are_spellings_without_a_slash),
         cmocka_unit_test(no_kind_has_a_unit_with_milli_and_with_mega),
         cmocka_unit_test(every_unit_of_the_models_keys_is_in_the_table_and_taken_by_them),
         cmocka_unit_test(numbers_are_printed_in_the_unit_that_suits_their_size),

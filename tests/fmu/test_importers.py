@@ -10,6 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from fmu.importer import Make, simulate
@@ -22,6 +23,14 @@ SERVED = ("spur-pair", "rattle", "high-speed-pair", "tip-relief", "two-stage", "
 @pytest.mark.parametrize("example", SERVED)
 def test_examples_are_valid(make: Make, examples: Path, example: str) -> None:
     assert validate_fmu(str(make(examples / f"{example}.yaml"))) == []
+
+
+def test_a_unit_has_one_spelling(make: Make, examples: Path) -> None:
+    """Keys have rad/s, results rad s-1."""
+    path = make(examples / "spur-pair.yaml", "--input", "wheel:pinion:torque")
+    units = {unit.name for unit in read_model_description(str(path)).unitDefinitions}
+    assert {"N m", "kg m-3", "m s-1", "rad s-1"} <= units
+    assert not [unit for unit in units if "/" in unit]
 
 
 def test_names_that_xml_could_take_for_something_else_are_valid(make: Make, tmp_path: Path) -> None:
