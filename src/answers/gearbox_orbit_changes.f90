@@ -102,7 +102,7 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: reals(size(self%reals)), f(self%n_gears, -2:2)
       type(contact_mode) :: mode
-      integer :: k
+      integer :: i, k
 
       slope = 0
       call take_mode(self%gearbox, m, self%integers, self%reals, mode)
@@ -113,7 +113,9 @@ contains
          call gearbox_rates(self%gearbox, t, y, self%integers, reals, f(:, k), status)
          if (has_failed(status)) return
       end do
-      slope = (8*(f(:, 1) - f(:, -1)) - (f(:, 2) - f(:, -2)))/(12*step*self%reals(m))
+      do i = 1, self%n_gears
+         slope(i) = slope_of(f(i, :))/(step*self%reals(m))
+      end do
    end subroutine by_memory
 
    !> How a root function changes with the states it depends on; none depends on time alone.
