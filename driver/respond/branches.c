@@ -1,7 +1,5 @@
 #include "respond/branches.h"
 
-#include "base/interrupt.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -13,7 +11,7 @@ static const model *take(void *self, double value, char message[DAE_MESSAGE_LENG
 {
     branches *o = self;
     evl_error error = {.code = EVL_EXIT_OK};
-    if (interrupt_signal != 0) {
+    if (*o->sweep->interrupt != 0) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "interrupted");
         return NULL;
     }
@@ -47,8 +45,8 @@ static double *find_numbers(branches *o, int number, int point, const model_orbi
     dae_state state = dae_state_create(&o->sizes, NULL);
     double *values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof *values);
     const bool good = model_orbits_state(o->orbits, number, point, &state, message) &&
-                      orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit), values,
-                                 message) == ORBIT_FOUND;
+                      orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit),
+                                 o->sweep->interrupt, values, message) == ORBIT_FOUND;
     dae_state_free(&state);
     return good ? values : NULL;
 }
@@ -113,14 +111,14 @@ static orbit_end follow(branches *o, bool rising, int parent)
         point->multipliers = pool_calloc(&o->pool, (size_t)n_room, sizeof *point->multipliers);
         model_orbits_point(o->orbits, number, k, &point->orbit, point->multipliers);
         point->values = find_numbers(o, number, k, &point->orbit, why);
-        if (point->values == NULL && interrupt_signal == 0) {
+        if (point->values == NULL && *o->sweep->interrupt == 0) {
             note_problem(o, point->orbit.parameter, why);
         }
     }
     o->branches[number] = (orbit_branch){.parent = parent, .n = n, .end = good ? "" : pool_copy(&o->pool, message)};
     o->n_branches++;
     o->n_points += n;
-    return interrupt_signal != 0 ? ORBIT_INTERRUPTED : ORBIT_FOUND;
+    return *o->sweep->interrupt != 0 ? ORBIT_INTERRUPTED : ORBIT_FOUND;
 }
 
 /** Whether a branch of twice the period begins or ends at a doubling. */
@@ -163,7 +161,7 @@ static orbit_end follow_doublings(branches *o, int from)
             return ORBIT_INTERRUPTED;
         }
     }
-    return interrupt_signal != 0 ? ORBIT_INTERRUPTED : ORBIT_FOUND;
+    return *o->sweep->interrupt != 0 ? ORBIT_INTERRUPTED : ORBIT_FOUND;
 }
 
 /** From a motion that the gearbox comes to at a value. */
@@ -187,7 +185,7 @@ static orbit_end begin_at(branches *o, double value, evl_error *error)
         }
         if (o->orbits == NULL) {
             evl_error_set(error, EVL_EXIT_CASE, "", "%s", message);
-            end = interrupt_signal != 0 ? ORBIT_INTERRUPTED : ORBIT_FAILED;
+            end = *o->sweep->interrupt != 0 ? ORBIT_INTERRUPTED : ORBIT_FAILED;
         } else if (fabs(state.pitches - o->place) > 1e-9) {
             note_problem(o, value, "an event lies on the section of the others: the motion is left out");
         } else if (!is_known(o, value, point.period, point.values)) {

@@ -316,7 +316,8 @@ static bool has_come_back(search *s, const dae_state *start, int periods)
 }
 
 orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
-                     double time, double *values, char message[DAE_MESSAGE_LENGTH])
+                     double time, const volatile sig_atomic_t *interrupt, double *values,
+                     char message[DAE_MESSAGE_LENGTH])
 {
     static const double tight = 1e-11; /* tolerance: what is unstable leaves its orbit slowly enough */
     POOLED memory_pool pool = {NULL};
@@ -324,7 +325,7 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     integrate_options options = simulate_options(prepared);
     orbit_result result = {.period = periods};
     const double pitch = time / period->pitches;
-    s->interrupt = &interrupt_signal;
+    s->interrupt = interrupt;
     s->prepared = prepared;
     s->dae = &model_about(prepared->model)->dae;
     s->result = &result;

@@ -47,6 +47,8 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
 /** The numbers of an orbit that is known.
  *  @param state   on it, at any place
  *  @param periods common periods after which it repeats
- *  @param time    of a common period [s] */
+ *  @param time    of a common period [s]
+ *  @param interrupt  as of orbit_find */
 orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
-                     double time, double *values, char message[DAE_MESSAGE_LENGTH]);
+                     double time, const volatile sig_atomic_t *interrupt, double *values,
+                     char message[DAE_MESSAGE_LENGTH]);

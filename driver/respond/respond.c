@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "base/number.h"
 #include "base/progress.h"
+#include "case/unit_spelling.h"
 #include "files/checkpoint.h"
 #include "files/parts.h"
 #include "integrate/integrate.h"
@@ -98,30 +99,11 @@ static bool save(response_run *run, evl_error *error)
 
 /* ---- the file ---- */
 
-/** The unit of a key as a result has it: "rad s-1" of "rad/s". A new string. */
-static char *result_unit(const char *unit)
-{
-    OWNED char *copy = xstrdup(unit);
-    char *below = strchr(copy, '/'), *rest = NULL;
-    if (below == NULL) {
-        return xstrdup(copy);
-    }
-    *below++ = '\0';
-    char *text = xstrdup(copy);
-    for (const char *word = strtok_r(below, " ", &rest); word != NULL; word = strtok_r(NULL, " ", &rest)) {
-        const size_t letters = strcspn(word, "0123456789");
-        char *longer = xasprintf("%s %.*s-%s", text, (int)letters, word, word[letters] == '\0' ? "1" : word + letters);
-        free(text);
-        text = longer;
-    }
-    return text;
-}
-
 static bool write_file(response_run *run, bool commit, const char *status, const char *message, evl_error *error)
 {
     branch *b = &run->branch;
     const description *description = case_description(run->first.file);
-    OWNED char *warnings = prepare_warnings(&run->first, "\n"), *unit = result_unit(run->range.unit);
+    OWNED char *warnings = prepare_warnings(&run->first, "\n"), *unit = unit_of_results(run->range.unit);
     OWNED double *values = xcalloc((size_t)run->range.n, sizeof *values);
     for (int i = 0; i < run->range.n; i++) {
         values[i] = value_range_at(&run->range, i);
@@ -290,7 +272,7 @@ static bool prepare(response_run *run, const char *name, int n_set, const char *
 /** Orbits instead of motions. */
 static void find_orbits(response_run *run, evl_error *error)
 {
-    OWNED char *unit = result_unit(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
+    OWNED char *unit = unit_of_results(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
     const respond_orbits_setup setup = {
         .sweep = &run->branch, .first = &run->first, .unit = unit, .warnings = warnings, .options = run->options};
     run->options->orbits(&setup, error);
