@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import signal
 import subprocess
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from processes import wait_for
+from processes import catches, wait_for
 from system.test_numbers import BASE, FORCE, INERTIA, RATIO, STIFFNESS, TEETH, rectangular
 
 Respond = Callable[..., xr.Dataset]
@@ -159,8 +158,9 @@ def test_who_is_interrupted_does_not_wait_for_the_check_of_all_values(tmp_path, 
     case = write_rectangular(tmp_path)
     path = tmp_path / "r.h5"
     command = [executable, "respond", case, "--over", speeds(1.3, 2.1, 1e-5)]
+    # the check takes some hundred microseconds a value: half a minute in all
     with subprocess.Popen([*command, "-o", path], stderr=subprocess.PIPE, text=True) as process:
-        time.sleep(1)  # the check takes some hundred microseconds a value: a minute in all
+        wait_for(lambda: catches(process.pid, signal.SIGINT))
         process.send_signal(signal.SIGINT)
         _, messages = process.communicate(timeout=15)
     assert process.returncode == 75
