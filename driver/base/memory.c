@@ -25,10 +25,10 @@ FILE *memory_open(char **text, size_t *length)
     return checked(open_memstream(text, length), 1, BUFSIZ);
 }
 
-void memory_close(FILE *stream)
+void memory_close(FILE *stream, char *const *text)
 {
     const bool is_short = ferror(stream) != 0;
-    if (fclose(stream) != 0 || is_short) {
+    if (fclose(stream) != 0 || is_short || *text == NULL) { /* the C library lets it go where it cannot be shortened */
         evl_memory_run_out(1, BUFSIZ);
     }
 }

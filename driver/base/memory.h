@@ -48,7 +48,8 @@ void pool_free(memory_pool *pool);
 
 /** A stream into memory, as of open_memstream; to be closed by memory_close, and only then to be read. */
 FILE *memory_open(char **text, size_t *length);
-void memory_close(FILE *stream);
+/** @param[in] text  that of memory_open: there is one afterwards */
+void memory_close(FILE *stream, char *const *text);
 
 char *xstrdup(const char *text);
 /** A new string as printf would print it. */

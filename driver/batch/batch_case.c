@@ -50,7 +50,7 @@ void batch_row_write(const batch_plan *plan, long index, journal_status status, 
     }
     json_number(&writer, "at", (double)now.tv_sec + floor(1e-6 * (double)now.tv_nsec) / 1000);
     json_close(&writer, '}');
-    memory_close(writer.stream);
+    memory_close(writer.stream, &row->line);
 }
 
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row)

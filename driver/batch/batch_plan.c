@@ -177,7 +177,7 @@ char *batch_plan_head(const batch_plan *plan, int shard, int n_shards)
     }
     json_close(&writer, ']');
     json_close(&writer, '}');
-    memory_close(writer.stream);
+    memory_close(writer.stream, &text);
     text[length - 1] = '\0'; /* the newline */
     return text;
 }

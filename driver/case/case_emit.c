@@ -92,6 +92,6 @@ char *tree_text(const case_node *root)
     emit(&emitter, yaml_stream_end_event_initialize(&event), &event);
     (void)yaml_emitter_flush(&emitter);
     yaml_emitter_delete(&emitter);
-    memory_close(stream);
+    memory_close(stream, &text);
     return text;
 }

@@ -63,7 +63,7 @@ static bool fill(heap *h, int n, const fmu_file *files)
     for (int i = 0; i < n && good; i++) {
         good = put(archive, &files[i]);
     }
-    return archive != NULL && zipClose(archive, NULL) == ZIP_OK && good;
+    return archive != NULL && zipClose(archive, NULL) == ZIP_OK && good && h->bytes != NULL;
 }
 
 bool fmu_archive(const char *path, int n, const fmu_file *files, evl_error *error)

@@ -22,14 +22,9 @@ static void answer(void *with)
 {
     question *q = with;
     size_t length = 0;
-    FILE *stream = open_memstream(&q->text, &length);
-    if (stream == NULL) {
-        evl_memory_run_out(1, 1);
-    }
+    FILE *stream = memory_open(&q->text, &length);
     const bool good = q->write(q, stream, &q->error);
-    if (fclose(stream) != 0) {
-        evl_memory_run_out(1, length);
-    }
+    memory_close(stream, &q->text);
     if (!good) {
         free(q->text);
         q->text = NULL;

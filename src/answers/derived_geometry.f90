@@ -10,6 +10,7 @@ module evl_derived_geometry
    use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
    use evl_output, only: output_t
    use evl_pitch_errors, only: single_pitch_deviation, total_pitch_deviation
+   use evl_places, only: places
    use evl_row, only: kind_t
    use evl_teller, only: take_rows, tell, teller_t
    use evl_tooth_contact, only: tooth_contact_t, tracking_closed_form
@@ -53,7 +54,7 @@ contains
          call tell_compliance(gearbox, index, to)
       end select
       call take_rows(to, table)
-      if (of == of_compliance) table = pack(table, abs(table%value(1)) > 0)
+      if (of == of_compliance) table = table(places(abs(table%value(1)) > 0))
    end subroutine quantities_of
 
    subroutine tell_wheel(gearbox, index, to)

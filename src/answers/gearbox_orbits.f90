@@ -10,6 +10,7 @@ module evl_gearbox_orbits
    use evl_kinds, only: lanes, pi, wp
    use evl_local_variables, only: i_omega, i_theta
    use evl_orbit_model, only: orbit_model
+   use evl_places, only: places
    use evl_root_kinds, only: root_rows
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_load
    implicit none (type, external)
@@ -198,7 +199,7 @@ contains
 
       self%autonomous = .not. common%by_time
       self%n_gears = gearbox%n_states
-      self%memory = pack([(i, i=1, size(gearbox%contacts))], remembering(gearbox))
+      self%memory = places(remembering(gearbox))
       self%n = self%n_gears + size(self%memory)
       self%n_roots = gearbox%n_roots
       call gearbox_ode_create(ode, gearbox, scale)

@@ -135,7 +135,7 @@ contains
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed
       real(wp), dimension(gearbox%n_states) :: yp, scale
-      integer :: k, n
+      integer :: i, k, n
 
       k = findloc(gearbox%contacts(gearbox%first(:size(gearbox%pairs)))%rigid, .true., dim=1)
       if (k > 0) then
@@ -155,7 +155,9 @@ contains
       if (has_failed(status)) return
       if (closed%housing%is_mounted) call explicit_matrix(closed, t, y, yp, matrix, status)
       if (has_failed(status)) return
-      matrix = -matrix*spread(scale, 1, n)/spread(scale, 2, n)
+      do i = 1, n
+         matrix(:, i) = -matrix(:, i)*scale(i)/scale
+      end do
       if (.not. all(ieee_is_finite(matrix))) &
          call fail(status, code_out_of_domain, "the forces have no finite derivatives at this state")
    end subroutine linearised_matrix

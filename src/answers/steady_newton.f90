@@ -118,7 +118,7 @@ contains
       real(wp), dimension(gearbox%n_states) :: zero, scale, row_scale
       real(wp) :: jacobian(gearbox%n_states, gearbox%n_states)
       real(wp) :: matrix(size(system%speed), size(system%speed)), slopes(size(system%speed), 1)
-      integer :: pivots(size(system%speed)), info
+      integer :: pivots(size(system%speed)), i, info
 
       zero = 0
       call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
@@ -126,7 +126,9 @@ contains
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
       associate (n => size(system%speed))
          associate (row => system%row(:n), q => system%unknown(:n))
-            matrix = jacobian(row, q)*spread(scale(q), 1, n)/spread(row_scale(row), 2, n)
+            do i = 1, n
+               matrix(:, i) = jacobian(row, q(i))*scale(q(i))/row_scale(row)
+            end do
             slopes(:, 1) = -jacobian(row, i_theta)/row_scale(row)
             call dgesv(n, 1, matrix, n, pivots, slopes, n, info)
             if (info /= 0 .or. .not. all(ieee_is_finite(slopes))) then
@@ -169,7 +171,9 @@ contains
       end do
       if (gearbox%housing%is_mounted) call housing_turn_columns(gearbox%housing, y, jacobian)
       associate (row => system%row, unknown => system%unknown)
-         matrix = jacobian(row, unknown)*spread(scale(unknown), 1, size(row))/spread(row_scale(row), 2, size(row))
+         do i = 1, size(row)
+            matrix(:, i) = jacobian(row, unknown(i))*scale(unknown(i))/row_scale(row)
+         end do
       end associate
    end subroutine steady_matrix
 

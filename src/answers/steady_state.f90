@@ -9,6 +9,7 @@ module evl_steady_state
    use evl_load, only: load_point
    use evl_local_variables, only: i_omega
    use evl_no_damping, only: no_damping_t
+   use evl_places, only: places
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: clear, code_no_solution, code_out_of_domain, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
@@ -75,8 +76,7 @@ contains
       integer, allocatable :: unknown(:), row(:), speed(:), leaders(:)
       integer :: i
 
-      leaders = pack([(i, i=1, size(gearbox%wheels))], gearbox%wheels%leader == [(i, i=1, size(gearbox%wheels))])
-      leaders = pack(leaders, leaders /= gearbox%reference)
+      leaders = places([(gearbox%wheels(i)%leader == i .and. i /= gearbox%reference, i=1, size(gearbox%wheels))])
       unknown = gearbox%wheels(leaders)%i_psi
       row = unknown + 1
       do i = 1, size(gearbox%contacts)
@@ -91,8 +91,8 @@ contains
             speed = [speed, support%i_state(:support%n) + 1]
          end associate
       end do
-      unknown = [unknown, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
-      row = [row, pack(gearbox%contacts%i_normal, gearbox%contacts%leads)]
+      unknown = [unknown, gearbox%contacts(places(gearbox%contacts%leads))%i_normal]
+      row = [row, gearbox%contacts(places(gearbox%contacts%leads))%i_normal]
       speed = [speed, (0, i=1, count(gearbox%contacts%leads))]
       allocate (system%speed, source=speed)
       allocate (system%slopes(size(speed)), source=0.0_wp)

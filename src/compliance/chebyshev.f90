@@ -60,7 +60,7 @@ contains
       last(1) = 1
       b = a(0)*before + a(1)*last
       do k = 2, ubound(a, 1)
-         next = 2*eoshift(last, -1) - before
+         next = 2*[0.0_wp, last(:ubound(last, 1) - 1)] - before
          b = b + a(k)*next
          before = last
          last = next

@@ -8,6 +8,7 @@
 module evl_front
    use evl_kinds, only: wp
    use evl_lapack, only: dpotrf, dsyrk, dtrsm
+   use evl_places, only: places
    use evl_plane_mesh, only: plane_mesh_t
    implicit none (type, external)
    private
@@ -125,8 +126,8 @@ contains
       do i = 1, size(member)
          if (member(i) > 0) goes(i) = last(member(i)) == group
       end do
-      out = pack([(i, i=1, size(member))], goes)
-      stay = pack([(i, i=1, size(member))],.not. goes)
+      allocate (out, source=places(goes))
+      allocate (stay, source=places(.not. goes))
       call gather(front, out, out, done)
       call gather(front, stay, out, across)
       call gather(front, stay, stay, rest)

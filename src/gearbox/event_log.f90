@@ -2,6 +2,7 @@
 module evl_event_log
    use evl_event_kinds, only: event_rows, n_event_rows
    use evl_kinds, only: wp
+   use evl_places, only: places
    use evl_root_kinds, only: root_rows
    use evl_row, only: kind_t
    use evl_tooth_contact, only: tooth_contact_t
@@ -56,8 +57,8 @@ contains
       allocate (kinds(n_event_kinds()))
       kinds(:n_event_rows)%name = event_rows%name
       kinds(:n_event_rows)%text = event_rows%text
-      kinds(n_event_rows + 1:)%name = pack(root_rows%name, root_rows%text /= "")
-      kinds(n_event_rows + 1:)%text = pack(root_rows%text, root_rows%text /= "")
+      kinds(n_event_rows + 1:)%name = root_rows(places(root_rows%text /= ""))%name
+      kinds(n_event_rows + 1:)%text = root_rows(places(root_rows%text /= ""))%text
    end subroutine list_event_kinds
 
    !> Write an event down.

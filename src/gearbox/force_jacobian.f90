@@ -32,7 +32,6 @@ contains
       integer, allocatable, intent(out) :: rows(:), columns(:)
       real(wp), allocatable :: notes(:)
       type(jacobian_entries) :: entries
-      integer, allocatable :: speeds(:) ! rows of the rotors' speeds
       integer :: room, i, turn
 
       room = 0
@@ -44,11 +43,12 @@ contains
       end do
       call take_noted(gearbox%n_states, notes, rows, columns)
       call listed_entries(gearbox%n_states, rows, columns, entries)
-      speeds = pack(gearbox%wheels%i_speed, gearbox%wheels%leader == [(i, i=1, size(gearbox%wheels))] &
-                    .and. gearbox%wheels%i_psi > 0)
-      associate (of_reference => entries%columns(entries%start(i_omega):entries%start(i_omega + 1) - 1))
-         rows = [rows, reshape(spread(speeds, 1, size(of_reference)), [size(speeds)*size(of_reference)])]
-         columns = [columns, reshape(spread(of_reference, 2, size(speeds)), [size(speeds)*size(of_reference)])]
+      associate (wheels => gearbox%wheels, of_reference => entries%columns(entries%start(i_omega):entries%start(i_omega + 1) - 1))
+         do i = 1, size(wheels)
+            if (wheels(i)%leader /= i .or. wheels(i)%i_psi == 0) cycle
+            rows = [rows, (wheels(i)%i_speed, turn=1, size(of_reference))]
+            columns = [columns, of_reference]
+         end do
       end associate
       call sort_places(gearbox%n_states, rows, columns)
    end subroutine find_pattern

@@ -229,7 +229,7 @@ contains
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: wrench(6, n_housing_states), jacobian(:, :)
       real(wp), dimension(3, n_housing_states) :: speed, mount
-      real(wp) :: arm(3, 3), sweep(3), force(3), velocity(3), outside(3, 4), twist(3, 4)
+      real(wp) :: arm(3, 3), sweep(3), force(3), velocity(3), outside(3, 4), twist(3, 4), by_turn(3, 4)
       real(wp), dimension(n_housing_states) :: lost, done
       integer, parameter :: r = at_position + 1, p = at_orientation + 1, v = at_velocity + 1, o = at_omega + 1
       integer :: j
@@ -242,8 +242,13 @@ contains
          speed(:, p:p + 3) = rotated_gradient(quaternion, cross(frame%omega, housing%mount_point))
          speed(:, v:v + 2) = identity
          speed(:, o:o + 2) = matmul(rotation, arm)
-         mount = -spread(housing%damping, 2, n_housing_states)*speed
-         mount(:, p:p + 3) = mount(:, p:p + 3) - spread(housing%stiffness, 2, 4)*rotated_gradient(quaternion, housing%mount_point)
+         by_turn = rotated_gradient(quaternion, housing%mount_point)
+         do j = 1, n_housing_states
+            mount(:, j) = -housing%damping*speed(:, j)
+         end do
+         do j = 1, 4
+            mount(:, p + j - 1) = mount(:, p + j - 1) - housing%stiffness*by_turn(:, j)
+         end do
          do j = 1, 3
             mount(j, r + j - 1) = mount(j, r + j - 1) - housing%stiffness(j)
          end do
@@ -276,12 +281,14 @@ contains
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: by_orientation(3, 4), by_omega(3, 3)
-      real(wp) :: matrix(3, 3)
+      real(wp) :: matrix(3, 3), of_turn(3, 3)
       integer :: j
 
       associate (p_0 => frame%orientation(1), q => frame%orientation(2:4), k => housing%turn_stiffness)
-         matrix = -skew(q)*spread(k, 1, 3) + skew(k*q)
+         of_turn = skew(q)
+         matrix = skew(k*q)
          do j = 1, 3
+            matrix(:, j) = matrix(:, j) - of_turn(:, j)*k(j)
             matrix(j, j) = matrix(j, j) + p_0*k(j)
             by_omega(j, j) = by_omega(j, j) + housing%turn_damping(j)
          end do

@@ -2,6 +2,7 @@
 module evl_rotors
    use evl_gearbox, only: gearbox_t
    use evl_joined, only: joined_to
+   use evl_places, only: places
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_load, subject_shaft
    implicit none (type, external)
    private
@@ -32,7 +33,7 @@ contains
          do i = 1, size(gearbox%shafts)
             if (.not. rigid(i)) cycle
             joined = joined_to(b(i), a, b, rigid .and. [(k /= i, k=1, size(rigid))], size(joined))
-            gearbox%shafts(i)%behind = pack([(k, k=1, size(joined))], joined)
+            gearbox%shafts(i)%behind = places(joined)
          end do
          do i = 1, size(gearbox%wheels)
             gearbox%wheels(i)%leader = findloc(joined_to(i, a, b, rigid, size(joined)), .true., dim=1)

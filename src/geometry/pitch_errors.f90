@@ -138,7 +138,7 @@ contains
    pure real(wp) function single_pitch_deviation(errors)
       real(wp), intent(in) :: errors(:)
 
-      single_pitch_deviation = maxval(abs(errors - cshift(errors, -1)))
+      single_pitch_deviation = maxval(abs(errors - [errors(size(errors)), errors(:size(errors) - 1)]))
    end function single_pitch_deviation
 
    !> F_p, the total cumulative pitch deviation of the teeth of a wheel.

@@ -11,6 +11,7 @@
 module evl_condensed_systems
    use evl_block_inverse, only: apply_first_inverse, apply_inverse, invert_blocks
    use evl_kinds, only: wp
+   use evl_places, only: places
    use evl_radau_coefficients, only: n_systems
    use evl_sparse_lu, only: smallest_pivot, sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first, &
                             sparse_lu_t
@@ -58,9 +59,9 @@ contains
       self%n = n
       call sort_by_rows(n, row, column, start, order)
       call find_kinematic(n, column(order), start, partner)
-      self%kinematic = pack([(i, i=1, n)], partner > 0)
-      self%partner = pack(partner, partner > 0)
-      self%kept = pack([(i, i=1, n)], partner == 0)
+      self%kinematic = places(partner > 0)
+      self%partner = partner(self%kinematic)
+      self%kept = places(partner == 0)
       do i = 1, n
          if (partner(i) > 0) entry(i) = order(start(i))
       end do

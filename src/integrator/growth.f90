@@ -13,6 +13,7 @@ module evl_growth
    use evl_eigenvalues, only: find_eigenvalues
    use evl_jacobian_entries, only: apply_entries
    use evl_kinds, only: wp
+   use evl_places, only: places
    use evl_state_pieces, only: find_pieces, piece_t
    implicit none (type, external)
    private
@@ -64,12 +65,12 @@ contains
       integer, intent(in) :: row(:), column(:) !! of all entries
       real(wp), intent(in) :: scale(:)         !! of the states, > 0
       type(piece_t), allocatable :: pieces(:)
-      integer :: i, largest, p, n_entries
+      integer :: i, largest, n_entries
 
       self%n = n
       n_entries = count(row <= n)
       allocate (self%entry(n_entries), self%row(n_entries), self%column(n_entries), self%scale(n), self%x(n))
-      self%entry(:) = pack([(p, p=1, size(row))], row <= n)
+      self%entry(:) = places(row <= n)
       self%row(:) = row(self%entry)
       self%column(:) = column(self%entry)
       self%scale(:) = scale(:n)
@@ -91,6 +92,7 @@ contains
       type(growth_t), intent(in) :: self
       integer, intent(in) :: states(:)
       type(known_piece_t), intent(out) :: piece
+      integer, allocatable :: inside(:)
       integer :: place(self%n), i
 
       place = 0
@@ -98,9 +100,10 @@ contains
          place(states(i)) = i
       end do
       piece%states = states
-      piece%entry = pack(self%entry, place(self%row) > 0 .and. place(self%column) > 0)
-      piece%row = pack(place(self%row), place(self%row) > 0 .and. place(self%column) > 0)
-      piece%column = pack(place(self%column), place(self%row) > 0 .and. place(self%column) > 0)
+      inside = places(place(self%row) > 0 .and. place(self%column) > 0)
+      piece%entry = self%entry(inside)
+      piece%row = place(self%row(inside))
+      piece%column = place(self%column(inside))
       allocate (piece%known(size(piece%entry), n_known))
    end subroutine take_piece
 

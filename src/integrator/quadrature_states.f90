@@ -8,6 +8,7 @@
 !> where they are put at once: as exactly as if they had been iterated with the others.
 module evl_quadrature_states
    use evl_kinds, only: lanes, wp
+   use evl_places, only: places
    use evl_radau_coefficients, only: shift_re
    use evl_stage_transforms, only: change_of_stages, integrate
    implicit none (type, external)
@@ -33,15 +34,15 @@ contains
       type(pure_integrals_t), intent(out) :: self
       integer, intent(in) :: n !! states
       integer, intent(in) :: row(:), column(:)
-      integer :: i, p
+      integer :: i
 
       self%n_coupled = max(1, maxval([0, column]))
       self%n = n - self%n_coupled
-      self%coupled = pack([(p, p=1, size(row))], row <= self%n_coupled)
+      self%coupled = places(row <= self%n_coupled)
       allocate (self%start(self%n + 1), self%entry(0), self%rate(lanes, self%n), self%change(lanes, self%n))
       do i = 1, self%n
          self%start(i) = size(self%entry) + 1
-         self%entry = [self%entry, pack([(p, p=1, size(row))], row == self%n_coupled + i)]
+         self%entry = [self%entry, places(row == self%n_coupled + i)]
       end do
       self%start(self%n + 1) = size(self%entry) + 1
       self%column = column(self%entry)

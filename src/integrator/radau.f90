@@ -24,6 +24,7 @@ module evl_radau
    use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: growth_never, ode_model
+   use evl_places, only: places
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_root_forecast, only: forecast_crossing
    use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, set_weights, &
@@ -208,7 +209,6 @@ contains
       class(ode_model), intent(in) :: model
       type(radau_options), intent(in) :: options
       type(status_t), intent(inout) :: status
-      integer :: i
 
       if (.not. (options%tolerance >= 1.0e-13_wp .and. options%tolerance <= 0.1_wp)) then
          call fail(status, code_invalid_input, "tolerance "//quantity(options%tolerance, "")//" is not in 1e-13 .. 0.1", &
@@ -226,7 +226,7 @@ contains
       allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
       self%old_z = 0
       allocate (self%limited(0))
-      if (allocated(model%reach)) self%limited = pack([(i, i=1, model%n)], model%reach < huge(1.0_wp))
+      if (allocated(model%reach)) self%limited = places(model%reach < huge(1.0_wp))
       call stage_solver_create(self%stages, model, share*real_power(options%tolerance, 4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
       if (model%growth /= growth_never) call growth_create(self%growth, self%stages%integrals%n_coupled, model%jacobian_row, &
@@ -434,7 +434,9 @@ contains
       integer :: i, l
 
       if (.not. self%old_h > 0) then
-         y = spread(self%y, 1, lanes)
+         do l = 1, lanes
+            y(l, :) = self%y
+         end do
          return
       end if
       call lagrange_matrix((t - self%t_before)/self%old_h, matrix)

@@ -8,6 +8,7 @@
 !> Notes are made twice, by whoever will add to the entries: with room for none, which counts them, and with room for all.
 module evl_jacobian_entries
    use evl_kinds, only: wp
+   use evl_places, only: places
    implicit none (type, external)
    private
 
@@ -173,7 +174,7 @@ contains
       do p = 2, size(order)
          is_new(p) = rows(order(p)) /= rows(order(p - 1)) .or. columns(order(p)) /= columns(order(p - 1))
       end do
-      order = pack(order, is_new)
+      order = order(places(is_new))
       rows = rows(order)
       columns = columns(order)
    end subroutine sort_places

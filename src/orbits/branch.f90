@@ -10,6 +10,7 @@ module evl_branch
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd
    use evl_orbit_model, only: orbit_model
+   use evl_places, only: places
    use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
    use evl_special_points, only: branch_point, find_special_points, kind_fold
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
@@ -253,7 +254,7 @@ contains
          return
       end if
       away = 0
-      away(:model%n) = unpack(vectors(m, :), doubling%active, away(:model%n))
+      away(places(doubling%active)) = vectors(m, :)
    end subroutine find_direction
 
 end module evl_branch

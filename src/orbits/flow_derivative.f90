@@ -15,6 +15,7 @@ module evl_flow_derivative
    use evl_kinds, only: lanes, wp
    use evl_lapack, only: dgesv
    use evl_orbit_model, only: must_repeat, orbit_model
+   use evl_places, only: places
    use evl_radau, only: radau_interpolate_lanes, radau_t
    use evl_radau_coefficients, only: integral_to_node, n_stages, node, to_chebyshev
    use evl_status, only: code_no_solution, code_singular, fail, has_failed, quantity, status_t
@@ -40,12 +41,11 @@ contains
       logical :: moves(model%n)
       real(wp) :: t, h, error, factor
       real(wp) :: next(model%n, model%n)
-      integer :: i
 
       moves = .false.
       moves(model%jacobian_row) = .true.
-      kept = pack([(i, i=1, model%n)], must_repeat(model))
-      moving = pack([(i, i=1, model%n)], must_repeat(model) .and. moves) ! a memory rests
+      allocate (kept, source=places(must_repeat(model)))
+      allocate (moving, source=places(must_repeat(model) .and. moves)) ! a memory rests
       t = t_from
       h = solver%t - t
       next = derivative

@@ -20,6 +20,7 @@ module evl_shooting
    use evl_lapack, only: dgesv
    use evl_multipliers, only: find_multipliers
    use evl_orbit_model, only: must_repeat, orbit_model
+   use evl_places, only: places
    use evl_status, only: clear, code_invalid_input, code_no_solution, code_singular, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
@@ -307,13 +308,14 @@ contains
       real(wp), intent(in) :: along(:)      !! [n + 2] it points the same way as this
       type(status_t), intent(inout) :: status
       real(wp) :: matrix(model%n + 2, model%n + 2), phase_row(model%n)
+      integer :: i
 
       call differentiate_by_parameter(model, options, orbit, status)
       phase_row = 0
       if (model%autonomous .and. .not. has_failed(status)) call find_phase_row(model, orbit, phase_row, status)
       if (has_failed(status)) return
       call linearise(model, options, orbit, phase_row, along, matrix)
-      orbit%tangent = [spread(0.0_wp, 1, model%n + 1), 1.0_wp]
+      orbit%tangent = [(0.0_wp, i=0, model%n), 1.0_wp]
       call solve(matrix, orbit%tangent, status)
       if (.not. has_failed(status)) orbit%tangent = orbit%tangent/norm2(orbit%tangent)
    end subroutine find_tangent
@@ -325,7 +327,7 @@ contains
       real(wp) :: matrix(count(orbit%active), count(orbit%active))
       integer :: list(count(orbit%active)), i, j
 
-      list = pack([(i, i=1, model%n)], orbit%active)
+      list = places(orbit%active)
       do j = 1, size(list)
          do i = 1, size(list)
             matrix(i, j) = orbit%flow%derivative(list(i), list(j))*model%scale(list(j))/model%scale(list(i))

@@ -121,6 +121,13 @@ def test_the_kernel_never_stops_the_program_nor_opens_a_file(symbols: list[tuple
     assert not undefined & {"exit", "abort", "_exit", "printf", "puts", "fopen", "open", "system"}
 
 
+@pytest.mark.parametrize("name", ["pack", "spread", "cshift", "eoshift", "unpack"])
+def test_gfortrans_library_makes_no_arrays(symbols: list[tuple[str, str]], name: str):
+    """Where it finds no memory for one, it ends the program by itself, in lines of its own."""
+    made = [found for _, found in symbols if re.match(rf"_gfortran_{name}(\d|_|$)", found)]
+    assert not made
+
+
 def test_the_kernel_writes_nothing(kernel_library: Path):
     """Not even where it is refused: a program that only calls it prints nothing."""
     program = f"""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -45,9 +46,33 @@ def test_lack_of_memory_is_one_line_and_one_code(
     executable: Path, faults_layer: Path, tmp_path: Path, name: str
 ) -> None:
     _, told = try_all(commands(executable)[name], faults_layer, tmp_path, (MEMORY,), 8)
-    # The runtime library of gfortran has words of its own: the kernel has texts of numbers made.
-    own = ("xmallocarray", "Operating system error: Cannot allocate memory", "missed")
-    assert not [line for line in told if not any(word in line for word in own)]
+    assert not [line for line in told if not line.startswith("missed")]
+
+
+def test_every_call_for_memory_of_show_ends_in_one_line_and_one_code(
+    executable: Path, faults_layer: Path, tmp_path: Path
+) -> None:
+    """Of a table, of the kernel's and of the program's texts: every ninth; all by --long."""
+    _, told = try_all(commands(executable)["show"], faults_layer, tmp_path, (MEMORY,), 288)
+    assert not told
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["show", "records", "resume", "run"])
+def test_every_call_for_memory(
+    executable: Path, faults_layer: Path, tmp_path: Path, name: str
+) -> None:
+    _, told = try_all(commands(executable)[name], faults_layer, tmp_path, (MEMORY,))
+    assert not [line for line in told if not line.startswith("missed")]
+
+
+def test_the_program_answers_for_gfortrans_library_where_there_is_no_memory(
+    executable: Path,
+) -> None:
+    """The loader has to see its answers, whatever the linker optimises."""
+    command = ["nm", "--dynamic", "--defined-only", executable]
+    shown = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
+    assert {"_gfortran_os_error", "_gfortran_os_error_at", "_gfortran_string_trim"} <= set(shown)
 
 
 def test_a_line_for_which_there_is_no_memory_is_not_the_end_of_a_journal(
