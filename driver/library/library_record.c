@@ -10,6 +10,8 @@ struct evolvent_record {
     history *history; /**< in whose pool the record is */
     evolvent_variable *variables;
     evolvent_attribute *attributes;
+    char *layout;
+    size_t n_layout; /**< bytes of it */
 };
 
 static evolvent_variable view(const history_variable *from)
@@ -44,6 +46,54 @@ static evolvent_attribute view_attribute(const history_attribute *from)
                                 is_real ? 0 : from->integer};
 }
 
+/* ---- the layout: numbers and texts with their ends, one behind the other ---- */
+
+/** Put bytes at a place, if it is there. @return the place behind them, counted from the first */
+static size_t put(char *to, size_t at, const void *bytes, size_t n)
+{
+    if (to != NULL) {
+        memcpy(to + at, bytes, n);
+    }
+    return at + n;
+}
+
+static size_t put_text(char *to, size_t at, const char *text)
+{
+    return put(to, at, text, strlen(text) + 1);
+}
+
+static size_t put_variable(char *to, size_t at, const evolvent_variable *variable)
+{
+    const int numbers[] = {(int)variable->type, variable->is_of_events, variable->rank, variable->n_flags};
+    at = put(to, at, numbers, sizeof numbers);
+    at = put_text(to, at, variable->name);
+    at = put_text(to, at, variable->units);
+    at = put_text(to, at, variable->long_name);
+    at = put_text(to, at, variable->symbol);
+    at = put_text(to, at, variable->flag_meanings);
+    for (int i = 0; i < variable->rank; i++) {
+        at = put_text(to, at, variable->dimensions[i]);
+    }
+    if (variable->type == EVOLVENT_TEXT) {
+        const char *const *texts = variable->values;
+        at = put(to, at, &variable->lengths[0], sizeof variable->lengths[0]);
+        for (size_t i = 0; i < variable->lengths[0]; i++) {
+            at = put_text(to, at, texts[i]);
+        }
+    }
+    return at;
+}
+
+/** Write the layout, or with NULL find how long it is. */
+static size_t write_layout(char *to, int n, const evolvent_variable *variables)
+{
+    size_t at = 0;
+    for (int i = 0; i < n; i++) {
+        at = put_variable(to, at, &variables[i]);
+    }
+    return at;
+}
+
 evolvent_record *library_record(history *history)
 {
     if (history == NULL) {
@@ -60,6 +110,9 @@ evolvent_record *library_record(history *history)
     for (int i = 0; i < history->n_attributes; i++) {
         record->attributes[i] = view_attribute(&history->attributes[i]);
     }
+    record->n_layout = write_layout(NULL, history->n_variables, record->variables);
+    record->layout = pool_packed(pool, record->n_layout, 1);
+    (void)write_layout(record->layout, history->n_variables, record->variables);
     return record;
 }
 
@@ -73,6 +126,12 @@ const evolvent_attribute *evolvent_record_attributes(const evolvent_record *reco
 {
     *n = record->history->n_attributes;
     return record->attributes;
+}
+
+const void *evolvent_record_layout(const evolvent_record *record, size_t *size)
+{
+    *size = record->n_layout;
+    return record->layout;
 }
 
 const evolvent_variable *evolvent_record_find(const evolvent_record *record, const char *name)

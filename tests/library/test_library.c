@@ -173,6 +173,39 @@ static void a_variable_is_found_by_its_name_and_none_of_the_events(void **state)
     evolvent_case_free(gearbox);
 }
 
+/* Whether two records have the same layout. */
+static int alike(const evolvent_record *one, const evolvent_record *other)
+{
+    size_t n, m;
+    const void *a = evolvent_record_layout(one, &n), *b = evolvent_record_layout(other, &m);
+    return n == m && memcmp(a, b, n) == 0;
+}
+
+static void records_have_the_layout_of_others_whose_numbers_alone_differ(void **state)
+{
+    (void)state;
+    static const char *const longer[] = {"meshes.0.tracking=closed_form", "simulation.duration=0.2"};
+    static const char *const fewer[] = {"simulation.duration=0.1", "simulation.outputs=gap"};
+    static const char *const renamed[] = {"simulation.duration=0.1", "meshes.0.name=other"};
+    const char *const *const sets[] = {radau, longer, fewer, renamed, ida};
+    enum { N = sizeof sets / sizeof *sets, N_ALIKE = 2 };
+    evolvent_case *gearboxes[N];
+    evolvent_record *records[N];
+    for (int i = 0; i < N; i++) {
+        gearboxes[i] = read_case(sets[i]);
+        records[i] = run(gearboxes[i]);
+    }
+    for (int i = 0; i < N; i++) {
+        for (int k = 0; k < N; k++) {
+            assert_int_equal(alike(records[i], records[k]), i == k || (i < N_ALIKE && k < N_ALIKE));
+        }
+    }
+    for (int i = 0; i < N; i++) {
+        evolvent_record_free(records[i]);
+        evolvent_case_free(gearboxes[i]);
+    }
+}
+
 /* ---- stopped ---- */
 
 static void a_run_that_is_stopped_gives_what_there_is(void **state)
@@ -332,6 +365,7 @@ int main(void)
                                        cmocka_unit_test(the_caller_s_rounding_changes_no_bit_and_stays),
                                        cmocka_unit_test(the_caller_s_locale_changes_no_bit_and_stays),
                                        cmocka_unit_test(a_variable_is_found_by_its_name_and_none_of_the_events),
+                                       cmocka_unit_test(records_have_the_layout_of_others_whose_numbers_alone_differ),
                                        cmocka_unit_test(a_run_that_is_stopped_gives_what_there_is),
                                        cmocka_unit_test(a_response_is_done_stopped_or_refused_and_leaves_nothing)};
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -101,6 +101,7 @@ PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "evolvent_text_free": (None, (c_void_p,)),
     "evolvent_record_variables": (POINTER(Variable), (c_void_p, POINTER(c_int))),
     "evolvent_record_attributes": (POINTER(Attribute), (c_void_p, POINTER(c_int))),
+    "evolvent_record_layout": (c_void_p, (c_void_p, POINTER(c_size_t))),
     "evolvent_record_find": (POINTER(Variable), (c_void_p, c_char_p)),
     "evolvent_record_free": (None, (c_void_p,)),
 }

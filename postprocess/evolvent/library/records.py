@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from ctypes import byref, c_char_p, c_int
-from functools import lru_cache, partial
+from collections.abc import Callable, Hashable, Mapping
+from ctypes import byref, c_int
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from evolvent.library.binding import INTEGER, REAL, TEXT, Attribute, Variable, load
+from evolvent.library.binding import REAL, TEXT, Attribute, Variable, load
+from evolvent.library.layouts import Layout, layouts_of, variable_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 EVENTS = "events"  # of a result's `encoding`: what makes a dataset of its events
-TYPES: dict[int, np.dtype[Any]] = {REAL: np.dtype("f8"), INTEGER: np.dtype("i4")}
-KINDS = {number: kind.str for number, kind in TYPES.items()}
+# Of the library's variables, what changes from result to result.
+NUMBERS = np.dtype(
+    {
+        "names": ["lengths", "values"],
+        "formats": [(np.uintp, Variable.lengths.size // ctypes.sizeof(ctypes.c_size_t)), np.uintp],
+        "offsets": [Variable.lengths.offset, Variable.values.offset],
+        "itemsize": ctypes.sizeof(Variable),
+    }
+)
 
 
 class Record:
@@ -34,39 +42,15 @@ class Record:
 class _Values:
     """Numbers where the library has them."""
 
-    def __init__(self, record: Record, address: int, shape: tuple[int, ...], kind: str) -> None:
+    def __init__(self, record: Record) -> None:
         self.record = record
-        self.__array_interface__ = {
-            "version": 3,
-            "data": (address, False),
-            "shape": shape,
-            "typestr": kind,
-        }
+        self.__array_interface__: dict[str, Any] = {"version": 3}
 
-
-def _texts(variable: Variable, shape: tuple[int, ...]) -> tuple[bytes, ...]:
-    return tuple(ctypes.cast(variable.values, ctypes.POINTER(c_char_p))[: shape[0]])
-
-
-# What results have in common, such as names and units, is decoded once.
-_text = lru_cache(4096)(bytes.decode)
-
-
-@lru_cache(4096)
-def _attributes(
-    units: bytes, long_name: bytes, symbol: bytes, n_flags: int, meanings: bytes
-) -> dict[Hashable, Any]:
-    """The attributes of a variable; who puts them into one copies them, as xarray does."""
-    attributes: dict[Hashable, Any] = {
-        "units": units.decode(),
-        "long_name": long_name.decode(),
-        "symbol": symbol.decode(),
-    }
-    if n_flags > 0:
-        attributes["flag_values"] = np.arange(n_flags, dtype=TYPES[INTEGER])
-        attributes["flag_values"].flags.writeable = False  # shared by all results
-        attributes["flag_meanings"] = meanings.decode()
-    return attributes
+    def array(self, address: int, shape: tuple[int, ...], kind: str) -> np.ndarray:
+        """Those at an address, as an array that keeps the record."""
+        told = self.__array_interface__
+        told["data"], told["shape"], told["typestr"] = (address, False), shape, kind
+        return np.asarray(self)
 
 
 def _value_of(attribute: Attribute) -> Any:
@@ -81,15 +65,15 @@ def dataset(handle: int) -> xr.Dataset:
     Its events, if it has any, are made when `open_events` asks for them: its `encoding` tells how.
     """
     library, record, n = load(), Record(handle), c_int()
-    variables = library.evolvent_record_variables(handle, byref(n))[: n.value]
     attributes = library.evolvent_record_attributes(handle, byref(n))
     attrs = {one.name.decode(): _value_of(one) for one in attributes[: n.value]}
-    events = [variable for variable in variables if variable.is_of_events]
-    result = _assembled(
-        record, [variable for variable in variables if not variable.is_of_events], attrs
-    )
-    if events:
-        result.encoding[EVENTS] = Events(partial(_assembled, record, events, {}))
+    variables = library.evolvent_record_variables(handle, byref(n))
+    told = ctypes.string_at(variables, n.value * NUMBERS.itemsize)
+    numbers = np.frombuffer(told, dtype=NUMBERS)
+    layouts = layouts_of(handle, variables, n.value)
+    result = _assembled(record, layouts.own, numbers, attrs)
+    if layouts.events is not None:
+        result.encoding[EVENTS] = Events(partial(_assembled, record, layouts.events, numbers, {}))
     return result
 
 
@@ -111,52 +95,31 @@ def _same(events: xr.Dataset) -> xr.Dataset:
     return events
 
 
-@lru_cache(1024)
-def _names(
-    name: str, texts: tuple[bytes, ...], *attributes: Any
-) -> tuple[xr.Variable, Mapping[Any, Any]]:
-    """A coordinate of names, and its index."""
-    import xarray as xr
-
-    values = np.array([text.decode() for text in texts], dtype=np.str_)
-    made = xr.Coordinates({name: xr.Variable((name,), values, _attributes(*attributes))})
-    return made.variables[name], dict(made.xindexes)
-
-
 def _assembled(
-    record: Record, variables: Sequence[Variable], attrs: Mapping[Any, Any]
+    record: Record, layout: Layout, numbers: np.ndarray, attrs: Mapping[Any, Any]
 ) -> xr.Dataset:
     import xarray as xr
 
+    addresses, lengths, values = numbers["values"].tolist(), numbers["lengths"], _Values(record)
+    sizes: dict[Hashable, int] = {
+        dimension: int(lengths[where]) for dimension, where in layout.sizes.items()
+    }
+    shapes = [(shape, tuple(map(sizes.__getitem__, shape))) for shape in layout.shapes]
     parts: dict[Hashable, xr.Variable] = {}
-    coordinates: dict[Hashable, xr.Variable] = {}
-    indexes: dict[Hashable, Any] = {}
-    sizes: dict[Hashable, int] = {}
-    for variable in variables:
-        name, rank = _text(variable.name), variable.rank
-        dimensions = tuple(map(_text, variable.dimensions[:rank]))
-        shape = tuple(variable.lengths[:rank])
-        sizes.update(zip(dimensions, shape, strict=True))
-        told = (
-            variable.units,
-            variable.long_name,
-            variable.symbol,
-            variable.n_flags,
-            variable.flag_meanings,
-        )
-        if variable.type == TEXT:
-            names, index = _names(name, _texts(variable, shape), *told)
-            coordinates[name] = names.copy(deep=False)
-            indexes.update(index)
-            continue
-        values = np.asarray(_Values(record, variable.values, shape, KINDS[variable.type]))
-        made = xr.Variable(dimensions, values, _attributes(*told), fastpath=True)
+    found: dict[Hashable, xr.Variable] = {
+        name: names.copy(deep=False) for name, names in layout.names.items()
+    }
+    indexes = dict(layout.indexes)
+    for place, name, shape, kind, attributes in layout.columns:
+        dimensions, counts = shapes[shape]
+        made = variable_of(dimensions, values.array(addresses[place], counts, kind), attributes)
         if dimensions == (name,):
-            indexed = xr.Coordinates({name: made})
-            coordinates[name] = indexed.variables[name]
-            indexes.update(indexed.xindexes)
+            index = xr.indexes.PandasIndex.from_variables({name: made}, options={})
+            found.update(index.create_variables({name: made}))
+            indexes[name] = index
         else:
             parts[name] = made
+    coordinates: dict[Hashable, xr.Variable] = {name: found[name] for name in layout.coordinates}
     return joined(parts, coordinates, indexes, sizes, dict(attrs))
 
 

@@ -123,6 +123,9 @@ typedef struct evolvent_attribute {
 
 const evolvent_variable *evolvent_record_variables(const evolvent_record *record, int *n);
 const evolvent_attribute *evolvent_record_attributes(const evolvent_record *record, int *n);
+/** All that is said of a record's variables but lengths and numbers: their texts, dimensions, types, and the values of those that are
+ *  texts. What a caller makes of it serves every record with the same bytes. @param size  how many bytes */
+const void *evolvent_record_layout(const evolvent_record *record, size_t *size);
 /** A variable of the record itself by its name; NULL if there is none. */
 const evolvent_variable *evolvent_record_find(const evolvent_record *record, const char *name);
 void evolvent_record_free(evolvent_record *record);

@@ -1,0 +1,155 @@
+"""What results have in common: names, dimensions, attributes, coordinates of names; made once."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Hashable, Mapping, Sequence
+from ctypes import byref, c_char_p, c_size_t
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from evolvent.library.binding import INTEGER, REAL, TEXT, Variable, load
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TYPES: dict[int, np.dtype[Any]] = {REAL: np.dtype("f8"), INTEGER: np.dtype("i4")}
+MOST = 256  # layouts that are kept
+
+
+class Column(NamedTuple):
+    """A variable of numbers."""
+
+    place: int  # in the record
+    name: str
+    shape: int  # which of the layout's
+    kind: str  # as numpy's arrays tell it
+    attributes: Mapping[Hashable, Any]  # shared by all results: who puts them into one copies them
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A dataset without its numbers."""
+
+    columns: tuple[Column, ...]
+    sizes: Mapping[str, tuple[int, int]]  # of a dimension: place of a variable, and which of its
+    shapes: tuple[tuple[str, ...], ...]  # the dimensions that columns have together
+    coordinates: tuple[str, ...]  # in the order of the record
+    names: Mapping[Hashable, xr.Variable]  # those of names, shared as well
+    indexes: Mapping[Hashable, Any]
+
+
+@dataclass(frozen=True)
+class Layouts:
+    """What a record holds."""
+
+    own: Layout
+    events: Layout | None
+
+
+_kept: dict[bytes, Layouts] = {}
+
+
+def layouts_of(handle: int, variables: Any, n: int) -> Layouts:
+    """The layouts of a record: those of an earlier one if the library tells the same of both."""
+    size = c_size_t()
+    told = ctypes.string_at(load().evolvent_record_layout(handle, byref(size)), size.value)
+    layouts = _kept.get(told)
+    if layouts is None:
+        numbered = list(enumerate(variables[:n]))
+        events = [(place, one) for place, one in numbered if one.is_of_events]
+        own = _layout([(place, one) for place, one in numbered if not one.is_of_events])
+        layouts = Layouts(own, _layout(events) if events else None)
+        if len(_kept) >= MOST:
+            _kept.clear()
+        _kept[told] = layouts
+    return layouts
+
+
+def _layout(variables: Sequence[tuple[int, Variable]]) -> Layout:
+    columns: list[Column] = []
+    sizes: dict[str, tuple[int, int]] = {}
+    shapes: dict[tuple[str, ...], int] = {}
+    coordinates: list[str] = []
+    names: dict[Hashable, xr.Variable] = {}
+    indexes: dict[Hashable, Any] = {}
+    for place, variable in variables:
+        name = variable.name.decode()
+        dimensions = tuple(text.decode() for text in variable.dimensions[: variable.rank])
+        for which, dimension in enumerate(dimensions):
+            sizes.setdefault(dimension, (place, which))
+        attributes = _attributes(variable)
+        if dimensions == (name,):
+            coordinates.append(name)
+        if variable.type == TEXT:
+            names[name], index = _names(name, _texts(variable), attributes)
+            indexes.update(index)
+        else:
+            shape = shapes.setdefault(dimensions, len(shapes))
+            columns.append(Column(place, name, shape, TYPES[variable.type].str, attributes))
+    return Layout(tuple(columns), sizes, tuple(shapes), tuple(coordinates), names, indexes)
+
+
+def _attributes(variable: Variable) -> dict[Hashable, Any]:
+    attributes: dict[Hashable, Any] = {
+        "units": variable.units.decode(),
+        "long_name": variable.long_name.decode(),
+        "symbol": variable.symbol.decode(),
+    }
+    if variable.n_flags > 0:
+        attributes["flag_values"] = np.arange(variable.n_flags, dtype=TYPES[INTEGER])
+        attributes["flag_values"].flags.writeable = False  # shared by all results
+        attributes["flag_meanings"] = variable.flag_meanings.decode()
+    return attributes
+
+
+def _texts(variable: Variable) -> list[str]:
+    texts = ctypes.cast(variable.values, ctypes.POINTER(c_char_p))[: variable.lengths[0]]
+    return [text.decode() for text in texts]
+
+
+def _names(
+    name: str, texts: Sequence[str], attributes: Mapping[Hashable, Any]
+) -> tuple[xr.Variable, Mapping[Any, Any]]:
+    """A coordinate of names, and its index."""
+    import xarray as xr
+
+    values = np.array(texts, dtype=np.str_)
+    made = xr.Coordinates({name: xr.Variable((name,), values, attributes)})
+    return made.variables[name], dict(made.xindexes)
+
+
+def variable_of(
+    dimensions: tuple[str, ...], values: np.ndarray, attributes: Mapping[Hashable, Any]
+) -> xr.Variable:
+    """`xr.Variable(dimensions, values, attributes)` of what is known to fit.
+
+    A result has some hundred of them, and the constructor's checks take longer than all else that
+    is done with it. Where a variable is not made of these four things, the constructor makes it.
+    """
+    import xarray as xr
+
+    if not _is_made_of_four():
+        return xr.Variable(dimensions, values, attributes, fastpath=True)
+    made: Any = object.__new__(xr.Variable)
+    made._dims = dimensions
+    made._data = values
+    made._attrs = dict(attributes)
+    made._encoding = None
+    return made  # type: ignore[no-any-return]
+
+
+@cache
+def _is_made_of_four() -> bool:
+    """Whether the constructor sets what `variable_of` does, and nothing else."""
+    import xarray as xr
+
+    values = np.zeros(1)
+    made = xr.Variable(("x",), values, {"units": "m"}, fastpath=True)
+    members = {name for kind in type(made).__mro__ for name in getattr(kind, "__slots__", ())}
+    there = {name: getattr(made, name) for name in members if hasattr(made, name)}
+    expected = {"_dims": ("x",), "_attrs": {"units": "m"}, "_encoding": None, "_data": values}
+    return there == expected and there["_data"] is values and not getattr(made, "__dict__", None)
