@@ -37,7 +37,7 @@ contains
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
-      type(gearbox_t) :: closed, elastic
+      type(gearbox_t) :: closed
       type(steady_system) :: system
       integer :: i
 
@@ -56,14 +56,16 @@ contains
       call press_flanks(gearbox, y, integers)
       reals = 0
       if (any(gearbox%contacts%deviates)) then
-         elastic = closed
-         do i = 1, size(elastic%contacts)
-            elastic%contacts(i)%damping = no_damping_t()
+         do i = 1, size(closed%contacts)
+            closed%contacts(i)%damping = no_damping_t()
          end do
-         call settle_steady(elastic, system, t, y, integers, reals, status)
-         if (.not. has_failed(status)) call check_pressed(elastic, t, y, integers, reals, status)
-         if (.not. has_failed(status)) call find_slopes(elastic, system, t, y, integers, reals, status)
+         call settle_steady(closed, system, t, y, integers, reals, status)
+         if (.not. has_failed(status)) call check_pressed(closed, t, y, integers, reals, status)
+         if (.not. has_failed(status)) call find_slopes(closed, system, t, y, integers, reals, status)
          if (has_failed(status)) return
+         do i = 1, size(closed%contacts)
+            closed%contacts(i)%damping = gearbox%contacts(i)%damping
+         end do
       end if
       call settle_steady(closed, system, t, y, integers, reals, status)
       if (.not. has_failed(status)) call check_pressed(closed, t, y, integers, reals, status)

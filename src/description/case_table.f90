@@ -190,15 +190,16 @@ contains
          call list_event_kinds(kinds)
          return
       end if
-      call walk()
+      call walk(finder)
       allocate (finder%kinds(finder%n))
       finder%n = 0
-      call walk()
+      call walk(finder)
       call move_alloc(finder%kinds, kinds)
 
    contains
 
-      subroutine walk()
+      subroutine walk(finder)
+         type(kind_finder), intent(inout) :: finder
          class(elastic_law_t), allocatable :: elastic
          class(damping_law_t), allocatable :: damping
          class(friction_law_t), allocatable :: friction

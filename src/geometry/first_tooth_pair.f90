@@ -105,6 +105,7 @@ contains
          at_a = base_radius(a)*(mesh%alpha_w + tooth_angle(a)/2)
          at_b = base_radius(b)*(pi + mesh%alpha_w + tooth_angle(b)/2)
          rho_a = mesh%rho_start
+         rho_b = mesh%rho - rho_a
          if (placed(b)) rho_b = at_b - mesh%sigma*base_radius(b)*(middle(b) - mesh%chi)
          if (placed(a)) then
             rho_a = at_a - mesh%sigma*base_radius(a)*(middle(a) - mesh%chi)
