@@ -7,7 +7,13 @@ import numpy as np
 from evolvent.history.recording import Part, Recording, Values, integral, largest, largest_size
 from evolvent.physics.applicable import NotApplicableError
 from evolvent.physics.invariant import Deviation, invariant, of_some
-from evolvent.physics.wheel_torques import contact_torque, largest_shaft_torque, shaft_torque
+from evolvent.physics.wheel_torques import (
+    contact_torque,
+    largest_mesh_torque,
+    largest_shaft_torque,
+    rotor_inertia,
+    shaft_torque,
+)
 
 DIGITS = 1e-9  # of a torque: with the bound of 1e-6 some digits more than a sum of two has
 ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_work")
@@ -47,23 +53,23 @@ def energy_balance(run: Recording) -> Deviation:
 @invariant(
     "torque balance",
     "J omega' = load + sigma (F_n r_b + F_t l) + shafts",
-    "largest contact or shaft torque",
+    "largest torque of a mesh or shaft",
     1e-6,
 )
 def torque_balance(run: Recording) -> Deviation:
-    """J omega' - load - contact - shaft torques over the wheel's largest contact or shaft torque.
+    """J omega' - load - contact - shaft torques over the largest torque of a mesh or shaft on it.
 
     Dims (time, wheel). With friction, on approach and recess alike; a wheel that nothing turns but
-    its loads is left out. A housing that turns adds its acceleration about the axles. A wheel's
-    acceleration is the reference wheel's and its own deviation from it, so the largest of any wheel
-    is rounded in it.
+    its loads is left out. A housing that turns adds its acceleration about the axles. The sum of
+    two meshes, as of an idler, is rounded as they are. A wheel's acceleration is the reference
+    wheel's and its own deviation from it, so the largest of any wheel is rounded in it; a rigid
+    shaft carries what that is to all that it joins.
     """
-    of_contacts = largest(run, lambda part: abs(contact_torque(part)))
-    of_shafts = largest_shaft_torque(run)
-    scale = np.where(of_contacts > of_shafts, of_contacts, of_shafts)
+    of_meshes, of_shafts = largest_mesh_torque(run), largest_shaft_torque(run)
+    scale = np.where(of_meshes > of_shafts, of_meshes, of_shafts)
     touched = scale > 0.0
     fastest = largest(run, lambda part: abs(part["angular_acceleration"])).max()
-    scale = np.maximum(scale, DIGITS * run["inertia"] * fastest)
+    scale = np.maximum(scale, DIGITS * rotor_inertia(run) * fastest)
     if not touched.any():
         raise NotApplicableError("the teeth never touch")
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from evolvent.history.recording import Part, Recording, Values, ever, joined, largest
-from evolvent.physics.applicable import NotApplicableError, depth_scale, is_tracked
+from evolvent.physics.applicable import NotApplicableError, base_radii, depth_scale, is_tracked
 from evolvent.physics.extremes import told_names
 from evolvent.physics.invariant import Deviation, invariant
 from evolvent.physics.numbers import is_number
@@ -27,6 +27,7 @@ OF_VIBRATING_MESHES = frozenset(
 )
 OF_PATH = ("pair_position", "pair_penetration", "pair_sliding_velocity")
 FORCES = ("normal_force", "pair_normal_force")
+SLIDING = 1e-6  # of the largest speed: with the bound of 1e-9 some digits more than a sum has
 TRACKED_ONLY = frozenset(
     {
         "gradient_ratio",
@@ -44,8 +45,10 @@ def beyond_extremes(run: Recording) -> Deviation:
 
     Dims (extreme, mesh): found between the outputs, an extreme is none if an output exceeds it. The
     penetration of rigid contacts is rounding: it is measured by the reference penetration; a
-    friction force that is rounding, by the normal force; and a normal force under hardly any load,
-    which has digits of places, by a thousandth of the reference force at least.
+    friction force that is rounding, by the normal force; a normal force under hardly any load,
+    which has digits of places, by a thousandth of the reference force at least; and sliding by a
+    millionth of what the fastest wheel would give on the mesh's larger base circle, since a wheel's
+    speed is the reference wheel's and its own deviation from it.
     """
     told = list(told_names(run.variables))
     if not told:
@@ -60,6 +63,9 @@ def beyond_extremes(run: Recording) -> Deviation:
             scale = depth_scale(run)
         elif measure in FORCES:
             scale = np.where(scale > 0.0, np.maximum(scale, 1e-3 * run["reference_force"]), 0.0)
+        elif output == "sliding_velocity":
+            fastest = largest(run, lambda part: abs(part["angular_velocity"])).max()
+            scale = np.maximum(scale, SLIDING * fastest * np.maximum(*base_radii(run)))
         excess = np.where(scale > 0.0, reached - sense * run[name], 0.0)
         beyond.append(np.clip(excess / np.where(scale > 0.0, scale, 1.0), 0.0, None))
     return Deviation(("extreme", "mesh"), np.stack(beyond), {"extreme": [row[0] for row in told]})

@@ -7,6 +7,8 @@ import numpy as np
 from evolvent.history.recording import Part, Recording, Values, largest
 from evolvent.physics.applicable import base_radii
 
+SIDES = ("driving", "driven")
+
 
 def contact_torque(part: Part) -> Values:
     """Torque of all contacts on each wheel about its axle [N m], dims (time, wheel).
@@ -14,17 +16,31 @@ def contact_torque(part: Part) -> Values:
     sigma (F_n r_b + F_t l), summed over the meshes of the wheel; counterclockwise positive. Where
     several tooth pairs share the load, what the model says of their torques.
     """
-    run = part.recording
-    several = run.sizes.get("pair", 1) > 1
     total = np.zeros_like(part["load_torque"], dtype=float)
-    for side, base_radius in zip(("driving", "driven"), base_radii(run), strict=True):
-        if several:
-            torque = part[f"mesh_torque_{side}"]
-        else:
-            force, friction = part["normal_force"], part["friction_force"]
-            torque = (force * base_radius + friction * part[f"friction_arm_{side}"]) * part["flank"]
-        _add_to(total, run[f"{side}_wheel"], torque)
+    for side, base_radius in zip(SIDES, base_radii(part.recording), strict=True):
+        _add_to(total, part.recording[f"{side}_wheel"], _mesh_torque(part, side, base_radius))
     return total
+
+
+def largest_mesh_torque(run: Recording) -> Values:
+    """Largest torque of any mesh on each wheel [N m], dim (wheel); their sum may be rounding."""
+    found = np.zeros_like(run["inertia"])
+    for side, base_radius in zip(SIDES, base_radii(run), strict=True):
+
+        def sizes(part: Part, side: str = side, base_radius: Values = base_radius) -> Values:
+            return np.asarray(abs(_mesh_torque(part, side, base_radius)))
+
+        np.fmax.at(found, run[f"{side}_wheel"].astype(int), largest(run, sizes))
+    return found
+
+
+def _mesh_torque(part: Part, side: str, base_radius: Values) -> Values:
+    """Torque of each mesh on its wheel of that side [N m], dims (time, mesh)."""
+    if part.recording.sizes.get("pair", 1) > 1:
+        return part[f"mesh_torque_{side}"]
+    force, friction = part["normal_force"], part["friction_force"]
+    torque = (force * base_radius + friction * part[f"friction_arm_{side}"]) * part["flank"]
+    return np.asarray(torque)
 
 
 def shaft_torque(part: Part) -> Values:
