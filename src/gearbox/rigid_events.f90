@@ -17,7 +17,7 @@ module evl_rigid_events
    use evl_root_kinds, only: n_root_kinds, past, root_of
    use evl_settle_modes, only: located, settle_modes, tie
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_state, flanks_open
+   use evl_tooth_contact, only: contact_state, flanks_open, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -44,11 +44,14 @@ contains
       logical, intent(in) :: was_closed(:) !! closed_flanks before the event
       type(status_t), intent(inout) :: status
       logical, dimension(size(gearbox%contacts)) :: closed, closing, held, opened, rebounded
+      logical, dimension(size(gearbox%contacts)) :: parted, retried
       logical :: free(size(gearbox%contacts)) !! their force has not parted these flanks, nor have they been held
       integer :: blow, m
 
       closed = was_closed
       rebounded = .false.
+      parted = .false.
+      retried = .false.
       ! one whose force has fallen through zero parts, whatever rounding says of it now
       free = closed_flanks(gearbox, now%integers) .or. .not. was_closed
       do blow = 1, most_blows
@@ -65,12 +68,14 @@ contains
             end do
             if (has_failed(status)) return
             free = free .and. .not. opened
+            parted = parted .or. opened
+            if (count(opened) > 1) call look_again(parted, retried, free)
             call come_back(gearbox, free, now, held, status)
             if (has_failed(status)) return
-            held = held .or. (free .and. .not. rebounded .and. slow(gearbox, now%y, now%integers))
-            if (.not. any(held)) return
-            call hold(gearbox, held, now)
-            if (.not. any(held)) return
+            held = held .or. (free .and. .not. (rebounded .or. retried) .and. slow(gearbox, now%y, now%integers))
+            if (any(held)) call hold(gearbox, held, now)
+            if (.not. any(held .or. approach_past_zero(gearbox, now%y, now%integers))) return
+            call look_again(parted, retried, free)
             free = free .and. .not. held
          end if
          closed = closed_flanks(gearbox, now%integers)
@@ -80,6 +85,15 @@ contains
                 //" a larger rest_velocity or a smaller restitution ends them", subject_mesh, &
                 gearbox%contacts(max(findloc(closing, .true., dim=1), 1))%mesh, "contact")
    end subroutine settle_rigid
+
+   !> Flanks that have parted while others were as they no longer are: what parts them may be gone. Each is looked at again once.
+   pure subroutine look_again(parted, retried, free)
+      logical, intent(inout) :: parted(:), retried(:), free(:)
+
+      free = free .or. (parted .and. .not. retried)
+      retried = retried .or. parted
+      parted = .false.
+   end subroutine look_again
 
    !> Impacts of the flanks that close.
    subroutine strike(gearbox, was_closed, closing, rebounded, now, status)
@@ -109,8 +123,7 @@ contains
       call settle_modes(gearbox, nothing, now, status) ! speeds have jumped
    end subroutine strike
 
-   !> Close the flanks whose gap is past its zero and that approach: that zero will not be crossed again. Farther past it an event
-   !> was missed, which `check_modes` finds.
+   !> Close the flanks whose gap is past its zero and that approach: that zero will not be crossed again.
    subroutine close_approaching(gearbox, now, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
@@ -121,12 +134,36 @@ contains
       do m = 1, size(gearbox%contacts)
          if (.not. may_close(gearbox, m, now%integers)) cycle
          gap = gap_of(gearbox, m, now%y)
-         gap(1) = -gap(1)/gearbox%contacts(m)%h_scale
-         if (gap(1) > past - tie .and. gap(1) < located .and. gap(2) < 0) &
-            call close_flank(gearbox, m, now, status)
+         if (is_past(gap(1), gearbox%contacts(m)) .and. gap(2) < 0) call close_flank(gearbox, m, now, status)
          if (has_failed(status)) return
       end do
    end subroutine close_approaching
+
+   !> Which open flanks approach past the zero of their gap faster than impacts end: closed flanks of their wheels were put in their
+   !> places, and moved them by rounding.
+   pure function approach_past_zero(gearbox, y, integers) result(approach)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      logical :: approach(size(gearbox%contacts))
+      real(wp) :: gap(2)
+      integer :: m
+
+      approach = .false.
+      do m = 1, size(gearbox%contacts)
+         if (.not. may_close(gearbox, m, integers)) cycle
+         gap = gap_of(gearbox, m, y)
+         approach(m) = is_past(gap(1), gearbox%contacts(m)) .and. -gap(2) > gearbox%contacts(m)%elastic%rest_velocity()
+      end do
+   end function approach_past_zero
+
+   !> Whether a gap is past its zero by what changes at one instant. Farther past it an event was missed, which `check_modes` finds.
+   pure logical function is_past(gap, contact)
+      real(wp), intent(in) :: gap !! [m]
+      type(tooth_contact_t), intent(in) :: contact
+
+      is_past = -gap/contact%h_scale > past - tie .and. -gap/contact%h_scale < located
+   end function is_past
 
    !> Which open flanks touch and part so slowly that they would not rebound, were they to approach as fast.
    pure function slow(gearbox, y, integers) result(is_slow)
@@ -146,14 +183,15 @@ contains
       end do
    end function slow
 
-   !> Which flanks that part come back before they are as far apart as events are located exactly.
+   !> Which flanks that part come back before they are as far apart as events are located exactly, and which that overlap approach
+   !> and do not turn before they overlap as far: of flanks that were closed, rounding says which way they move.
    subroutine come_back(gearbox, free, now, back, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(in) :: now
       logical, intent(in) :: free(:) !! flanks that are looked at
       logical, intent(out) :: back(:)
       type(status_t), intent(inout) :: status
-      real(wp) :: gap(2, size(gearbox%contacts)), rates(gearbox%n_states), q(n_local), local_rates(n_local)
+      real(wp) :: gap(2, size(gearbox%contacts)), rates(gearbox%n_states), q(n_local), local_rates(n_local), bend
       integer :: m
 
       back = .false.
@@ -161,7 +199,7 @@ contains
          if (.not. free(m)) cycle
          if (.not. may_close(gearbox, m, now%integers)) cycle
          gap(:, m) = gap_of(gearbox, m, now%y)
-         back(m) = abs(gap(1, m)) <= located*gearbox%contacts(m)%h_scale .and. gap(2, m) >= 0
+         back(m) = abs(gap(1, m)) <= located*gearbox%contacts(m)%h_scale .and. (gap(2, m) >= 0 .or. drifts(m))
       end do
       if (.not. any(back)) return
       call coupled_rates(gearbox, now%t, now%y, now%integers, now%reals, rates, status)
@@ -171,9 +209,20 @@ contains
          associate (contact => gearbox%contacts(m))
             call gearbox_local(gearbox, contact, now%y, q)
             call gearbox_local(gearbox, contact, rates, local_rates)
-            back(m) = gap(2, m)**2 <= -2*rigid_acceleration(contact%pair, q, local_rates)*located*contact%h_scale
+            bend = 2*rigid_acceleration(contact%pair, q, local_rates)*located*contact%h_scale
+            back(m) = merge(gap(2, m)**2 <= -bend, gap(2, m)**2 > bend, gap(2, m) >= 0)
          end associate
       end do
+
+   contains
+
+      !> Whether flanks approach past the zero of their gap, which will not be crossed again, too slowly for an impact.
+      pure logical function drifts(m)
+         integer, intent(in) :: m
+
+         drifts = is_past(gap(1, m), gearbox%contacts(m)) .and. -gap(2, m) <= gearbox%contacts(m)%elastic%rest_velocity()
+      end function drifts
+
    end subroutine come_back
 
    !> Close flanks that touch and hardly move, if that presses them together; the others stay as they are.
