@@ -24,6 +24,7 @@ module evl_root_finder
    public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, locate, step_state, values_at
 
    real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
+   real(wp), parameter :: clearly = 1.0e-8_wp     !! past zero, farther than an event is located exactly
    real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
 
@@ -197,9 +198,23 @@ contains
             at_last = self%g(r, i)
          end if
       end do
+      if (never_came_back()) then
+         call bracket(0.0_wp, node(1), 0.0_wp, self%g(1, i), -self%sign_now(i))
+         return
+      end if
       self%sign_after(i) = s
 
    contains
+
+      !> Whether a function that has fired, and whose crossing back counts, is past that zero all through the step, and clearly so
+      !> at its end: it touched zero where the step starts, and the crossing back is there.
+      pure logical function never_came_back()
+
+         never_came_back = .false.
+         if (.not. self%fresh(i) .or. self%sign_now(i) == 0) return
+         never_came_back = all(self%sign_now(i)*self%g(:n_stages, i) < 0) &
+                           .and. self%sign_now(i)*self%g(n_stages, i) < -clearly
+      end function never_came_back
 
       !> Whether the sign at the start has to be taken from the slope.
       pure logical function starts_at_zero()

@@ -237,6 +237,24 @@ def test_a_function_that_rounding_moves_across_zero_at_the_start_fires_there(lib
     assert events.times == pytest.approx([1, 1], abs=1e-12)
 
 
+@pytest.mark.parametrize("above", [3e-11, 1e-9])
+def test_a_function_that_fired_and_never_came_back_to_its_side_fires_where_it_began(
+    library: Library, above: float
+):
+    """A gap opens at t = 1 so slowly that it closes before rounding lets it open: flanks graze."""
+    events = Recorded()
+
+    def roots(_: float, y: Floats) -> list[float]:
+        since = y[0] - 1
+        # once it has fallen, it is above zero already, falls by less than that, and rises for good
+        return [[-since], [above - 1e-9 * since + since**2], [1]][min(len(events.list), 2)]
+
+    problem = clock(roots, 1, lambda: [-1 if not events.list else 1])
+    Solver(library, problem, 1e-9).end(0, [0], 2, event=events)
+    assert events.fired == [[-1], [1]]
+    assert events.times == pytest.approx([1, 1], abs=1e-9)
+
+
 def test_an_event_lies_at_zero_though_time_is_too_coarse_for_that(library: Library):
     """At 1000 s one digit of the time is 1e-5 of a function that runs through its size in 10 ns."""
     levels = (0.3, 0.3 + 3e-6, 0.3 + 2e-5, 0.6)
