@@ -12,7 +12,7 @@ module evl_settle_modes
    use evl_kinds, only: wp
    use evl_root_kinds, only: n_root_kinds, past, root_of, root_rows, settles_alone, settles_contact, settles_sliding
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: contact_state, flanks_open, tracking_closed_form
+   use evl_tooth_contact, only: contact_state, flanks_open, tooth_contact_t, touches, tracking_closed_form
    implicit none (type, external)
    private
 
@@ -133,10 +133,10 @@ contains
       type(moment_t), intent(in) :: now
       logical, intent(inout) :: known(:) !! [contacts] as of `roots_of_contact`
       type(contact_state), intent(inout) :: at(*) !! [contacts]
-      real(wp), intent(in) :: by(:) !! as of `is_past`
+      real(wp), intent(in) :: by(:) !! as of `is_past`, of a force as exact as the reference force
       logical, intent(out) :: passed(n_root_kinds, size(by)) !! by kind, of each of them; false of those that it does not have
       type(status_t), intent(inout) :: status
-      real(wp) :: roots(n_root_kinds)
+      real(wp) :: roots(n_root_kinds), coarse
       integer :: directions(n_root_kinds)
       integer :: i
 
@@ -145,7 +145,9 @@ contains
          call roots_of_contact(gearbox, m, now%y, now%integers, now%reals, known, at, directions, roots, status)
          if (has_failed(status)) return
          do i = 1, contact%n_roots
-            passed(contact%roots(i), :) = is_past(directions(i), roots(i), by)
+            coarse = 1
+            if (contact%roots(i) == root_of%force) coarse = coarseness(contact, at(m))
+            passed(contact%roots(i), :) = is_past(directions(i), roots(i), merge(coarse*by, by, by > 0))
          end do
          ! rigid flanks close by impacts, and their forces are found together
          if (contact%rigid) passed([root_of%contact, root_of%force], :) = .false.
@@ -153,5 +155,16 @@ contains
             passed(root_of%contact, :) = .false.
       end associate
    end subroutine passed_now
+
+   !> How much coarser the zero of a force is than one of the size of the reference force: it is the difference of an elastic and a
+   !> viscous force, which may be larger by far, and has their digits.
+   pure real(wp) function coarseness(contact, at)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      real(wp), parameter :: larger = 1.0e3_wp !! forces: a zero is located to 1e-11 of them
+
+      coarseness = 1
+      if (touches(at%mode)) coarseness = max(1.0_wp, abs(at%elastic%force)/(larger*contact%force_scale))
+   end function coarseness
 
 end module evl_settle_modes

@@ -254,6 +254,28 @@ def test_contact_modes_follow_the_roots(
         assert gearbox.mode(after)[2] == branch(gearbox, state) != 0
 
 
+@pytest.mark.parametrize(("share", "mode"), [(3e-12, UNLOADED), (3e-11, LOADED)])
+def test_a_force_that_vanished_has_the_digits_of_what_it_is_the_difference_of(
+    kernel: Kernel, share: float, mode: int
+):
+    """What is left, over the elastic force, some thousand times the reference force: by rounding
+    the force has not come back, by more it has.
+    """
+    gearbox = paper_gearbox(kernel, damping=DAMPING)
+    f_0 = gearbox.mesh_geometry().reference_force
+    state = gearbox.start(0, gaps=[-3e-5])
+    press(gearbox, state, 0, LOADED)
+    elastic = gearbox.outputs(state)["normal_force"][0]
+    assert elastic > 3e3 * f_0
+    part(gearbox, state, elastic / DAMPING)
+    left = gearbox.root(state, "force") * f_0 / elastic
+    part(gearbox, state, (left - share) * elastic / DAMPING)
+    left = gearbox.root(state, "force") * f_0 / elastic
+    assert left == pytest.approx(share, rel=1e-2)
+    after, _ = gearbox.apply(state, "force")
+    assert gearbox.mode(after)[1] == mode
+
+
 # ---- friction
 
 
