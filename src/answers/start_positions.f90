@@ -1,6 +1,6 @@
 !> Positions and speeds that a start is made of.
 module evl_start_positions
-   use evl_contact_roots, only: ends_of_path
+   use evl_contact_roots, only: ends_of_path, pitches_since_handover
    use evl_discrete_state, only: put_pair
    use evl_flank, only: pair_on_path
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
@@ -91,7 +91,7 @@ contains
       real(wp), intent(in) :: y(:)
       integer, intent(inout) :: integers(:)
       type(contact_state) :: at
-      real(wp) :: near, far
+      real(wp) :: near, far, moved
       integer :: m, pair
 
       do m = 1, size(gearbox%contacts)
@@ -101,7 +101,11 @@ contains
             call closed_form_point(gearbox, m, y, integers(i_turns), pair, at)
             call ends_of_path(gearbox%flanks(contact%i_flank)%flank, contact, at%point, near, far)
             ! a pair that hands over keeps its load for a pitch, forward and back, unless a gap has taken it farther
-            if (contact%handover .and. .not. abs(y(i_theta)) > 0 .and. near > -1 .and. far >= -at_the_end) cycle
+            if (contact%handover .and. .not. abs(y(i_theta)) > 0 .and. near > -1 .and. far >= -at_the_end) then
+               moved = pitches_since_handover(contact, at)
+               if (abs(moved) > 1) call put_pair(contact, pair_on_path(contact, pair, moved + at_the_end), flanks_open, integers)
+               cycle
+            end if
             pair = pair_on_path(contact, pair, near + at_the_end)
             call put_pair(contact, pair, flanks_open, integers)
             if (contact%handover) cycle

@@ -15,7 +15,8 @@ module evl_contact_roots
    implicit none (type, external)
    private
 
-   public :: by_kind, contact_root_direction, contact_root_directions, contact_roots, ends_of_path, find_sides, is_past, list_roots
+ public :: by_kind, contact_root_direction, contact_root_directions, contact_roots, ends_of_path, find_sides, is_past, list_roots, &
+             pitches_since_handover
 
    integer, parameter :: width = 1 !! states that the included formulas take at once
 
@@ -31,8 +32,7 @@ contains
       real(wp) :: foot(2), moved(width)
 
       moved = 0
-      if (contact%handover) &
-         moved = pitches_moved(contact, [at%rho_a0], [at%q(at_psi_a)], [centre_line_turn(contact%pair, at%q)])
+      if (contact%handover) moved = pitches_since_handover(contact, at)
       call contact_root_directions(contact, at%mode, directions)
       foot = feet_of(at)
       associate (point => at%point)
@@ -247,6 +247,16 @@ contains
          end do
       end associate
    end subroutine find_sides
+
+   !> How many pitches the driving wheel has moved on since a pair that hands over began [1].
+   pure real(wp) function pitches_since_handover(contact, at) result(pitches)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      real(wp) :: moved(width)
+
+      moved = pitches_moved(contact, [at%rho_a0], [at%q(at_psi_a)], [centre_line_turn(contact%pair, at%q)])
+      pitches = moved(1)
+   end function pitches_since_handover
 
    !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
    pure subroutine ends_of_path(flank, contact, point, near, far)

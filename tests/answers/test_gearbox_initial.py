@@ -111,6 +111,30 @@ def test_given_speeds_and_gaps_are_those_of_the_state(kernel: Kernel, tracking: 
     np.testing.assert_array_equal(state.yp, gearbox.derivative(state))
 
 
+@pytest.mark.parametrize("rotation", [1, -1])
+@pytest.mark.parametrize("parts", [(0.3, 0.7), (0.7, 0.3), (0.95, 0.05), (0.05, 0.95), (0.0, 0.0)])
+def test_gaps_leave_every_pair_of_a_mesh_that_hands_over_within_its_pitch(
+    kernel: Kernel, rotation: int, parts: tuple[float, float]
+):
+    """Coast flanks begin where their path ends: a wheel that a gap has turned puts them past it,
+    and the next pair there. `parts`: of the backlash.
+    """
+    backlash = 7.17e-5
+    # of these teeth coast flanks begin 0.9993 pitches from where theirs begins
+    wheels = [wheel(teeth=20, pitch_radius=0.043), wheel(teeth=25), wheel(teeth=55)]
+    meshes = [
+        mesh(
+            *(kernel, m, m + 1),
+            **{"backlash": backlash, "pressure_angle": 0.30372},
+            driving_rotation=rotation * (-1) ** m,
+        )
+        for m in (0, 1)
+    ]
+    gearbox = Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], meshes)
+    gaps = [part * backlash for part in parts]
+    gearbox.check_modes(gearbox.start(SPEEDS, [0.0] * 3, gaps))
+
+
 def test_a_penetration_gives_its_force_at_once(kernel: Kernel):
     gearbox = paper_gearbox(kernel)
     state = gearbox.start(REST, gaps=[-5e-9])

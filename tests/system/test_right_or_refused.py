@@ -33,6 +33,8 @@ MENDED = (
     *(678, 921, 2052, 3062, 3345, 3400, 5378, 8758),
     *(3061, 4682, 4723, 5314, 6184, 6754),  # measured by what is left of large numbers
     *(1629, 3346, 7079, 7729, 8439),  # rigid flanks that part together
+    *(531, 5272, 8992),  # flanks that graze
+    *(1972, 4584),  # the digits of a force; a start past a hand-over
 )
 
 
