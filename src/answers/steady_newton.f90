@@ -37,8 +37,9 @@ module evl_steady_newton
 
 contains
 
-   !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta, halving corrections that leave the domain or do not reduce the
-   !> scaled residual. If however small ones leave the domain, y has the whole correction: behind the border other modes may hold.
+   !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta, halving corrections that leave the domain or reduce neither the
+   !> scaled residual nor what it asks for. If however small ones leave the domain, y has the whole correction: behind the border
+   !> other modes may hold.
    !> Errors: code_no_solution, code_out_of_domain.
    subroutine solve_steady(gearbox, system, t, y, integers, reals, found, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -50,7 +51,8 @@ contains
       logical, intent(out) :: found !! false if the corrections do not end
       type(status_t), intent(inout) :: status
       real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale
-      real(wp) :: matrix(size(system%row), size(system%row)), step(size(system%row), 1)
+      real(wp), dimension(size(system%row), size(system%row)) :: matrix, before
+      real(wp) :: step(size(system%row), 1)
       real(wp) :: size_now, size_trial, share, last
       integer :: pivots(size(system%row)), info, turn
 
@@ -65,6 +67,7 @@ contains
             size_now = norm2(f(row)/row_scale(row))
             call steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
             if (has_failed(status)) return
+            before = matrix
             step(:, 1) = -f(row)/row_scale(row)
             call dgesv(size(row), 1, matrix, size(row), pivots, step, size(row), info)
             if (info /= 0 .or. .not. all(ieee_is_finite(step))) then
@@ -80,7 +83,10 @@ contains
                call clear(status)
                call steady_residual(gearbox, t, trial, integers, reals, f, status)
                size_trial = norm2(f(row)/row_scale(row))
-               if (.not. has_failed(status) .and. (size_trial < size_now .or. norm2(step) < 1.0e-6_wp)) exit
+               if (.not. has_failed(status)) then
+                  if (size_trial < size_now .or. norm2(step) < 1.0e-6_wp) exit
+                  if (norm2(corrections(before, f(row)/row_scale(row))) < norm2(step)) exit
+               end if
                share = share/2
                if (share < 1.0e-6_wp) exit
             end do
@@ -97,6 +103,20 @@ contains
          end do
       end associate
    end subroutine solve_steady
+
+   !> What a residual asks for, in units of the scales of the states. Unlike the residual it does not depend on the scales of rows:
+   !> where one is a tiny speed, the residual grows with the square of a correction.
+   function corrections(matrix, residual) result(step)
+      real(wp), intent(in) :: matrix(:, :), residual(:)
+      real(wp) :: step(size(residual)), factors(size(residual), size(residual)), column(size(residual), 1)
+      integer :: pivots(size(residual)), info
+
+      factors = matrix
+      column(:, 1) = -residual
+      call dgesv(size(residual), 1, factors, size(residual), pivots, column, size(residual), info)
+      step = column(:, 1)
+      if (info /= 0) step = sqrt(huge(1.0_wp))/size(step)
+   end function corrections
 
    !> Corrections below this that no longer shrink are rounding: where heavy axles sag under gears with hardly any load, one digit
    !> of a place is more than 1e-9 of the penetration.
