@@ -60,8 +60,7 @@ contains
                end if
             end associate
             if (.not. exists) then
-               call fail(status, code_out_of_domain, "a tracked contact point lies inside its wheel's base circle: the tooth pair" &
-                         //" has turned back too far", subject_mesh, contact%mesh, "tracking")
+               call tell_inside(contact%mesh, status)
                return
             end if
          end associate
@@ -77,8 +76,8 @@ contains
       real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: yp(gearbox%n_states)
       type(status_t), intent(inout) :: status !! code_out_of_domain or code_singular
-      real(wp) :: q(n_local), rho_a0
-      logical :: solved, tracks
+      real(wp) :: q(n_local), rho_a0, at_rest(n_track), residual(n_track)
+      logical :: exists, solved, tracks
       integer :: i
 
       call coupled_rates(gearbox, t, y, integers, reals, yp, status)
@@ -90,13 +89,27 @@ contains
             call find_tracked(gearbox, i, y, integers, tracks, q, rho_a0)
             if (.not. tracks) cycle
             call differential_rates(contact%pair, rho_a0, q, yp(contact%i_track:contact%i_track + n_track - 1), solved)
-            if (.not. solved) then
+            if (solved) cycle
+            at_rest = 0
+            call differential_residual(contact%pair, rho_a0, q, at_rest, residual, exists)
+            if (.not. exists) then
+               call tell_inside(contact%mesh, status)
+            else
                call fail(status, code_singular, "the contact points' velocities are not determined at this state", &
                          subject_mesh, contact%mesh, "tracking")
-               return
             end if
+            return
          end associate
       end do
    end subroutine gearbox_derivative
+
+   !> A tracked point where the involute of its flank does not reach.
+   subroutine tell_inside(mesh, status)
+      integer, intent(in) :: mesh
+      type(status_t), intent(inout) :: status
+
+      call fail(status, code_out_of_domain, "a tracked contact point lies inside its wheel's base circle: the tooth pair" &
+                //" has turned back too far", subject_mesh, mesh, "tracking")
+   end subroutine tell_inside
 
 end module evl_dae_residual

@@ -141,7 +141,8 @@ contains
       end associate
    end function pairs_with
 
-   !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path.
+   !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path; if
+   !> none is, the next one that comes, as the others may lie where their involutes do not reach.
    pure logical function carries_points(gearbox, index, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index    !! of the tooth contact
@@ -156,7 +157,8 @@ contains
             carries_points = m == index
             return
          end do
-         carries_points = first == index
+         carries_points = tooth_pair_of(gearbox%contacts(index), integers) &
+                          == minval([(tooth_pair_of(gearbox%contacts(m), integers), m=first, first + n - 1)])
       end associate
    end function carries_points
 
