@@ -56,11 +56,13 @@ REFUSALS = (
     *("no centre distance gives this backlash", "does not start on the active profile"),
     *("no tooth pair is on its path of contact", "touches the fillet of the"),
     *("there is no steady state", "is on a slope of its deviating flanks"),
+    "has left the involute",  # by gaps that are too wide
 )
 # What ends a run: a state that the model does not know.
 ENDS = (
     *("fillet of the", "off its path of contact", "past both ends of its path of contact"),
-    *("has left the involute", "of the Johnson force", "impacts without end"),
+    *("has left the involute", "lies inside its wheel's base circle", "of the Johnson force"),
+    *("impacts without end", "do not end at this instant"),
     "no other pair was on the path to keep them apart",  # rigid flanks
     "the integrator cannot go on",  # IDA under loads that no digits resolve
 )

@@ -35,6 +35,9 @@ MENDED = (
     *(1629, 3346, 7079, 7729, 8439),  # rigid flanks that part together
     *(531, 5272, 8992),  # flanks that graze
     *(1972, 4584),  # the digits of a force; a start past a hand-over
+    *(1384, 2665),  # steady starts beside a tiny speed
+    *(3496, 9926),  # tracked points where no pair is on the path
+    *(5739, 6886, 7911),  # ended or refused in words
 )
 
 
