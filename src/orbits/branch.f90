@@ -6,6 +6,7 @@
 !> Sources: H. B. Keller, in: Applications of Bifurcation Theory, Academic Press 1977; R. Seydel, Practical Bifurcation and
 !> Stability Analysis, 3rd ed., ch. 4 and 7.
 module evl_branch
+   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, way_to
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd
@@ -39,7 +40,7 @@ contains
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
       type(status_t), intent(inout) :: status
       type(branch_point), allocatable :: special(:)
-      type(branch_point) :: first, now, next
+      type(branch_point) :: before, first, now, next
       real(wp) :: along(model%n + 2), step
       real(wp), parameter :: crawling = 1.0e-3_wp !! step over the largest that is no progress
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
@@ -61,7 +62,7 @@ contains
       at_end = .false.
       along_branch: do n_ordinary = 2, options%most_points
          if (has_failed(status)) exit along_branch
-         call go_on(model, options, now%orbit, next, step, status)
+         call go_on(model, options, before%orbit, now%orbit, next, step, status)
          if (has_failed(status)) exit along_branch
          crawls = merge(crawls + 1, 0, next%way < crawling*options%largest_step)
          if (crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
@@ -81,6 +82,7 @@ contains
          if (has_failed(status)) exit along_branch
          call keep(points, n, next)
          if (at_end .or. n_ordinary > 3 .and. comes_by(model, options, now, next%way, first)) exit along_branch
+         before = now
          now = next
       end do along_branch
       points = points(:n)
@@ -118,31 +120,29 @@ contains
       real(wp), parameter :: beside = 0.1_wp, alike = 0.9_wp !! over the way; cosine of the angle between tangents
       real(wp) :: to_first(model%n + 2), along
 
-      to_first = 0
-      to_first(:model%n) = merge((first%orbit%y - now%orbit%y)/model%scale, 0.0_wp, now%orbit%active)
-      if (model%autonomous) to_first(model%n + 1) = first%orbit%period/now%orbit%period - 1
-      to_first(model%n + 2) = (first%orbit%parameter - now%orbit%parameter)/options%orbits%parameter_scale
+      to_first = way_to(model, options%orbits, now%orbit, first%orbit)
       along = dot_product(to_first, now%orbit%tangent)
       comes_by = along > 0 .and. along <= way .and. norm2(to_first - along*now%orbit%tangent) <= beside*way &
                  .and. dot_product(now%orbit%tangent, first%orbit%tangent) > alike
    end function comes_by
 
    !> The next point of a branch, a step further or less.
-   subroutine go_on(model, options, now, next, step, status)
+   subroutine go_on(model, options, before, now, next, step, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: now         !! with its tangent
+      type(orbit_t), intent(in) :: before, now !! with tangents; `before` has none if there is no such orbit
       type(branch_point), intent(out) :: next
       real(wp), intent(inout) :: step          !! to try; on return the one to try next
       type(status_t), intent(inout) :: status
       integer, parameter :: easy = 3, hard = 8 !! iterations
       real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp !! cosine of the angle between tangents
       type(status_t) :: refusal
+      type(curve_t) :: curve
       real(wp) :: straight
 
+      curve = curve_through(model, options%orbits, now, before)
       do
-         next%orbit = now
-         call move_orbit(model, options%orbits, next%orbit, step*now%tangent)
+         call orbit_on_curve(model, options%orbits, curve, now, step, next%orbit)
          call clear(refusal)
          call correct_orbit(model, options%orbits, next%orbit, refusal, now%tangent)
          if (.not. has_failed(refusal)) call find_tangent(model, options%orbits, next%orbit, now%tangent, refusal)

@@ -219,7 +219,8 @@ contains
       real(wp) :: y(model%n)
 
       y = orbit%y
-      call model%settle(model%phase, y, status)
+      call model%set_parameter(orbit%parameter, status)
+      if (.not. has_failed(status)) call model%settle(model%phase, y, status)
       if (.not. has_failed(status)) call model%rhs(model%phase, y, row, status)
       if (has_failed(status)) return
       row = merge(row/model%scale, 0.0_wp, orbit%active)
@@ -276,28 +277,30 @@ contains
          call fail(status, code_singular, "Newton's iteration for an orbit has no solution: orbits are not isolated here")
    end subroutine solve
 
-   !> dP/dp of an orbit, by a central difference.
+   !> dP/dp of an orbit that was followed round, by a difference to one side: to the other one if there is no such system.
    subroutine differentiate_by_parameter(model, options, orbit, status)
-      class(orbit_model), intent(inout) :: model
+      class(orbit_model), intent(inout) :: model !! with another value of the parameter on return
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit
       type(status_t), intent(inout) :: status
+      type(status_t) :: refusal
       type(flow_t) :: flow
-      real(wp) :: change, ends(model%n, 2), period
+      real(wp) :: change, period
       integer :: side
 
-      change = options%parameter_change*options%parameter_scale
       do side = 1, 2
-         call model%set_parameter(orbit%parameter + merge(-change, change, side == 1), status)
-         if (has_failed(status)) return
+         change = merge(1, -1, side == 1)*options%parameter_change*options%parameter_scale
+         call clear(refusal)
+         call model%set_parameter(orbit%parameter + change, refusal)
+         if (has_failed(refusal)) cycle
          period = orbit%period
          if (.not. model%autonomous) period = orbit%periods*model%period
-         call follow(model, orbit%y, orbit%periods, period, options%tolerance, .false., flow, status)
-         if (has_failed(status)) return
-         ends(:, side) = flow%y
+         call follow(model, orbit%y, orbit%periods, period, options%tolerance, .false., flow, refusal)
+         if (has_failed(refusal)) cycle
+         orbit%by_parameter = (flow%y - orbit%flow%y)/change
+         return
       end do
-      orbit%by_parameter = (ends(:, 2) - ends(:, 1))/(2*change)
-      call model%set_parameter(orbit%parameter, status)
+      status = refusal
    end subroutine differentiate_by_parameter
 
    !> Tangent of the branch at an orbit that was found.

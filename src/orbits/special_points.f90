@@ -7,10 +7,11 @@
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 5.3, 7.4; R. I. Leine, H. Nijmeijer, Dynamics and
 !> Bifurcations of Non-Smooth Mechanical Systems, ch. 8 and 9 (jumps of multipliers).
 module evl_special_points
+   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve
    use evl_kinds, only: wp
    use evl_multipliers, only: product_over_minus_one, product_over_one, product_over_pairs
    use evl_orbit_model, only: orbit_model
-   use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, own_multipliers
+   use evl_shooting, only: correct_orbit, find_tangent, orbit_options, orbit_t, own_multipliers
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
    private
@@ -112,10 +113,12 @@ contains
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
       real(wp) :: a, b, at_a, at_b, at, value
+      type(curve_t) :: curve
       type(status_t) :: refusal
       integer :: fewer, side, turn
 
       found = .false.
+      curve = curve_through(model, options, first, last)
       fewer = 0
       if (kind == kind_touch) fewer = min(first%flow%crossings(root), last%flow%crossings(root))
       a = 0
@@ -129,8 +132,7 @@ contains
          at = b - at_b*((b - a)/(at_b - at_a))
          if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
          at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
-         point%orbit = first
-         call move_orbit(model, options, point%orbit, at*first%tangent)
+         call orbit_on_curve(model, options, curve, first, at, point%orbit)
          call clear(refusal)
          call correct_orbit(model, options, point%orbit, refusal, first%tangent)
          if (.not. has_failed(refusal) .and. kind == kind_fold) &

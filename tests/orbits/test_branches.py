@@ -225,8 +225,10 @@ def test_with_parting_flanks_the_mesh_resonance_jumps_where_it_is_known_to(c):
     assert all(point.residual <= 1e-10 for point in points)
     assert points[-1].parameter == 0.5 * unit  # the unstable branch, back below
     assert max(abs(points[-1].multipliers)) > 1
-    # before the flanks part for the first time nothing is nonlinear
-    touch = special(points, "touch")[0]
+    # at the first touch flanks that part just leave each other, at the second they just part:
+    # from there to the next nothing is nonlinear
+    _, touch, part_again = special(points, "touch")
+    assert touch.parameter < part_again.parameter < fold.parameter
     linear = product(touch.parameter, 1.638, 0.03)
     expected = np.sort_complex(np.linalg.eigvals(linear))
     assert np.sort_complex(touch.multipliers) == pytest.approx(expected, abs=1e-4)

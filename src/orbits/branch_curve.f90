@@ -1,0 +1,108 @@
+!> A piece of a branch between two of its orbits: the cubic that has both and their tangents.
+!>
+!> Its parameter is the way along the tangent of the first orbit, of which the cubic is exactly that far away. What is on the way
+!> lies beyond the end too: the same cubic foresees the next orbit from the two last ones.
+!>
+!> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 4.4 (predictors); E. L. Allgower, K. Georg, Numerical
+!> Continuation Methods, Springer 1990, 6.1-6.3 (higher order).
+module evl_branch_curve
+   use evl_kinds, only: wp
+   use evl_orbit_model, only: orbit_model
+   use evl_shooting, only: move_orbit, orbit_options, orbit_t
+   implicit none (type, external)
+   private
+
+   public :: curve_t, curve_through, orbit_on_curve, way_of_parameter, way_to
+
+   !> All in units of the scales, from the first orbit.
+   type :: curve_t
+      logical :: is_straight = .true.      !! there is no second orbit, or the branch turns too much before it
+      real(wp) :: way = 0                  !! of the second orbit, negative behind the first one
+      real(wp), allocatable :: tangent(:)  !! [n + 2] at the first
+      real(wp), allocatable :: bend(:, :)  !! [n + 2, 2] of (w/way)**2 and (w/way)**3
+   end type curve_t
+
+contains
+
+   !> From an orbit to another one of the same branch.
+   pure function way_to(model, options, from, to) result(way)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: from, to
+      real(wp) :: way(model%n + 2) !! in units of the scales
+
+      way = 0
+      way(:model%n) = merge((to%y - from%y)/model%scale, 0.0_wp, from%active)
+      if (model%autonomous) way(model%n + 1) = to%period/from%period - 1
+      way(model%n + 2) = (to%parameter - from%parameter)/options%parameter_scale
+   end function way_to
+
+   !> The curve from an orbit through another one.
+   pure function curve_through(model, options, from, to) result(curve)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: from, to !! with tangents; without, the curve is straight
+      type(curve_t) :: curve
+      real(wp), parameter :: little_turn = 0.9_wp !! cosine of the angle between tangents
+      real(wp) :: distance(model%n + 2), slope(model%n + 2), straight
+
+      curve%tangent = from%tangent
+      if (.not. allocated(to%tangent)) return
+      straight = dot_product(from%tangent, to%tangent)
+      distance = way_to(model, options, from, to)
+      curve%way = dot_product(from%tangent, distance)
+      curve%is_straight = straight < little_turn .or. .not. abs(curve%way) > 0
+      if (curve%is_straight) return
+      distance = distance - curve%way*from%tangent
+      slope = curve%way*(to%tangent/straight - from%tangent)
+      allocate (curve%bend(model%n + 2, 2))
+      curve%bend(:, 1) = 3*distance - slope
+      curve%bend(:, 2) = slope - 2*distance
+   end function curve_through
+
+   !> What is to be an orbit, some way along a curve from its first one.
+   pure subroutine orbit_on_curve(model, options, curve, from, way, orbit)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(curve_t), intent(in) :: curve
+      type(orbit_t), intent(in) :: from
+      real(wp), intent(in) :: way
+      type(orbit_t), intent(out) :: orbit
+      real(wp) :: change(model%n + 2), share
+
+      orbit = from
+      change = way*curve%tangent
+      if (.not. curve%is_straight) then
+         share = way/curve%way
+         change = change + share**2*(curve%bend(:, 1) + share*curve%bend(:, 2))
+      end if
+      call move_orbit(model, options, orbit, change)
+   end subroutine orbit_on_curve
+
+   !> Where the parameter has changed by so much, between the orbits of a curve: halving, since it rises or falls between them.
+   pure real(wp) function way_of_parameter(curve, change) result(way)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: change !! in units of its scale, between 0 and that of the second orbit
+      integer, parameter :: halvings = 50
+      real(wp) :: below, above, sense
+      integer :: i, p
+
+      p = size(curve%tangent)
+      way = change/curve%tangent(p)
+      if (curve%is_straight) return
+      below = 0
+      above = curve%way
+      sense = sign(1.0_wp, change)
+      do i = 1, halvings
+         way = (below + above)/2
+         associate (share => way/curve%way)
+            if (sense*(way*curve%tangent(p) + share**2*(curve%bend(p, 1) + share*curve%bend(p, 2))) < abs(change)) then
+               below = way
+            else
+               above = way
+            end if
+         end associate
+      end do
+   end function way_of_parameter
+
+end module evl_branch_curve
