@@ -14,6 +14,7 @@ typedef struct {
     const char *output; /**< NULL: the case's name with -respond.h5 in the current folder */
     const char *most;   /**< common periods at a value */
     const char *method; /**< "sweep" or "orbits" */
+    const char *values; /**< how many values of the range have orbits too */
     option_values set;
     bool up, down, both, quiet;
 } options_t;
@@ -26,7 +27,7 @@ static bool finds_orbits(const options_t *options)
 static const char *check(const void *given)
 {
     const options_t *options = given;
-    int most = 0;
+    int most = 0, n_values = 0;
     if (options->over == NULL) {
         return "--over PATH=FROM:TO[:STEPS] says which parameter goes from where to where";
     }
@@ -39,13 +40,19 @@ static const char *check(const void *given)
     if (finds_orbits(options) && options->up + options->down + options->both > 0) {
         return "--method orbits follows branches wherever they lead: it takes none of --up, --down and --both";
     }
+    if (options->values != NULL && !finds_orbits(options)) {
+        return "--values asks for orbits at values of the range: it goes with --method orbits; a sweep has STEPS";
+    }
+    if (options->values != NULL && !respond_read_values(options->values, &n_values)) {
+        return respond_values;
+    }
     return options->most == NULL || respond_read_most(options->most, &most) ? NULL : respond_periods;
 }
 
 static evl_exit run_respond(const char *file, const void *given, evl_error *error)
 {
     const options_t *options = given;
-    int most = 0;
+    int most = 0, n_values = 0;
     log_set_quiet(options->quiet);
     interrupt_install();
     if (strcmp(file, "-") == 0) {
@@ -55,6 +62,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
     OWNED char *path = result_path("response", options->output, file, "-respond.h5", error),
                *versions = result_versions();
     (void)(options->most != NULL && respond_read_most(options->most, &most));
+    (void)(options->values != NULL && respond_read_values(options->values, &n_values));
     if (path == NULL) {
         return error->code;
     }
@@ -62,6 +70,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
                                    .up = !options->down,
                                    .down = !options->up,
                                    .orbits = finds_orbits(options) ? respond_orbits : NULL,
+                                   .n_values = n_values,
                                    .most = most,
                                    .path = path,
                                    .versions = versions,
@@ -81,6 +90,8 @@ static const option_row rows[] = {
      "common periods at a value at most; 600 pitches of the first mesh, but 100 periods, if not given"},
     {OPTION_TEXT, 0, "--method", "NAME", offsetof(options_t, method),
      "sweep: go on from value to value, as if nothing is said; orbits: follow periodic orbits, stable or not"},
+    {OPTION_TEXT, 0, "--values", "N", offsetof(options_t, values),
+     "with --method orbits: each branch has orbits at N values too, evenly from FROM to TO, as a sweep of N STEPS has"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(options_t, output),
      "file to write; the case's name with -respond.h5 in the current folder if not given"},
     OPTION_ROW_SET(options_t),
@@ -91,7 +102,7 @@ static const option_row rows[] = {
 const command respond_command = {
     .name = "respond",
     .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [--method "
-                "sweep|orbits] [-o FILE.h5] [--set "
+                "sweep|orbits] [--values N] [-o FILE.h5] [--set "
                 "PATH=VALUE]... [-q]",
     .summary = "follow the motion over a parameter that goes up and down, with its jumps",
     .text =

@@ -9,6 +9,7 @@
 /** A point of a branch. */
 typedef struct {
     int branch;
+    int at_value; /**< which of the values that were asked for its parameter is; -1: none */
     model_orbit orbit;
     double *multipliers; /**< [2 * n_multipliers] */
     double *values;      /**< [n_values] numbers; NULL: they could not be found */

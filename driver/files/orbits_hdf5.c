@@ -58,6 +58,11 @@ static double tell_mesh(const orbit_point *point)
     return point->orbit.mesh;
 }
 
+static double tell_value(const orbit_point *point)
+{
+    return point->at_value;
+}
+
 static double tell_residual(const orbit_point *point)
 {
     return point->orbit.residual;
@@ -97,6 +102,9 @@ static bool write_all_told(writer *w)
         {netcdf_describe(NETCDF_INTEGER, "orbit_touch_mesh", "1", "",
                          "place in `mesh` of the flanks that just touch or part; -1: none"),
          tell_mesh},
+        {netcdf_describe(NETCDF_INTEGER, "orbit_value", "1", "",
+                         "which of the values asked for with --values it is at, from 0; -1: none"),
+         tell_value},
         {netcdf_describe(NETCDF_REAL, "orbit_residual", "1", "",
                          "largest difference after a period, in units of the states"),
          tell_residual},

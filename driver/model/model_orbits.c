@@ -55,6 +55,8 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
         .smallest_step = 1e-7,
         .largest_step = 0.2,
         .most_points = 2000,
+        .n_values = setup->n_values,
+        .values = setup->values,
     };
     evl_status status = {.index = -1};
     o->orbits = evl_orbits_create(&to_kernel, value, &status);

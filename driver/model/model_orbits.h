@@ -33,6 +33,8 @@ typedef struct {
     const model *(*take)(void *self, double value, char message[DAE_MESSAGE_LENGTH]);
     double from, to; /**< range of the parameter */
     double place;    /**< of the section where a speed is prescribed [pitches of the first mesh after t = 0] */
+    int n_values;
+    const double *values; /**< [n_values] of the parameter, rising or falling, at which each branch has orbits too */
 } model_orbits_setup;
 
 typedef struct model_orbits model_orbits;

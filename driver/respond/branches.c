@@ -22,6 +22,17 @@ static const model *take(void *self, double value, char message[DAE_MESSAGE_LENG
     return o->prepared.model;
 }
 
+/** Which of the values that are asked for a parameter is, bit for bit; -1: none. */
+static int place_among(const branches *o, double parameter)
+{
+    for (int i = 0; i < o->n_values; i++) {
+        if (o->values[i] == parameter) {
+            return i;
+        }
+    }
+    return -1;
+}
+
 /** Remember that something did not come to an orbit. */
 static void note_problem(branches *o, double value, const char *why)
 {
@@ -110,6 +121,7 @@ static orbit_end follow(branches *o, bool rising, int parent)
         point->branch = number;
         point->multipliers = pool_calloc(&o->pool, (size_t)n_room, sizeof *point->multipliers);
         model_orbits_point(o->orbits, number, k, &point->orbit, point->multipliers);
+        point->at_value = place_among(o, point->orbit.parameter);
         point->values = find_numbers(o, number, k, &point->orbit, why);
         if (point->values == NULL && *o->sweep->interrupt == 0) {
             note_problem(o, point->orbit.parameter, why);
@@ -177,8 +189,13 @@ static orbit_end begin_at(branches *o, double value, evl_error *error)
         note_problem(o, value, "the motion is not periodic");
     } else if (end == ORBIT_FOUND) {
         if (o->orbits == NULL) {
-            const model_orbits_setup setup = {
-                .self = o, .take = take, .from = range->from, .to = range->to, .place = state.pitches};
+            const model_orbits_setup setup = {.self = o,
+                                              .take = take,
+                                              .from = range->from,
+                                              .to = range->to,
+                                              .place = state.pitches,
+                                              .n_values = o->n_values,
+                                              .values = o->values};
             o->sizes = state.sizes;
             o->place = state.pitches;
             o->orbits = model_orbits_create(&setup, value, message);
@@ -213,7 +230,12 @@ static orbit_end begin_at(branches *o, double value, evl_error *error)
 orbit_end branches_find(branches *o, evl_error *error)
 {
     const value_range *range = o->sweep->range;
+    const value_range asked = {.n = o->n_values, .from = range->from, .to = range->to};
     orbit_end end = ORBIT_FOUND;
+    o->values = pool_calloc(&o->pool, (size_t)o->n_values, sizeof *o->values);
+    for (int i = 0; i < o->n_values; i++) {
+        o->values[i] = value_range_at(&asked, i);
+    }
     for (int i = 0; i < range->n && end == ORBIT_FOUND; i++) {
         const double value = value_range_at(range, i);
         OWNED char *option = value_range_option(range, value);

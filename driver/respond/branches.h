@@ -6,10 +6,12 @@
 
 typedef struct {
     branch *sweep; /**< prepares the case, and finds motions to begin with */
+    int n_values;  /**< of the range, evenly from its first to its last, at which there are to be orbits too; 0: none */
     memory_pool pool;
     model_orbits *orbits;
     prepared_case prepared; /**< what the orbits were asked about last */
     model_period period;    /**< of that */
+    double *values;         /**< [n_values] */
     double place;           /**< of the section [pitches] */
     dae sizes;              /**< only numbers of states, integers and reals count */
     int n_branches, n_points;

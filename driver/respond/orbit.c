@@ -74,6 +74,7 @@ typedef struct {
     dae_state at;           /**< the last one as it was */
     numbers *numbers;       /**< of the window, once there is one */
     double t_stop;          /**< end of the window [s] */
+    long enough;            /**< pitches after which it may end sooner; 0: it does not */
     orbit_result *result;
     stop_reason stop;
 } search;
@@ -173,7 +174,8 @@ static void on_watch(void *self, const integrate_step *step)
             numbers_watch(s->numbers, step);
         }
     }
-    if (s->numbers != NULL && step->t_to >= s->t_stop) {
+    if (s->numbers != NULL &&
+        (step->t_to >= s->t_stop || (s->enough > 0 && numbers_span(s->numbers).periods >= s->enough))) {
         s->stop = STOP_DONE;
     }
 }
@@ -345,6 +347,7 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     dae_state began = dae_state_create(s->dae, &pool);
     dae_state_copy(s->dae, &began, &now);
     open_window(s, periods, pitch);
+    s->enough = (long)periods * period->pitches;
     options.tolerance = fmin(options.tolerance, tight);
     options.t_end = s->t_stop + pitch;
     options.output_interval = options.t_end - now.t;

@@ -20,6 +20,7 @@
 
 enum { LEAST_MOST = 100, MOST_MOST = 1000000 };
 const char respond_periods[] = "--periods takes a whole number of common periods from 100 to 1000000";
+const char respond_values[] = "--values takes a whole number from 2 to 100000";
 
 typedef struct {
     const respond_options *options;
@@ -348,6 +349,15 @@ bool respond_read_most(const char *text, int *most)
     const bool good = number_read(text, &value) == NUMBER_FINITE && value >= LEAST_MOST && value <= MOST_MOST &&
                       value == floor(value);
     *most = good ? (int)value : 0;
+    return good;
+}
+
+bool respond_read_values(const char *text, int *n)
+{
+    double value = 0;
+    const bool good = number_read(text, &value) == NUMBER_FINITE && value >= 2 && value <= RANGE_MOST_STEPS &&
+                      value == floor(value);
+    *n = good ? (int)value : 0;
     return good;
 }
 

@@ -17,6 +17,7 @@ typedef struct {
     bool up, down;
     /** finds periodic orbits and follows them: respond_orbits; NULL: motions, up and down. Who has no use for it, links none of it */
     bool (*orbits)(const struct respond_orbits_setup *setup, evl_error *error);
+    int n_values;          /**< of the range at which each branch of orbits has orbits too; 0: none */
     int most;              /**< common periods at a value; 0: the usual number */
     const char *path;      /**< of the result */
     struct history **kept; /**< in memory: where the result is then; NULL: on file */
@@ -35,6 +36,10 @@ typedef struct {
 /** Read how many common periods there may be at a value. @return false with `respond_periods` to say */
 bool respond_read_most(const char *text, int *most);
 extern const char respond_periods[];
+
+/** Read at how many values there are to be orbits. @return false with `respond_values` to say */
+bool respond_read_values(const char *text, int *n);
+extern const char respond_values[];
 
 /** Whether anything of it would be refused. @return the exit code, with the reason in `error` */
 evl_exit respond_check(const char *case_path, const respond_options *options, evl_error *error);

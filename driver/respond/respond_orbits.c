@@ -101,7 +101,8 @@ static void give_up(const branches *found, const respond_orbits_setup *setup, bo
 bool respond_orbits(const respond_orbits_setup *setup, evl_error *error)
 {
     teller teller = {.setup = setup};
-    branches found = {.sweep = setup->sweep, .told = tell, .self = &teller};
+    branches found = {
+        .sweep = setup->sweep, .n_values = setup->options->n_values, .told = tell, .self = &teller};
     const orbit_end end = branches_find(&found, error);
     if (teller.is_shown) {
         progress_wipe();

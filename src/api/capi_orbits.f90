@@ -24,7 +24,8 @@ module evl_capi_orbits
       type(c_ptr) :: self
       type(c_funptr) :: take
       real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step
-      integer(c_int) :: most_points
+      integer(c_int) :: most_points, n_values
+      type(c_ptr) :: values
    end type c_setup
 
    !> evl_orbit
@@ -102,6 +103,7 @@ contains
       real(c_double), intent(in), value :: value
       type(c_status), intent(inout), optional :: status
       type(orbits_t), pointer :: self
+      real(c_double), pointer :: values(:)
       type(status_t) :: s
       integer :: stat, code
 
@@ -125,6 +127,11 @@ contains
          o%orbits%residual = setup%residual
          o%orbits%parameter_scale = o%to - o%from
       end associate
+      if (setup%n_values > 0) then
+         call c_f_pointer(setup%values, values, [setup%n_values])
+         self%options%values = values
+         if (values(1) > values(setup%n_values)) self%options%values = values(setup%n_values:1:-1)
+      end if
       allocate (self%branches(4))
       call gearbox_orbits_create(self%model, self%family, value, setup%place, s)
       code = answer(s, status)

@@ -7,6 +7,7 @@
 !> Stability Analysis, 3rd ed., ch. 4 and 7.
 module evl_branch
    use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, way_to
+   use evl_branch_values, only: find_orbits_at
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd
@@ -26,7 +27,8 @@ module evl_branch
       real(wp) :: from = -huge(1.0_wp), to = huge(1.0_wp) !! the parameter stays between these
       logical :: rising = .true.                !! the parameter does, at the start
       real(wp) :: first_step = 0.01_wp, smallest_step = 1.0e-6_wp, largest_step = 0.1_wp
-      integer :: most_points = 1000             !! special ones are not counted
+      integer :: most_points = 1000             !! special ones, and those at values, are not counted
+      real(wp), allocatable :: values(:)        !! of the parameter, rising, at which there are to be orbits too
    end type branch_options
 
 contains
@@ -74,13 +76,13 @@ contains
             call find_special_points(model, options%orbits, now%orbit, next%orbit, next%way, special, status)
          if (has_failed(status)) exit along_branch
          do i = 1, size(special)
-            call keep(points, n, special(i))
+            call keep_up_to(model, options, special(i), points, n)
             closes = special(i)%kind == kind_fold
             if (closes) call repeats_sooner(model, options, special(i)%orbit, closes, status)
             if (closes) exit along_branch ! the same orbits, half a period later, are all that comes
          end do
          if (has_failed(status)) exit along_branch
-         call keep(points, n, next)
+         call keep_up_to(model, options, next, points, n)
          if (at_end .or. n_ordinary > 3 .and. comes_by(model, options, now, next%way, first)) exit along_branch
          before = now
          now = next
@@ -170,6 +172,25 @@ contains
       call fail(status, code_invalid_input, "the branch begins at "//quantity(orbit%parameter, "")//", not between "// &
                 quantity(options%from, "")//" and "//quantity(options%to, ""), field="parameter")
    end subroutine check_range
+
+   !> Put a point behind the last one, and between them orbits at the values that are asked for.
+   subroutine keep_up_to(model, options, point, points, n)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(branch_point), intent(in) :: point
+      type(branch_point), allocatable, intent(inout) :: points(:)
+      integer, intent(inout) :: n
+      type(branch_point), allocatable :: between(:)
+      integer :: i
+
+      if (allocated(options%values)) then
+         call find_orbits_at(model, options%orbits, options%values, points(n)%orbit, point%orbit, between)
+         do i = 1, size(between)
+            call keep(points, n, between(i))
+         end do
+      end if
+      call keep(points, n, point)
+   end subroutine keep_up_to
 
    !> Put a point at the end of a list that has room for more.
    subroutine keep(points, n, point)

@@ -20,6 +20,7 @@ module evl_branch_curve
       real(wp) :: way = 0                  !! of the second orbit, negative behind the first one
       real(wp), allocatable :: tangent(:)  !! [n + 2] at the first
       real(wp), allocatable :: bend(:, :)  !! [n + 2, 2] of (w/way)**2 and (w/way)**3
+      real(wp), allocatable :: by_parameter(:) !! [n] dP/dp at the second orbit less that at the first
    end type curve_t
 
 contains
@@ -58,6 +59,7 @@ contains
       allocate (curve%bend(model%n + 2, 2))
       curve%bend(:, 1) = 3*distance - slope
       curve%bend(:, 2) = slope - 2*distance
+      curve%by_parameter = to%by_parameter - from%by_parameter
    end function curve_through
 
    !> What is to be an orbit, some way along a curve from its first one.
@@ -75,6 +77,7 @@ contains
       if (.not. curve%is_straight) then
          share = way/curve%way
          change = change + share**2*(curve%bend(:, 1) + share*curve%bend(:, 2))
+         orbit%by_parameter = orbit%by_parameter + share*curve%by_parameter
       end if
       call move_orbit(model, options, orbit, change)
    end subroutine orbit_on_curve

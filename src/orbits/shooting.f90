@@ -26,7 +26,8 @@ module evl_shooting
    private
 
    public :: orbit_options, orbit_t
-   public :: correct_orbit, differentiate_by_parameter, find_orbit, find_tangent, move_orbit, own_multipliers, scaled_derivative
+   public :: correct_orbit, correct_with, differentiate_by_parameter, find_orbit, find_tangent, move_orbit, own_multipliers, &
+             scaled_derivative
 
    !> What the user chooses.
    type :: orbit_options
@@ -127,6 +128,7 @@ contains
             share = share/2
          end do
          last = norm2(share*change)
+         if (present(tangent)) call learn_by_parameter(model, options, orbit, share*change, share, trial)
          orbit = trial
       end do
       if (.not. orbit%residual <= options%residual) then
@@ -149,6 +151,26 @@ contains
 
    end subroutine correct_orbit
 
+   !> One iteration at a value of the parameter with a derivative that is known about: a flow without its derivative costs half.
+   subroutine correct_with(model, options, derivative, orbit, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      real(wp), intent(in) :: derivative(:, :)  !! [n, n] of the flow
+      type(orbit_t), intent(inout) :: orbit
+      type(status_t), intent(inout) :: status
+      real(wp) :: matrix(model%n + 2, model%n + 2), change(model%n + 2), phase_row(model%n)
+
+      call go_round(model, options, orbit, status, derivative)
+      phase_row = 0
+      if (model%autonomous .and. .not. has_failed(status)) call find_phase_row(model, orbit, phase_row, status)
+      if (has_failed(status)) return
+      call linearise(model, options, orbit, phase_row, matrix=matrix)
+      change = 0
+      change(:model%n) = merge(-difference(model, orbit)/model%scale, 0.0_wp, orbit%active)
+      call solve(matrix, change, status)
+      if (.not. has_failed(status)) call move_orbit(model, options, orbit, change)
+   end subroutine correct_with
+
    !> Change the unknowns of an orbit.
    pure subroutine move_orbit(model, options, orbit, change)
       class(orbit_model), intent(in) :: model
@@ -164,11 +186,12 @@ contains
    end subroutine move_orbit
 
    !> Follow an orbit once round.
-   subroutine go_round(model, options, orbit, status)
+   subroutine go_round(model, options, orbit, status, derivative)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit
       type(status_t), intent(inout) :: status
+      real(wp), intent(in), optional :: derivative(:, :) !! taken for that of the flow, which is not found then
 
       call model%set_parameter(orbit%parameter, status)
       if (has_failed(status)) return
@@ -177,8 +200,9 @@ contains
          call fail(status, code_no_solution, "the period of the orbit fell to zero", field="period")
          return
       end if
-      call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance, .true., orbit%flow, status)
+      call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance, .not. present(derivative), orbit%flow, status)
       if (has_failed(status)) return
+      if (present(derivative)) orbit%flow%derivative = derivative
       call find_active(model, orbit)
       orbit%residual = maxval(abs(difference(model, orbit))/model%scale, orbit%active)
    end subroutine go_round
@@ -302,6 +326,24 @@ contains
       end do
       status = refusal
    end subroutine differentiate_by_parameter
+
+   !> What a step of Newton's iteration lacks in the end is laid to dP/dp, the one part of it that is not exact (secant).
+   pure subroutine learn_by_parameter(model, options, before, change, share, after)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: before
+      real(wp), intent(in) :: change(:) !! [n + 2] from one to the other
+      real(wp), intent(in) :: share     !! of the step that was taken
+      type(orbit_t), intent(inout) :: after
+      real(wp), parameter :: least = 0.01_wp !! of the change that is that of the parameter
+      real(wp) :: by
+
+      by = change(model%n + 2)
+      if (.not. abs(by) > least*norm2(change)) return
+      after%by_parameter = after%by_parameter + &
+                           merge(difference(model, after) - (1 - share)*difference(model, before), spread(0.0_wp, 1, model%n), &
+                                 after%active)/(by*options%parameter_scale)
+   end subroutine learn_by_parameter
 
    !> Tangent of the branch at an orbit that was found.
    subroutine find_tangent(model, options, orbit, along, status)

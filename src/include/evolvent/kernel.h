@@ -428,7 +428,9 @@ typedef struct {
     double tolerance;                               /**< of the integration, in units of the scales */
     double residual;                                /**< largest difference after a period, in units of the scales */
     double first_step, smallest_step, largest_step; /**< along a branch, states in units of their scales */
-    int most_points;                                /**< of a branch, special ones not counted */
+    int most_points;                                /**< of a branch; special ones, and those at `values`, not counted */
+    int n_values;
+    const double *values; /**< [n_values] of the parameter, rising or falling, at which each branch has orbits too */
 } evl_orbits_setup;
 /** What a point of a branch is. */
 typedef enum {
