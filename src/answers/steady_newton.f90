@@ -37,9 +37,8 @@ module evl_steady_newton
 
 contains
 
-   !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta, halving corrections that leave the domain or reduce neither the
-   !> scaled residual nor what it asks for. If however small ones leave the domain, y has the whole correction: behind the border
-   !> other modes may hold.
+   !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta. Corrections are good that reduce the scaled residual; where these
+   !> do not come to an end, those too that reduce what it asks for.
    !> Errors: code_no_solution, code_out_of_domain.
    subroutine solve_steady(gearbox, system, t, y, integers, reals, found, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -49,6 +48,27 @@ contains
       integer, intent(in) :: integers(:)
       real(wp), intent(in) :: reals(:)
       logical, intent(out) :: found !! false if the corrections do not end
+      type(status_t), intent(inout) :: status
+      real(wp) :: begin(gearbox%n_states)
+
+      begin = y
+      call iterate(gearbox, system, t, y, integers, reals, .false., found, status)
+      if (found .or. has_failed(status)) return
+      y = begin
+      call iterate(gearbox, system, t, y, integers, reals, .true., found, status)
+   end subroutine solve_steady
+
+   !> The same in one of the two ways, halving corrections that leave the domain or are not good. If however small ones leave the
+   !> domain, y has the whole correction: behind the border other modes may hold.
+   subroutine iterate(gearbox, system, t, y, integers, reals, by_corrections, found, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      logical, intent(in) :: by_corrections !! those too that reduce what the residual asks for
+      logical, intent(out) :: found         !! false if the corrections do not end
       type(status_t), intent(inout) :: status
       real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale
       real(wp), dimension(size(system%row), size(system%row)) :: matrix, before
@@ -85,7 +105,9 @@ contains
                size_trial = norm2(f(row)/row_scale(row))
                if (.not. has_failed(status)) then
                   if (size_trial < size_now .or. norm2(step) < 1.0e-6_wp) exit
-                  if (norm2(corrections(before, f(row)/row_scale(row))) < norm2(step)) exit
+                  if (by_corrections) then
+                     if (norm2(corrections(before, f(row)/row_scale(row))) < norm2(step)) exit
+                  end if
                end if
                share = share/2
                if (share < 1.0e-6_wp) exit
@@ -102,7 +124,7 @@ contains
             last = norm2(step)
          end do
       end associate
-   end subroutine solve_steady
+   end subroutine iterate
 
    !> What a residual asks for, in units of the scales of the states. Unlike the residual it does not depend on the scales of rows:
    !> where one is a tiny speed, the residual grows with the square of a correction.
