@@ -228,6 +228,13 @@ def test_a_bad_case_is_refused_at_its_line(
         ({"format": float("nan")}, None, "case: "),
         ("no-such.yaml", "a=1", "must be {path: value} or a list"),
         ("no-such.yaml", {"a": "\0"}, "holds a character of code 0"),
+        (5, None, "case=5: must be the path of a case file, its text, or the mapping"),
+        (None, None, "case=None: must be the path of a case file"),
+        (b"format: 1", None, "case=b'format: 1': must be the path of a case file"),
+        ({"format": {1, 2}}, None, "case: {1, 2} is neither a number nor a text, list or mapping"),
+        ("no-such.yaml", 5, "set=5: must be {path: value} or a list"),
+        ("no-such.yaml", [("a", 1)], "set=[('a', 1)]: must be {path: value} or a list"),
+        ("no-such.yaml", {"a.b": 1j}, "a.b: 1j is neither a number nor a text, list or mapping"),
     ],
 )
 def test_what_is_no_case_is_refused(case: Any, settings: Any, what: str) -> None:

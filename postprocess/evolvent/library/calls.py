@@ -7,6 +7,7 @@ import json
 from ctypes import byref, c_int, c_void_p
 from typing import TYPE_CHECKING, Any
 
+from evolvent.errors import USAGE, AnalysisError
 from evolvent.library.binding import Error, ModesRequest, RespondRequest, StaticRequest, load
 from evolvent.library.cases import (
     Case,
@@ -169,9 +170,13 @@ def respond(
         The case, a value or the range is refused, or a motion cannot be integrated; `history` is
         what there is of the values before.
     """
-    if not isinstance(over, str):
+    if isinstance(over, tuple | list) and len(over) > 0:
         path, *values = over
-        over = f"{path}={':'.join(map(value_text, values))}"
+        over = f"{path}={':'.join(value_text(value, 'over') for value in values)}"
+    if not isinstance(over, str):
+        raise AnalysisError(
+            USAGE, f"over={over!r}", "must be (path, from, to), (path, from, to, steps) or a text"
+        )
     request = RespondRequest(
         over=encoded_or_none("over", over),
         direction=encoded_or_none("direction", direction),

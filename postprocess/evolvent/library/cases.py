@@ -6,7 +6,7 @@ import ctypes
 import json
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import byref, c_char_p
 from dataclasses import dataclass
@@ -29,12 +29,21 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{value!r} is neither a number nor a text, list or mapping")
 
 
-def value_text(value: Any) -> str:
-    """A value as --set takes it."""
-    return value if isinstance(value, str) else json.dumps(value, default=_plain)
+def value_text(value: Any, what: str = "") -> str:
+    """A value as --set takes it; `what` it is of.
+
+    Raises
+    ------
+    AnalysisError
+        It is, or holds, what stands for nothing in a case.
+    """
+    try:
+        return value if isinstance(value, str) else json.dumps(value, default=_plain)
+    except (TypeError, ValueError) as error:
+        raise AnalysisError(USAGE, what, str(error)) from error
 
 
-def _encoded(what: str, text: str | Path) -> bytes:
+def _encoded(what: str, text: str | os.PathLike[str]) -> bytes:
     encoded = os.fsencode(text)
     if b"\0" in encoded:
         raise AnalysisError(USAGE, what, "holds a character of code 0")
@@ -43,17 +52,18 @@ def _encoded(what: str, text: str | Path) -> bytes:
 
 def encoded_or_none(what: str, value: Any) -> bytes | None:
     """A value of a request; None: it is not asked for."""
-    return None if value is None else _encoded(what, value_text(value))
+    return None if value is None else _encoded(what, value_text(value, what))
 
 
 def _settings(given: Settings) -> list[bytes]:
-    if isinstance(given, str):
+    if isinstance(given, Mapping):
+        given = [f"{path}={value_text(value, str(path))}" for path, value in given.items()]
+    texts = list(given or ()) if isinstance(given, Iterable | None) else [given]
+    if isinstance(given, str) or not all(isinstance(text, str) for text in texts):
         raise AnalysisError(
             USAGE, f"set={given!r}", 'must be {path: value} or a list of texts "PATH=VALUE"'
         )
-    if isinstance(given, Mapping):
-        given = [f"{path}={value_text(value)}" for path, value in given.items()]
-    return [_encoded("set", option) for option in given or ()]
+    return [_encoded("set", text) for text in texts]
 
 
 def error_of(error: Error, case: Case | None = None) -> AnalysisError:
@@ -88,7 +98,13 @@ def source_of(case: Case, settings: Settings) -> Source:
     given = _settings(settings)
     options = (c_char_p * len(given))(*given)
     if isinstance(case, Mapping) or (isinstance(case, str) and "\n" in case):
-        return Source(NAME.encode(), _encoded(NAME, value_text(case)), options)
+        return Source(NAME.encode(), _encoded(NAME, value_text(case, NAME)), options)
+    if not isinstance(case, str | os.PathLike):
+        raise AnalysisError(
+            USAGE,
+            f"{NAME}={case!r}",
+            "must be the path of a case file, its text, or the mapping that such a text stands for",
+        )
     return Source(_encoded(NAME, case), None, options)
 
 
