@@ -28,7 +28,7 @@ void model_feed(const model *model, int load, double value, double rate)
 
 double model_wheel_speed(const model *model, int wheel, const dae_state *state)
 {
-    return evl_gearbox_wheel_speed(model->gearbox, wheel, state->y);
+    return evl_gearbox_wheel_speed(model->gearbox, wheel, state->t, state->y);
 }
 
 int model_rates(const model *model, dae_state *state, char message[DAE_MESSAGE_LENGTH])

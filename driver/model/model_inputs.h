@@ -18,7 +18,7 @@ int model_inputs(const model *model, memory_pool *pool, model_input **inputs);
  *  @param value  the torque, or the speed, which counts at a start only
  *  @param rate   of a speed [rad/s^2]; 0 for a torque */
 void model_feed(const model *model, int load, double value, double rate);
-/** Angular velocity of a wheel [rad/s]. */
+/** Angular velocity of a wheel [rad/s], seen from where a prescribed speed of it refers to. */
 double model_wheel_speed(const model *model, int wheel, const dae_state *state);
 /** Fill yp of a state: y' = f(t, y). @return a dae_code */
 int model_rates(const model *model, dae_state *state, char message[DAE_MESSAGE_LENGTH]);

@@ -6,13 +6,14 @@ module evl_carried_state
    use evl_common_period, only: period_t
    use evl_dae_residual, only: gearbox_derivative
    use evl_discrete_state, only: gearbox_store_mode, take_mode
-   use evl_gearbox, only: gearbox_t, i_turns, wheel_speed
+   use evl_gearbox, only: gearbox_t, i_turns
    use evl_gearbox_initial, only: settle_start
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_omega, i_theta
    use evl_start_positions, only: place_pairs, prescribed_speed
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_mode, touches
+   use evl_wheel_loads, only: followed_speed
    implicit none (type, external)
    private
 
@@ -133,7 +134,7 @@ contains
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             if (wheel%prescribed == 0) cycle
-            change = prescribed_speed(gearbox, wheel%prescribed, t, integers) - wheel_speed(wheel, y)
+            change = prescribed_speed(gearbox, wheel%prescribed, t, integers) - followed_speed(gearbox, i, t, y)
             if (.not. is_taken) then
                y(i_omega) = y(i_omega) + change/wheel%ratio
             else if (wheel%i_psi > 0) then

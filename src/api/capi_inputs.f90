@@ -4,8 +4,9 @@
 module evl_capi_inputs
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int, c_ptr
    use evl_capi_types, only: gearbox_of
-   use evl_gearbox, only: gearbox_t, wheel_speed
+   use evl_gearbox, only: gearbox_t
    use evl_load, only: load_point, load_t
+   use evl_wheel_loads, only: followed_speed
    implicit none (type, external)
    private
 
@@ -67,14 +68,15 @@ contains
       call g%loads(load + 1)%load%feed(value, rate)
    end subroutine evl_gearbox_feed
 
-   real(c_double) function evl_gearbox_wheel_speed(handle, wheel, y) result(speed) bind(c)
+   real(c_double) function evl_gearbox_wheel_speed(handle, wheel, t, y) result(speed) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: wheel
+      real(c_double), intent(in), value :: t
       real(c_double), intent(in) :: y(*)
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      speed = wheel_speed(g%wheels(wheel + 1), y)
+      speed = followed_speed(g, wheel + 1, t, y)
    end function evl_gearbox_wheel_speed
 
 end module evl_capi_inputs

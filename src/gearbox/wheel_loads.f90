@@ -1,6 +1,7 @@
 !> What the loads of a wheel bring: torques, the part that acts on the housing, and the motion of a wheel whose speed is prescribed.
 module evl_wheel_loads
    use evl_gearbox, only: gearbox_t, i_turns, wheel_speed, wheel_t
+   use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_kinds, only: pi, wp
    use evl_load, only: load_point, load_t
    use evl_local_variables, only: i_theta
@@ -9,8 +10,8 @@ module evl_wheel_loads
    implicit none (type, external)
    private
 
-   public :: ask_load, hold_still, known_torques, load_answer, load_point_of, load_torque, segment_of, turns_of_wheel
-   public :: wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
+   public :: ask_load, followed_speed, hold_still, known_torques, load_answer, load_point_of, load_torque, segment_of
+   public :: turns_of_wheel, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
 
    !> What a load says at a state.
    type :: load_answer
@@ -168,6 +169,19 @@ contains
          if (driver > 0) follows = .not. gearbox%loads(driver)%load%against_housing
       end associate
    end function wheel_follows_ground
+
+   !> Angular velocity of a wheel, seen from where a prescribed speed of it refers to [rad/s].
+   pure real(wp) function followed_speed(gearbox, index, t, y) result(speed)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index
+      real(wp), intent(in) :: t, y(*)
+      type(frame_t) :: frame
+
+      speed = wheel_speed(gearbox%wheels(index), y)
+      if (gearbox%housing%kind == housing_fixed .or. .not. wheel_follows_ground(gearbox, index)) return
+      call housing_frame(gearbox%housing, t, y, frame)
+      speed = speed + frame%omega(3)
+   end function followed_speed
 
    !> Angular acceleration of a rotor under the torque of its meshes, shafts and loads, or the prescribed one [rad/s^2].
    pure real(wp) function wheel_acceleration(gearbox, index, torque, integers) result(acceleration)

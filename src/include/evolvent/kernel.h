@@ -214,8 +214,8 @@ EVL_API bool evl_gearbox_input(const evl_gearbox *gearbox, int index, evl_input 
  *  @param value  torque [N m], or the speed [rad/s], which counts where a motion starts: later the wheel turns as it does
  *  @param rate   of a speed [rad/s^2], as which the wheel turns on; 0 for a torque */
 EVL_API void evl_gearbox_feed(evl_gearbox *gearbox, int load, double value, double rate);
-/** Angular velocity of a wheel in the housing [rad/s]. */
-EVL_API double evl_gearbox_wheel_speed(const evl_gearbox *gearbox, int wheel, const double *y);
+/** Angular velocity of a wheel [rad/s], against the ground, or in the housing if a prescribed speed of it refers to that. */
+EVL_API double evl_gearbox_wheel_speed(const evl_gearbox *gearbox, int wheel, double t, const double *y);
 
 /* ---- integration ----------------------------------------------------------------------------------------------------------- */
 
