@@ -91,7 +91,9 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance handle, fmi3Boolean no_set_s
 
 static void set_time(instance *self, void *with)
 {
-    motion_place(self->motion, *(const double *)with, NULL);
+    if (instance_are_finite(self, 1, with)) {
+        motion_place(self->motion, *(const double *)with, NULL);
+    }
 }
 
 fmi3Status fmi3SetTime(fmi3Instance handle, fmi3Float64 time)
@@ -111,7 +113,7 @@ static bool fits(instance *self, size_t n, int there)
 static void set_states(instance *self, void *with)
 {
     const numbers *x = with;
-    if (fits(self, x->n, motion_about(self->motion)->n_states)) {
+    if (fits(self, x->n, motion_about(self->motion)->n_states) && instance_are_finite(self, x->n, x->from)) {
         motion_place(self->motion, motion_state(self->motion)->t, x->from);
     }
 }

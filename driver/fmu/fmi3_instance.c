@@ -19,7 +19,8 @@ static const struct {
              {IN_CONTINUOUS, "Continuous-Time Mode"},
              {IN_STEP, "Step Mode"},
              {IN_TERMINATED, "Terminated"},
-             {IN_CONFIGURATION, "Configuration Mode"}};
+             {IN_CONFIGURATION, "Configuration Mode"},
+             {IN_RUINS, "after a fatal error"}};
 
 static const char *name_of(instance_mode mode)
 {
@@ -47,6 +48,17 @@ void instance_refuse(instance *self, fmi3Status status, const char *format, ...)
     va_end(values);
     self->status = status;
     tell(self, text);
+}
+
+bool instance_are_finite(instance *self, size_t n, const double *numbers)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(numbers[i])) {
+            instance_refuse(self, fmi3Error, "a number is given as %g, but has to be finite", numbers[i]);
+            return false;
+        }
+    }
+    return true;
 }
 
 void instance_fail(instance *self, dae_code code)
@@ -89,12 +101,13 @@ fmi3Status instance_call(fmi3Instance handle, const char *function, unsigned all
     }
     self->status = fmi3OK;
     if (((unsigned)self->mode & allowed) == 0) {
-        instance_refuse(self, fmi3Error, "%s is not allowed here: the instance is in the state %s", function,
-                        name_of(self->mode));
+        instance_refuse(self, self->mode == IN_RUINS ? fmi3Fatal : fmi3Error,
+                        "%s is not allowed here: the instance is in the state %s", function, name_of(self->mode));
         return self->status;
     }
     boundary_call(do_job, &(job){self, work, with}, &error);
     if (error.code != EVL_EXIT_OK) {
+        self->mode = IN_RUINS;
         instance_refuse(self, fmi3Fatal, "%s", error.message);
     }
     return self->status;
@@ -111,14 +124,13 @@ typedef struct {
 
 static bool read_case(making *m, prepared_case *prepared)
 {
-    char token[SHA256_TEXT];
     const size_t n = strlen(m->resources);
     OWNED char *path = xasprintf("%s%s%s", m->resources, n > 0 && m->resources[n - 1] == '/' ? "" : "/", FMU_CASE);
     if (!prepare_case(prepared, path, 0, NULL, &m->error)) {
         return false;
     }
-    fmu_token(prepared, token);
-    return m->token == NULL || strcmp(token, m->token) == 0 ||
+    fmu_token(prepared, m->as.token);
+    return m->token == NULL || strcmp(m->as.token, m->token) == 0 ||
            evl_error_set(&m->error, EVL_EXIT_CASE, path,
                          "the instantiation token is not that of this case and program: make the FMU anew");
 }
@@ -196,7 +208,9 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
 static void forget(void *with)
 {
     instance *self = with;
-    motion_delete(&self->motion);
+    if (self->mode != IN_RUINS) {
+        motion_delete(&self->motion);
+    }
     free(self);
 }
 
@@ -233,7 +247,11 @@ static void initialize(instance *self, void *with)
         instance_refuse(self, fmi3Error, "the start time is %.9g s, but a case begins at 0", span->start);
         return;
     }
-    self->t_end = span->has_stop ? span->stop : DBL_MAX;
+    if (span->has_stop && !(span->stop > span->start)) {
+        instance_refuse(self, fmi3Error, "the stop time is %.9g s, but has to be after the start", span->stop);
+        return;
+    }
+    self->t_end = span->has_stop ? fmin(span->stop, DBL_MAX) : DBL_MAX;
     self->is_begun = false;
     self->mode = IN_INITIALIZATION;
 }

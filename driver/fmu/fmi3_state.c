@@ -5,17 +5,39 @@
 
 #include <string.h>
 
+static const char *kind_of(bool by_steps)
+{
+    return by_steps ? "co-simulation" : "model exchange";
+}
+
 static bool keep(instance *self, archive *archive)
 {
     int mode = self->mode;
+    bool by_steps = self->by_steps;
+    KEEP(archive, by_steps);
+    if (by_steps != self->by_steps) {
+        instance_refuse(self, fmi3Error, "the state is of an instance for %s, this one is for %s", kind_of(by_steps),
+                        kind_of(self->by_steps));
+        return false;
+    }
     KEEP(archive, mode);
     KEEP(archive, self->is_begun);
     KEEP(archive, self->t_end);
-    const bool good = motion_keep(self->motion, archive);
-    if (good && archive->is_reading) {
-        self->mode = (instance_mode)mode;
+    if (!motion_keep(self->motion, archive)) {
+        instance_fail(self, DAE_FATAL);
+        return false;
     }
-    return good;
+    self->mode = (instance_mode)mode;
+    return true;
+}
+
+/** A handle of the importer's, or none, which is told. */
+static bool is_state(instance *self, const archive *state)
+{
+    if (state == NULL) {
+        instance_refuse(self, fmi3Error, "there is no state at NULL");
+    }
+    return state != NULL;
 }
 
 static void get_state(instance *self, void *with)
@@ -25,9 +47,7 @@ static void get_state(instance *self, void *with)
         *state = xcalloc(1, sizeof **state);
     }
     archive_free(*state);
-    if (!keep(self, *state)) {
-        instance_fail(self, DAE_FATAL);
-    }
+    (void)keep(self, *state);
 }
 
 fmi3Status fmi3GetFMUState(fmi3Instance handle, fmi3FMUState *state)
@@ -37,11 +57,11 @@ fmi3Status fmi3GetFMUState(fmi3Instance handle, fmi3FMUState *state)
 
 static void set_state(instance *self, void *with)
 {
-    archive from = *(const archive *)with;
-    from.is_reading = true;
-    from.at = 0;
-    if (!keep(self, &from)) {
-        instance_fail(self, DAE_FATAL);
+    if (is_state(self, with)) {
+        archive from = *(const archive *)with;
+        from.is_reading = true;
+        from.at = 0;
+        (void)keep(self, &from);
     }
 }
 
@@ -54,7 +74,7 @@ static void free_state(instance *self, void *with)
 {
     archive **state = with;
     (void)self;
-    if (*state != NULL) {
+    if (state != NULL && *state != NULL) {
         archive_free(*state);
         free(*state);
         *state = NULL;
@@ -66,6 +86,12 @@ fmi3Status fmi3FreeFMUState(fmi3Instance handle, fmi3FMUState *state)
     return instance_call(handle, "fmi3FreeFMUState", IN_ANY, free_state, state);
 }
 
+/* ---- as bytes: what they are of, a check sum of the rest, the rest ---- */
+
+typedef struct {
+    char token[SHA256_TEXT], sum[SHA256_TEXT];
+} heading;
+
 typedef struct {
     archive *state;
     fmi3Byte *to;
@@ -73,11 +99,21 @@ typedef struct {
     size_t size;
 } bytes;
 
+static heading heading_of(const instance *self, const void *rest, size_t n)
+{
+    heading heading;
+    sha256 hash;
+    memcpy(heading.token, self->token, sizeof heading.token);
+    sha256_start(&hash);
+    sha256_add(&hash, rest, n);
+    sha256_finish(&hash, heading.sum);
+    return heading;
+}
+
 static void measure(instance *self, void *with)
 {
     bytes *b = with;
-    (void)self;
-    b->size = b->state->n;
+    b->size = is_state(self, b->state) ? sizeof(heading) + b->state->n : 0;
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance handle, fmi3FMUState state, size_t *size)
@@ -91,11 +127,16 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance handle, fmi3FMUState state, s
 static void serialize(instance *self, void *with)
 {
     const bytes *b = with;
-    if (b->size != b->state->n) {
-        instance_refuse(self, fmi3Error, "the state takes %zu bytes, not %zu", b->state->n, b->size);
+    if (!is_state(self, b->state)) {
         return;
     }
-    memcpy(b->to, b->state->bytes, b->size);
+    if (b->size != sizeof(heading) + b->state->n) {
+        instance_refuse(self, fmi3Error, "the state takes %zu bytes, not %zu", sizeof(heading) + b->state->n, b->size);
+        return;
+    }
+    const heading heading = heading_of(self, b->state->bytes, b->state->n);
+    memcpy(b->to, &heading, sizeof heading);
+    memcpy(b->to + sizeof heading, b->state->bytes, b->state->n);
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance handle, fmi3FMUState state, fmi3Byte to[], size_t size)
@@ -107,10 +148,23 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance handle, fmi3FMUState state, fmi3By
 static void deserialize(instance *self, void *with)
 {
     bytes *b = with;
-    free_state(self, &b->state);
-    b->state = xcalloc(1, sizeof *b->state);
-    *b->state = (archive){.bytes = xcalloc(b->size + 1, 1), .n = b->size};
-    memcpy(b->state->bytes, b->from, b->size);
+    heading told = {"", ""};
+    const size_t n = b->size > sizeof told ? b->size - sizeof told : 0;
+    const fmi3Byte *rest = b->from + (n > 0 ? sizeof told : 0);
+    const heading expected = heading_of(self, rest, n);
+    if (n > 0) {
+        memcpy(&told, b->from, sizeof told);
+    }
+    if (memcmp(told.token, expected.token, sizeof told.token) != 0) {
+        instance_refuse(self, fmi3Error, "these bytes are no state of this FMU");
+    } else if (memcmp(told.sum, expected.sum, sizeof told.sum) != 0) {
+        instance_refuse(self, fmi3Error, "these bytes are not those that the state was made into: they are damaged");
+    } else {
+        free_state(self, &b->state);
+        b->state = xcalloc(1, sizeof *b->state);
+        *b->state = (archive){.bytes = xcalloc(n, 1), .n = n};
+        memcpy(b->state->bytes, rest, n);
+    }
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance handle, const fmi3Byte from[], size_t size, fmi3FMUState *state)

@@ -17,6 +17,9 @@ static void go(instance *self, void *with)
         instance_refuse(self, fmi3Error, "the communication step is %.9g s, but has to be positive", s->step);
     } else if (!(fabs(s->now - t) <= same * fmax(s->step, fabs(t)))) {
         instance_refuse(self, fmi3Error, "the communication point is %.9g s, but the FMU is at %.9g s", s->now, t);
+    } else if (s->now + s->step - self->t_end > same * fmax(s->step, self->t_end)) {
+        instance_refuse(self, fmi3Error, "the step ends at %.9g s, after the stop time %.9g s", s->now + s->step,
+                        self->t_end);
     } else if (!motion_to(self->motion, s->now + s->step)) {
         instance_fail(self, DAE_FATAL);
     }

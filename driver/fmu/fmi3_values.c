@@ -84,6 +84,15 @@ static const double *find(instance *self, fmu_kind kind, int index)
     return all + index;
 }
 
+/** Whether the values are as many as they should be, or at least, which else is told. */
+static bool suits(instance *self, const values *v, bool is_so)
+{
+    if (!is_so) {
+        instance_refuse(self, fmi3Error, "these variables do not have %zu values", v->n_values);
+    }
+    return is_so;
+}
+
 static void get(instance *self, void *with)
 {
     const values *v = with;
@@ -100,16 +109,17 @@ static void get(instance *self, void *with)
             instance_refuse(self, fmi3Error, "before the initialization only parameters and inputs have values");
             return;
         }
-        const double *from = n > v->n_values - place ? NULL : find(self, kind, index);
+        if (!suits(self, v, n <= v->n_values - place)) {
+            return;
+        }
+        const double *from = find(self, kind, index);
         if (from == NULL) {
-            break;
+            return;
         }
         memcpy(v->got + place, from, n * sizeof *from);
         place += n;
     }
-    if (self->status == fmi3OK && place != v->n_values) {
-        instance_refuse(self, fmi3Error, "these variables do not have %zu values", v->n_values);
-    }
+    (void)suits(self, v, place == v->n_values);
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance handle, const fmi3ValueReference references[], size_t n, fmi3Float64 got[],
@@ -143,16 +153,16 @@ static void set(instance *self, void *with)
         fmu_kind kind;
         int index;
         const size_t n = look_up(self, v->references[i], &kind, &index);
-        if (n > v->n_values - place) {
-            break;
+        if (!suits(self, v, n <= v->n_values - place)) {
+            return;
         }
-        if (n > 0) {
+        if (n > 0 && instance_are_finite(self, n, v->given + place)) {
             put(self, kind, index, v->given + place);
         }
         place += n;
     }
-    if (self->status == fmi3OK && place != v->n_values) {
-        instance_refuse(self, fmi3Error, "these variables do not have %zu values", v->n_values);
+    if (self->status == fmi3OK) {
+        (void)suits(self, v, place == v->n_values);
     }
 }
 
