@@ -140,9 +140,14 @@ contains
       h = radau_step(solver)
       times = solver%t_before + h*node
       call radau_interpolate_lanes(solver, times, states)
-      exact = .true.
+      exact = .false.
       call model%roots_lanes(times, states, exact, values, status)
       if (has_failed(status)) return
+      if (.not. exact) then
+         exact = .true.
+         call model%roots_lanes(times, states, exact, values, status) ! those of the first look are not all told again
+         if (has_failed(status)) return
+      end if
       call model%root_directions(direction)
       do i = 1, model%n_roots
          if (direction(i) == never) cycle
