@@ -141,6 +141,7 @@ contains
       times = solver%t_before + h*node
       call radau_interpolate_lanes(solver, times, states)
       exact = .false.
+      values = 0 ! of places without a tooth pair it stays that
       call model%roots_lanes(times, states, exact, values, status)
       if (has_failed(status)) return
       if (.not. exact) then
