@@ -106,11 +106,48 @@ bool model_orbits_find(model_orbits *orbits, double value, int periods, double t
     return answered(orbits, code, &status, message);
 }
 
-bool model_orbits_follow(model_orbits *orbits, bool rising, int *n, char message[DAE_MESSAGE_LENGTH])
+bool model_orbits_begin(model_orbits *orbits, bool rising, int *n, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status = {.index = -1};
     orbits->refusal[0] = '\0';
-    return answered(orbits, evl_orbits_follow(orbits->orbits, rising, n, &status), &status, message);
+    return answered(orbits, evl_orbits_begin(orbits->orbits, rising, n, &status), &status, message);
+}
+
+bool model_orbits_advance(model_orbits *orbits, int *n, bool *is_over, char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status = {.index = -1};
+    orbits->refusal[0] = '\0';
+    return answered(orbits, evl_orbits_advance(orbits->orbits, n, is_over, &status), &status, message);
+}
+
+model_orbits_progress model_orbits_walk(const model_orbits *orbits)
+{
+    evl_orbits_progress told;
+    evl_orbits_walk(orbits->orbits, &told);
+    return (model_orbits_progress){told.step, told.crawls, told.n_ordinary, told.before};
+}
+
+int model_orbits_kept(const model_orbits *orbits)
+{
+    return evl_orbits_kept(orbits->orbits);
+}
+
+void model_orbits_keep(const model_orbits *orbits, int branch, int point, double *numbers)
+{
+    evl_orbits_keep(orbits->orbits, branch, point, numbers);
+}
+
+void model_orbits_put(model_orbits *orbits, int branch, const double *numbers)
+{
+    evl_orbits_put(orbits->orbits, branch, numbers);
+}
+
+bool model_orbits_go_on(model_orbits *orbits, const model_orbits_progress *progress, char message[DAE_MESSAGE_LENGTH])
+{
+    evl_status status = {.index = -1};
+    const evl_orbits_progress to_kernel = {progress->step, progress->crawls, progress->n_ordinary, progress->before};
+    orbits->refusal[0] = '\0';
+    return answered(orbits, evl_orbits_go_on(orbits->orbits, &to_kernel, &status), &status, message);
 }
 
 bool model_orbits_switch(model_orbits *orbits, int branch, int point, char message[DAE_MESSAGE_LENGTH])

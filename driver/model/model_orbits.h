@@ -45,8 +45,25 @@ void model_orbits_delete(model_orbits **orbits);
  *  @return false with the reason in `message` */
 bool model_orbits_find(model_orbits *orbits, double value, int periods, double time, const dae_state *near,
                        model_orbit *orbit, char message[DAE_MESSAGE_LENGTH]);
-/** Follow the branch of the present one. @param n  its points, also where it fails. @return false with the reason in `message` */
-bool model_orbits_follow(model_orbits *orbits, bool rising, int *n, char message[DAE_MESSAGE_LENGTH]);
+/** Stand at the first point of the branch of the present one. @param n  its points: one, or none. @return false with the reason in
+ *  `message` */
+bool model_orbits_begin(model_orbits *orbits, bool rising, int *n, char message[DAE_MESSAGE_LENGTH]);
+/** Go on along it. @param n  its points, also where it fails. @return false with the reason in `message` */
+bool model_orbits_advance(model_orbits *orbits, int *n, bool *is_over, char message[DAE_MESSAGE_LENGTH]);
+/** How far the last branch was followed. */
+typedef struct {
+    double step;
+    int crawls, n_ordinary;
+    int before; /**< which of its points, from 1, is the ordinary one before the last; 0: none */
+} model_orbits_progress;
+model_orbits_progress model_orbits_walk(const model_orbits *orbits);
+/** How many numbers are kept of a point, so that another process goes on from there with the same bits. */
+int model_orbits_kept(const model_orbits *orbits);
+void model_orbits_keep(const model_orbits *orbits, int branch, int point, double *numbers);
+/** Put down what was kept of the next point of a branch, or of the first of the next branch. @param numbers  NULL: that has no point */
+void model_orbits_put(model_orbits *orbits, int branch, const double *numbers);
+/** Stand at the last point of the last branch, whose points were put down. @return false with the reason in `message` */
+bool model_orbits_go_on(model_orbits *orbits, const model_orbits_progress *progress, char message[DAE_MESSAGE_LENGTH]);
 /** Make the first orbit of twice the period the present one. @return false with the reason in `message` */
 bool model_orbits_switch(model_orbits *orbits, int branch, int point, char message[DAE_MESSAGE_LENGTH]);
 /** @param multipliers  [2 * n_multipliers] of a point, real and imaginary parts; room for two a state and a real */

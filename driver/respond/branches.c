@@ -103,34 +103,60 @@ static bool is_known(branches *o, double value, int periods, const double *value
     return known;
 }
 
-/** Follow the branch of the present orbit, and tell its points.
- *  @return ORBIT_INTERRUPTED if a signal came in between */
-static orbit_end follow(branches *o, bool rising, int parent)
+/** Tell the points that the last branch has gained, and keep what the kernel needs of them. */
+static void take_points(branches *o, int n)
 {
-    char message[DAE_MESSAGE_LENGTH] = "";
-    const int n_room = 2 * (o->sizes.n + o->sizes.n_reals);
-    int n = 0;
-    const bool good = model_orbits_follow(o->orbits, rising, &n, message);
-    const int number = o->n_branches;
-    o->points = pool_grow(&o->pool, o->points, (size_t)o->n_points, (size_t)o->n_points + (size_t)n, sizeof *o->points);
-    o->branches =
-        pool_grow(&o->pool, o->branches, (size_t)o->n_branches, (size_t)o->n_branches + 1, sizeof *o->branches);
-    for (int k = 0; k < n; k++) {
-        orbit_point *point = &o->points[o->n_points + k];
+    const int number = o->n_branches - 1, n_room = 2 * (o->sizes.n + o->sizes.n_reals);
+    orbit_branch *branch = &o->branches[number];
+    const size_t have = (size_t)o->n_points, want = have + (size_t)(n - branch->n);
+    o->points = pool_grow(&o->pool, o->points, have, want, sizeof *o->points);
+    o->kept = pool_grow(&o->pool, o->kept, have, want, sizeof *o->kept);
+    o->n_kept = model_orbits_kept(o->orbits);
+    for (int k = branch->n; k < n; k++) {
+        orbit_point *point = &o->points[o->n_points];
         char why[DAE_MESSAGE_LENGTH] = "";
+        double **kept = &o->kept[o->n_points++];
         point->branch = number;
         point->multipliers = pool_calloc(&o->pool, (size_t)n_room, sizeof *point->multipliers);
         model_orbits_point(o->orbits, number, k, &point->orbit, point->multipliers);
+        *kept = pool_calloc(&o->pool, (size_t)o->n_kept, sizeof **kept);
+        model_orbits_keep(o->orbits, number, k, *kept);
         point->at_value = place_among(o, point->orbit.parameter);
         point->values = find_numbers(o, number, k, &point->orbit, why);
         if (point->values == NULL && *o->sweep->interrupt == 0) {
             note_problem(o, point->orbit.parameter, why);
         }
     }
-    o->branches[number] = (orbit_branch){.parent = parent, .n = n, .end = good ? "" : pool_copy(&o->pool, message)};
-    o->n_branches++;
-    o->n_points += n;
-    return *o->sweep->interrupt != 0 ? ORBIT_INTERRUPTED : ORBIT_FOUND;
+    branch->n = n;
+}
+
+/** Begin the branch of the present orbit. */
+static void begin_branch(branches *o, bool rising, int parent)
+{
+    char message[DAE_MESSAGE_LENGTH] = "";
+    int n = 0;
+    o->is_under_way = model_orbits_begin(o->orbits, rising, &n, message);
+    const size_t have = (size_t)o->n_branches;
+    o->branches = pool_grow(&o->pool, o->branches, have, have + 1, sizeof *o->branches);
+    o->branches[o->n_branches++] = (orbit_branch){.parent = parent, .end = pool_copy(&o->pool, message)};
+    take_points(o, n);
+    o->progress = model_orbits_walk(o->orbits);
+}
+
+/** The next point of the branch. */
+static void go_on(branches *o)
+{
+    char message[DAE_MESSAGE_LENGTH] = "";
+    bool is_over = false;
+    int n = 0;
+    const bool good = model_orbits_advance(o->orbits, &n, &is_over, message);
+    if (*o->sweep->interrupt != 0) {
+        return;
+    }
+    take_points(o, n);
+    o->branches[o->n_branches - 1].end = pool_copy(&o->pool, message);
+    o->is_under_way = good && !is_over;
+    o->progress = model_orbits_walk(o->orbits);
 }
 
 /** Whether a branch of twice the period begins or ends at a doubling. */
@@ -150,99 +176,151 @@ static bool is_entered(const branches *o, const model_orbit *doubling)
     return false;
 }
 
-/** Enter the branches of twice the period at all doublings, also at those of these. */
-static orbit_end follow_doublings(branches *o, int from)
+/** Enter the next branch of twice the period, also at doublings of such ones. When there is none left the value is done. */
+static void enter_doubling(branches *o)
 {
     char message[DAE_MESSAGE_LENGTH];
-    for (int k = from; k < o->n_points; k++) {
-        const orbit_point at = o->points[k];
+    while (o->doubling < o->n_points && !o->is_under_way) {
+        const orbit_point at = o->points[o->doubling];
         int first = 0;
         for (int i = 0; i < at.branch; i++) {
             first += o->branches[i].n;
         }
+        const int point = o->doubling++ - first;
         if (at.orbit.kind != MODEL_ORBIT_DOUBLING || 2 * at.orbit.periods > ORBIT_LONGEST || is_entered(o, &at.orbit)) {
             continue;
         }
         if (o->n_branches >= MOST_BRANCHES) {
             note_problem(o, at.orbit.parameter, "there are 64 branches: the one of twice the period is not followed");
-            return ORBIT_FOUND;
-        }
-        if (!model_orbits_switch(o->orbits, at.branch, k - first, message)) {
+            o->doubling = o->n_points;
+        } else if (!model_orbits_switch(o->orbits, at.branch, point, message)) {
             note_problem(o, at.orbit.parameter, message);
-        } else if (follow(o, true, at.branch) == ORBIT_INTERRUPTED) {
-            return ORBIT_INTERRUPTED;
+        } else {
+            begin_branch(o, true, at.branch);
         }
     }
-    return *o->sweep->interrupt != 0 ? ORBIT_INTERRUPTED : ORBIT_FOUND;
+    if (!o->is_under_way) {
+        o->task = BRANCHES_LOOK;
+        o->value++;
+    }
 }
 
-/** From a motion that the gearbox comes to at a value. */
-static orbit_end begin_at(branches *o, double value, evl_error *error)
+/** Begin the branch of the motion of a value, unless that is the end of the range to which it would go. */
+static void begin_way(branches *o, double value)
+{
+    const value_range *range = o->sweep->range;
+    const bool rises = o->task == BRANCHES_RISE;
+    const double last = rises ? fmax(range->from, range->to) : fmin(range->from, range->to);
+    char message[DAE_MESSAGE_LENGTH] = "";
+    model_orbit orbit;
+    o->task++;
+    if (value == last) {
+        return;
+    }
+    if (model_orbits_find(o->orbits, value, o->at.period, o->at.time, &o->motion.state, &orbit, message)) {
+        begin_branch(o, rises, -1);
+    } else {
+        note_problem(o, value, message);
+        o->task = BRANCHES_DOUBLE;
+    }
+}
+
+/** What finds orbits, with the section where the first motion has it. */
+static bool create_orbits(branches *o, double value, evl_error *error)
 {
     const value_range *range = o->sweep->range;
     char message[DAE_MESSAGE_LENGTH] = "";
+    const value_range asked = {.n = o->n_values, .from = range->from, .to = range->to};
+    o->values = pool_calloc(&o->pool, (size_t)o->n_values, sizeof *o->values);
+    for (int i = 0; i < o->n_values; i++) {
+        o->values[i] = value_range_at(&asked, i);
+    }
+    const model_orbits_setup setup = {.self = o,
+                                      .take = take,
+                                      .from = range->from,
+                                      .to = range->to,
+                                      .place = o->place,
+                                      .n_values = o->n_values,
+                                      .values = o->values};
+    o->orbits = model_orbits_create(&setup, value, message);
+    return o->orbits != NULL || evl_error_set(error, EVL_EXIT_CASE, "", "%s", message);
+}
+
+/** Find the motion to which the gearbox comes at a value. */
+static orbit_end look(branches *o, double value, evl_error *error)
+{
     carried state = {.exists = false};
-    model_orbit orbit;
     response_point point = {.values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof(double))};
     orbit_end end = branch_look(o->sweep, value, &state, &point, error);
+    bool begins = false;
     if (end == ORBIT_FOUND && point.period == 0) {
         note_problem(o, value, "the motion is not periodic");
     } else if (end == ORBIT_FOUND) {
-        if (o->orbits == NULL) {
-            const model_orbits_setup setup = {.self = o,
-                                              .take = take,
-                                              .from = range->from,
-                                              .to = range->to,
-                                              .place = state.pitches,
-                                              .n_values = o->n_values,
-                                              .values = o->values};
+        if (!o->has_orbits) {
             o->sizes = state.sizes;
             o->place = state.pitches;
-            o->orbits = model_orbits_create(&setup, value, message);
+            o->scaled_at = value;
+            o->has_orbits = create_orbits(o, value, error);
+            end = o->has_orbits ? ORBIT_FOUND : ORBIT_FAILED;
         }
-        if (o->orbits == NULL) {
-            evl_error_set(error, EVL_EXIT_CASE, "", "%s", message);
-            end = *o->sweep->interrupt != 0 ? ORBIT_INTERRUPTED : ORBIT_FAILED;
-        } else if (fabs(state.pitches - o->place) > 1e-9) {
+        if (o->has_orbits && fabs(state.pitches - o->place) > 1e-9) {
             note_problem(o, value, "an event lies on the section of the others: the motion is left out");
-        } else if (!is_known(o, value, point.period, point.values)) {
-            const int from = o->n_points;
-            const bool rises[] = {true, false};
-            const double last[] = {fmax(range->from, range->to), fmin(range->from, range->to)};
-            for (int i = 0; i < 2 && end == ORBIT_FOUND; i++) {
-                if (value == last[i]) {
-                    continue;
-                }
-                if (model_orbits_find(o->orbits, value, point.period, point.time, &state.state, &orbit, message)) {
-                    end = follow(o, rises[i], -1);
-                } else {
-                    note_problem(o, value, message);
-                    break;
-                }
-            }
-            end = end == ORBIT_FOUND ? follow_doublings(o, from) : end;
+        } else if (o->has_orbits) {
+            begins = !is_known(o, value, point.period, point.values);
         }
+    }
+    if (end == ORBIT_FOUND && *o->sweep->interrupt == 0) {
+        o->at = point;
+        o->doubling = o->n_points;
+        o->task = begins ? BRANCHES_RISE : BRANCHES_LOOK;
+        o->value += !begins;
+        carried_copy(&o->motion, &state);
     }
     carried_free(&state);
     return end;
 }
 
-orbit_end branches_find(branches *o, evl_error *error)
+bool branches_are_done(const branches *o)
 {
-    const value_range *range = o->sweep->range;
-    const value_range asked = {.n = o->n_values, .from = range->from, .to = range->to};
+    return o->value == o->sweep->range->n;
+}
+
+/** Put back what a step that was interrupted has changed. What has grown stays as it is: only the counts count. */
+static void undo(branches *o, const branches *before, const orbit_branch *last)
+{
+    o->value = before->value;
+    o->task = before->task;
+    o->doubling = before->doubling;
+    o->is_under_way = before->is_under_way;
+    o->progress = before->progress;
+    o->n_branches = before->n_branches;
+    o->n_points = before->n_points;
+    o->n_problems = before->n_problems;
+    if (o->n_branches > 0) {
+        o->branches[o->n_branches - 1] = *last;
+    }
+}
+
+orbit_end branches_step(branches *o, evl_error *error)
+{
+    const double value = value_range_at(o->sweep->range, o->value);
+    const branches before = *o;
+    const orbit_branch last = o->n_branches > 0 ? o->branches[o->n_branches - 1] : (orbit_branch){.n = 0};
     orbit_end end = ORBIT_FOUND;
-    o->values = pool_calloc(&o->pool, (size_t)o->n_values, sizeof *o->values);
-    for (int i = 0; i < o->n_values; i++) {
-        o->values[i] = value_range_at(&asked, i);
+    if (o->is_under_way) {
+        go_on(o);
+    } else if (o->task == BRANCHES_LOOK) {
+        end = look(o, value, error);
+    } else if (o->task == BRANCHES_DOUBLE) {
+        enter_doubling(o);
+    } else {
+        begin_way(o, value);
     }
-    for (int i = 0; i < range->n && end == ORBIT_FOUND; i++) {
-        const double value = value_range_at(range, i);
-        OWNED char *option = value_range_option(range, value);
-        o->told(o->self, option);
-        end = begin_at(o, value, error);
+    if (*o->sweep->interrupt != 0) {
+        undo(o, &before, &last);
+        return ORBIT_INTERRUPTED;
     }
-    if (end == ORBIT_FOUND && o->n_branches == 0) {
+    if (end == ORBIT_FOUND && branches_are_done(o) && o->n_branches == 0) {
         OWNED char *why =
             xasprintf("no orbit was found%s%s", o->n_problems > 0 ? ": " : "", o->n_problems > 0 ? o->problems[0] : "");
         evl_error_set(error, EVL_EXIT_INTEGRATION, "", "%s", why);
@@ -251,8 +329,31 @@ orbit_end branches_find(branches *o, evl_error *error)
     return end;
 }
 
+bool branches_resume(branches *o, evl_error *error)
+{
+    char message[DAE_MESSAGE_LENGTH] = "";
+    int point = 0;
+    if (!o->has_orbits) {
+        return true;
+    }
+    if (!create_orbits(o, o->scaled_at, error)) {
+        return false;
+    }
+    for (int i = 0; i < o->n_branches; i++) {
+        if (o->branches[i].n == 0) {
+            model_orbits_put(o->orbits, i, NULL);
+        }
+        for (int k = 0; k < o->branches[i].n; k++) {
+            model_orbits_put(o->orbits, i, o->kept[point++]);
+        }
+    }
+    return !o->is_under_way || model_orbits_go_on(o->orbits, &o->progress, message) ||
+           evl_error_set(error, EVL_EXIT_INTEGRATION, "", "%s", message);
+}
+
 void branches_free(branches *o)
 {
+    carried_free(&o->motion);
     model_orbits_delete(&o->orbits);
     prepared_case_free(&o->prepared);
     pool_free(&o->pool);

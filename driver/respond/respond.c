@@ -5,10 +5,9 @@
 #include "base/number.h"
 #include "base/progress.h"
 #include "case/unit_spelling.h"
-#include "files/checkpoint.h"
-#include "files/parts.h"
 #include "integrate/integrate.h"
 #include "respond/branch.h"
+#include "respond/going_on.h"
 #include "respond/respond_orbits.h"
 #include "simulate/number_channel.h"
 
@@ -27,75 +26,45 @@ typedef struct {
     value_range range;
     branch branch;
     prepared_case first; /**< at the first value: its text and warnings are the file's */
-    parts parts;         /**< a folder, locked, with what is needed to go on */
-    checkpoint kept;     /**< what that is of */
+    going_on going_on;
     const volatile sig_atomic_t *interrupt;
-    double saved, shown; /**< clock [s] */
-    bool is_shown;       /**< something stands on the terminal's line */
+    double shown;  /**< clock [s] */
+    bool is_shown; /**< something stands on the terminal's line */
 } response_run;
 
 /* ---- going on ---- */
 
-/** What the kept states are of: they fit what is the same in all of it. */
+/** What the kept state is of. */
 static void identify(response_run *run)
 {
-    checkpoint *own = &run->kept;
-    const char *processor = model_tables()->processor;
     const respond_options *options = run->options;
-    own->texts[CHECKPOINT_PROGRAM] = xstrdup("evolvent " EVOLVENT_VERSION " respond");
-    own->texts[CHECKPOINT_INTEGRATOR] = xstrdup("radau");
-    own->texts[CHECKPOINT_KERNEL] = xasprintf("%s, compiled for %s", model_tables()->compiler, processor);
-    own->texts[CHECKPOINT_CASE] = xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up,
-                                            options->down, options->most, case_text(run->first.file));
+    OWNED char *text = options->orbits != NULL
+                           ? xasprintf("orbits over: %s\nmost: %d\nvalues: %d\n%s", options->over, options->most,
+                                       options->n_values, case_text(run->first.file))
+                           : xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up,
+                                       options->down, options->most, case_text(run->first.file));
+    going_on_identify(&run->going_on, text);
 }
 
-static bool is_same(const checkpoint *a, const checkpoint *b)
+static void keep(void *self, archive *archive)
 {
-    bool same = true;
-    for (int i = 0; i < N_CHECKPOINT_TEXTS; i++) {
-        same = same && strcmp(a->texts[i], b->texts[i]) == 0;
-    }
-    return same;
+    branch_keep(self, archive);
 }
 
 /** Go on from what an earlier run left, if it did. */
 static bool take_up(response_run *run, evl_error *error)
 {
-    const char *folder = run->parts.folder;
-    char doubt[EVL_ERROR_MESSAGE_LENGTH];
-    checkpoint found;
-    if (!checkpoint_exists(folder)) {
-        return true;
-    }
-    bool good = checkpoint_read(folder, &found, doubt, error);
-    if (good && !is_same(&found, &run->kept)) {
-        good = evl_error_set(
-            error, EVL_EXIT_CASE, "",
-            "'%s' holds what is done of another response, of another case, range, option or program; go on "
-            "with that, delete the folder, or write to another file with -o",
-            folder);
-    } else if (good) {
-        branch_keep(&run->branch, &found.state);
-        good = archive_is_read(&found.state) ||
-               evl_error_set(error, EVL_EXIT_CASE, "", "'%s' holds something else: delete the folder", folder);
-    }
-    if (good) {
+    bool found = false;
+    const bool good = going_on_take_up(&run->going_on, &found, error);
+    if (found) {
         log_note("goes on behind %d of %d values", run->branch.step, run->branch.n_steps);
     }
-    checkpoint_free(&found);
     return good;
 }
 
 static bool save(response_run *run, evl_error *error)
 {
-    checkpoint next = run->kept;
-    next.t = run->branch.step;
-    next.state = (archive){.n = 0};
-    branch_keep(&run->branch, &next.state);
-    const bool good = checkpoint_write(run->parts.folder, &next, error);
-    archive_free(&next.state);
-    run->saved = clock_seconds();
-    return good;
+    return going_on_save(&run->going_on, run->branch.step, error);
 }
 
 /* ---- the file ---- */
@@ -164,7 +133,6 @@ static void show(response_run *run, const branch_place *at)
 /** All that are left. @return how it ended; the reason of a failure is in `error` */
 static orbit_end go(response_run *run, evl_error *error)
 {
-    static const double interval = 0.25; /* [s] between two states that are kept */
     orbit_end end = ORBIT_FOUND;
     while (run->branch.step < run->branch.n_steps && end == ORBIT_FOUND) {
         const branch_place at = branch_at(&run->branch, run->branch.step);
@@ -173,7 +141,7 @@ static orbit_end go(response_run *run, evl_error *error)
         if (end == ORBIT_FOUND && *run->interrupt != 0) {
             end = ORBIT_INTERRUPTED;
         }
-        if (end == ORBIT_FOUND && clock_seconds() - run->saved > interval && !save(run, error)) {
+        if (end == ORBIT_FOUND && going_on_is_due(&run->going_on) && !save(run, error)) {
             return ORBIT_FAILED;
         }
     }
@@ -238,23 +206,26 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
     }
 }
 
-static void run_locked(response_run *run, evl_error *error)
+/** @return whether all is done and written */
+static bool run_locked(response_run *run, evl_error *error)
 {
+    bool done = false;
     if (!take_up(run, error)) {
-        return;
+        return false;
     }
-    run->saved = run->shown = clock_seconds();
+    run->shown = clock_seconds();
     const orbit_end end = go(run, error);
     if (end != ORBIT_FOUND) {
         if (error->code != EVL_EXIT_IO) {
             give_up(run, end == ORBIT_INTERRUPTED, error);
         }
     } else if (write_file(run, true, "done", "", error)) {
-        parts_remove(&run->parts);
+        done = true;
         if (!run->options->quiet) {
             summarise(run);
         }
     }
+    return done;
 }
 
 static case_base *read_base(const char *name, const char *text, evl_error *error)
@@ -270,13 +241,17 @@ static bool prepare(response_run *run, const char *name, int n_set, const char *
                         : prepare_text(&run->first, name, text, n_set, set, error);
 }
 
-/** Orbits instead of motions. */
-static void find_orbits(response_run *run, evl_error *error)
+/** Orbits instead of motions. @return whether all is done and written */
+static bool find_orbits(response_run *run, evl_error *error)
 {
     OWNED char *unit = unit_of_results(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
-    const respond_orbits_setup setup = {
-        .sweep = &run->branch, .first = &run->first, .unit = unit, .warnings = warnings, .options = run->options};
-    run->options->orbits(&setup, error);
+    const respond_orbits_setup setup = {.sweep = &run->branch,
+                                        .first = &run->first,
+                                        .going_on = &run->going_on,
+                                        .unit = unit,
+                                        .warnings = warnings,
+                                        .options = run->options};
+    return run->options->orbits(&setup, error);
 }
 
 /** The range, whose units are those of the key in the case as --set makes it. */
@@ -355,8 +330,8 @@ bool respond_read_most(const char *text, int *most)
 bool respond_read_values(const char *text, int *n)
 {
     double value = 0;
-    const bool good = number_read(text, &value) == NUMBER_FINITE && value >= 2 && value <= RANGE_MOST_STEPS &&
-                      value == floor(value);
+    const bool good =
+        number_read(text, &value) == NUMBER_FINITE && value >= 2 && value <= RANGE_MOST_STEPS && value == floor(value);
     *n = good ? (int)value : 0;
     return good;
 }
@@ -366,6 +341,8 @@ static response_run *run_create(const respond_options *options)
     response_run *run = xcalloc(1, sizeof *run);
     run->options = options;
     run->interrupt = options->interrupt != NULL ? options->interrupt : &interrupt_signal;
+    run->going_on.self = &run->branch;
+    run->going_on.keep = keep;
     return run;
 }
 
@@ -377,7 +354,7 @@ static void run_delete(response_run *run)
     branch_free(&run->branch);
     prepared_case_free(&run->first);
     value_range_free(&run->range);
-    checkpoint_free(&run->kept);
+    checkpoint_free(&run->going_on.of);
     free(run);
 }
 
@@ -392,11 +369,9 @@ evl_exit respond_check(const char *case_path, const respond_options *options, ev
 evl_exit respond(const char *case_path, const respond_options *options, evl_error *error)
 {
     response_run *run = run_create(options);
-    if (begin(run, case_path, error) && options->orbits != NULL) {
-        find_orbits(run, error);
-    } else if (error->code == EVL_EXIT_OK && parts_open(&run->parts, options->path, error)) {
-        run_locked(run, error);
-        parts_close(&run->parts);
+    if (begin(run, case_path, error) && going_on_open(&run->going_on, options->path, error)) {
+        const bool done = options->orbits != NULL ? find_orbits(run, error) : run_locked(run, error);
+        going_on_close(&run->going_on, done);
     }
     run_delete(run);
     return error->code;

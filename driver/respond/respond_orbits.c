@@ -10,17 +10,25 @@
 
 typedef struct {
     const respond_orbits_setup *setup;
+    branches found;
+    double shown;  /**< clock [s] */
     bool is_shown; /**< something stands on the terminal's line */
-} teller;
+} orbits_run;
 
-static void tell(void *self, const char *what)
+static void show(orbits_run *run)
 {
-    teller *t = self;
-    if (!t->setup->options->quiet && progress_is_on_terminal()) {
-        OWNED char *text = xasprintf("orbits from %s", what);
-        progress_show(true, text);
-        t->is_shown = true;
+    static const double often = 0.2;
+    const branches *found = &run->found;
+    const bool on_terminal = progress_is_on_terminal();
+    const double now = clock_seconds(), interval = on_terminal ? often : progress_log_interval();
+    if (run->setup->options->quiet || now - run->shown < interval) {
+        return;
     }
+    run->shown = now;
+    run->is_shown = on_terminal;
+    OWNED char *option = value_range_option(found->sweep->range, value_range_at(found->sweep->range, found->value));
+    OWNED char *text = xasprintf("orbits from %s: %d branches, %d points", option, found->n_branches, found->n_points);
+    progress_show(on_terminal, text);
 }
 
 static bool write_file(const branches *found, const respond_orbits_setup *setup, const char *status,
@@ -81,39 +89,83 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
              n_ordinary, n_stable, setup->options->path);
 }
 
+static bool save(orbits_run *run, evl_error *error)
+{
+    return going_on_save(run->setup->going_on, run->found.n_points, error);
+}
+
 /** What was found so far stays, and why it is no more is told. */
-static void give_up(const branches *found, const respond_orbits_setup *setup, bool is_interrupted, evl_error *error)
+static void give_up(orbits_run *run, bool is_interrupted, evl_error *error)
 {
     evl_error other = {.code = EVL_EXIT_OK};
+    const respond_orbits_setup *setup = run->setup;
+    const branches *found = &run->found;
     OWNED char *why = is_interrupted ? xasprintf("interrupted by %s", interrupt_name((int)interrupt_signal))
                                      : xstrdup(error->message);
     OWNED char *place = xstrdup(is_interrupted ? case_path(setup->first->file) : error->place);
     const evl_exit code = is_interrupted ? EVL_EXIT_INTERRUPTED : error->code;
-    if (!write_file(found, setup, is_interrupted ? "interrupted" : "failed", why, false, &other)) {
+    if (!save(run, &other) ||
+        !write_file(found, setup, is_interrupted ? "interrupted" : "failed", why, false, &other)) {
         *error = other;
         return;
     }
     error->code = EVL_EXIT_OK;
-    evl_error_set(error, code, place, "%s; %d branches with %d points are in '%s.partial'", why, found->n_branches,
-                  found->n_points, setup->options->path);
+    evl_error_set(error, code, place, "%s; %d branches with %d points are in '%s.partial'%s", why, found->n_branches,
+                  found->n_points, setup->options->path, is_interrupted ? "; the same command goes on" : "");
+}
+
+static void keep(void *self, archive *archive)
+{
+    branches_keep(self, archive);
+}
+
+/** Go on from what an earlier run left, if it did. */
+static bool take_up(orbits_run *run, evl_error *error)
+{
+    bool found = false;
+    if (!going_on_take_up(run->setup->going_on, &found, error) || (found && !branches_resume(&run->found, error))) {
+        return false;
+    }
+    if (found) {
+        log_note("goes on behind %d branches with %d points", run->found.n_branches, run->found.n_points);
+    }
+    return true;
+}
+
+/** All that is left. @return how it ended; the reason of a failure is in `error` */
+static orbit_end go(orbits_run *run, evl_error *error)
+{
+    orbit_end end = ORBIT_FOUND;
+    while (end == ORBIT_FOUND && !branches_are_done(&run->found)) {
+        show(run);
+        end = branches_step(&run->found, error);
+        if (end == ORBIT_FOUND && going_on_is_due(run->setup->going_on) && !save(run, error)) {
+            return ORBIT_FAILED;
+        }
+    }
+    if (run->is_shown) {
+        progress_wipe();
+    }
+    return end;
 }
 
 bool respond_orbits(const respond_orbits_setup *setup, evl_error *error)
 {
-    teller teller = {.setup = setup};
-    branches found = {
-        .sweep = setup->sweep, .n_values = setup->options->n_values, .told = tell, .self = &teller};
-    const orbit_end end = branches_find(&found, error);
-    if (teller.is_shown) {
-        progress_wipe();
-    }
+    orbits_run run = {.setup = setup,
+                      .found = {.sweep = setup->sweep, .n_values = setup->options->n_values},
+                      .shown = clock_seconds()};
     bool done = false;
-    if (end != ORBIT_FOUND) {
-        give_up(&found, setup, end == ORBIT_INTERRUPTED, error);
-    } else if (write_file(&found, setup, "done", "", true, error)) {
-        summarise(&found, setup);
-        done = true;
+    setup->going_on->self = &run.found;
+    setup->going_on->keep = keep;
+    if (take_up(&run, error)) {
+        const orbit_end end = go(&run, error);
+        if (end != ORBIT_FOUND && error->code != EVL_EXIT_IO) {
+            give_up(&run, end == ORBIT_INTERRUPTED, error);
+        } else if (end == ORBIT_FOUND && write_file(&run.found, setup, "done", "", true, error)) {
+            summarise(&run.found, setup);
+            done = true;
+        }
     }
-    branches_free(&found);
+    branches_free(&run.found);
     return done;
 }

@@ -4,20 +4,21 @@
 module evl_capi_orbits
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
                                                                              c_funptr, c_int, c_loc, c_null_ptr, c_ptr
-   use evl_branch, only: branch_options, follow_branch, switch_at_doubling
+   use evl_branch, only: advance_branch, begin_branch, branch_options, branch_walk, keep_point, switch_at_doubling
    use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_from_c, to_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_create, gearbox_orbits_start, &
                                  gearbox_orbits_state, root_place
    use evl_kinds, only: wp
-   use evl_shooting, only: find_orbit, orbit_t, own_multipliers
+   use evl_shooting, only: correct_orbit, find_orbit, orbit_t, own_multipliers
    use evl_special_points, only: branch_point, kind_touch
    use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: evl_orbits_create, evl_orbits_delete, evl_orbits_find, evl_orbits_follow, evl_orbits_point, evl_orbits_state, &
-             evl_orbits_switch
+   public :: evl_orbits_advance, evl_orbits_begin, evl_orbits_create, evl_orbits_delete, evl_orbits_find, evl_orbits_go_on, &
+             evl_orbits_keep, evl_orbits_kept, evl_orbits_point, evl_orbits_put, evl_orbits_state, evl_orbits_switch, &
+             evl_orbits_walk
 
    !> evl_orbits_setup
    type, bind(c) :: c_setup
@@ -53,8 +54,17 @@ module evl_capi_orbits
       procedure :: take
    end type callers_family
 
+   !> evl_orbits_walk
+   type, bind(c) :: c_walk
+      real(c_double) :: step
+      integer(c_int) :: crawls, n_ordinary, before
+   end type c_walk
+
+   integer, parameter :: n_kept = 8 !! numbers that are kept of a point beside its arrays
+
    type :: points_t
       type(branch_point), allocatable :: points(:)
+      integer :: n = 0 !! of them
    end type points_t
 
    !> evl_orbits
@@ -65,6 +75,8 @@ module evl_capi_orbits
       type(orbit_t) :: orbit                      !! the last that was found, or switched to
       type(points_t), allocatable :: branches(:)
       integer :: n_branches = 0
+      type(branch_walk) :: walk                   !! along the last one
+      integer :: before = 0                       !! which of its points is the ordinary one before the last; 0: none
    end type orbits_t
 
 contains
@@ -179,32 +191,171 @@ contains
       code = answer(s, status)
    end function evl_orbits_find
 
-   integer(c_int) function evl_orbits_follow(handle, rising, n, status) result(code) bind(c)
+   integer(c_int) function evl_orbits_begin(handle, rising, n, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       logical(c_bool), intent(in), value :: rising
       integer(c_int), intent(out) :: n
       type(c_status), intent(inout), optional :: status
       type(orbits_t), pointer :: self
-      type(points_t), allocatable :: more(:)
+      type(status_t) :: s
+
+      call c_f_pointer(handle, self)
+      call add_branch(self)
+      self%options%rising = rising
+      self%before = 0
+      call begin_branch(self%model, self%options, self%orbit, self%walk, s)
+      associate (branch => self%branches(self%n_branches))
+         if (.not. has_failed(s)) call keep_point(branch%points, branch%n, self%walk%first)
+         n = branch%n
+      end associate
+      code = answer(s, status)
+   end function evl_orbits_begin
+
+   integer(c_int) function evl_orbits_advance(handle, n, is_over, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(out) :: n
+      logical(c_bool), intent(out) :: is_over
+      type(c_status), intent(inout), optional :: status
+      type(orbits_t), pointer :: self
+      type(branch_point), allocatable :: more(:)
       type(status_t) :: s
       integer :: i
 
       call c_f_pointer(handle, self)
+      call advance_branch(self%model, self%options, self%walk, more, s)
+      associate (branch => self%branches(self%n_branches))
+         self%before = branch%n
+         do i = 1, size(more)
+            call keep_point(branch%points, branch%n, more(i))
+         end do
+         n = branch%n
+      end associate
+      is_over = self%walk%is_over
+      code = answer(s, status)
+   end function evl_orbits_advance
+
+   !> Room for a new branch, which is empty.
+   subroutine add_branch(self)
+      type(orbits_t), intent(inout) :: self
+      type(points_t), allocatable :: more(:)
+      integer :: i
+
       if (self%n_branches == size(self%branches)) then
          allocate (more(2*self%n_branches))
          do i = 1, self%n_branches
             call move_alloc(self%branches(i)%points, more(i)%points)
+            more(i)%n = self%branches(i)%n
          end do
          call move_alloc(more, self%branches)
       end if
       self%n_branches = self%n_branches + 1
-      self%options%rising = rising
+      allocate (self%branches(self%n_branches)%points(64))
+   end subroutine add_branch
+
+   integer(c_int) function evl_orbits_kept(handle) result(n) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(orbits_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      n = n_kept + 3*self%model%n + 2
+   end function evl_orbits_kept
+
+   subroutine evl_orbits_keep(handle, branch, point, numbers) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: branch, point
+      real(c_double), intent(inout) :: numbers(*)
+      type(orbits_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      associate (at => self%branches(branch + 1)%points(point + 1), n => self%model%n)
+         associate (o => at%orbit)
+            numbers(:n_kept) = [real(wp) :: o%parameter, o%period, o%residual, at%way, o%periods, o%iterations, at%kind, at%root]
+            numbers(n_kept + 1:n_kept + n) = o%y
+            numbers(n_kept + n + 1:n_kept + 3*n + 2) = 0
+            if (allocated(o%by_parameter)) numbers(n_kept + n + 1:n_kept + 2*n) = o%by_parameter
+            if (allocated(o%tangent)) numbers(n_kept + 2*n + 1:n_kept + 3*n + 2) = o%tangent
+         end associate
+      end associate
+   end subroutine evl_orbits_keep
+
+   subroutine evl_orbits_put(handle, branch, numbers) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: branch
+      real(c_double), intent(in), optional :: numbers(*)
+      type(orbits_t), pointer :: self
+      type(branch_point) :: at
+
+      call c_f_pointer(handle, self)
+      if (branch >= self%n_branches) call add_branch(self)
+      if (.not. present(numbers)) return
+      associate (n => self%model%n, o => at%orbit)
+         o%parameter = numbers(1)
+         o%period = numbers(2)
+         o%residual = numbers(3)
+         at%way = numbers(4)
+         o%periods = nint(numbers(5))
+         o%iterations = nint(numbers(6))
+         at%kind = nint(numbers(7))
+         at%root = nint(numbers(8))
+         o%y = numbers(n_kept + 1:n_kept + n)
+         o%by_parameter = numbers(n_kept + n + 1:n_kept + 2*n)
+         o%tangent = numbers(n_kept + 2*n + 1:n_kept + 3*n + 2)
+      end associate
+      associate (to => self%branches(branch + 1))
+         call keep_point(to%points, to%n, at)
+      end associate
+   end subroutine evl_orbits_put
+
+   subroutine evl_orbits_walk(handle, walk) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_walk), intent(out) :: walk
+      type(orbits_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      walk%step = self%walk%step
+      walk%crawls = self%walk%crawls
+      walk%n_ordinary = self%walk%n_ordinary
+      walk%before = self%before
+   end subroutine evl_orbits_walk
+
+   integer(c_int) function evl_orbits_go_on(handle, walk, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_walk), intent(in) :: walk
+      type(c_status), intent(inout), optional :: status
+      type(orbits_t), pointer :: self
+      type(status_t) :: s
+
+      call c_f_pointer(handle, self)
       associate (branch => self%branches(self%n_branches))
-         call follow_branch(self%model, self%options, self%orbit, branch%points, s)
-         n = size(branch%points)
+         call complete(self, branch%points(1), s)
+         if (.not. has_failed(s)) call complete(self, branch%points(branch%n), s)
+         self%walk%first = branch%points(1)
+         self%walk%now = branch%points(branch%n)
+         self%walk%step = walk%step
+         self%walk%crawls = walk%crawls
+         self%walk%n_ordinary = walk%n_ordinary
+         self%walk%is_over = .false.
+         self%before = walk%before
+         if (self%before > 0 .and. .not. has_failed(s)) then
+            call complete(self, branch%points(self%before), s)
+            self%walk%before = branch%points(self%before)%orbit
+         end if
       end associate
       code = answer(s, status)
-   end function evl_orbits_follow
+   end function evl_orbits_go_on
+
+   !> Find what was not kept of a point: its flow and what follows from that.
+   subroutine complete(self, point, status)
+      type(orbits_t), intent(inout) :: self
+      type(branch_point), intent(inout) :: point
+      type(status_t), intent(inout) :: status
+      integer :: iterations
+
+      if (allocated(point%orbit%multipliers)) return
+      iterations = point%orbit%iterations
+      call correct_orbit(self%model, self%options%orbits, point%orbit, status) ! there is nothing left to correct
+      point%orbit%iterations = iterations
+   end subroutine complete
 
    integer(c_int) function evl_orbits_switch(handle, branch, point, distance, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
@@ -215,8 +366,9 @@ contains
       type(status_t) :: s
 
       call c_f_pointer(handle, self)
+      call complete(self, self%branches(branch + 1)%points(point + 1), s)
       associate (from => self%branches(branch + 1)%points(point + 1)%orbit)
-         call self%model%set_parameter(from%parameter, s)
+         if (.not. has_failed(s)) call self%model%set_parameter(from%parameter, s)
          if (.not. has_failed(s)) call switch_at_doubling(self%model, self%options, from, distance, self%orbit, s)
       end associate
       code = answer(s, status)

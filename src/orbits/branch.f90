@@ -19,7 +19,8 @@ module evl_branch
    implicit none (type, external)
    private
 
-   public :: branch_options, follow_branch, switch_at_doubling
+   public :: branch_options, branch_walk
+   public :: advance_branch, begin_branch, follow_branch, keep_point, switch_at_doubling
 
    !> What the user chooses of a branch. Steps are in units of the scales.
    type :: branch_options
@@ -31,6 +32,16 @@ module evl_branch
       real(wp), allocatable :: values(:)        !! of the parameter, rising, at which there are to be orbits too
    end type branch_options
 
+   !> How far the search along a branch has come: all that its next point depends on.
+   type :: branch_walk
+      type(branch_point) :: first, now !! ordinary points: the first one and the last one
+      type(orbit_t) :: before          !! of the one before the last; without a tangent if there is none
+      real(wp) :: step = 0             !! to try next
+      integer :: crawls = 0            !! steps without progress, one after the other
+      integer :: n_ordinary = 0        !! points
+      logical :: is_over = .false.
+   end type branch_walk
+
 contains
 
    !> Follow the branch of an orbit until the parameter leaves its range, the branch closes, or there are enough points. One of
@@ -41,54 +52,103 @@ contains
       type(orbit_t), intent(in) :: orbit     !! found; if it has a tangent, that is where it goes
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
       type(status_t), intent(inout) :: status
-      type(branch_point), allocatable :: special(:)
-      type(branch_point) :: before, first, now, next
-      real(wp) :: along(model%n + 2), step
-      real(wp), parameter :: crawling = 1.0e-3_wp !! step over the largest that is no progress
-      integer, parameter :: most_crawls = 60      !! of such steps, one after the other
-      integer :: crawls, i, n_ordinary, n
-      logical :: at_end, closes
+      type(branch_walk) :: walk
+      type(branch_point), allocatable :: more(:)
+      integer :: i, n
 
       n = 0
-      crawls = 0
       allocate (points(64))
+      call begin_branch(model, options, orbit, walk, status)
+      if (.not. has_failed(status)) call keep_point(points, n, walk%first)
+      do while (.not. (has_failed(status) .or. walk%is_over))
+         call advance_branch(model, options, walk, more, status)
+         do i = 1, size(more)
+            call keep_point(points, n, more(i))
+         end do
+      end do
+      points = points(:n)
+   end subroutine follow_branch
+
+   !> Stand at the first point of a branch.
+   subroutine begin_branch(model, options, orbit, walk, status)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit !! found; if it has a tangent, that is where it goes
+      type(branch_walk), intent(out) :: walk
+      type(status_t), intent(inout) :: status
+      real(wp) :: along(model%n + 2)
+
       call check_range(options, orbit, status)
-      now%orbit = orbit
+      walk%now%orbit = orbit
       along = 0
       along(model%n + 2) = merge(1, -1, options%rising)
       if (allocated(orbit%tangent)) along = orbit%tangent
-      if (.not. has_failed(status)) call find_tangent(model, options%orbits, now%orbit, along, status)
-      if (.not. has_failed(status)) call keep(points, n, now)
-      first = now
-      step = options%first_step
-      at_end = .false.
-      along_branch: do n_ordinary = 2, options%most_points
-         if (has_failed(status)) exit along_branch
-         call go_on(model, options, before%orbit, now%orbit, next, step, status)
-         if (has_failed(status)) exit along_branch
-         crawls = merge(crawls + 1, 0, next%way < crawling*options%largest_step)
-         if (crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
-                                             quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
-         if (has_failed(status)) exit along_branch
-         at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
-         if (at_end) call stop_at_bound(model, options, now%orbit, next, status)
-         if (.not. has_failed(status)) &
-            call find_special_points(model, options%orbits, now%orbit, next%orbit, next%way, special, status)
-         if (has_failed(status)) exit along_branch
-         do i = 1, size(special)
-            call keep_up_to(model, options, special(i), points, n)
-            closes = special(i)%kind == kind_fold
-            if (closes) call repeats_sooner(model, options, special(i)%orbit, closes, status)
-            if (closes) exit along_branch ! the same orbits, half a period later, are all that comes
-         end do
-         if (has_failed(status)) exit along_branch
-         call keep_up_to(model, options, next, points, n)
-         if (at_end .or. n_ordinary > 3 .and. comes_by(model, options, now, next%way, first)) exit along_branch
-         before = now
-         now = next
-      end do along_branch
-      points = points(:n)
-   end subroutine follow_branch
+      if (.not. has_failed(status)) call find_tangent(model, options%orbits, walk%now%orbit, along, status)
+      walk%first = walk%now
+      walk%step = options%first_step
+      walk%n_ordinary = 1
+      walk%is_over = walk%n_ordinary >= options%most_points
+   end subroutine begin_branch
+
+   !> The next point of a branch, with the special ones before it.
+   subroutine advance_branch(model, options, walk, points, status)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(branch_walk), intent(inout) :: walk
+      type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
+      type(status_t), intent(inout) :: status
+      type(branch_point), allocatable :: special(:)
+      type(orbit_t) :: last ! of the points
+      type(branch_point) :: next
+      real(wp), parameter :: crawling = 1.0e-3_wp !! step over the largest that is no progress
+      integer, parameter :: most_crawls = 60      !! of such steps, one after the other
+      logical :: at_end, closes
+      integer :: i
+
+      allocate (points(0))
+      call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, status)
+      if (has_failed(status)) return
+      walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%largest_step)
+      if (walk%crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
+                                               quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
+      if (has_failed(status)) return
+      at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
+      if (at_end) call stop_at_bound(model, options, walk%now%orbit, next, status)
+      if (.not. has_failed(status)) &
+         call find_special_points(model, options%orbits, walk%now%orbit, next%orbit, next%way, special, status)
+      if (has_failed(status)) return
+      last = walk%now%orbit
+      do i = 1, size(special)
+         call add_up_to(special(i))
+         closes = special(i)%kind == kind_fold
+         if (closes) call repeats_sooner(model, options, special(i)%orbit, closes, status)
+         if (.not. closes .and. .not. has_failed(status)) cycle
+         walk%is_over = closes ! the same orbits, half a period later, are all that comes
+         return
+      end do
+      call add_up_to(next)
+      walk%is_over = at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, next%way, walk%first)
+      walk%before = walk%now%orbit
+      walk%now = next
+      walk%n_ordinary = walk%n_ordinary + 1
+      walk%is_over = walk%is_over .or. walk%n_ordinary >= options%most_points
+
+   contains
+
+      !> Add a point, and before it the orbits at the values that are asked for.
+      subroutine add_up_to(point)
+         type(branch_point), intent(in) :: point
+         type(branch_point), allocatable :: between(:)
+
+         if (allocated(options%values)) then
+            call find_orbits_at(model, options%orbits, options%values, last, point%orbit, between)
+            points = [points, between]
+         end if
+         points = [points, point]
+         last = point%orbit
+      end subroutine add_up_to
+
+   end subroutine advance_branch
 
    !> Whether an orbit repeats after half its periods, as where a branch of twice the period ends.
    subroutine repeats_sooner(model, options, orbit, sooner, status)
@@ -173,27 +233,8 @@ contains
                 quantity(options%from, "")//" and "//quantity(options%to, ""), field="parameter")
    end subroutine check_range
 
-   !> Put a point behind the last one, and between them orbits at the values that are asked for.
-   subroutine keep_up_to(model, options, point, points, n)
-      class(orbit_model), intent(inout) :: model
-      type(branch_options), intent(in) :: options
-      type(branch_point), intent(in) :: point
-      type(branch_point), allocatable, intent(inout) :: points(:)
-      integer, intent(inout) :: n
-      type(branch_point), allocatable :: between(:)
-      integer :: i
-
-      if (allocated(options%values)) then
-         call find_orbits_at(model, options%orbits, options%values, points(n)%orbit, point%orbit, between)
-         do i = 1, size(between)
-            call keep(points, n, between(i))
-         end do
-      end if
-      call keep(points, n, point)
-   end subroutine keep_up_to
-
    !> Put a point at the end of a list that has room for more.
-   subroutine keep(points, n, point)
+   subroutine keep_point(points, n, point)
       type(branch_point), allocatable, intent(inout) :: points(:)
       integer, intent(inout) :: n
       type(branch_point), intent(in) :: point
@@ -206,7 +247,7 @@ contains
       end if
       n = n + 1
       points(n) = point
-   end subroutine keep
+   end subroutine keep_point
 
    !> The last point: where the parameter leaves its range.
    subroutine stop_at_bound(model, options, now, next, status)

@@ -47,7 +47,7 @@ contains
       real(wp), parameter :: little_turn = 0.9_wp !! cosine of the angle between tangents
       real(wp) :: distance(model%n + 2), slope(model%n + 2), straight
 
-      curve%tangent = from%tangent
+      allocate (curve%tangent, source=from%tangent)
       if (.not. allocated(to%tangent)) return
       straight = dot_product(from%tangent, to%tangent)
       distance = way_to(model, options, from, to)

@@ -1,12 +1,13 @@
 !> Orbits of a branch at given values of the parameter: each is foreseen between its neighbours on the branch, and found by Newton's
 !> iteration at that value.
 !>
-!> What the cubic between the neighbours lacks is w**2 (1 - w)**2 q(w), w from 0 to 1 between them, with a smooth q: the orbits found
-!> so far between them tell q, by the polynomial through the last few, and the next orbits are foreseen the better.
+!> What the cubic between the neighbours lacks is w**2 (1 - w)**2 q(w), w from 0 to 1 between them, with a smooth q: the orbits
+!> found so far between them tell q, by the polynomial through the last few, and the next orbits are foreseen the better.
 module evl_branch_values
    use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, way_of_parameter, way_to
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
+   use evl_places, only: places
    use evl_shooting, only: correct_orbit, correct_with, move_orbit, orbit_options, orbit_t
    use evl_special_points, only: branch_point
    use evl_status, only: clear, has_failed, status_t
@@ -42,11 +43,11 @@ contains
       type(branch_point) :: found
       real(wp) :: longest, share
       integer, allocatable :: list(:)
-      integer :: i, k, n
+      integer :: k, n
 
       n = 0
-      list = pack([(i, i=1, size(values))], values > min(first%parameter, last%parameter) .and. &
-                  values < max(first%parameter, last%parameter))
+      allocate (list, source=places(values > min(first%parameter, last%parameter) .and. &
+                                    values < max(first%parameter, last%parameter)))
       if (last%parameter < first%parameter) list = list(size(list):1:-1)
       allocate (points(size(list)))
       if (size(list) == 0) return
@@ -127,8 +128,8 @@ contains
       call orbit_on_curve(model, options, curve, first, way, foreseen)
       share = way/curve%way
       if (lacks%n == most_known) then
-         lacks%w = eoshift(lacks%w, 1)
-         lacks%q = eoshift(lacks%q, 1, dim=2)
+         lacks%w(:most_known - 1) = lacks%w(2:)
+         lacks%q(:, :most_known - 1) = lacks%q(:, 2:)
          lacks%n = most_known - 1
       end if
       lacks%n = lacks%n + 1

@@ -200,7 +200,7 @@ contains
          call fail(status, code_no_solution, "the period of the orbit fell to zero", field="period")
          return
       end if
-      call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance, .not. present(derivative), orbit%flow, status)
+      call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance,.not. present(derivative), orbit%flow, status)
       if (has_failed(status)) return
       if (present(derivative)) orbit%flow%derivative = derivative
       call find_active(model, orbit)
@@ -341,8 +341,8 @@ contains
       by = change(model%n + 2)
       if (.not. abs(by) > least*norm2(change)) return
       after%by_parameter = after%by_parameter + &
-                           merge(difference(model, after) - (1 - share)*difference(model, before), spread(0.0_wp, 1, model%n), &
-                                 after%active)/(by*options%parameter_scale)
+          merge(difference(model, after) - (1 - share)*difference(model, before), 0.0_wp, after%active) &
+                           /(by*options%parameter_scale)
    end subroutine learn_by_parameter
 
    !> Tangent of the branch at an orbit that was found.

@@ -186,6 +186,15 @@ def commands(program: Path) -> dict[str, Command]:
             partial(_files, names={"r.h5": _of_hdf5}),
         ),
         Command(
+            "respond-orbits",
+            lambda folder: _write_case(folder, example="spur-pair.yaml"),
+            [
+                *(program, "respond", CASE, "--over", f"{TORQUE}=-40:-41:2", "-o", "r.h5", "-q"),
+                *("--method", "orbits"),
+            ],
+            partial(_files, names={"r.h5": _of_hdf5}),
+        ),
+        Command(
             "fmu",
             _write_case,
             [program, "fmu", CASE, "-o", "g.fmu", "-q", "--set", "meshes.0.tracking=closed_form"],

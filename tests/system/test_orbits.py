@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import signal
 import subprocess
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -306,21 +304,3 @@ def test_where_no_motion_repeats_it_says_so(evolvent, tmp_path: Path) -> None:
     assert "no orbit was found: wheels.a.loads.0.value=" in line
     assert "the motion is not periodic" in line
     assert "0 branches with 0 points are in" in line
-
-
-def test_interrupted_it_keeps_what_was_found(tmp_path: Path, executable) -> None:
-    case = rectangular(1.0, 1, 1, "radau")
-    del case["simulation"]["numbers"]
-    path, result = tmp_path / "case.yaml", tmp_path / "o.h5"
-    path.write_text(yaml.safe_dump(case))
-    over = f"{SPEED}={-0.4 * UNIT!r}:{-2.4 * UNIT!r}"
-    command = [executable, "respond", path, "--over", over, "--method", "orbits", "-o", result]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        time.sleep(0.5)
-        process.send_signal(signal.SIGINT)
-        _, messages = process.communicate(timeout=30)
-    assert process.returncode == 75, messages
-    assert "interrupted by SIGINT" in messages.splitlines()[-1]
-    with xr.open_dataset(f"{result}.partial", engine="h5netcdf") as partial:
-        assert partial.attrs["status"] == "interrupted"
-    assert not result.exists()

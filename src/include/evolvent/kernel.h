@@ -464,8 +464,26 @@ EVL_API void evl_orbits_delete(evl_orbits **orbits);
  *  @return EVL_OK; EVL_NO_SOLUTION, EVL_SINGULAR if none was found */
 EVL_API int evl_orbits_find(evl_orbits *orbits, double value, int periods, double period, const double *y,
                             const int *integers, const double *reals, evl_orbit *orbit, evl_status *status);
-/** Follow the branch of the present orbit: a new branch, the next number from 0. @param n  its points, also on failure: those until there */
-EVL_API int evl_orbits_follow(evl_orbits *orbits, bool rising, int *n, evl_status *status);
+/** Stand at the first point of the branch of the present orbit: a new branch, the next number from 0.
+ *  @param n  its points: 1, on failure 0 */
+EVL_API int evl_orbits_begin(evl_orbits *orbits, bool rising, int *n, evl_status *status);
+/** Go on to the next point of the last branch. @param n  its points, with special ones before it, also on failure @param is_over  it
+ *  has no more */
+EVL_API int evl_orbits_advance(evl_orbits *orbits, int *n, bool *is_over, evl_status *status);
+/** How far the last branch was followed: what its next point depends on beside its points. */
+typedef struct {
+    double step;
+    int crawls, n_ordinary;
+    int before; /**< which of its points, from 1, is the ordinary one before the last; 0: none */
+} evl_orbits_progress;
+EVL_API void evl_orbits_walk(const evl_orbits *orbits, evl_orbits_progress *progress);
+/** How many numbers are to be kept of a point, so that another process finds the same points behind it. */
+EVL_API int evl_orbits_kept(const evl_orbits *orbits);
+EVL_API void evl_orbits_keep(const evl_orbits *orbits, int branch, int point, double *numbers);
+/** Put down what was kept of the next point of a branch, or of the first of the next branch. @param numbers  NULL: that has no point */
+EVL_API void evl_orbits_put(evl_orbits *orbits, int branch, const double *numbers);
+/** Stand at the last point of the last branch, all of whose points were put down. */
+EVL_API int evl_orbits_go_on(evl_orbits *orbits, const evl_orbits_progress *progress, evl_status *status);
 /** From a doubling to the branch of twice the period: its first orbit becomes the present one, and leads away from there. */
 EVL_API int evl_orbits_switch(evl_orbits *orbits, int branch, int point, double distance, evl_status *status);
 /** @param multipliers  [n_multipliers][2] at most one a state and a tooth contact: real and imaginary part, by falling size */

@@ -1,0 +1,88 @@
+#include "respond/going_on.h"
+
+#include "base/memory.h"
+#include "base/progress.h"
+#include "model/model.h"
+
+#include <evolvent_version.h>
+#include <math.h>
+#include <string.h>
+
+void going_on_identify(going_on *g, const char *text)
+{
+    const char *processor = model_tables()->processor;
+    g->of.texts[CHECKPOINT_PROGRAM] = xstrdup("evolvent " EVOLVENT_VERSION " respond");
+    g->of.texts[CHECKPOINT_INTEGRATOR] = xstrdup("radau");
+    g->of.texts[CHECKPOINT_KERNEL] = xasprintf("%s, compiled for %s", model_tables()->compiler, processor);
+    g->of.texts[CHECKPOINT_CASE] = xstrdup(text);
+}
+
+static bool is_same(const checkpoint *a, const checkpoint *b)
+{
+    bool same = true;
+    for (int i = 0; i < N_CHECKPOINT_TEXTS; i++) {
+        same = same && strcmp(a->texts[i], b->texts[i]) == 0;
+    }
+    return same;
+}
+
+bool going_on_open(going_on *g, const char *path, evl_error *error)
+{
+    g->saved = clock_seconds();
+    return parts_open(&g->parts, path, error);
+}
+
+bool going_on_take_up(going_on *g, bool *taken_up, evl_error *error)
+{
+    const char *folder = g->parts.folder;
+    char doubt[EVL_ERROR_MESSAGE_LENGTH];
+    checkpoint found;
+    *taken_up = false;
+    if (!checkpoint_exists(folder)) {
+        return true;
+    }
+    bool good = checkpoint_read(folder, &found, doubt, error);
+    if (good && !is_same(&found, &g->of)) {
+        good = evl_error_set(
+            error, EVL_EXIT_CASE, "",
+            "'%s' holds what is done of another response, of another case, range, option or program; go on "
+            "with that, delete the folder, or write to another file with -o",
+            folder);
+    } else if (good) {
+        g->keep(g->self, &found.state);
+        good = archive_is_read(&found.state) ||
+               evl_error_set(error, EVL_EXIT_CASE, "", "'%s' holds something else: delete the folder", folder);
+    }
+    *taken_up = good;
+    checkpoint_free(&found);
+    return good;
+}
+
+bool going_on_is_due(const going_on *g)
+{
+    static const double interval = 0.25,
+                        share = 0.1; /* [s] between two states that are kept; of the time that it takes */
+    return clock_seconds() - g->saved > fmax(interval, g->took / share);
+}
+
+bool going_on_save(going_on *g, double t, evl_error *error)
+{
+    const double began = clock_seconds();
+    checkpoint next = g->of;
+    next.t = t;
+    next.state = (archive){.n = 0};
+    g->keep(g->self, &next.state);
+    const bool good = checkpoint_write(g->parts.folder, &next, error);
+    archive_free(&next.state);
+    g->saved = clock_seconds();
+    g->took = g->saved - began;
+    return good;
+}
+
+void going_on_close(going_on *g, bool done)
+{
+    if (done) {
+        parts_remove(&g->parts);
+    }
+    parts_close(&g->parts);
+}
