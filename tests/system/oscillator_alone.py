@@ -1,0 +1,153 @@
+"""The oscillator with rectangular mesh stiffness by itself: closed forms from event to event.
+
+Time in units of one over the frequency of one tooth pair, deflection in those of F/k: while pairs
+carry x'' + 2 z n x' + n x = 1 with n = 1 or 2 of them, else x'' = 1. They part where their force
+falls to zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from itertools import pairwise
+
+import numpy as np
+
+RATIO, DAMPING = 1.638, 0.03  # contact ratio; damping ratio of a pair
+PLACES, WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+class Oscillator:
+    """A state that is carried from event to event; a pitch begins where the second pair comes."""
+
+    def __init__(self) -> None:
+        self.x, self.v, self.touches = 0.6, 0.0, True
+
+    def pitch(
+        self, omega: float, place: float, pieces: list[tuple[float, ...]] | None = None
+    ) -> None:
+        """From a place in a pitch to the same in the next one.
+
+        omega: over the frequency of the mean stiffness.
+        """
+        length = 2 * math.pi / (omega * math.sqrt(RATIO))
+        ends = sorted(
+            {place, 1 + place, 1.0, *(b for b in (RATIO - 1, RATIO) if place < b < 1 + place)}
+        )
+        for begin, end in pairwise(ends):
+            pairs = 2 if (begin + end) / 2 % 1 < RATIO - 1 else 1
+            left = (end - begin) * length
+            while left > 0:
+                start = (float(pairs), self.x, self.v, float(self.touches))
+                passed = self._carry(pairs, left) if self.touches else self._fly(left)
+                if pieces is not None:
+                    pieces.append((passed, *start))
+                left -= passed
+
+    def _carry(self, pairs: int, left: float) -> float:
+        """Flanks touch: x - 1/n = exp(-d t) (a cos w t + b sin w t)."""
+        d, w, a, b = _constants(pairs, self.x, self.v)
+        # of the force over n
+        c, s = a + 2 * DAMPING * self.v, b - 2 * DAMPING * (w * a + d * b)
+
+        def force(t: float) -> float:
+            turned = c * math.cos(w * t) + s * math.sin(w * t)
+            return 1 / pairs + math.exp(-d * t) * turned
+
+        passed, parts = left, False
+        if math.hypot(c, s) > 1 / pairs:
+            turn = (
+                math.atan2(w * s - d * c, w * c + d * s) % math.pi / w
+            )  # the force has its extrema half a turn apart
+            low = 0.0
+            for k in range(math.ceil(left * w / math.pi) + 2):
+                high = min(turn + k * math.pi / w, left)
+                if force(high) < 0 and high > 1e-12:
+                    passed, parts = _bisect(force, low, high), True
+                    break
+                low = high
+        e, cos, sin = math.exp(-d * passed), math.cos(w * passed), math.sin(w * passed)
+        self.x, self.v = (
+            1 / pairs + e * (a * cos + b * sin),
+            e * ((w * b - d * a) * cos - (w * a + d * b) * sin),
+        )
+        self.touches = not parts
+        return passed
+
+    def _fly(self, left: float) -> float:
+        """Flanks are apart, until x comes from below zero."""
+        t = -self.v + math.sqrt(max(self.v**2 - 2 * self.x, 0.0))
+        passed = min(t, left)
+        self.x = 0.0 if t <= left else self.x + self.v * left + left**2 / 2
+        self.v += passed
+        self.touches = t <= left
+        return passed
+
+    def settle(self, omega: float, place: float, most: int = 600) -> int:
+        """Go on until the motion repeats. @return after how many pitches; 0: not within `most`."""
+        seen: list[tuple[float, float]] = []
+        for _ in range(most):
+            self.pitch(omega, place)
+            seen.append((self.x, self.v))
+            for period in (1, 2, 4, 8):
+                if len(seen) > 2 * period and all(
+                    _near(seen[-1 - k * period], seen[-1 - (k + 1) * period]) for k in (0, 1)
+                ):
+                    return period
+        return 0
+
+    def deviation(self, omega: float, place: float, pitches: int) -> float:
+        """Standard deviation of x over the next pitches."""
+        pieces: list[tuple[float, ...]] = []
+        for _ in range(pitches):
+            self.pitch(omega, place, pieces)
+        moments = np.zeros(3)
+        for passed, pairs, x, v, touches in pieces:
+            t = passed * (1 + PLACES) / 2
+            if touches:
+                d, w, a, b = _constants(int(pairs), x, v)
+                values = 1 / pairs + np.exp(-d * t) * (a * np.cos(w * t) + b * np.sin(w * t))
+            else:
+                values = x + v * t + t**2 / 2
+            moments += [passed / 2 * float(WEIGHTS @ values**k) for k in range(3)]
+        mean, square = moments[1:] / moments[0]
+        return math.sqrt(square - mean**2)
+
+
+def _constants(pairs: int, x: float, v: float) -> tuple[float, float, float, float]:
+    d = DAMPING * pairs
+    w = math.sqrt(pairs - d**2)
+    a = x - 1 / pairs
+    return d, w, a, (v + d * a) / w
+
+
+def _bisect(f: Callable[[float], float], low: float, high: float) -> float:
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (low, middle) if f(middle) < 0 else (middle, high)
+    return high
+
+
+def _near(a: tuple[float, float], b: tuple[float, float]) -> bool:
+    return all(abs(p - q) < 1e-9 * (1 + abs(p)) for p, q in zip(a, b, strict=True))
+
+
+def falls(values: Iterable[float], place: float) -> list[tuple[float, float, float]]:
+    """Go from frequency to frequency, each step taken at a place of the pitch.
+
+    Frequencies between which the deviation falls by more than a quarter, and what it is then.
+    """
+    motion, found = Oscillator(), []
+    before = (math.nan, math.nan)
+    for omega in values:
+        period = motion.settle(omega, place)
+        deviation = motion.deviation(omega, place, period or 64)
+        if deviation < before[1] / 1.3:
+            found.append((before[0], omega, deviation))
+        before = (omega, deviation)
+    return found
+
+
+def steps(first: float, last: float, step: float = 0.005) -> list[float]:
+    """From one frequency down to another."""
+    return [round(first - k * step, 6) for k in range(round((first - last) / step) + 1)]
