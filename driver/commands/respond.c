@@ -10,11 +10,12 @@
 #include <string.h>
 
 typedef struct {
-    const char *over;   /**< PATH=FROM:TO[:STEPS] */
-    const char *output; /**< NULL: the case's name with -respond.h5 in the current folder */
-    const char *most;   /**< common periods at a value */
-    const char *method; /**< "sweep" or "orbits" */
-    const char *values; /**< how many values of the range have orbits too */
+    const char *over;    /**< PATH=FROM:TO[:STEPS] */
+    const char *output;  /**< NULL: the case's name with -respond.h5 in the current folder */
+    const char *most;    /**< common periods at a value */
+    const char *method;  /**< "sweep" or "orbits" */
+    const char *values;  /**< how many values of the range have orbits too */
+    const char *longest; /**< common periods of orbits */
     option_values set;
     bool up, down, both, quiet;
 } options_t;
@@ -27,7 +28,7 @@ static bool finds_orbits(const options_t *options)
 static const char *check(const void *given)
 {
     const options_t *options = given;
-    int most = 0, n_values = 0;
+    int count = 0;
     if (options->over == NULL) {
         return "--over PATH=FROM:TO[:STEPS] says which parameter goes from where to where";
     }
@@ -40,19 +41,22 @@ static const char *check(const void *given)
     if (finds_orbits(options) && options->up + options->down + options->both > 0) {
         return "--method orbits follows branches wherever they lead: it takes none of --up, --down and --both";
     }
-    if (options->values != NULL && !finds_orbits(options)) {
-        return "--values asks for orbits at values of the range: it goes with --method orbits; a sweep has STEPS";
+    if (!finds_orbits(options) && (options->values != NULL || options->longest != NULL)) {
+        return "--values and --longest are about orbits: they go with --method orbits";
     }
-    if (options->values != NULL && !respond_read_values(options->values, &n_values)) {
+    if (options->values != NULL && !respond_read_values(options->values, &count)) {
         return respond_values;
     }
-    return options->most == NULL || respond_read_most(options->most, &most) ? NULL : respond_periods;
+    if (options->longest != NULL && !respond_read_longest(options->longest, &count)) {
+        return respond_longest;
+    }
+    return options->most == NULL || respond_read_most(options->most, &count) ? NULL : respond_periods;
 }
 
 static evl_exit run_respond(const char *file, const void *given, evl_error *error)
 {
     const options_t *options = given;
-    int most = 0, n_values = 0;
+    int most = 0, n_values = 0, longest = 0;
     log_set_quiet(options->quiet);
     interrupt_install();
     if (strcmp(file, "-") == 0) {
@@ -62,6 +66,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
     OWNED char *path = result_path("response", options->output, file, "-respond.h5", error),
                *versions = result_versions();
     (void)(options->most != NULL && respond_read_most(options->most, &most));
+    (void)(options->longest != NULL && respond_read_longest(options->longest, &longest));
     (void)(options->values != NULL && respond_read_values(options->values, &n_values));
     if (path == NULL) {
         return error->code;
@@ -71,6 +76,7 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
                                    .down = !options->up,
                                    .orbits = finds_orbits(options) ? respond_orbits : NULL,
                                    .n_values = n_values,
+                                   .longest = longest,
                                    .most = most,
                                    .path = path,
                                    .versions = versions,
@@ -91,7 +97,9 @@ static const option_row rows[] = {
     {OPTION_TEXT, 0, "--method", "NAME", offsetof(options_t, method),
      "sweep: go on from value to value, as if nothing is said; orbits: follow periodic orbits, stable or not"},
     {OPTION_TEXT, 0, "--values", "N", offsetof(options_t, values),
-     "with --method orbits: each branch has orbits at N values too, evenly from FROM to TO, as a sweep of N STEPS has"},
+     "with --method orbits: stable orbits at N values too, evenly from FROM to TO, as a sweep of N STEPS has them"},
+    {OPTION_TEXT, 0, "--longest", "N", offsetof(options_t, longest),
+     "with --method orbits: common periods after which orbits repeat at most; 16 if not given"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(options_t, output),
      "file to write; the case's name with -respond.h5 in the current folder if not given"},
     OPTION_ROW_SET(options_t),
@@ -102,7 +110,7 @@ static const option_row rows[] = {
 const command respond_command = {
     .name = "respond",
     .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [--method "
-                "sweep|orbits] [--values N] [-o FILE.h5] [--set "
+                "sweep|orbits] [--values N] [--longest N] [-o FILE.h5] [--set "
                 "PATH=VALUE]... [-q]",
     .summary = "follow the motion over a parameter that goes up and down, with its jumps",
     .text =

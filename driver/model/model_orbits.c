@@ -53,7 +53,8 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
         .residual = residual,
         .first_step = 0.02,
         .smallest_step = 1e-7,
-        .largest_step = 0.2,
+        .largest_step = 0.5,
+        .largest_change = 0.2,
         .most_points = 2000,
         .n_values = setup->n_values,
         .values = setup->values,
@@ -124,7 +125,7 @@ model_orbits_progress model_orbits_walk(const model_orbits *orbits)
 {
     evl_orbits_progress told;
     evl_orbits_walk(orbits->orbits, &told);
-    return (model_orbits_progress){told.step, told.crawls, told.n_ordinary, told.before};
+    return (model_orbits_progress){told.step, told.crawls, told.n_ordinary, told.before, told.is_smooth};
 }
 
 int model_orbits_kept(const model_orbits *orbits)
@@ -145,7 +146,8 @@ void model_orbits_put(model_orbits *orbits, int branch, const double *numbers)
 bool model_orbits_go_on(model_orbits *orbits, const model_orbits_progress *progress, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status = {.index = -1};
-    const evl_orbits_progress to_kernel = {progress->step, progress->crawls, progress->n_ordinary, progress->before};
+    const evl_orbits_progress to_kernel = {progress->step, progress->crawls, progress->n_ordinary, progress->before,
+                                           progress->is_smooth};
     orbits->refusal[0] = '\0';
     return answered(orbits, evl_orbits_go_on(orbits->orbits, &to_kernel, &status), &status, message);
 }

@@ -34,7 +34,8 @@ typedef struct {
     double from, to; /**< range of the parameter */
     double place;    /**< of the section where a speed is prescribed [pitches of the first mesh after t = 0] */
     int n_values;
-    const double *values; /**< [n_values] of the parameter, rising or falling, at which each branch has orbits too */
+    const double
+        *values; /**< [n_values] of the parameter, rising or falling, at which each branch has its stable orbits too */
 } model_orbits_setup;
 
 typedef struct model_orbits model_orbits;
@@ -54,7 +55,8 @@ bool model_orbits_advance(model_orbits *orbits, int *n, bool *is_over, char mess
 typedef struct {
     double step;
     int crawls, n_ordinary;
-    int before; /**< which of its points, from 1, is the ordinary one before the last; 0: none */
+    int before;    /**< which of its points, from 1, is the ordinary one before the last; 0: none */
+    int is_smooth; /**< the cubic through its last two points told the last step better than the tangent */
 } model_orbits_progress;
 model_orbits_progress model_orbits_walk(const model_orbits *orbits);
 /** How many numbers are kept of a point, so that another process goes on from there with the same bits. */

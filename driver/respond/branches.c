@@ -187,7 +187,7 @@ static void enter_doubling(branches *o)
             first += o->branches[i].n;
         }
         const int point = o->doubling++ - first;
-        if (at.orbit.kind != MODEL_ORBIT_DOUBLING || 2 * at.orbit.periods > ORBIT_LONGEST || is_entered(o, &at.orbit)) {
+        if (at.orbit.kind != MODEL_ORBIT_DOUBLING || 2 * at.orbit.periods > o->longest || is_entered(o, &at.orbit)) {
             continue;
         }
         if (o->n_branches >= MOST_BRANCHES) {

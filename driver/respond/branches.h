@@ -9,11 +9,12 @@ typedef enum { BRANCHES_LOOK, BRANCHES_RISE, BRANCHES_FALL, BRANCHES_DOUBLE } br
 
 typedef struct {
     branch *sweep; /**< prepares the case, and finds motions to begin with */
-    int n_values;  /**< of the range, evenly from its first to its last, at which there are to be orbits too; 0: none */
+    int n_values; /**< of the range, evenly from its first to its last, at which there are to be stable orbits too; 0: none */
     memory_pool pool;
     model_orbits *orbits;
     prepared_case prepared; /**< what the orbits were asked about last */
     model_period period;    /**< of that */
+    int longest;            /**< common periods of an orbit at most */
     double *values;         /**< [n_values] */
     /* what is kept */
     int value;                      /**< place in the range, from which branches are sought now */

@@ -20,6 +20,7 @@
 enum { LEAST_MOST = 100, MOST_MOST = 1000000 };
 const char respond_periods[] = "--periods takes a whole number of common periods from 100 to 1000000";
 const char respond_values[] = "--values takes a whole number from 2 to 100000";
+const char respond_longest[] = "--longest takes a whole number of common periods from 1 to 16";
 
 typedef struct {
     const respond_options *options;
@@ -318,22 +319,29 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     return check_values(run, error);
 }
 
-bool respond_read_most(const char *text, int *most)
+/** @return false if a text is no whole number from `least` to `most` */
+static bool read_count(const char *text, int least, int most, int *n)
 {
     double value = 0;
-    const bool good = number_read(text, &value) == NUMBER_FINITE && value >= LEAST_MOST && value <= MOST_MOST &&
-                      value == floor(value);
-    *most = good ? (int)value : 0;
+    const bool good =
+        number_read(text, &value) == NUMBER_FINITE && value >= least && value <= most && value == floor(value);
+    *n = good ? (int)value : 0;
     return good;
+}
+
+bool respond_read_most(const char *text, int *most)
+{
+    return read_count(text, LEAST_MOST, MOST_MOST, most);
 }
 
 bool respond_read_values(const char *text, int *n)
 {
-    double value = 0;
-    const bool good =
-        number_read(text, &value) == NUMBER_FINITE && value >= 2 && value <= RANGE_MOST_STEPS && value == floor(value);
-    *n = good ? (int)value : 0;
-    return good;
+    return read_count(text, 2, RANGE_MOST_STEPS, n);
+}
+
+bool respond_read_longest(const char *text, int *n)
+{
+    return read_count(text, 1, ORBIT_LONGEST, n);
 }
 
 static response_run *run_create(const respond_options *options)

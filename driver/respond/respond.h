@@ -17,7 +17,8 @@ typedef struct {
     bool up, down;
     /** finds periodic orbits and follows them: respond_orbits; NULL: motions, up and down. Who has no use for it, links none of it */
     bool (*orbits)(const struct respond_orbits_setup *setup, evl_error *error);
-    int n_values;          /**< of the range at which each branch of orbits has orbits too; 0: none */
+    int n_values;          /**< of the range at which each branch of orbits has its stable ones too; 0: none */
+    int longest;           /**< common periods of orbits at most; 0: the usual number */
     int most;              /**< common periods at a value; 0: the usual number */
     const char *path;      /**< of the result */
     struct history **kept; /**< in memory: where the result is then; NULL: on file */
@@ -40,6 +41,9 @@ extern const char respond_periods[];
 /** Read at how many values there are to be orbits. @return false with `respond_values` to say */
 bool respond_read_values(const char *text, int *n);
 extern const char respond_values[];
+/** Read of how many common periods orbits may be. @return false with `respond_longest` to say */
+bool respond_read_longest(const char *text, int *n);
+extern const char respond_longest[];
 
 /** Whether anything of it would be refused. @return the exit code, with the reason in `error` */
 evl_exit respond_check(const char *case_path, const respond_options *options, evl_error *error);

@@ -151,8 +151,11 @@ static orbit_end go(orbits_run *run, evl_error *error)
 
 bool respond_orbits(const respond_orbits_setup *setup, evl_error *error)
 {
+    const respond_options *options = setup->options;
     orbits_run run = {.setup = setup,
-                      .found = {.sweep = setup->sweep, .n_values = setup->options->n_values},
+                      .found = {.sweep = setup->sweep,
+                                .n_values = options->n_values,
+                                .longest = options->longest > 0 ? options->longest : ORBIT_LONGEST},
                       .shown = clock_seconds()};
     bool done = false;
     setup->going_on->self = &run.found;

@@ -24,7 +24,8 @@ module evl_capi_orbits
    type, bind(c) :: c_setup
       type(c_ptr) :: self
       type(c_funptr) :: take
-      real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step
+      real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step, &
+                        largest_change
       integer(c_int) :: most_points, n_values
       type(c_ptr) :: values
    end type c_setup
@@ -57,7 +58,7 @@ module evl_capi_orbits
    !> evl_orbits_walk
    type, bind(c) :: c_walk
       real(c_double) :: step
-      integer(c_int) :: crawls, n_ordinary, before
+      integer(c_int) :: crawls, n_ordinary, before, is_smooth
    end type c_walk
 
    integer, parameter :: n_kept = 8 !! numbers that are kept of a point beside its arrays
@@ -134,6 +135,7 @@ contains
          o%first_step = setup%first_step
          o%smallest_step = setup%smallest_step
          o%largest_step = setup%largest_step
+         o%largest_change = setup%largest_change
          o%most_points = setup%most_points
          o%orbits%tolerance = setup%tolerance
          o%orbits%residual = setup%residual
@@ -316,6 +318,7 @@ contains
       walk%crawls = self%walk%crawls
       walk%n_ordinary = self%walk%n_ordinary
       walk%before = self%before
+      walk%is_smooth = merge(1, 0, self%walk%is_smooth)
    end subroutine evl_orbits_walk
 
    integer(c_int) function evl_orbits_go_on(handle, walk, status) result(code) bind(c)
@@ -334,6 +337,7 @@ contains
          self%walk%step = walk%step
          self%walk%crawls = walk%crawls
          self%walk%n_ordinary = walk%n_ordinary
+         self%walk%is_smooth = walk%is_smooth /= 0
          self%walk%is_over = .false.
          self%before = walk%before
          if (self%before > 0 .and. .not. has_failed(s)) then

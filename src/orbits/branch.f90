@@ -6,7 +6,7 @@
 !> Sources: H. B. Keller, in: Applications of Bifurcation Theory, Academic Press 1977; R. Seydel, Practical Bifurcation and
 !> Stability Analysis, 3rd ed., ch. 4 and 7.
 module evl_branch
-   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, way_to
+   use evl_branch_curve, only: curve_t, curve_through, lack_of, orbit_on_curve, way_to
    use evl_branch_values, only: find_orbits_at
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
@@ -28,6 +28,7 @@ module evl_branch
       real(wp) :: from = -huge(1.0_wp), to = huge(1.0_wp) !! the parameter stays between these
       logical :: rising = .true.                !! the parameter does, at the start
       real(wp) :: first_step = 0.01_wp, smallest_step = 1.0e-6_wp, largest_step = 0.1_wp
+      real(wp) :: largest_change = huge(1.0_wp) !! of the parameter in a step, over its scale
       integer :: most_points = 1000             !! special ones, and those at values, are not counted
       real(wp), allocatable :: values(:)        !! of the parameter, rising, at which there are to be orbits too
    end type branch_options
@@ -39,6 +40,7 @@ module evl_branch
       real(wp) :: step = 0             !! to try next
       integer :: crawls = 0            !! steps without progress, one after the other
       integer :: n_ordinary = 0        !! points
+      logical :: is_smooth = .true.    !! the cubic through the last two points told the last step better than the tangent
       logical :: is_over = .false.
    end type branch_walk
 
@@ -106,7 +108,7 @@ contains
       integer :: i
 
       allocate (points(0))
-      call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, status)
+      call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, status)
       if (has_failed(status)) return
       walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%largest_step)
       if (walk%crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
@@ -189,22 +191,34 @@ contains
    end function comes_by
 
    !> The next point of a branch, a step further or less.
-   subroutine go_on(model, options, before, now, next, step, status)
+   subroutine go_on(model, options, before, now, next, step, is_smooth, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(orbit_t), intent(in) :: before, now !! with tangents; `before` has none if there is no such orbit
       type(branch_point), intent(out) :: next
       real(wp), intent(inout) :: step          !! to try; on return the one to try next
+      logical, intent(inout) :: is_smooth      !! the cubic through the last orbits told the last step better than the tangent did
       type(status_t), intent(inout) :: status
       integer, parameter :: easy = 3, hard = 8 !! iterations
       real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp !! cosine of the angle between tangents
       type(status_t) :: refusal
-      type(curve_t) :: curve
-      real(wp) :: straight
+      type(curve_t) :: cubic, straight_on
+      type(orbit_t) :: nothing
+      real(wp) :: longest, straight
 
-      curve = curve_through(model, options%orbits, now, before)
+      longest = options%largest_step
+      associate (change => abs(now%tangent(model%n + 2)))
+         if (change*longest > options%largest_change) longest = options%largest_change/change
+      end associate
+      step = min(step, longest)
+      cubic = curve_through(model, options%orbits, now, before)
+      straight_on = curve_through(model, options%orbits, now, nothing)
       do
-         call orbit_on_curve(model, options%orbits, curve, now, step, next%orbit)
+         if (is_smooth) then
+            call orbit_on_curve(model, options%orbits, cubic, now, step, next%orbit)
+         else
+            call orbit_on_curve(model, options%orbits, straight_on, now, step, next%orbit)
+         end if
          call clear(refusal)
          call correct_orbit(model, options%orbits, next%orbit, refusal, now%tangent)
          if (.not. has_failed(refusal)) call find_tangent(model, options%orbits, next%orbit, now%tangent, refusal)
@@ -217,9 +231,12 @@ contains
             return
          end if
          step = step/2
+         is_smooth = .false.
       end do
       next%way = step
-      if (next%orbit%iterations <= easy .and. straight >= little_turn) step = min(1.5_wp*step, options%largest_step)
+      is_smooth = lack_of(model, options%orbits, cubic, now, next%orbit, step) &
+                  < lack_of(model, options%orbits, straight_on, now, next%orbit, step)
+      if (next%orbit%iterations <= easy .and. straight >= little_turn) step = min(1.5_wp*step, longest)
    end subroutine go_on
 
    !> Refuse a branch that begins outside its range.

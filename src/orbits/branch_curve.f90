@@ -12,7 +12,7 @@ module evl_branch_curve
    implicit none (type, external)
    private
 
-   public :: curve_t, curve_through, orbit_on_curve, way_of_parameter, way_to
+   public :: curve_t, curve_through, lack_of, orbit_on_curve, way_of_parameter, way_to
 
    !> All in units of the scales, from the first orbit.
    type :: curve_t
@@ -59,7 +59,7 @@ contains
       allocate (curve%bend(model%n + 2, 2))
       curve%bend(:, 1) = 3*distance - slope
       curve%bend(:, 2) = slope - 2*distance
-      curve%by_parameter = to%by_parameter - from%by_parameter
+      allocate (curve%by_parameter, source=to%by_parameter - from%by_parameter)
    end function curve_through
 
    !> What is to be an orbit, some way along a curve from its first one.
@@ -81,6 +81,19 @@ contains
       end if
       call move_orbit(model, options, orbit, change)
    end subroutine orbit_on_curve
+
+   !> How far an orbit is from where a curve told it.
+   pure real(wp) function lack_of(model, options, curve, from, found, way) result(lack)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(curve_t), intent(in) :: curve
+      type(orbit_t), intent(in) :: from, found
+      real(wp), intent(in) :: way
+      type(orbit_t) :: foreseen
+
+      call orbit_on_curve(model, options, curve, from, way, foreseen)
+      lack = norm2(way_to(model, options, foreseen, found))
+   end function lack_of
 
    !> Where the parameter has changed by so much, between the orbits of a curve: halving, since it rises or falls between them.
    pure real(wp) function way_of_parameter(curve, change) result(way)

@@ -1,5 +1,5 @@
-!> Orbits of a branch at given values of the parameter: each is foreseen between its neighbours on the branch, and found by Newton's
-!> iteration at that value.
+!> Stable orbits of a branch at given values of the parameter: each is foreseen between its neighbours on the branch, and found
+!> by Newton's iteration at that value.
 !>
 !> What the cubic between the neighbours lacks is w**2 (1 - w)**2 q(w), w from 0 to 1 between them, with a smooth q: the orbits
 !> found so far between them tell q, by the polynomial through the last few, and the next orbits are foreseen the better.
@@ -8,7 +8,7 @@ module evl_branch_values
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_places, only: places
-   use evl_shooting, only: correct_orbit, correct_with, move_orbit, orbit_options, orbit_t
+   use evl_shooting, only: correct_orbit, correct_with, move_orbit, orbit_options, orbit_t, own_multipliers
    use evl_special_points, only: branch_point
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
@@ -27,8 +27,8 @@ module evl_branch_values
 
 contains
 
-   !> Those between two neighbouring points of a branch, in their order. One that Newton's iteration does not find beside where it
-   !> was foreseen is left out.
+   !> Those between two neighbouring points of a branch, in their order, where one of these is stable: what loses its stability
+   !> between them is a point itself. One that Newton's iteration does not find beside where it was foreseen is left out.
    subroutine find_orbits_at(model, options, values, first, last, points)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -49,6 +49,7 @@ contains
       allocate (list, source=places(values > min(first%parameter, last%parameter) .and. &
                                     values < max(first%parameter, last%parameter)))
       if (last%parameter < first%parameter) list = list(size(list):1:-1)
+      if (.not. (may_be_stable(first) .or. may_be_stable(last))) list = [integer ::]
       allocate (points(size(list)))
       if (size(list) == 0) return
       curve = curve_through(model, options, first, last)
@@ -67,14 +68,23 @@ contains
             call correct_orbit(model, options, found%orbit, refusal)
             if (has_failed(refusal)) cycle
             if (.not. norm2(way_to(model, options, foreseen, found%orbit)) <= longest) cycle
-            n = n + 1
-            points(n) = found
             before = found%orbit
             call learn(model, options, curve, lacks, first, found%orbit)
+            if (any(abs(own_multipliers(model, found%orbit)) >= 1)) cycle
+            n = n + 1
+            points(n) = found
          end associate
       end do
       points = points(:n)
    end subroutine find_orbits_at
+
+   !> Whether an orbit is stable, or one where stability changes. The multiplier 1 of an autonomous one is its own direction's.
+   pure logical function may_be_stable(orbit)
+      type(orbit_t), intent(in) :: orbit
+      real(wp), parameter :: change = 1.0e-3_wp
+
+      may_be_stable = all(abs(orbit%multipliers) < 1 + change)
+   end function may_be_stable
 
    !> Where an orbit is expected: on the curve, with what that lacks, or on the straight line between two orbits with a corner
    !> between them.

@@ -237,6 +237,42 @@ def test_orbits_of_the_ends_are_those_of_the_sweep(evolvent, stops: Path) -> Non
             )
 
 
+def test_orbits_at_the_values_of_a_sweep_have_its_numbers(evolvent, stops: Path) -> None:
+    """The deviation, up and down; the sweep comes within 1e-6 of an orbit."""
+    over = f"{AMPLITUDE}=-20:-300"
+    found = follow(evolvent, stops, over, "--method", "orbits", "--values", "57")
+    sweep = follow(evolvent, stops, f"{over}:57", "--both")
+    place, stable = found["orbit_value"].values, found["orbit_stable"].values == 1
+    assert (sweep["period"].values == 1).all()
+    assert (found["orbit_kind"].values[place >= 0] == 0).all()
+    np.testing.assert_array_equal(
+        found["orbit_parameter"].values[place >= 0], sweep["parameter"].values[place[place >= 0]]
+    )
+    assert set(place.tolist()) == {-1, *range(57)}
+    for direction in ("up", "down"):
+        for i in range(57):
+            motion = sweep.sel(direction=direction).isel(parameter=i)
+            orbits = found.isel(point=np.flatnonzero((place == i) & stable))
+            name = "transmission_error_standard_deviation"
+            nearest = int(np.argmin(np.abs(orbits[name].values[:, 0] - float(motion[name][0]))))
+            told = float(orbits[name][nearest, 0])
+            assert told == pytest.approx(float(motion[name][0]), rel=1e-5), (direction, i)
+
+
+def test_orbits_at_values_hold_and_are_the_same_each_time(evolvent, stops: Path) -> None:
+    """Where two stable branches lie above each other both are told, and no unstable one between."""
+    options = (f"{AMPLITUDE}=-30:-120", "--method", "orbits", "--values", "31")
+    found, again = (follow(evolvent, stops, *options) for _ in range(2))
+    xr.testing.assert_identical(found, again)
+    assert (found["orbit_residual"].values <= 1e-10).all()
+    place, parameter = found["orbit_value"].values, found["orbit_parameter"].values
+    low, high = sorted(parameter[found["orbit_kind"].values == FOLD])
+    inside = (parameter > low) & (parameter < high) & (place >= 0)
+    assert (found["orbit_stable"].values[place >= 0] == 1).all()
+    for i in set(place[inside].tolist()):
+        assert (place == i).sum() == 2
+
+
 # ---- unknown periods ----
 
 
@@ -270,6 +306,13 @@ def test_period_under_torques_alone_is_found(evolvent, examples, tmp_path, dampi
         (("--over", f"{SPEED}=-500:500:3"), 3, "no common period"),
         (("--over", f"{SPEED}=-500:-600", "--both"), 2, "none of --up, --down and --both"),
         (("--over", f"{SPEED}=-500:-600", "--method", "shooting"), 2, "sweep or orbits"),
+        (
+            ("--over", f"{SPEED}=-500:-600", "--method", "sweep", "--values", "9"),
+            2,
+            "with --method",
+        ),
+        (("--over", f"{SPEED}=-500:-600", "--values", "1"), 2, "from 2 to 100000"),
+        (("--over", f"{SPEED}=-500:-600", "--longest", "17"), 2, "from 1 to 16"),
         (("--over", "wheels.a.loads.0.kind=1:2"), 3, "must be one of"),
     ],
 )

@@ -428,9 +428,11 @@ typedef struct {
     double tolerance;                               /**< of the integration, in units of the scales */
     double residual;                                /**< largest difference after a period, in units of the scales */
     double first_step, smallest_step, largest_step; /**< along a branch, states in units of their scales */
-    int most_points;                                /**< of a branch; special ones, and those at `values`, not counted */
+    double largest_change;                          /**< of the parameter in a step, over the range */
+    int most_points; /**< of a branch; special ones, and those at `values`, not counted */
     int n_values;
-    const double *values; /**< [n_values] of the parameter, rising or falling, at which each branch has orbits too */
+    const double
+        *values; /**< [n_values] of the parameter, rising or falling, at which each branch has its stable orbits too */
 } evl_orbits_setup;
 /** What a point of a branch is. */
 typedef enum {
@@ -475,6 +477,7 @@ typedef struct {
     double step;
     int crawls, n_ordinary;
     int before; /**< which of its points, from 1, is the ordinary one before the last; 0: none */
+    int is_smooth; /**< the cubic through its last two points told the last step better than the tangent */
 } evl_orbits_progress;
 EVL_API void evl_orbits_walk(const evl_orbits *orbits, evl_orbits_progress *progress);
 /** How many numbers are to be kept of a point, so that another process finds the same points behind it. */
