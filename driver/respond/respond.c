@@ -40,8 +40,8 @@ static void identify(response_run *run)
 {
     const respond_options *options = run->options;
     OWNED char *text = options->orbits != NULL
-                           ? xasprintf("orbits over: %s\nmost: %d\nvalues: %d\n%s", options->over, options->most,
-                                       options->n_values, case_text(run->first.file))
+                           ? xasprintf("orbits over: %s\nmost: %d\nvalues: %d\nlongest: %d\n%s", options->over,
+                                       options->most, options->n_values, options->longest, case_text(run->first.file))
                            : xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up,
                                        options->down, options->most, case_text(run->first.file));
     going_on_identify(&run->going_on, text);
