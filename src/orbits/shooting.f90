@@ -341,7 +341,7 @@ contains
       by = change(model%n + 2)
       if (.not. abs(by) > least*norm2(change)) return
       after%by_parameter = after%by_parameter + &
-          merge(difference(model, after) - (1 - share)*difference(model, before), 0.0_wp, after%active) &
+                           merge(difference(model, after) - (1 - share)*difference(model, before), 0.0_wp, after%active) &
                            /(by*options%parameter_scale)
    end subroutine learn_by_parameter
 

@@ -476,7 +476,7 @@ EVL_API int evl_orbits_advance(evl_orbits *orbits, int *n, bool *is_over, evl_st
 typedef struct {
     double step;
     int crawls, n_ordinary;
-    int before; /**< which of its points, from 1, is the ordinary one before the last; 0: none */
+    int before;    /**< which of its points, from 1, is the ordinary one before the last; 0: none */
     int is_smooth; /**< the cubic through its last two points told the last step better than the tangent */
 } evl_orbits_progress;
 EVL_API void evl_orbits_walk(const evl_orbits *orbits, evl_orbits_progress *progress);
