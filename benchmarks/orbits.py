@@ -1,8 +1,13 @@
-"""What orbits cost beside a sweep: `python benchmarks/orbits.py PROGRAM`.
+"""What the numbers of a sweep cost by orbits: `python benchmarks/orbits.py PROGRAM [CASE...]`.
 
-The oscillator with backlash of docs/orbits.md over the amplitude of its load, a curve with two
-folds: processor time of a value of the sweep, up and down, and of an orbit of the branch. The
-orbits include the unstable ones, the folds and the multipliers, which no sweep finds.
+Of each case a sweep, up and down, and the stable orbits at the same 401 values: processor time of
+both processes, and how far numbers differ where the sweep's motion is one of the orbits. Extremes
+of a sweep have what its motion still lacks: it counts as periodic when it repeats to about 1e-6.
+There are also the unstable ones beside these, the folds and the multipliers, which no sweep finds.
+
+Cases: `backlash`, over the amplitude of its load, a curve with two folds; `resonance` and `mesh`,
+rectangular mesh stiffness over a part and all of its speeds; in the last one orbits of 4 and more
+pitches are left out. Without a name: all.
 """
 
 from __future__ import annotations
@@ -12,15 +17,35 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import xarray as xr
 import yaml
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from system.test_numbers import HALF_GAP, oscillator
+from system.test_numbers import HALF_GAP, oscillator, rectangular
+from system.test_respond import SPEED, UNIT
 
-OVER = "wheels.b.loads.0.amplitude=-20:-300"
+VALUES = 401
+ALIKE = 1e-3  # deviations of the transmission error this near are those of one motion
+NEAR = 1e-5  # of numbers that are said to be the same
+LONGEST = 2  # pitches
+MOST = 600  # pitches that a motion is followed; one that takes them all still settles
+TOLD = ("transmission_error_standard_deviation", "dynamic_factor", "normal_force_max")
+
+CASES: dict[str, tuple[dict[str, Any], str]] = {
+    "backlash": (oscillator(0.8, HALF_GAP), "wheels.b.loads.0.amplitude=-20:-300"),
+    "resonance": (
+        rectangular(1.0, 1, 1, "radau"),
+        f"{SPEED}={-1.0 * UNIT!r}:{-1.4 * UNIT!r}",
+    ),
+    "mesh": (
+        rectangular(1.0, 1, 1, "radau"),
+        f"{SPEED}={-0.4 * UNIT!r}:{-2.4 * UNIT!r}",
+    ),
+}
 
 
 def run(program: str, folder: Path, over: str, *options: str) -> tuple[float, xr.Dataset]:
@@ -34,21 +59,61 @@ def run(program: str, folder: Path, over: str, *options: str) -> tuple[float, xr
         return seconds, file.load()
 
 
-def main(program: str) -> None:
+def compare(sweep: xr.Dataset, orbits: xr.Dataset) -> tuple[int, int, list[tuple[float, str]]]:
+    """Motions that repeat soon enough, those among the orbits, and the differences of these."""
+    deviation = "transmission_error_standard_deviation"
+    n, found, differences = 0, 0, []
+    for direction in range(sweep.sizes["direction"]):
+        for i in range(sweep.sizes["parameter"]):
+            motion = sweep.isel(direction=direction, parameter=i)
+            if not 0 < int(motion["period"]) <= LONGEST or int(motion["followed"]) >= MOST:
+                continue
+            n += 1
+            there = np.flatnonzero(
+                (orbits["orbit_value"].values == i)
+                & (orbits["orbit_stable"].values == 1)
+                & (orbits["orbit_period"].values == int(motion["period"]))
+            )
+            size = float(motion[deviation][0])
+            near = [k for k in there if abs(float(orbits[deviation][k, 0]) / size - 1) < ALIKE]
+            if not near:
+                continue
+            found += 1
+            orbit = orbits.isel(point=near[0])
+            for name in TOLD:
+                a, b = motion[name].values, orbit[name].values
+                differences.append((float(np.max(np.abs(a / b - 1))), name))
+    return n, found, differences
+
+
+def measure(program: str, name: str, folder: Path) -> None:
+    """Print what one case costs both ways, and how far the numbers differ."""
+    case, over = CASES[name]
+    case["simulation"].pop("numbers", None)
+    case["simulation"]["tolerance"] = 1e-9  # a sweep's motions repeat to a thousand times that
+    (folder / "case.yaml").write_text(yaml.safe_dump(case))
+    of_sweep, sweep = run(program, folder, f"{over}:{VALUES}", "--both")
+    asked = ("--values", str(VALUES), "--longest", str(LONGEST))
+    of_orbits, orbits = run(program, folder, over, "--method", "orbits", *asked)
+    n, found, differences = compare(sweep, orbits)
+    differences.sort()
+    largest = {name: max(d for d, of in differences if of == name) for name in TOLD}
+    n_at = int((orbits["orbit_value"].values >= 0).sum())
+    print(f"{name}: sweep {of_sweep:.3g} s, {1e3 * of_sweep / sweep['period'].size:.3g} ms a value")
+    print(
+        f"  orbits {of_orbits:.3g} s, {n_at} at values and {orbits.sizes['point'] - n_at} others: "
+        f"{of_sweep / of_orbits:.1f} times cheaper"
+    )
+    print(f"  {found} of {n} motions are among them; largest differences:")
+    print("  " + ", ".join(f"{name} {gap:.1e}" for name, gap in largest.items()))
+    assert largest[TOLD[0]] <= NEAR
+
+
+def main(program: str, *names: str) -> None:
     """Measure and print."""
-    case = oscillator(0.8, HALF_GAP)
-    del case["simulation"]["numbers"]
     with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        (folder / "case.yaml").write_text(yaml.safe_dump(case))
-        of_sweep, sweep = run(program, folder, f"{OVER}:101", "--both")
-        of_orbits, orbits = run(program, folder, OVER, "--method", "orbits")
-    n_values, n_orbits = sweep["period"].size, orbits.sizes["point"]
-    print(f"sweep: {n_values} values in {of_sweep:.3g} s, {1e3 * of_sweep / n_values:.3g} ms each")
-    print(f"orbits: {n_orbits} in {of_orbits:.3g} s, {1e3 * of_orbits / n_orbits:.3g} ms each")
-    folds = orbits["orbit_parameter"].values[orbits["orbit_kind"].values == 1]
-    print(f"folds at {folds.tolist()}")
-    print(f"jumps at {((sweep.jump_before + sweep.jump_after) / 2).values.tolist()}")
+        for name in names or CASES:
+            measure(program, name, Path(temporary))
 
 
 if __name__ == "__main__":

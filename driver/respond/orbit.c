@@ -90,7 +90,7 @@ static bool has_come_to(const search *s, int k, int p)
 }
 
 /** The orbit that the motion is on; 0: none yet. A motion that winds itself to an orbit comes back to where it was after several
- *  periods sooner than after one: the shortest that is almost there is it. */
+ *  periods sooner than after one: the shortest that is almost there is it, once it is there. */
 static int find_period(const search *s, int k)
 {
     static const double almost = 100;
@@ -101,7 +101,7 @@ static int find_period(const search *s, int k)
     for (int p = 1; p < found; p++) {
         found = s->far[k % KEPT][p] <= almost * s->repeats ? p : found;
     }
-    return found;
+    return found > 0 && s->far[k % KEPT][found] <= s->repeats ? found : 0;
 }
 
 /** Find the numbers over whole pitches from now on. @param n  common periods */
@@ -118,10 +118,15 @@ static void open_window(search *s, int n, double pitch)
     s->numbers = numbers_create(s->prepared->model, &window, taken);
 }
 
-/** The orbit after which the motion is nearest to where it was. */
+/** The shortest orbit after which the motion is where it was, or else that after which it is nearest. */
 static int nearest_period(const search *s, int k)
 {
     int nearest = 1;
+    for (int p = 1; p <= ORBIT_LONGEST && p <= k; p++) {
+        if (s->far[k % KEPT][p] <= s->repeats) {
+            return p;
+        }
+    }
     for (int p = 2; p <= ORBIT_LONGEST && p <= k; p++) {
         nearest = s->far[k % KEPT][p] < s->far[k % KEPT][nearest] ? p : nearest;
     }

@@ -89,6 +89,20 @@ def test_motion_jumps_up_where_the_flanks_part(respond):
     assert response["period"].values.tolist() == [[1] * 6]
 
 
+def test_a_motion_that_winds_itself_to_an_orbit_is_followed_until_it_is_there(respond):
+    """It comes back after some periods sooner than after one; the deviation was 1e-4 off then."""
+    response = respond(speeds(2.18, 2.185), "--up")
+    assert response["period"].values.tolist() == [[1, 1]]
+    assert (response["repeat_distance"].values <= 1e-6).all()
+    found = respond(
+        f"{SPEED}={-2.18 * UNIT!r}:{-2.185 * UNIT!r}", "--method", "orbits", "--longest", "1"
+    )
+    name = "transmission_error_standard_deviation"
+    at = int(np.argmin(np.abs(found["orbit_parameter"].values + 2.18 * UNIT)))
+    told, exact = float(response[name][0, 0, 0]), float(found[name][at, 0])
+    assert told == pytest.approx(exact, rel=2e-5)  # 1e-6 of a scale, over 1 - 0.89
+
+
 def test_period_doubles_where_the_mesh_excites_the_second_order(respond):
     response = respond(speeds(1.84, 1.87), "--up")
     assert [period(response, "up", omega) for omega in (1.85, 1.855, 1.86, 1.865)] == [2] * 4
