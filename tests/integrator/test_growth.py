@@ -147,6 +147,53 @@ def test_the_fastest_growth_is_told_with_its_time(library: Library):
     assert solver.counts.growth_cuts >= 1
 
 
+def test_of_growth_that_changes_the_fastest_is_told(library: Library):
+    # x'' = -2 d w x' - w^2 x with d = -0.01 (1 + sin^2 (pi t)): it grows fastest at t = 1/2
+    def ratio(t: float) -> float:
+        return -0.01 * (1 + np.sin(np.pi * t) ** 2)
+
+    problem = Problem(
+        lambda t, y: [y[1], -2 * ratio(t) * OMEGA * y[1] - OMEGA**2 * y[0], np.cos(t) - y[2]],
+        lambda t, y: [1, -(OMEGA**2), -2 * ratio(t) * OMEGA, -1],
+        [1, OMEGA, 1],
+        entries=[(0, 1), (1, 0), (1, 1), (2, 2)],
+        growth=GROWTH_BY_DAMPING,
+    )
+    solver = Solver(library, problem)
+    solver.end(0, [SEED, 0, 0], 1.0)
+    t, eigenvalue = solver.growth
+    assert eigenvalue == pytest.approx(OMEGA * direction(ratio(t)), rel=1e-12)
+    # it is looked at in every fourth step of at most 5.5/w: a look is that near to the top
+    assert abs(t - 0.5) <= 4 * REACH / OMEGA
+
+
+@pytest.mark.parametrize("first", ["creeps", "swings"])
+def test_a_vibration_is_told_before_a_motion_that_runs_away_faster(library: Library, first: str):
+    """One before t = 1, the other behind it; z' = 400 z has a decay of 400 at other times."""
+
+    def swings(t: float) -> float:
+        return 0.01 * np.tanh((t - 1) / 0.01) * (-1 if first == "creeps" else 1)
+
+    def creeps(t: float) -> float:
+        return 400 * np.tanh((t - 1) / 0.01) * (-1 if first == "creeps" else 1)
+
+    problem = Problem(
+        lambda t, y: [
+            *(y[1], -2 * swings(t) * OMEGA * y[1] - OMEGA**2 * y[0]),
+            *(np.cos(t) - y[2], creeps(t) * y[3]),
+        ],
+        lambda t, y: [1, -(OMEGA**2), -2 * swings(t) * OMEGA, -1, creeps(t)],
+        [1, OMEGA, 1, 1],
+        entries=[(0, 1), (1, 0), (1, 1), (2, 2), (3, 3)],
+        growth=GROWTH_BY_DAMPING,
+    )
+    solver = Solver(library, problem)
+    solver.end(0, [0, 0, 0, 0], 2.0)
+    t, eigenvalue = solver.growth
+    assert eigenvalue == pytest.approx(OMEGA * direction(swings(t)), rel=1e-12)
+    assert eigenvalue.real < 400
+
+
 def test_damping_that_turns_negative_on_the_way_is_met(library: Library):
     # x'' = -2 d w x' - w^2 x with d = 0.01 cos t, negative from pi/2 to 3 pi/2
     problem = Problem(

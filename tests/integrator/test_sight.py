@@ -56,6 +56,16 @@ def test_no_state_with_a_reach_moves_much_farther_in_a_step(library: Library):
     assert len(angles) <= 1100  # and not much less: no step is lost to it
 
 
+def test_a_state_that_moves_evenly_goes_its_reach_in_a_step_and_none_is_tried_in_vain(
+    library: Library,
+):
+    solver = Solver(library, turning(lambda t: 20.0, 0, reach=[1.0]))
+    angles = np.array([0, *(y[0] for _, y in solver.steps(0, [0], 10.0))])
+    # it begins with shorter ones, and the last one ends the run
+    assert np.diff(angles)[10:-2] == pytest.approx(1.0, rel=1e-9)
+    assert solver.counts.rejections == 0
+
+
 def test_no_step_passes_over_a_cycle_of_time(library: Library):
     # the state hardly feels it: its errors would let a step run over all of it
     problem = Problem(

@@ -401,3 +401,30 @@ def test_states_on_which_nothing_depends_are_as_exact_as_the_others(library: Lib
             exact = [np.cos(t), -np.sin(t), np.sin(t), t / 2 + np.sin(2 * t) / 4]
             # 10 times the tolerance, as promised in docs/radau.md
             assert np.max(np.abs(state - exact)) < 1e-8
+
+
+def test_an_integral_whose_rate_no_state_follows_chooses_the_steps(library: Library):
+    # y' = 0 beside z' = cos w t: nothing but the error of z bounds a step
+    omega = 50.0
+    problem = Problem(
+        lambda t, y: [0, np.cos(omega * t)], lambda t, y: [0], [1, 1 / omega], entries=[(0, 0)]
+    )
+    solver = Solver(library, problem, 1e-9)
+    errors = [y[1] - np.sin(omega * t) / omega for t, y in solver.steps(0, [1, 0], 10.0)]
+    assert np.abs(errors).max() <= 10 * 1e-9 / omega
+    assert len(errors) > 10
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-9])
+def test_an_integral_takes_what_the_last_iteration_changed(library: Library, tolerance: float):
+    # y' = -y^3, z' = y^3: their sum is an invariant of every step that was solved, and z has to
+    # move with the last change of y, which may be as large as the iteration's tolerance
+    problem = Problem(
+        lambda t, y: [-(y[0] ** 3), y[0] ** 3],
+        lambda t, y: [-3 * y[0] ** 2, 3 * y[0] ** 2],
+        [1, 1],
+        entries=[(0, 0), (1, 0)],
+    )
+    solver = Solver(library, problem, tolerance)
+    sums = [y.sum() - 1 for _, y in solver.steps(0, [1, 0], 20.0)]
+    assert np.abs(sums).max() <= 1e-13  # rounding of some dozen steps
