@@ -269,6 +269,11 @@ BAD_OPTIONS = {
         BODY + "inertia: [1, 1, 1], products_of_inertia: [1.1, 0, 0]}",
         "housing.inertia: the inertia tensor is not positive definite",
     ),
+    "an inertia that is indefinite in no plane of two axes": (
+        # principal moments 1.6, 1.6 and -0.2
+        BODY + "inertia: [1, 1, 1], products_of_inertia: [-0.6, -0.6, -0.6]}",
+        "housing.inertia: the inertia tensor is not positive definite",
+    ),
     "an inertia that no body has": (
         BODY + "inertia: [1, 1, 2.1]}",
         "housing.inertia: the inertia tensor breaks the triangle inequality",

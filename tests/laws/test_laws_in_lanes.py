@@ -134,6 +134,27 @@ def test_every_damping_law_gives_the_same_by_its_loop_and_without_on_either_side
 
 
 @pytest.mark.parametrize("bare", [0, 1], ids=["by its loop", "without a loop"])
+@pytest.mark.parametrize("side", [-1, 1], ids=["separation", "approach"])
+def test_one_sided_damping_acts_where_the_discrete_state_says_approach(
+    kernel: Kernel, side: int, bare: int
+):
+    """C kappa kappa' on that side, also of rates that have left it, and 0 on the other."""
+    law = kernel.law(DAMPING, "one_sided", coefficient=5e9)
+    fields = {
+        "h": np.repeat([1e-9, 2e-6], LANES // 2),
+        "h_dot": np.tile([-0.2, 0.0, 1e-6, 3.0], 2),
+        **{"rho_a": np.full(LANES, 0.1), "rho_b": np.full(LANES, 0.2)},
+        **{"e_star": np.full(LANES, 1.15e11), "width": np.full(LANES, 0.02), "v0": np.ones(LANES)},
+    }
+    force = np.full(LANES, np.nan)
+    kernel.library.lanes_damping(
+        ctypes.byref(law), contexts_of(fields), side, bare, _at(SPRING * fields["h"]), _at(force)
+    )
+    expected = 5e9 * fields["h"] * fields["h_dot"] if side > 0 else np.zeros(LANES)
+    np.testing.assert_allclose(force, expected, rtol=4e-16)
+
+
+@pytest.mark.parametrize("bare", [0, 1], ids=["by its loop", "without a loop"])
 def test_every_friction_law_gives_in_lanes_what_it_gives_alone(kernel: Kernel, bare: int):
     """On each branch, also where the sliding velocity has left it."""
     for name, law, _, random in cases(kernel, FRICTION):
