@@ -195,6 +195,21 @@ def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kerne
     assert abs(rates[0]) <= 1e-18
 
 
+@pytest.mark.parametrize("left", [1e-12, -1e-12])
+def test_what_a_located_event_leaves_of_the_gap_is_taken_out(kernel: Kernel, left: float):
+    """Of both contacts that close: the second gap is that which the first correction leaves."""
+    gearbox = rigid_train(kernel, 3, CLOSED_FORM, 1, (0.0, 0.0))
+    state = approaching(gearbox, np.random.default_rng(6), [1e-4, 1e-4])
+    for m in (0, 1):
+        turn = gearbox.mesh_geometry(m).sigma * left / gearbox.wheel_geometry(m + 1).base_radius
+        state.y[gearbox.place(f"angle_deviation_{m + 1}")] += turn
+    assert abs(gearbox.outputs(state)["gap"]).max() > 9e-13
+    after, _ = close(gearbox, state, 0, 1)
+    values = gearbox.outputs(after)
+    assert abs(values["gap"]).max() <= 1e-17  # rounding beside the displacements of the axles
+    assert abs(values["gap_rate"]).max() <= 1e-17
+
+
 def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
     """Two wheels drive the middle one: a blow from one carries it away from the other."""
     random = np.random.default_rng(5)

@@ -190,6 +190,17 @@ def test_jacobian_of_a_pair_with_rigid_contact(
         check_jacobian(gearbox, press_by(gearbox, put(gearbox, random, mode, size), random))
 
 
+def test_jacobian_of_a_rigid_contact_whose_line_turns_fast(kernel: Kernel):
+    """Axles at 30 m/s: kappa'' has the square of the speed along the line, over its length."""
+    random = np.random.default_rng(23)
+    gearbox = rigid_train(kernel, 2, restitutions=(0.0,), loads=LOADS)
+    state = press_by(gearbox, put(gearbox, random, (LOADED, 1)), random)
+    for i, name in enumerate(gearbox.names):
+        if name.startswith("displacement") and "_rate" in name:
+            state.y[i] = random.choice([-30.0, 30.0]) * random.uniform(0.5, 1.0)
+    check_jacobian(gearbox, state)
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @TRACKINGS
 def test_a_steady_start_accelerates_nothing(kernel: Kernel, tracking: str, friction: float):

@@ -227,6 +227,20 @@ def test_parted_flanks_leave_each_wheel_a_rigid_body_mode(modes_of, write_case):
     assert found["rigid_body_modes"] == 2
 
 
+def test_parted_flanks_leave_each_side_of_a_train_a_rigid_body_mode(modes_of, write_case):
+    """Discs on shafts behind one wheel: that side turns as a whole only up to rounding."""
+    apart = {"kind": "rest", "gaps": {"a-b": 1e-6}}
+    wheels, meshes, _ = free_pair()
+    inertia = {"c": 0.3, "d": 0.7, "e": 0.11, "f": 1.3}
+    wheels += [{"name": name, "inertia": j, "mass": 9} for name, j in inertia.items()]
+    stiffness = {"bc": 1.1e4, "cd": 7.3e4, "de": 2.9e4, "ef": 3.7e4}
+    shafts = [{"name": ends, "wheels": list(ends), "stiffness": k} for ends, k in stiffness.items()]
+    case = write_case(wheels, meshes, initial=apart)
+    found = modes_of(case, "--at", 0, "--set", f"shafts={json.dumps(shafts)}")
+    assert found["rigid_body_modes"] == 2
+    assert len(found["modes"]) == len(shafts)
+
+
 def test_a_parted_wheel_runs_down_with_the_time_constant_of_its_load(modes_of, write_case):
     wheels, meshes, _ = free_pair()
     wheels[1]["loads"] = [{"kind": "viscous", "coefficient": 10}]
