@@ -27,6 +27,7 @@ from kernel.gearbox_description import (
     shaft,
     wheel,
 )
+from kernel.housing_description import HARMONIC, PRESCRIBED, TURN_Z, housing, term
 from kernel.kernel import CONTACT, INVALID_INPUT, Floats, Kernel
 from kernel.shaft_cases import (
     DRUM,
@@ -202,6 +203,16 @@ def test_without_loads_the_angular_momentum_of_two_discs_on_a_shaft_does_not_cha
     assert abs(momentum) <= 1e-14 * abs(outputs["shaft_torque"][0])
 
 
+def test_what_a_shaft_between_two_discs_loses_changes_by_twice_its_damping_torque(kernel: Kernel):
+    """D = d w^2 of the rate of twist w: -2 d w by the one speed, 2 d w by the other."""
+    discs = [wheel(teeth=0, pitch_radius=0.1), wheel(teeth=0, inertia=0.3, mass=4.0)]
+    gearbox = Gearbox(kernel, discs, [], [], shafts=[shaft(0, 1, 1e3, 2.0)])
+    state = gearbox.start(SPEEDS, speeds=[3.0, -1.0])
+    row = gearbox.jacobian(state, 0.0)[gearbox.place("dissipated_energy")]
+    # of y' - f, with the second disc's speed as its deviation from that of the first
+    assert row[gearbox.place("speed_deviation_1")] == pytest.approx(2 * 2.0 * 4.0, rel=1e-14)
+
+
 @pytest.mark.parametrize("rigid", [1, -1])
 @pytest.mark.parametrize("elastic", [1, -1])
 def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(
@@ -225,6 +236,26 @@ def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(
     near = inertia[2] * acceleration + far
     expected = senses * [first, near, far, last]
     np.testing.assert_allclose(outputs["shaft_torque"], expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("driven", [0, 1])
+def test_a_speed_held_against_a_housing_that_speeds_up_takes_the_inertia_of_all_discs_of_the_rotor(
+    kernel: Kernel, driven: int
+):
+    """It turns by 0.4 sin(4 pi t) about the axle, and the torque is (J_0 + J_1) Omega'."""
+    inertia = np.array([0.2, 0.3])
+    discs = [wheel(teeth=0, inertia=j, mass=4.0) for j in inertia]
+    turns = housing(PRESCRIBED, terms=(term(TURN_Z, HARMONIC, 0.4, frequency=2.0),))
+    loads = [load(driven, SPEED, -3.0, against_housing=True)]
+    gearbox = Gearbox(kernel, discs, loads, [], turns, [shaft(0, 1)])
+    state = gearbox.start(SPEEDS, speeds=[-3.0, -3.0], t=0.1)
+    alpha = -0.4 * (4 * pi) ** 2 * np.sin(0.4 * pi)
+    torque = gearbox.outputs(state)["load_torque"]
+    assert torque[driven] == pytest.approx(inertia.sum() * alpha, rel=1e-13)
+    assert torque[1 - driven] == 0
+    # in the housing's frame all energies stay: inertia takes what the load brings
+    power = gearbox.derivative(state)[gearbox.place("load_work")]
+    assert abs(power) <= 1e-13 * abs(torque[driven] * 3.0)
 
 
 def test_a_steady_train_has_the_speeds_and_torques_of_its_teeth(kernel: Kernel):
@@ -289,6 +320,26 @@ def test_wheels_on_a_shaft_share_their_centre_and_speed_ratio(kernel: Kernel):
         assert tuple(geometry[a].centre) == tuple(geometry[b].centre)
         assert geometry[a].speed_ratio == geometry[b].speed_ratio
     assert geometry[DRUM].speed_ratio == float(Fraction(20 * 23, 47 * 53))
+
+
+@pytest.mark.parametrize("known", range(3))
+def test_a_train_is_laid_out_from_whichever_wheel_has_a_centre(kernel: Kernel, known: int):
+    radii, angles = np.array([0.1, 0.15, 0.2]), np.array([0.2, -0.9])
+    lines = (radii[1:] + radii[:-1])[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    expected = np.concatenate([np.zeros((1, 2)), np.cumsum(lines, axis=0)])
+    expected += np.array([0.3, -0.7]) - expected[known]
+    wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=30), wheel(teeth=40)]
+    wheels[known].centre = (0.3, -0.7)
+    meshes = [
+        mesh(
+            *(kernel, m, m + 1),
+            **{"driving_rotation": 1 - 2 * m, "centre_line_angle": angle, "pressure_angle": 0.35},
+        )
+        for m, angle in enumerate(angles)
+    ]
+    gearbox = Gearbox(kernel, wheels, [], meshes)
+    found = gearbox.outputs(gearbox.start())["centre"]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-15)
 
 
 def test_a_disc_without_a_radius_has_that_of_a_solid_disc_of_its_mass_and_inertia(kernel: Kernel):
