@@ -91,10 +91,8 @@ contains
       call tell(teller, "shaft_wheel_first", "1", "", "index of the first wheel, from 0", shaft%wheel_a - 1)
       call tell(teller, "shaft_wheel_second", "1", "", "index of the second wheel, from 0", shaft%wheel_b - 1)
       call tell(teller, "rigid_shaft", "1", "", "1 if the shaft cannot twist", shaft%rigid)
-      call tell(teller, "shaft_stiffness", "N m rad-1", "c", "torsional stiffness; 0 for a rigid shaft", &
-                merge(0.0_wp, shaft%stiffness, shaft%rigid))
-      call tell(teller, "shaft_damping", "N m s rad-1", "d", "torsional damping; 0 for a rigid shaft", &
-                merge(0.0_wp, shaft%damping, shaft%rigid))
+      call tell(teller, "shaft_stiffness", "N m rad-1", "c", "torsional stiffness; 0 for a rigid shaft", shaft%stiffness)
+      call tell(teller, "shaft_damping", "N m s rad-1", "d", "torsional damping; 0 for a rigid shaft", shaft%damping)
    end subroutine tell_shaft_constants
 
    subroutine tell_shaft(teller, index, torque, twist, loss)

@@ -25,7 +25,7 @@ module evl_shaft
    type :: shaft_t
       integer :: wheel_a = 0, wheel_b = 0    !! its wheels
       logical :: rigid = .false.             !! whether it cannot twist
-      real(wp) :: stiffness = 0.0_wp         !! c [N m/rad]; of no meaning in a rigid one
+      real(wp) :: stiffness = 0.0_wp         !! c [N m/rad]; 0 of a rigid one
       real(wp) :: damping = 0.0_wp           !! d [N m s/rad]; the same
       integer, allocatable :: behind(:)      !! wheels that a rigid one drives: its second wheel, and those rigidly behind that
       integer :: i_psi_a = 0, i_psi_b = 0    !! indices of the wheels' deviations in the state, rates follow; 0: none
