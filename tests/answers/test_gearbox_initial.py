@@ -29,7 +29,7 @@ from kernel.gearbox_description import (
     mesh,
     wheel,
 )
-from kernel.kernel import CONTACT, INVALID_INPUT, NO_SOLUTION, Kernel
+from kernel.kernel import CONTACT, FRICTION, INVALID_INPUT, NO_SOLUTION, Kernel
 
 TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
 FLANKS = pytest.mark.parametrize("sigma", [1, -1])
@@ -242,6 +242,25 @@ def test_in_the_steady_state_of_a_train_nothing_accelerates_and_every_flank_push
     power = o["load_torque"] @ o["angular_velocity"]
     lost = state.yp[gearbox.place("dissipated_energy")]
     assert power == pytest.approx(lost, rel=1e-9, abs=1e-9 * 7 * abs(o["angular_velocity"][0]))
+
+
+def test_friction_alone_settles_the_steady_speed_of_torques_that_hardly_balance(kernel: Kernel):
+    """By hand: the two moments give F_t/F_n, and the law mu tanh(v/delta) the sliding velocity.
+
+    The search begins where the law is flat, and its whole corrections would run away.
+    """
+    mu, delta = 0.2, 0.07
+    wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
+    law = kernel.law(FRICTION, "tanh", coefficient=mu, regularisation_velocity=delta)
+    loads = [load(0, TORQUE, -7.0), load(1, TORQUE, -10.5 * 0.99)]
+    gearbox = Gearbox(kernel, wheels, loads, [mesh(kernel, friction=law)])
+    o = gearbox.outputs(gearbox.start(STEADY))
+    r, torque = o["base_radius"], o["load_torque"]
+    arm_a, arm_b = (o[f"friction_arm_{side}"][0] for side in ("driving", "driven"))
+    # M_A + F_n r_A + F_t l_A = 0 = M_B + F_n r_B + F_t l_B
+    share = (torque[0] * r[1] - torque[1] * r[0]) / (torque[1] * arm_a - torque[0] * arm_b)
+    assert o["friction_force"][0] == pytest.approx(share * o["normal_force"][0], rel=1e-9)
+    assert o["sliding_velocity"][0] == pytest.approx(delta * np.arctanh(-share / mu), rel=1e-9)
 
 
 def test_a_prescribed_speed_is_the_steady_speed_and_its_torque_is_reported(kernel: Kernel):
