@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import subprocess
 from itertools import pairwise
 from typing import Any
 
@@ -377,71 +375,3 @@ def test_accelerometers_and_moving_axles_have_numbers(runs):
         float(np.sqrt(np.mean(axle**2))), rel=0.02
     )
     assert number(run, "centre_acceleration_rms", 0) == 0
-
-
-# ---- a tooth that stands out
-
-
-def with_a_proud_tooth(rotation: str, tooth: int, force: float) -> dict[str, Any]:
-    """Three pairs and more at once, and one tooth that stands 2 um ahead on the driving flank."""
-    teeth, angle = 80, math.radians(14.5)
-    distance, base = teeth * MODULE, teeth * MODULE / 2 * math.cos(angle)
-    path = 3.15 * math.pi * MODULE * math.cos(angle)
-    tip = 2 * math.hypot(base, (path + distance * math.sin(angle)) / 2)
-    pitch, sense = 2 * math.pi / teeth, 1 if rotation == "clockwise" else -1
-    wheel = {
-        **{"teeth": teeth, "module": MODULE, "pressure_angle": 14.5, "tip_diameter": tip},
-        **{"rack": {"addendum": 1.6, "dedendum": 1.8, "root_radius": 0.1}, "bore": 0.02},
-        **{"width": 0.02, "thickness_allowance": -1e-4, "material": "steel", "inertia": 1e-3},
-    }
-    errors = [-sense * 2e-6 * (k == tooth) for k in range(teeth)]  # counterclockwise positive
-    return {
-        "format": 1,
-        "materials": {"steel": dict(STEEL)},
-        "wheels": [
-            {
-                **{"name": "a", **wheel, "pitch_errors": errors},
-                "loads": [{"kind": "speed", "value": -sense}],
-            },
-            {
-                **{"name": "b", **wheel},
-                "loads": [{"kind": "torque", "value": -sense * force * base}],
-            },
-        ],
-        "meshes": [
-            {
-                **{"name": "ab", "driving": "a", "driven": "b", "driving_rotation": rotation},
-                **{"centre_line_angle": 0, "centre_distance": distance},
-                "contact": {"law": "johnson"},
-                "damping": {"law": "ratio", "value": 0.2},
-            }
-        ],
-        "simulation": {
-            **{"duration": 12 * pitch, "output_interval": pitch / 10},
-            **{"initial": {"kind": "steady"}, "numbers": {"from": 2 * pitch}},
-        },
-    }
-
-
-@pytest.mark.parametrize(("rotation", "tooth"), [("clockwise", 4), ("counterclockwise", 76)])
-def test_the_force_at_rest_is_that_of_the_flanks_that_carry(runs, executable, rotation, tooth):
-    """Docs/numbers.md: over the largest force at rest under the mean torque, by static analysis.
-
-    Where a tooth stands out on one of its flanks it stands back on the other: which of them is
-    pressed decides how much of the load falls to one pair.
-    """
-    force = 700.0
-    run = runs(with_a_proud_tooth(rotation, tooth, force))
-    assert run.exit_code == 0, run.messages
-    shares = []
-    for flank in (1, -1):
-        torque = flank * force * float(run.history["base_radius"][0])
-        command = [executable, "static", run.path.with_suffix(".yaml"), "-q", "--json"]
-        command += ["--torque", repr(torque), "-o", run.path.with_suffix(f".{flank}.h5")]
-        told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
-        shares += json.loads(told.stdout)["largest_force_share"]
-    assert abs(shares[0] - shares[1]) > 0.1
-    # 200 positions a pitch beside 100, each a share of a pitch away from the largest
-    assert number(run, "pair_normal_force_max") / number(run, "pair_dynamic_factor") == (
-        pytest.approx(shares[0] * force, rel=1e-3)
-    )
