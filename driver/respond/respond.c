@@ -139,9 +139,6 @@ static orbit_end go(response_run *run, evl_error *error)
         const branch_place at = branch_at(&run->branch, run->branch.step);
         show(run, &at);
         end = branch_step(&run->branch, error);
-        if (end == ORBIT_FOUND && *run->interrupt != 0) {
-            end = ORBIT_INTERRUPTED;
-        }
         if (end == ORBIT_FOUND && going_on_is_due(&run->going_on) && !save(run, error)) {
             return ORBIT_FAILED;
         }

@@ -110,6 +110,25 @@ def test_period_doubles_where_the_mesh_excites_the_second_order(respond):
     assert ((response["followed"] > 1) & (response["followed"] <= 600)).all()
 
 
+def test_the_last_line_counts_values_by_the_period_of_their_motion(tmp_path, evolvent):
+    """Where its period doubles a motion settles slowly: some still do so after 300 periods."""
+    path = tmp_path / "r.h5"
+    result = evolvent(
+        *("respond", write_rectangular(tmp_path), "--over", speeds(1.82, 1.88, 0.01), "--up"),
+        *("--periods", "300", "-o", path),
+    )
+    assert result.returncode == 0, result.stderr
+    with xr.open_dataset(path, engine="h5netcdf") as file:
+        period, n_jumps = file["period"].values, file.sizes["jump"]
+    n_other, n_wild = int((period > 1).sum()), int((period == 0).sum())
+    assert n_other > n_wild > 0
+    jumps_found = f"{n_jumps} jump{'' if n_jumps == 1 else 's'}"
+    assert result.stderr.splitlines()[-1] == (
+        f"evolvent: 7 values, {n_other} with a period of 2 and more, {n_wild} not periodic, "
+        f"{jumps_found}: {path}"
+    )
+
+
 def test_motion_of_two_periods_is_kept_on_the_way_down(respond):
     """Behind 0.825 it falls to the motion of one period, of which another program says 1.0698."""
     response = respond(speeds(0.8, 2.1), "--down")
@@ -256,6 +275,18 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path, evolvent, over, code, p
         assert part in line
     assert not (tmp_path / "r.h5").exists()
     assert not (tmp_path / "r.h5.parts").exists()
+
+
+def test_a_list_of_the_case_is_no_parameter_with_one_value(tmp_path, evolvent):
+    """Errors of the pitch that the case has: one number in their place is no value of them."""
+    case = write_rectangular(tmp_path)
+    errors = f"wheels.a.pitch_errors={[1e-6] * TEETH}"
+    over = ("--over", "wheels.a.pitch_errors=0:1e-6:2")
+    result = evolvent("respond", case, *over, "--set", errors, "-o", tmp_path / "r.h5")
+    assert result.returncode == 2
+    assert result.stderr == (
+        "--over wheels.a.pitch_errors: a list of numbers is no parameter with one value\n"
+    )
 
 
 def test_a_motion_that_fails_says_how_far_it_came(tmp_path, evolvent, examples):
