@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import locale
 import os
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 import threading
@@ -286,6 +288,45 @@ def test_a_call_prints_nothing_and_touches_no_file(
     package.static(examples / "compliant-pair.yaml", torque=5)
     assert capfd.readouterr() == ("", "")
     assert list(tmp_path.iterdir()) == []
+
+
+COMMA = """comment_char %
+escape_char /
+LC_NUMERIC
+decimal_point ","
+thousands_sep "."
+grouping 3;3
+END LC_NUMERIC
+"""
+
+
+def test_a_process_with_a_decimal_comma_gets_the_texts_and_bits_of_one_without(
+    examples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a place made for it: few machines know one that has a comma."""
+    case = examples / "paper-friction.yaml"
+
+    def answers() -> tuple[str, bytes]:
+        return json.dumps(package.show(case)), bits(package.run(case, SHORT))
+
+    expected = answers()
+    (tmp_path / "comma.txt").write_text(COMMA)
+    maker = shutil.which("localedef")
+    if maker is None:
+        pytest.skip("there is no localedef to make a place with a decimal comma")
+    # it warns of what such a place says nothing of, and makes it
+    words = [maker, "--no-archive", "-c", "-i", tmp_path / "comma.txt", tmp_path / "comma"]
+    subprocess.run(words, capture_output=True, check=False)
+    monkeypatch.setenv("LOCPATH", str(tmp_path))
+    before = locale.setlocale(locale.LC_NUMERIC)
+    locale.setlocale(locale.LC_NUMERIC, "comma")
+    try:
+        assert locale.localeconv()["decimal_point"] == ","
+        told = answers()
+        assert locale.localeconv()["decimal_point"] == ","
+    finally:
+        locale.setlocale(locale.LC_NUMERIC, before)
+    assert told == expected
 
 
 def test_threads_side_by_side_give_the_bits_of_single_runs(examples: Path) -> None:

@@ -319,6 +319,7 @@ static void a_call_without_memory_ends_with_an_error_and_the_next_one_works(void
         n_refused += code == EVOLVENT_MEMORY;
         assert_int_equal(code, EVOLVENT_MEMORY);
         assert_non_null(strstr(error.message, "out of memory: "));
+        assert_null(strstr(error.message, " x 0 bytes"));
         assert_null(record);
         evolvent_case_free(other);
     }
