@@ -134,6 +134,31 @@ def test_the_torque_balance_breaks_just_beyond_its_bound(friction_run, variable,
     assert verdict.where == {"time": f"{time / 1000:g} s", "wheel": ["pinion", "gear"][wheel]}
 
 
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_shaft_that_carries_what_loads_no_longer_do_keeps_the_torque_balance(friction_run, sense):
+    """A shaft between both wheels turns its second one; loads against it leave the motion as it is.
+
+    The same shaft with its torque the other way round is missed by twice that.
+    """
+    history = friction_run.history.copy(deep=True)
+    torque = 0.3 * np.cos(history["time"].values)
+    history["load_torque"][:, 0] += torque
+    history["load_torque"][:, 1] -= torque
+    history = history.assign(
+        shaft_torque=(("time", "shaft"), sense * torque[:, None]),
+        shaft_wheel_first=("shaft", [0]),
+        shaft_wheel_second=("shaft", [1]),
+    )
+    verdict = _verdict(history, "torque balance")
+    if sense > 0:
+        # rounding of loads with a torque more, and of the shaft's
+        assert verdict.worst < 1e-14
+        return
+    assert verdict.failed
+    unit = float(np.maximum(np.abs(contact_torque(whole(history))).max(axis=0), 0.3).min())
+    assert verdict.worst == pytest.approx(2 * 0.3 / unit, rel=1e-12)
+
+
 def test_friction_left_out_breaks_the_torque_balance(friction_run):
     changed = friction_run.history.copy(deep=True)
     changed["friction_force"][:] = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import h5py
 import netCDF4
@@ -23,7 +24,8 @@ from sweeps import (
 
 from evolvent.errors import SweepError
 from evolvent.sweep.collect import collect
-from evolvent.sweep.design import write_design
+from evolvent.sweep.design import Parameter, write_design
+from evolvent.sweep.figures import varying_parameters
 from evolvent.sweep.journal import Counts
 
 
@@ -56,6 +58,19 @@ def test_a_summary_has_parameters_results_and_status_of_every_case(tmp_path):
     assert summary.attrs["case"] == design.case
     assert summary.attrs["plan"] == "a plan"
     assert list(summary)[:4] == ["load", "teeth", "law", "penetration_max"]
+
+
+def test_a_column_that_follows_from_others_says_so_in_the_summary_and_is_not_drawn_against(
+    tmp_path,
+):
+    chosen = Parameter("load", "some.load", "N", np.array([1.0, 3.0, 2.0]))
+    squared = Parameter("squared", "some.other", "N2", np.array([4.0, 1.0, 9.0]), derived=True)
+    design = replace(make_design(3), parameters=(chosen, squared))
+    write_journal(tmp_path / "d", design, [row(0), row(1), row(2)])
+    collect(tmp_path / "d", design, tmp_path / "s.h5")
+    summary = opened(tmp_path / "s.h5")
+    assert [int(summary[name].attrs["derived"]) for name in ("load", "squared")] == [0, 1]
+    assert varying_parameters(summary) == ["load"]
 
 
 def test_the_netcdf_library_reads_a_summary_as_well(tmp_path):
