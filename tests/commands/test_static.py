@@ -185,6 +185,7 @@ def test_examples_of_the_help_work(evolvent: Evolvent, examples: Path, tmp_path:
     [
         (["--mesh", "pinion-geer"], ["--mesh pinion-geer", "did you mean 'pinion-gear'?"]),
         (["--mesh", "1"], ["--mesh 1", "no such mesh"]),
+        (["--mesh", "0.5"], ["--mesh 0.5", "no such mesh"]),
         (["--torque", "0"], ["--torque 0", "give one above 0, in the sense of driving_rotation"]),
         (["--torque", "-50:50:4"], ["--torque -50:50:4", "those below 0 the coast flanks"]),
         (["--torque", "0:50:4"], ["--torque 0:50:4", "0 none: ask for either"]),

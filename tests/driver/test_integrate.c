@@ -229,8 +229,19 @@ static void outputs_come_at_the_grid_and_at_the_end_once_and_in_order(void **sta
     static const struct {
         double t_start, t_end, interval;
         int rows;
-    } grids[] = {{0, 1, 0.25, 5}, {0, 1, 0.3, 5},     {0, 0.3, 0.1, 4}, {0, 1, 5, 2},
-                 {2, 3, 0.1, 11}, {0, 2, 1e-3, 2001}, {-1, 1, 0.5, 5},  {0, 0.7, 0.1, 8}};
+    } grids[] = {
+        {0, 1, 0.25, 5},
+        {0, 1, 0.3, 5},
+        {0, 0.3, 0.1, 4},
+        {0, 1, 5, 2},
+        {2, 3, 0.1, 11},
+        {0, 2, 1e-3, 2001},
+        {-1, 1, 0.5, 5},
+        {0, 0.7, 0.1, 8},
+        /* the last of the grid is rounded to just before the end, or falls short of it by 1e-8 of an interval */
+        {0, 1, 1.0 / 49, 50},
+        {0, 1 + 1e-9, 0.1, 11}};
+    assert_true(49 * (1.0 / 49) < 1);
     for (size_t g = 0; g < sizeof grids / sizeof *grids; g++) {
         problem *p = make_oscillator(1);
         p->state.t = grids[g].t_start;
