@@ -20,7 +20,7 @@ import pytest
 import yaml
 
 import evolvent as package
-from evolvent.library import binding
+from evolvent.library import binding, waiting
 
 SHORT = {"simulation.duration": 0.06}
 LONG = {"simulation.duration": 1e6}
@@ -401,6 +401,19 @@ def test_ctrl_c_ends_a_run_and_leaves_nothing(examples: Path, tmp_path: Path) ->
     )
     assert (done.stdout, done.stderr) == (2 * "interrupted True True\n" + "True True\n", "")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("error", [MemoryError("too little"), KeyboardInterrupt()])
+def test_what_goes_wrong_in_the_thread_that_works_is_raised_by_who_called(
+    error: BaseException,
+) -> None:
+    def work(stop: Any) -> None:
+        assert threading.current_thread() is not threading.main_thread()
+        raise error
+
+    with pytest.raises(type(error)) as raised:
+        waiting.call(work)
+    assert raised.value is error
 
 
 def test_a_library_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from evolvent.errors import SweepError
-from evolvent.sweep.yaml_text import read_yaml, yaml_text
+from evolvent.sweep.yaml_text import MOST_BYTES, read_yaml, yaml_text
 
 
 @pytest.mark.parametrize(
@@ -72,3 +72,19 @@ def test_what_is_no_plain_yaml_is_refused_with_its_place(text, message):
     with pytest.raises(SweepError) as caught:
         read_yaml(text, "x")
     assert str(caught.value).startswith(message)
+
+
+def repeated(times: int) -> str:
+    """A list of ten numbers, and one that has it so often."""
+    return f"- &a {list(range(10))}\n- [{', '.join(['*a'] * times)}]\n"
+
+
+def test_values_that_aliases_repeat_count_as_if_they_were_written_out():
+    """Each time a list and its ten numbers; that one itself, the list of it and all add 13."""
+    fit = (MOST_BYTES - 13) // 11
+    assert len(read_yaml(repeated(fit), "x")[1]) == fit
+    with pytest.raises(SweepError) as caught:
+        read_yaml(repeated(fit + 1), "x")
+    assert str(caught.value) == (
+        f"x: its aliases, each written out, hold more than {MOST_BYTES} values"
+    )
