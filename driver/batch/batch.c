@@ -76,9 +76,12 @@ static char *read_line(const char *path)
     char *line = NULL;
     size_t room = 0;
     const ssize_t length = getline(&line, &room, file);
+    const int reason = errno;
+    const bool was_read = length >= 0 || feof(file) != 0; /* what has no memory for a line is not empty */
     (void)fclose(file);
-    char *text = length < 0 ? xstrdup("") : xasprintf("%.*s", (int)strcspn(line, "\n"), line);
+    char *text = length >= 0 ? xasprintf("%.*s", (int)strcspn(line, "\n"), line) : was_read ? xstrdup("") : NULL;
     free(line);
+    errno = reason;
     return text;
 }
 

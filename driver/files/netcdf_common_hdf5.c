@@ -17,7 +17,10 @@ enum { NEEDED = 24 * 1024 * 1024 };
 void netcdf_prepare_library(void)
 {
     (void)H5dont_atexit();
-    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+    static const char locking[] = "HDF5_USE_FILE_LOCKING";
+    if (setenv(locking, "FALSE", 1) != 0) {
+        evl_memory_run_out(1, sizeof locking); /* with locks of its own HDF5 would find ours in the way */
+    }
     memory_need(NEEDED);
 }
 

@@ -57,8 +57,17 @@ def test_every_call_for_memory_of_show_ends_in_one_line_and_one_code(
     assert not told
 
 
+def test_a_library_that_cannot_be_prepared_for_lack_of_memory_is_not_used(
+    executable: Path, faults_layer: Path, tmp_path: Path
+) -> None:
+    """HDF5 would take locks of its own, and find those of the batch in its way."""
+    workshop = Workshop(commands(executable)["batch"], faults_layer, tmp_path / "trials")
+    for at in range(1, 25):
+        assert workshop.judge(Fault(MEMORY, 0, at, errno.ENOMEM)) == []
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["show", "records", "resume", "run"])
+@pytest.mark.parametrize("name", ["show", "records", "resume", "run", "batch"])
 def test_every_call_for_memory(
     executable: Path, faults_layer: Path, tmp_path: Path, name: str
 ) -> None:
