@@ -23,6 +23,7 @@ from sweeps import (
 )
 
 from evolvent.errors import SweepError
+from evolvent.seals import seal_end
 from evolvent.sweep.collect import collect
 from evolvent.sweep.design import Parameter, write_design
 from evolvent.sweep.figures import varying_parameters
@@ -136,6 +137,25 @@ def test_shards_give_the_summary_that_one_journal_gives(tmp_path):
     for name in ("one", "three"):
         collect(tmp_path / name, design, tmp_path / f"{name}.h5")
     xr.testing.assert_identical(opened(tmp_path / "one.h5"), opened(tmp_path / "three.h5"))
+
+
+def test_histories_of_which_one_bit_turned_are_refused_and_whole_ones_are_not(tmp_path):
+    design = make_design(3, history_variables=("normal_force",))
+    write_journal(tmp_path / "d", design, [row(i) for i in range(3)])
+    write_histories(tmp_path / "d", design, [0, 1, 2], 1, 1)
+    path = tmp_path / "d" / "shard-1-of-1.h5"
+    seal_end(path)
+    collect(tmp_path / "d", design, tmp_path / "s.h5")
+    content = bytearray(path.read_bytes())
+    content[content.index(np.float32(211.0).tobytes())] ^= 1  # case 2, output 1, mesh 1
+    path.write_bytes(content)
+    with pytest.raises(SweepError) as refused:
+        collect(tmp_path / "d", design, tmp_path / "t.h5")
+    assert str(refused.value) == (
+        f"{path}: is damaged, or was changed: its check sum is wrong; run its cases again in "
+        "another folder"
+    )
+    assert not (tmp_path / "t.h5").exists()
 
 
 @pytest.mark.parametrize("copy", [False, True], ids=["virtual", "copied"])
