@@ -71,6 +71,18 @@ parameters: [{path: x, from: -1, to: -100, number: 3, scale: log}]
     np.testing.assert_allclose(got["x"], [-1, -10, -100], rtol=1e-15)
 
 
+def test_draws_from_a_logarithmic_range_below_0_are_those_above_it_with_their_sign(sampled):
+    below, above = (
+        sampled(f"""
+method: latin_hypercube
+samples: 16
+parameters: [{{path: x, from: {begin}, to: {end}, scale: log}}]
+""")["x"]
+        for begin, end in ((-1, -100), (1, 100))
+    )
+    np.testing.assert_array_equal(below, -above)
+
+
 @pytest.mark.parametrize("method", ["latin_hypercube", "sobol"])
 def test_a_sample_has_one_value_in_each_layer_of_each_parameter(sampled, method):
     got = sampled(f"""
