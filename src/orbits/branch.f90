@@ -102,7 +102,7 @@ contains
       type(branch_point), allocatable :: special(:)
       type(orbit_t) :: last ! of the points
       type(branch_point) :: next
-      real(wp), parameter :: crawling = 1.0e-3_wp !! step over the largest that is no progress
+      real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
       logical :: at_end, closes
       integer :: i
@@ -110,7 +110,7 @@ contains
       allocate (points(0))
       call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, status)
       if (has_failed(status)) return
-      walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%largest_step)
+      walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%first_step)
       if (walk%crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
                                                quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
       if (has_failed(status)) return
