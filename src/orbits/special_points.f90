@@ -11,7 +11,7 @@ module evl_special_points
    use evl_kinds, only: wp
    use evl_multipliers, only: product_over_minus_one, product_over_one, product_over_pairs
    use evl_orbit_model, only: orbit_model
-   use evl_shooting, only: correct_orbit, find_tangent, orbit_options, orbit_t, own_multipliers
+   use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, own_multipliers
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
    private
@@ -135,6 +135,12 @@ contains
          call orbit_on_curve(model, options, curve, first, at, point%orbit)
          call clear(refusal)
          call correct_orbit(model, options, point%orbit, refusal, first%tangent)
+         if (has_failed(refusal)) then ! between two orbits with a corner between them the cubic may foresee worse than the tangent
+            point%orbit = first
+            call move_orbit(model, options, point%orbit, at*first%tangent)
+            call clear(refusal)
+            call correct_orbit(model, options, point%orbit, refusal, first%tangent)
+         end if
          if (.not. has_failed(refusal) .and. kind == kind_fold) &
             call find_tangent(model, options, point%orbit, first%tangent, refusal)
          if (has_failed(refusal)) return
