@@ -55,7 +55,7 @@ module evl_capi_orbits
       procedure :: take
    end type callers_family
 
-   !> evl_orbits_walk
+   !> evl_orbits_progress
    type, bind(c) :: c_walk
       real(c_double) :: step
       integer(c_int) :: crawls, n_ordinary, before, is_smooth

@@ -148,6 +148,7 @@ def test_a_shaft_that_carries_what_loads_no_longer_do_keeps_the_torque_balance(f
         shaft_torque=(("time", "shaft"), sense * torque[:, None]),
         shaft_wheel_first=("shaft", [0]),
         shaft_wheel_second=("shaft", [1]),
+        rigid_shaft=("shaft", [0]),
     )
     verdict = _verdict(history, "torque balance")
     if sense > 0:

@@ -72,7 +72,8 @@ def test_stopped_at_any_time_it_goes_on_with_the_same_bits(
 def test_what_was_kept_of_other_orbits_is_refused(evolvent, executable, tmp_path: Path) -> None:
     """Another range, another case; motions over the same range; then it goes on all the same."""
     case, result = write_rectangular(tmp_path), tmp_path / "o.h5"
-    words = command(executable, case, BUSY, result)
+    long = ("--values", "8001")  # it takes some seconds
+    words = [*command(executable, case, BUSY, result), *long]
     kept = tmp_path / "o.h5.parts" / "checkpoint.h5"
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
         wait_for(kept.exists)
@@ -81,7 +82,8 @@ def test_what_was_kept_of_other_orbits_is_refused(evolvent, executable, tmp_path
     before = kept.read_bytes()
     narrow = f"{SPEED}={-1.2 * UNIT!r}:{-2.0 * UNIT!r}"
     for other in (
-        command(executable, case, narrow, result),
+        [*command(executable, case, narrow, result), *long],
+        [*words[:-1], "8000"],
         [*words, "--set", "meshes.ab.damping.value=0.04"],
         [*words, "--periods", "1000"],
         ["-", "respond", case, "--over", f"{BUSY}:5", "-q", "-o", result],
