@@ -380,7 +380,7 @@ def test_where_outputs_show_a_missed_event_the_run_begins_anew_at_its_checkpoint
     same words means that the run was put back where the checkpoint was.
     """
     words: list[str | Path] = ["run", examples / "paper-friction.yaml", "-q"]
-    for given in ("tracking=closed_form", "integrator=radau", "duration=20"):
+    for given in ("tracking=closed_form", "integrator=radau", "duration=400"):
         words += ["--set", f"{'meshes.0' if 'tracking' in given else 'simulation'}.{given}"]
     assert evolvent(*words, "-o", "plain.h5").returncode == 0
     assert evolvent(*words, "-o", "a.h5", "--max-time", "0.0005").returncode == 75
