@@ -36,7 +36,7 @@ void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
 {
     const model_facts *about = model_about(model);
     *nodes = (step_nodes){.model = model, .n = about->dae.stepper != NULL ? 8 : 3};
-    nodes->n_samples = 4 * nodes->n + 1;
+    nodes->n_samples = 4 * nodes->n + 1; /* at most STEP_NODES_SAMPLES */
     nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->before = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->y = pool_calloc(pool, (size_t)nodes->n * (size_t)about->dae.n, sizeof(double));
@@ -134,27 +134,24 @@ double step_nodes_end(const step_nodes *nodes, const double *values)
 
 double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
 {
-    double best = -INFINITY, before = 0, after = 0, last = 0;
+    double at[STEP_NODES_SAMPLES] = {0};
+    const int last = nodes->n_samples - 1;
     int place = 0;
-    for (int i = 0; i < nodes->n_samples; i++) {
+    for (int i = 0; i <= last; i++) {
         double here = 0;
         for (int k = 0; k < nodes->n; k++) {
             here += nodes->samples[i * nodes->n + k] * values[k];
         }
-        here *= sense;
-        after = i == place + 1 ? here : after;
-        if (here > best) {
-            best = here;
-            place = i;
-            before = last;
-        }
-        last = here;
+        at[i] = sense * here;
+        place = at[i] > at[place] ? i : place;
     }
-    const double bend = before - 2 * best + after;
-    if (place == 0 || place == nodes->n_samples - 1 || !(bend < 0)) {
-        return best;
+    /* it may lie between the first two, or the last two: the next step begins behind it */
+    const int middle = place == 0 ? 1 : place == last ? last - 1 : place;
+    const double bend = at[middle - 1] - 2 * at[middle] + at[middle + 1];
+    if (!(bend < 0)) {
+        return at[place];
     }
-    const double step = 2.0 / (nodes->n_samples - 1);
-    const double top = sample_place(nodes, place) + 0.5 * step * (before - after) / bend;
-    return fmax(best, sense * value_at(nodes, values, top));
+    const double step = 2.0 / last;
+    const double top = sample_place(nodes, middle) + 0.5 * step * (at[middle - 1] - at[middle + 1]) / bend;
+    return top > -1 && top < 1 ? fmax(at[place], sense * value_at(nodes, values, top)) : at[place];
 }

@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-enum { STEP_NODES_MOST = 8 };
+enum { STEP_NODES_MOST = 8, STEP_NODES_SAMPLES = 4 * STEP_NODES_MOST + 1 };
 
 typedef struct {
     const model *model;

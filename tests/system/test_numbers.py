@@ -164,6 +164,23 @@ def test_backlash_oscillator_has_the_deviation_of_an_independent_program(
     assert number(run, "share_coast_flanks") == 0
 
 
+@pytest.mark.parametrize("omega", np.linspace(0.2, 0.45, 16).tolist())
+def test_extremes_of_one_period_are_those_of_the_linear_oscillator(runs, omega):
+    """Closed form, flanks always pressed; wherever in a step of the integration a peak lies."""
+    case = oscillator(omega, -1e-5)
+    period = 2 * math.pi / (omega * math.sqrt(CONTACT / MASS))
+    case["simulation"].update(duration=60.3 * period, numbers={"from": 58.6 * period})
+    run = runs(case)
+    assert run.exit_code == 0, run.messages
+    assert int(run.history["window_periods"]) == 1
+    swing = 0.05 * HALF_GAP / math.hypot(1 - omega**2, 2 * 0.05 * omega)
+    mean = number(run, "transmission_error_mean")
+    assert abs(mean) == pytest.approx(0.1 * HALF_GAP, rel=1e-8)
+    for which, sense in (("max", 1), ("min", -1)):
+        extreme = number(run, f"transmission_error_{which}")
+        assert extreme == pytest.approx(mean + sense * swing, abs=1e-7 * swing), which
+
+
 # ---- quadrature elsewhere ----
 
 FINE = (
