@@ -95,7 +95,7 @@ void run_history_watch(run_history *self)
     if (asked->is_given) {
         bool all[N_NUMBER_ROWS];
         memset(all, true, sizeof all);
-        const number_window window = {asked->from, asked->to, asked->mesh, asked->wheel};
+        const number_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
         self->numbers = numbers_create(model, &window, all);
     }
     self->extremes = extremes_create(model, description->n_meshes, -INFINITY, INFINITY);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_EVENTS = 4096, MOST_MOVES = 32 };
+enum { FEW_EVENTS = 64, MOST_EVENTS = 4096, MOST_MOVES = 32 };
 static const double near = 1e-6; /* pitches */
 
 static double pitch_time(const section *s)
@@ -37,8 +37,10 @@ void section_begin(section *s, memory_pool *pool, const model *model, const mode
                    .here = NAN,
                    .event = NAN,
                    .room = dae_state_create(&model_about(model)->dae, pool)};
-    s->now = pool_calloc(pool, MOST_EVENTS, sizeof *s->now);
-    s->before = pool_calloc(pool, MOST_EVENTS, sizeof *s->before);
+    s->pool = pool;
+    s->n_room = FEW_EVENTS;
+    s->now = pool_calloc(pool, FEW_EVENTS, sizeof *s->now);
+    s->before = pool_calloc(pool, FEW_EVENTS, sizeof *s->before);
     aim(s, section_place(s, state));
 }
 
@@ -101,7 +103,13 @@ void section_event(section *s, const event_record *record)
 {
     const double length = s->period.pitches;
     s->event = section_place(s, record->before);
-    if (s->n_now < MOST_EVENTS) {
+    if (s->n_now == s->n_room && s->n_room < MOST_EVENTS) {
+        const size_t n = (size_t)s->n_room;
+        s->n_room *= 4;
+        s->now = pool_grow(s->pool, s->now, n, (size_t)s->n_room, sizeof *s->now);
+        s->before = pool_grow(s->pool, s->before, n, (size_t)s->n_room, sizeof *s->before);
+    }
+    if (s->n_now < s->n_room) {
         s->now[s->n_now++] = s->event - length * floor(s->event / length);
     }
     look(s);

@@ -11,16 +11,18 @@
 typedef struct {
     const model *model;
     model_period period;
-    int position_of;     /**< the pitches of the first mesh */
-    double phase;        /**< place of the section, from 0 to period.pitches [pitches] */
-    double target;       /**< of the next section, a place that grows from period to period */
-    double here;         /**< of the last one; NAN: none yet */
-    double event;        /**< place of the last event; NAN: none yet */
-    bool is_crossed;     /**< an event came too near */
-    int n_moves;         /**< how often it went out of the way */
-    dae_state room;      /**< whose arrays belong to a pool */
+    int position_of; /**< the pitches of the first mesh */
+    double phase;    /**< place of the section, from 0 to period.pitches [pitches] */
+    double target;   /**< of the next section, a place that grows from period to period */
+    double here;     /**< of the last one; NAN: none yet */
+    double event;    /**< place of the last event; NAN: none yet */
+    bool is_crossed; /**< an event came too near */
+    int n_moves;     /**< how often it went out of the way */
+    memory_pool *pool;
+    dae_state room;      /**< whose arrays belong to it */
     int n_now, n_before; /**< events of this period and of the one before, as many as there is room for */
-    double *now, *before;
+    int n_room;
+    double *now, *before; /**< [n_room] */
 } section;
 
 /** Where motions have to come from a start: a place in the period at which most cases have no event. */

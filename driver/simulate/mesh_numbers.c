@@ -161,36 +161,36 @@ void mesh_numbers_complete(mesh_numbers *mesh)
 
 /* ---- results ---- */
 
-static void put(const model_output *rows, double *values, number_of_contact what, int mesh, double value)
+static void put(const int *offsets, double *values, number_of_contact what, int mesh, double value)
 {
-    values[rows[number_row_of_contact(what)].offset + mesh] = value;
+    values[offsets[number_row_of_contact(what)] + mesh] = value;
 }
 
 void mesh_numbers_conclude(const mesh_numbers *mesh, int m, const mesh_places *places, const model *model,
-                           const bool *taken, const model_output *rows, double *values)
+                           const bool *taken, const int *offsets, double *values)
 {
     const mesh_sums *sums = &mesh->total;
     for (int i = 0; i <= NUMBER_COAST; i++) {
         const bool is_known = is_asked(places, i == NUMBER_COAST ? AT_COAST : AT_PAIRS);
-        put(rows, values, (number_of_contact)i, m,
+        put(offsets, values, (number_of_contact)i, m,
             is_known            ? sums->shares[i] / sums->time
             : i == NUMBER_COAST ? 0
                                 : NAN);
     }
     if (is_asked(places, AT_PAIR_FORCE)) {
-        put(rows, values, NUMBER_PAIR_FORCE, m, sums->pair_force);
+        put(offsets, values, NUMBER_PAIR_FORCE, m, sums->pair_force);
     }
     if (takes(taken, NUMBER_PAIR_DYNAMIC, NUMBER_PAIR_DYNAMIC)) {
         const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
         const double margin = 2; /* coast flanks have an own start of contact, and a loaded mesh lags */
         const double at_rest = model_static_pair_force(model, m, sums->first - margin, sums->last + margin, mean);
-        put(rows, values, NUMBER_PAIR_DYNAMIC, m, sums->pair_force / at_rest);
+        put(offsets, values, NUMBER_PAIR_DYNAMIC, m, sums->pair_force / at_rest);
     }
-    put(rows, values, NUMBER_IMPACTS, m, (double)sums->impacts);
-    put(rows, values, NUMBER_IMPACT_SPEED, m, sums->impact_speed);
-    put(rows, values, NUMBER_IMPACT_ENERGY, m, sums->impact_energy);
+    put(offsets, values, NUMBER_IMPACTS, m, (double)sums->impacts);
+    put(offsets, values, NUMBER_IMPACT_SPEED, m, sums->impact_speed);
+    put(offsets, values, NUMBER_IMPACT_ENERGY, m, sums->impact_energy);
     if (is_asked(places, AT_TORQUE)) {
-        put(rows, values, NUMBER_ENERGY, m, sums->energy);
-        put(rows, values, NUMBER_RATTLE, m, sums->energy > 0 ? sums->impact_energy / sums->energy : NAN);
+        put(offsets, values, NUMBER_ENERGY, m, sums->energy);
+        put(offsets, values, NUMBER_RATTLE, m, sums->energy > 0 ? sums->impact_energy / sums->energy : NAN);
     }
 }

@@ -41,6 +41,6 @@ void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places 
 /** Flanks meet, at a speed [m/s], where no pair touched. */
 void mesh_numbers_impact(mesh_numbers *mesh, double t, double speed);
 void mesh_numbers_complete(mesh_numbers *mesh);
-/** @param values  as number_rows_place places the rows */
+/** @param values  as number_rows_offsets has the rows */
 void mesh_numbers_conclude(const mesh_numbers *mesh, int m, const mesh_places *places, const model *model,
-                           const bool *taken, const model_output *rows, double *values);
+                           const bool *taken, const int *offsets, double *values);

@@ -71,27 +71,39 @@ const name_list *number_row_elements(const model_output *row, const model_names 
     return elements_of(row->dims, names);
 }
 
-static int count_of(const char *dims, const model_names *names)
+static bool is_harmonic(int k)
 {
-    return elements_of(dims, names)->n * (words_contain(dims, "axis") ? 2 : 1) *
-           (words_contain(dims, "harmonic") ? NUMBER_HARMONICS : 1);
+    return k == TELLS_AMPLITUDE || k == TELLS_PHASE;
+}
+
+int number_rows_offsets(const model_names *names, int offsets[N_NUMBER_ROWS])
+{
+    int n = 0;
+    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+        const bool is_of_contact = i >= number_row_of_contact((number_of_contact)0);
+        const char *dims = is_of_contact ? "mesh" : quantities[i / N_TELLS].dims;
+        offsets[i] = n;
+        n += elements_of(dims, names)->n * (words_contain(dims, "axis") ? 2 : 1) *
+             (!is_of_contact && is_harmonic(i % N_TELLS) ? NUMBER_HARMONICS : 1);
+    }
+    return n;
 }
 
 static model_output row_of_quantity(memory_pool *pool, int quantity, int k)
 {
-    const bool is_harmonic = k == TELLS_AMPLITUDE || k == TELLS_PHASE;
     return (model_output){.name = pool_printf(pool, "%s_%s", quantities[quantity].name, tells[k].name),
                           .units = tells[k].units == NULL ? quantities[quantity].units : tells[k].units,
                           .symbol = "",
                           .long_name = pool_printf(pool, "%s %s", tells[k].text, quantities[quantity].text),
-                          .dims = is_harmonic ? pool_printf(pool, "%s harmonic", quantities[quantity].dims)
-                                              : quantities[quantity].dims,
+                          .dims = is_harmonic(k) ? pool_printf(pool, "%s harmonic", quantities[quantity].dims)
+                                                 : quantities[quantity].dims,
                           .is_static = true};
 }
 
 int number_rows_place(memory_pool *pool, const model_names *names, model_output *rows)
 {
-    int n = 0;
+    int offsets[N_NUMBER_ROWS];
+    const int n = number_rows_offsets(names, offsets);
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
         for (int k = 0; k < N_TELLS; k++) {
             rows[number_row(quantity, (number_tells)k)] = row_of_quantity(pool, quantity, k);
@@ -106,9 +118,8 @@ int number_rows_place(memory_pool *pool, const model_names *names, model_output 
                                                                            .is_static = true};
     }
     for (int i = 0; i < N_NUMBER_ROWS; i++) {
-        rows[i].offset = n;
-        rows[i].count = count_of(rows[i].dims, names);
-        n += rows[i].count;
+        rows[i].offset = offsets[i];
+        rows[i].count = (i + 1 < N_NUMBER_ROWS ? offsets[i + 1] : n) - offsets[i];
     }
     return n;
 }

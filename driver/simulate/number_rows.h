@@ -54,6 +54,8 @@ static inline int number_row_of_contact(number_of_contact what)
 
 /** The output that a quantity is. */
 const char *number_quantity(int quantity);
+/** Where the first value of each row stands. @return values of all */
+int number_rows_offsets(const model_names *names, int offsets[N_NUMBER_ROWS]);
 /** The rows for what has these names, with places in an array of all numbers. Texts are in the pool.
  *  @param rows  [N_NUMBER_ROWS] @return the length of the array */
 int number_rows_place(memory_pool *pool, const model_names *names, model_output *rows);

@@ -343,7 +343,7 @@ void numbers_watch(numbers *self, const integrate_step *step)
     }
     if (!(self->position > -INFINITY)) {
         self->first_seen = self->position = here;
-        self->next = ceil(here - rounding);
+        self->next = self->window.begins + ceil(here - self->window.begins - rounding);
         if (self->next <= here) {
             pass_border(self, t);
         }
@@ -384,7 +384,7 @@ number_span numbers_span(const numbers *self)
                          self->position > -INFINITY ? self->position - self->first_seen : 0};
 }
 
-static void conclude_channel(const numbers *self, const channel *one, const model_output *rows, double *values)
+static void conclude_channel(const numbers *self, const channel *one, const int *offsets, double *values)
 {
     channel_numbers told = {0};
     const mesh_sums *mesh = &self->meshes[one->mesh].total;
@@ -397,23 +397,22 @@ static void conclude_channel(const numbers *self, const channel *one, const mode
                               [TELLS_HIGH] = told.high,   [TELLS_LOW] = told.low,
                               [TELLS_CREST] = told.crest, [TELLS_KURTOSIS] = told.kurtosis};
     for (int i = 0; i < TELLS_AMPLITUDE; i++) {
-        values[rows[one->row + i].offset + one->element] = numbers[i];
+        values[offsets[one->row + i] + one->element] = numbers[i];
     }
     for (int n = 0; n < NUMBER_HARMONICS; n++) {
         const int place = one->element * NUMBER_HARMONICS + n;
-        values[rows[one->row + TELLS_AMPLITUDE].offset + place] = told.amplitude[n];
-        values[rows[one->row + TELLS_PHASE].offset + place] = told.phase[n];
+        values[offsets[one->row + TELLS_AMPLITUDE] + place] = told.amplitude[n];
+        values[offsets[one->row + TELLS_PHASE] + place] = told.phase[n];
     }
     if (is_force) {
-        values[rows[number_row_of_contact(NUMBER_DYNAMIC)].offset + one->element] = told.high / told.mean;
+        values[offsets[number_row_of_contact(NUMBER_DYNAMIC)] + one->element] = told.high / told.mean;
     }
 }
 
 void numbers_conclude(const numbers *self, double *values)
 {
-    POOLED memory_pool pool = {NULL};
-    model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&pool, &model_about(self->model)->names, rows);
+    int offsets[N_NUMBER_ROWS];
+    const int n = number_rows_offsets(&model_about(self->model)->names, offsets);
     for (int i = 0; i < n; i++) {
         values[i] = NAN;
     }
@@ -421,10 +420,10 @@ void numbers_conclude(const numbers *self, double *values)
         return;
     }
     for (int i = 0; i < self->n_channels; i++) {
-        conclude_channel(self, &self->channels[i], rows, values);
+        conclude_channel(self, &self->channels[i], offsets, values);
     }
     for (int m = 0; m < self->n_meshes; m++) {
-        mesh_numbers_conclude(&self->meshes[m], m, &self->places, self->model, self->taken, rows, values);
+        mesh_numbers_conclude(&self->meshes[m], m, &self->places, self->model, self->taken, offsets, values);
     }
 }
 

@@ -11,6 +11,7 @@ typedef struct {
     double from, to; /**< [s] */
     int mesh;  /**< a period is a pitch of this mesh, counted from where its tooth pair 0 is at the start of contact */
     int wheel; /**< or, if it is not -1, a turn of this wheel from its start */
+    double begins; /**< where in it a period begins, in 0 .. 1 */
 } number_window;
 
 typedef struct numbers numbers;

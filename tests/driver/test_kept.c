@@ -145,7 +145,7 @@ static void listen(const prepared_case *prepared, long every, archive *from, lis
     if (asked->is_given) {
         bool all[N_NUMBER_ROWS];
         memset(all, true, sizeof all);
-        const number_window window = {asked->from, asked->to, asked->mesh, asked->wheel};
+        const number_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
         l->numbers = numbers_create(prepared->model, &window, all);
     }
     const simulate_sink sink = {.self = l,
