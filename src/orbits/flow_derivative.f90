@@ -13,11 +13,11 @@
 !> ch. 7 (saltation matrix); H. G. Bock, 1981 (internal differentiation).
 module evl_flow_derivative
    use evl_kinds, only: lanes, wp
-   use evl_lapack, only: dgesv
    use evl_orbit_model, only: must_repeat, orbit_model
    use evl_places, only: places
    use evl_radau, only: radau_interpolate_lanes, radau_t
    use evl_radau_coefficients, only: integral_to_node, n_stages, node, to_chebyshev
+   use evl_small_system, only: solve_small
    use evl_status, only: code_no_solution, code_singular, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
@@ -81,9 +81,9 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: times(lanes), states(lanes, model%n), y(model%n), entries(size(model%jacobian_row))
       real(wp) :: matrix(n_stages*size(moving), n_stages*size(moving)), z(n_stages*size(moving), size(kept)), factor
-      integer :: pivots(n_stages*size(moving)), place(model%n)
-      logical :: counts(model%n)
-      integer :: i, j, k, l, n, info, row, column
+      integer :: place(model%n)
+      logical :: counts(model%n), good
+      integer :: i, j, k, l, n, row, column
 
       n = size(moving)
       error = 0
@@ -117,8 +117,8 @@ contains
       do i = 1, n_stages*n
          matrix(i, i) = matrix(i, i) + 1
       end do
-      call dgesv(n_stages*n, size(kept), matrix, n_stages*n, pivots, z, n_stages*n, info)
-      if (info /= 0) then
+      call solve_small(matrix, z, good)
+      if (.not. good) then
          call fail(status, code_singular, "the variational equations have no solution at time "//quantity(t, ""))
          return
       end if
