@@ -7,7 +7,7 @@
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 5.3, 7.4; R. I. Leine, H. Nijmeijer, Dynamics and
 !> Bifurcations of Non-Smooth Mechanical Systems, ch. 8 and 9 (jumps of multipliers).
 module evl_special_points
-   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve
+   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, way_to
    use evl_kinds, only: wp
    use evl_multipliers, only: product_over_minus_one, product_over_one, product_over_pairs
    use evl_orbit_model, only: orbit_model
@@ -31,6 +31,7 @@ module evl_special_points
       type(orbit_t) :: orbit
       integer :: kind = kind_ordinary
       integer :: root = 0           !! the root function that touches zero
+      logical :: is_told = .false.  !! an orbit_teller followed it, and there is no derivative
       real(wp) :: way = 0           !! from the last ordinary point, along its tangent, in units of the scales
    end type branch_point
 
@@ -62,6 +63,7 @@ contains
       end do
       do root = 1, model%n_roots
          if (first%flow%crossings(root) == last%flow%crossings(root)) cycle
+         if (is_known(kept(:n), first, last, root)) cycle
          call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, status)
          if (has_failed(status)) return
          if (found) n = n + 1
@@ -100,6 +102,24 @@ contains
       end if
    end function touch_test
 
+   !> Whether a root function touches where another one does, as those of two tooth pairs that share a load: that is one point.
+   pure logical function is_known(points, first, last, root)
+      type(branch_point), intent(in) :: points(:)
+      type(orbit_t), intent(in) :: first, last
+      integer, intent(in) :: root
+      real(wp), parameter :: near = 1.0e-6_wp
+      real(wp) :: at_ends
+      integer :: fewer, i
+
+      is_known = .false.
+      fewer = min(first%flow%crossings(root), last%flow%crossings(root))
+      at_ends = min(abs(touch_test(first, root, fewer)), abs(touch_test(last, root, fewer)))
+      do i = 1, size(points)
+         if (points(i)%kind == kind_touch) &
+            is_known = is_known .or. abs(touch_test(points(i)%orbit, root, fewer)) <= near*at_ends
+      end do
+   end function is_known
+
    !> One special point, by false position with halving (Illinois).
    subroutine locate(model, options, first, last, way, kind, root, point, found, status)
       class(orbit_model), intent(inout) :: model
@@ -112,8 +132,9 @@ contains
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
-      real(wp) :: a, b, at_a, at_b, at, value
+      real(wp) :: a, b, at_a, at_b, at, value, share, lack_a(model%n + 2), lack_b(model%n + 2)
       type(curve_t) :: curve
+      type(orbit_t) :: foreseen
       type(status_t) :: refusal
       integer :: fewer, side, turn
 
@@ -127,12 +148,17 @@ contains
       at_b = ask(last)
       if (max(abs(at_a), abs(at_b)) > huge(1.0_wp)/2) return ! only ever crossed, or never near: it came with another one
       side = 0
+      lack_a = 0 ! what the curve lacks there
+      lack_b = 0
       do turn = 1, most_turns
          if (b - a <= accuracy*min(1.0_wp, way)) exit
          at = b - at_b*((b - a)/(at_b - at_a))
          if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
          at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
-         call orbit_on_curve(model, options, curve, first, at, point%orbit)
+         call orbit_on_curve(model, options, curve, first, at, foreseen)
+         share = (at - a)/(b - a)
+         point%orbit = foreseen
+         call move_orbit(model, options, point%orbit, lack_a + share*(lack_b - lack_a))
          call clear(refusal)
          call correct_orbit(model, options, point%orbit, refusal, first%tangent)
          if (has_failed(refusal)) then ! between two orbits with a corner between them the cubic may foresee worse than the tangent
@@ -150,11 +176,13 @@ contains
          if (value*at_a > 0) then
             a = at
             at_a = value
+            lack_a = way_to(model, options, foreseen, point%orbit)
             if (side == -1) at_b = at_b/2
             side = -1
          else
             b = at
             at_b = value
+            lack_b = way_to(model, options, foreseen, point%orbit)
             if (side == 1) at_a = at_a/2
             side = 1
          end if
