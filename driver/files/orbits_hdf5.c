@@ -45,7 +45,7 @@ static double tell_time(const orbit_point *point)
 
 static double tell_stable(const orbit_point *point)
 {
-    return point->orbit.largest < 1;
+    return point->orbit.is_stable;
 }
 
 static double tell_kind(const orbit_point *point)

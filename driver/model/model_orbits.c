@@ -29,6 +29,15 @@ static int take(void *self, double value, const evl_gearbox **gearbox, const dou
     return EVL_OK;
 }
 
+static int tell(void *self, int number, int periods, double *period, double t, double *y, int *integers, double *reals,
+                evl_status *status)
+{
+    model_orbits *o = self;
+    dae_state state = {.t = t, .y = y, .integers = integers, .reals = reals};
+    (void)status; /* why it does not come round is of no interest: then it is found as others are */
+    return o->setup.tell(o->setup.self, number - 1, periods, period, &state) ? EVL_OK : EVL_NO_SOLUTION;
+}
+
 /** Whether a call succeeded; what its caller said itself is told in full. */
 static bool answered(const model_orbits *o, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
@@ -46,6 +55,7 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
     const evl_orbits_setup to_kernel = {
         .self = o,
         .take = take,
+        .tell = setup->tell != NULL ? tell : NULL,
         .from = setup->from,
         .to = setup->to,
         .place = setup->place,
@@ -53,8 +63,8 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
         .residual = residual,
         .first_step = 0.02,
         .smallest_step = 1e-7,
-        .largest_step = 0.5,
-        .largest_change = 0.2,
+        .largest_step = 4,
+        .largest_change = 0.1,
         .most_points = 2000,
         .n_values = setup->n_values,
         .values = setup->values,
@@ -84,12 +94,13 @@ static void from_kernel(const evl_orbit *told, model_orbit *orbit)
     *orbit = (model_orbit){.parameter = told->parameter,
                            .time = told->period,
                            .residual = told->residual,
-                           .largest = told->largest,
                            .periods = told->periods,
                            .kind = told->kind,
                            .mesh = told->mesh,
                            .iterations = told->iterations,
-                           .n_multipliers = told->n_multipliers};
+                           .n_multipliers = told->n_multipliers,
+                           .is_stable = told->is_stable,
+                           .is_told = told->is_told};
     memcpy(orbit->root, told->root, sizeof orbit->root);
 }
 

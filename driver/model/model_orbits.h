@@ -18,12 +18,13 @@ typedef struct {
     double parameter;
     double time;     /**< until it repeats [s] */
     double residual; /**< what is left after a period, in units of the states */
-    double largest;  /**< size of the largest multiplier */
     int periods;     /**< common periods until it repeats */
     int kind;        /**< model_orbit_kind */
     int mesh;        /**< where flanks just touch; -1: nowhere */
     int iterations;
-    int n_multipliers;
+    int n_multipliers; /**< 0 of one that was told: it is as stable as its neighbours are */
+    bool is_stable;
+    bool is_told;                /**< by `tell` */
     char root[MODEL_ORBIT_ROOT]; /**< what just touches there */
 } model_orbit;
 
@@ -31,6 +32,11 @@ typedef struct {
     void *self;
     /** The model with a value of the parameter, until the next call; NULL with the reason in `message`. */
     const model *(*take)(void *self, double value, char message[DAE_MESSAGE_LENGTH]);
+    /** Follow an orbit of that model once round for its numbers, and keep these under a number, in place of what was kept there: it counts
+     *  the points that a call of model_orbits_advance adds, from 0.
+     *  @param time   until it repeats [s]; where no speed is prescribed it becomes what it took
+     *  @param state  on the section; becomes that at the end, taken back to the period where it began. @return whether it came round */
+    bool (*tell)(void *self, int number, int periods, double *time, dae_state *state);
     double from, to; /**< range of the parameter */
     double place;    /**< of the section where a speed is prescribed [pitches of the first mesh after t = 0] */
     int n_values;

@@ -22,6 +22,27 @@ static const model *take(void *self, double value, char message[DAE_MESSAGE_LENG
     return o->prepared.model;
 }
 
+/** The numbers of what is to be an orbit, for the kernel, which sees where it came. */
+static bool tell(void *self, int number, int periods, double *time, dae_state *state)
+{
+    branches *o = self;
+    char message[DAE_MESSAGE_LENGTH];
+    if (number >= o->n_told) {
+        o->told = pool_grow(&o->pool, o->told, (size_t)o->n_told, (size_t)number + 1, sizeof *o->told);
+        for (; o->n_told <= number; o->n_told++) {
+            o->told[o->n_told] = NULL;
+        }
+    }
+    if (o->told[number] == NULL) {
+        o->told[number] = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof(double));
+    }
+    const double began = state->t;
+    const bool good = orbit_tell(&o->prepared, &o->period, state, periods, *time / periods, o->sweep->interrupt, state,
+                                 o->told[number], message) == ORBIT_FOUND;
+    *time = o->period.by_time ? *time : state->t - began;
+    return good;
+}
+
 /** Which of the values that are asked for a parameter is, bit for bit; -1: none. */
 static int place_among(const branches *o, double parameter)
 {
@@ -57,7 +78,7 @@ static double *find_numbers(branches *o, int number, int point, const model_orbi
     double *values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof *values);
     const bool good = model_orbits_state(o->orbits, number, point, &state, message) &&
                       orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit),
-                                 o->sweep->interrupt, values, message) == ORBIT_FOUND;
+                                 o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
     dae_state_free(&state);
     return good ? values : NULL;
 }
@@ -122,7 +143,7 @@ static void take_points(branches *o, int n)
         *kept = pool_calloc(&o->pool, (size_t)o->n_kept, sizeof **kept);
         model_orbits_keep(o->orbits, number, k, *kept);
         point->at_value = place_among(o, point->orbit.parameter);
-        point->values = find_numbers(o, number, k, &point->orbit, why);
+        point->values = point->orbit.is_told ? o->told[k - branch->n] : find_numbers(o, number, k, &point->orbit, why);
         if (point->values == NULL && *o->sweep->interrupt == 0) {
             note_problem(o, point->orbit.parameter, why);
         }
@@ -149,6 +170,7 @@ static void go_on(branches *o)
     char message[DAE_MESSAGE_LENGTH] = "";
     bool is_over = false;
     int n = 0;
+    o->n_told = 0;
     const bool good = model_orbits_advance(o->orbits, &n, &is_over, message);
     if (*o->sweep->interrupt != 0) {
         return;
@@ -237,6 +259,7 @@ static bool create_orbits(branches *o, double value, evl_error *error)
     }
     const model_orbits_setup setup = {.self = o,
                                       .take = take,
+                                      .tell = tell,
                                       .from = range->from,
                                       .to = range->to,
                                       .place = o->place,

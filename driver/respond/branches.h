@@ -16,6 +16,8 @@ typedef struct {
     model_period period;    /**< of that */
     int longest;            /**< common periods of an orbit at most */
     double *values;         /**< [n_values] */
+    int n_told;             /**< orbits that the kernel let be told in the last step of a branch; their */
+    double **told;          /**< [n_told] numbers */
     /* what is kept */
     int value;                      /**< place in the range, from which branches are sought now */
     int task;                       /**< branches_task */

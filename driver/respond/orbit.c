@@ -112,9 +112,9 @@ static void open_window(search *s, int n, double pitch)
         taken[i] = true;
     }
     const double place = s->dae->position(s->dae->self, s->section.position_of, &s->at);
-    const double rest = 1 - (place - floor(place)); /* to where the window begins */
-    s->t_stop = s->at.t + (rest + n * (double)s->section.period.pitches + 0.5) * pitch;
-    const number_window window = {.from = s->at.t, .to = s->t_stop, .mesh = 0, .wheel = -1};
+    s->t_stop = s->at.t + (n * (double)s->section.period.pitches + 0.5) * pitch;
+    const number_window window = {
+        .from = s->at.t, .to = s->t_stop, .mesh = 0, .wheel = -1, .begins = place - floor(place)};
     s->numbers = numbers_create(s->prepared->model, &window, taken);
 }
 
@@ -304,11 +304,11 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     return end;
 }
 
-/** Whether a run came back to where it began, after so many common periods. What is grazed may throw it off its orbit. */
-static bool has_come_back(search *s, const dae_state *start, int periods)
+/** Whether a run came back to where it began, after so many common periods; where it did is taken back to there.
+ *  @param near  in units of the states; what is grazed may throw it off its orbit */
+static bool has_come_back(search *s, const dae_state *start, int periods, double near)
 {
-    static const double near = 1e-4; /* in units of the states */
-    enum { OMEGA = 1 };              /* behind the angle, which grows */
+    enum { OMEGA = 1 }; /* behind the angle, which grows */
     if (s->n_seen < periods) {
         return false;
     }
@@ -323,7 +323,7 @@ static bool has_come_back(search *s, const dae_state *start, int periods)
 }
 
 orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
-                     double time, const volatile sig_atomic_t *interrupt, double *values,
+                     double time, const volatile sig_atomic_t *interrupt, dae_state *round, double *values,
                      char message[DAE_MESSAGE_LENGTH])
 {
     static const double tight = 1e-11; /* tolerance: what is unstable leaves its orbit slowly enough */
@@ -361,12 +361,19 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     integrate_counts counts;
     (void)integrate(s->dae, &options, &observer, &now, &counts, message);
     orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
-    if (end == ORBIT_FOUND && !has_come_back(s, &began, periods)) {
+    if (end == ORBIT_FOUND && !has_come_back(s, &began, periods, round != NULL ? INFINITY : 1e-4)) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "a run leaves the orbit: its numbers are left out");
         end = ORBIT_FAILED;
     }
     if (end == ORBIT_FOUND) {
         numbers_conclude(s->numbers, values);
+    }
+    if (end == ORBIT_FOUND && round != NULL) {
+        const dae_state *last = &s->seen[(periods - 1) % KEPT];
+        round->t = last->t;
+        memcpy(round->y, last->y, (size_t)s->dae->n * sizeof *round->y);
+        memcpy(round->integers, last->integers, (size_t)s->dae->n_integers * sizeof *round->integers);
+        memcpy(round->reals, last->reals, (size_t)s->dae->n_reals * sizeof *round->reals);
     }
     numbers_delete(&s->numbers);
     return end;

@@ -71,7 +71,7 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
     for (int i = 0; i < found->n_points; i++) {
         const model_orbit *orbit = &found->points[i].orbit;
         n_ordinary += orbit->kind == MODEL_ORBIT_ORDINARY;
-        n_stable += orbit->kind == MODEL_ORBIT_ORDINARY && orbit->largest < 1;
+        n_stable += orbit->kind == MODEL_ORBIT_ORDINARY && orbit->is_stable;
         if (kinds[orbit->kind][0] != '\0') {
             log_note("branch %d, period %d: %s at %.9g%s%s", found->points[i].branch, orbit->periods,
                      kinds[orbit->kind], orbit->parameter, setup->unit[0] == '\0' ? "" : " ", setup->unit);

@@ -61,6 +61,25 @@ contains
       if (.not. has_failed(status)) call take_modes(self)
    end subroutine settle
 
+   !> A state at which a run of the gearbox came back to the section, as one of this system.
+   module subroutine gearbox_orbits_arrive(self, y_gears, integers, reals, y, same_modes)
+      type(gearbox_orbits), intent(inout) :: self
+      real(wp), intent(in) :: y_gears(:), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: y(self%n)
+      logical, intent(out) :: same_modes
+      integer :: began(size(self%modes))
+
+      began = self%modes
+      call gearbox_orbits_start(self, y_gears, integers(i_turns), reals, y)
+      self%integers = integers
+      self%integers(i_turns) = 0
+      self%reals = 0
+      self%reals(self%memory) = reals(self%memory)
+      call take_modes(self)
+      same_modes = all(self%modes == began)
+   end subroutine gearbox_orbits_arrive
+
    !> Tooth pairs that are as many pitches further take the names of those where the motion began.
    module subroutine come_back(self, periods, y, derivative)
       class(gearbox_orbits), intent(inout) :: self

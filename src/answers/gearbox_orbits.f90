@@ -16,7 +16,8 @@ module evl_gearbox_orbits
    implicit none (type, external)
    private
 
-   public :: gearbox_family, gearbox_orbits, gearbox_orbits_create, gearbox_orbits_state, gearbox_orbits_start, root_place
+   public :: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_create, gearbox_orbits_start, &
+             gearbox_orbits_state, root_place
 
    real(wp), parameter :: weight = 2             !! all states count a little more, as in gearbox_ode
    integer, parameter :: per_contact = 4         !! modes that belong to what must repeat
@@ -75,6 +76,16 @@ module evl_gearbox_orbits
          real(wp), intent(inout) :: y(self%n)
          type(status_t), intent(inout) :: status
       end subroutine settle
+
+      !> A state at which a run of the gearbox came back to the section, as one of this system.
+      module subroutine gearbox_orbits_arrive(self, y_gears, integers, reals, y, same_modes)
+         implicit none (type, external)
+         type(gearbox_orbits), intent(inout) :: self !! in the modes of the state from which the run began
+         real(wp), intent(in) :: y_gears(:), reals(:)
+         integer, intent(in) :: integers(:)
+         real(wp), intent(out) :: y(self%n)
+         logical, intent(out) :: same_modes          !! as those
+      end subroutine gearbox_orbits_arrive
 
       !> Tooth pairs that are as many pitches further take the names of those where the motion began.
       module subroutine come_back(self, periods, y, derivative)

@@ -7,12 +7,13 @@ module evl_capi_orbits
    use evl_branch, only: advance_branch, begin_branch, branch_options, branch_walk, keep_point, switch_at_doubling
    use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_from_c, to_c
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_create, gearbox_orbits_start, &
-                                 gearbox_orbits_state, root_place
+   use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_create, &
+                                 gearbox_orbits_start, gearbox_orbits_state, root_place
    use evl_kinds, only: wp
+   use evl_orbit_teller, only: orbit_teller
    use evl_shooting, only: correct_orbit, find_orbit, orbit_t, own_multipliers
    use evl_special_points, only: branch_point, kind_touch
-   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
+   use evl_status, only: code_no_memory, code_no_solution, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
@@ -23,7 +24,7 @@ module evl_capi_orbits
    !> evl_orbits_setup
    type, bind(c) :: c_setup
       type(c_ptr) :: self
-      type(c_funptr) :: take
+      type(c_funptr) :: take, tell
       real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step, &
                         largest_change
       integer(c_int) :: most_points, n_values
@@ -32,8 +33,9 @@ module evl_capi_orbits
 
    !> evl_orbit
    type, bind(c) :: c_orbit
-      real(c_double) :: parameter, period, residual, largest
+      real(c_double) :: parameter, period, residual
       integer(c_int) :: periods, kind, mesh, iterations, n_multipliers
+      logical(c_bool) :: is_stable, is_told
       character(kind=c_char) :: root(c_name_length)
    end type c_orbit
 
@@ -46,6 +48,18 @@ module evl_capi_orbits
          type(c_ptr), intent(out) :: gearbox, scale
          type(c_status), intent(inout) :: status
       end function c_take
+
+      integer(c_int) function c_tell(self, number, periods, period, t, y, integers, reals, status) bind(c)
+         import :: c_double, c_int, c_ptr, c_status
+         implicit none (type, external)
+         type(c_ptr), value :: self
+         integer(c_int), value :: number, periods
+         real(c_double), intent(inout) :: period
+         real(c_double), value :: t
+         real(c_double), intent(inout) :: y(*), reals(*)
+         integer(c_int), intent(inout) :: integers(*)
+         type(c_status), intent(inout) :: status
+      end function c_tell
    end interface
 
    type, extends(gearbox_family) :: callers_family
@@ -54,6 +68,14 @@ module evl_capi_orbits
    contains
       procedure :: take
    end type callers_family
+
+   type, extends(orbit_teller) :: callers_teller
+      type(c_ptr) :: self = c_null_ptr
+      procedure(c_tell), pointer, nopass :: ask => null()
+      type(gearbox_orbits), pointer :: model => null()
+   contains
+      procedure :: tell => tell_caller
+   end type callers_teller
 
    !> evl_orbits_progress
    type, bind(c) :: c_walk
@@ -71,6 +93,7 @@ module evl_capi_orbits
    !> evl_orbits
    type :: orbits_t
       type(callers_family) :: family
+      type(callers_teller) :: teller
       type(gearbox_orbits) :: model
       type(branch_options) :: options
       type(orbit_t) :: orbit                      !! the last that was found, or switched to
@@ -111,6 +134,31 @@ contains
       scale = of_caller
    end subroutine take
 
+   !> Let the caller follow what is to be an orbit.
+   subroutine tell_caller(self, number, orbit, status)
+      class(callers_teller), intent(inout) :: self
+      integer, intent(in) :: number
+      type(orbit_t), intent(inout) :: orbit
+      type(status_t), intent(inout) :: status
+      type(c_status) :: refusal
+
+      associate (model => self%model, g => self%model%gearbox)
+         block
+            real(c_double) :: y(g%n_states), reals(size(g%contacts))
+            integer(c_int) :: integers(g%n_integers)
+
+            call gearbox_orbits_state(model, orbit%y, y, integers, reals, status)
+            if (has_failed(status)) return
+            if (self%ask(self%self, number, orbit%periods, orbit%period, model%phase, y, integers, reals, refusal) /= code_ok) then
+               call fail(status, code_no_solution, "it could not be told")
+               return
+            end if
+            call gearbox_orbits_arrive(model, y, integers, reals, orbit%flow%y, orbit%flow%same_modes)
+            call model%rhs(model%phase, orbit%flow%y, orbit%flow%rate, status)
+         end block
+      end associate
+   end subroutine tell_caller
+
    type(c_ptr) function evl_orbits_create(setup, value, status) result(handle) bind(c)
       type(c_setup), intent(in) :: setup
       real(c_double), intent(in), value :: value
@@ -129,6 +177,12 @@ contains
       end if
       self%family%self = setup%self
       call c_f_procpointer(setup%take, self%family%ask)
+      if (c_associated(setup%tell)) then
+         self%teller%self = setup%self
+         call c_f_procpointer(setup%tell, self%teller%ask)
+         self%teller%model => self%model
+         self%options%teller => self%teller
+      end if
       associate (o => self%options)
          o%from = min(setup%from, setup%to)
          o%to = max(setup%from, setup%to)
@@ -391,6 +445,7 @@ contains
       associate (at => self%branches(branch + 1)%points(point + 1))
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind
+         orbit%is_told = at%is_told
          if (at%kind == kind_touch) then
             call tell_root(self, at%root, orbit)
          end if
@@ -446,8 +501,7 @@ contains
 
       associate (mu => own_multipliers(self%model, orbit))
          told%n_multipliers = size(mu)
-         told%largest = 0
-         if (size(mu) > 0) told%largest = maxval(abs(mu))
+         told%is_stable = all(abs(mu) < 1)
       end associate
       told%parameter = orbit%parameter
       told%period = orbit%period
@@ -455,6 +509,7 @@ contains
       told%periods = orbit%periods
       told%iterations = orbit%iterations
       told%kind = 0
+      told%is_told = .false.
       told%mesh = -1
       call to_c("", told%root)
    end subroutine tell

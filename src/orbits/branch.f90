@@ -12,6 +12,7 @@ module evl_branch
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd
    use evl_orbit_model, only: orbit_model
+   use evl_orbit_teller, only: orbit_teller
    use evl_places, only: places
    use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
    use evl_special_points, only: branch_point, find_special_points, kind_fold
@@ -31,6 +32,7 @@ module evl_branch
       real(wp) :: largest_change = huge(1.0_wp) !! of the parameter in a step, over its scale
       integer :: most_points = 1000             !! special ones, and those at values, are not counted
       real(wp), allocatable :: values(:)        !! of the parameter, rising, at which there are to be orbits too
+      class(orbit_teller), pointer :: teller => null() !! of these; its numbers count the points that a step adds
    end type branch_options
 
    !> How far the search along a branch has come: all that its next point depends on.
@@ -143,7 +145,8 @@ contains
          type(branch_point), allocatable :: between(:)
 
          if (allocated(options%values)) then
-            call find_orbits_at(model, options%orbits, options%values, last, point%orbit, between)
+            call find_orbits_at(model, options%orbits, options%values, last, point%orbit, options%teller, size(points), &
+                                between)
             points = [points, between]
          end if
          points = [points, point]

@@ -26,8 +26,8 @@ module evl_shooting
    private
 
    public :: orbit_options, orbit_t
-   public :: correct_orbit, correct_with, differentiate_by_parameter, find_orbit, find_tangent, move_orbit, own_multipliers, &
-             scaled_derivative
+   public :: change_of, correct_orbit, correct_with, differentiate_by_parameter, find_orbit, find_tangent, lack_of_round, &
+             move_orbit, own_multipliers, scaled_derivative
 
    !> What the user chooses.
    type :: orbit_options
@@ -110,7 +110,7 @@ contains
          if (has_failed(status)) return
          call linearise(model, options, orbit, phase_row, tangent, matrix)
          change = 0
-         change(:model%n) = merge(-difference(model, orbit)/model%scale, 0.0_wp, orbit%active)
+         change(:model%n) = merge(-lack_of_round(model, orbit)/model%scale, 0.0_wp, orbit%active)
          call solve(matrix, change, status)
          if (has_failed(status)) return
          share = 1
@@ -158,18 +158,33 @@ contains
       real(wp), intent(in) :: derivative(:, :)  !! [n, n] of the flow
       type(orbit_t), intent(inout) :: orbit
       type(status_t), intent(inout) :: status
-      real(wp) :: matrix(model%n + 2, model%n + 2), change(model%n + 2), phase_row(model%n)
+      real(wp) :: change(model%n + 2)
 
       call go_round(model, options, orbit, status, derivative)
+      if (.not. has_failed(status)) call change_of(model, options, orbit, change, status)
+      if (.not. has_failed(status)) call move_orbit(model, options, orbit, change)
+   end subroutine correct_with
+
+   !> The change that one iteration makes at a value of the parameter, of an orbit that was followed round: its flow has an end, a
+   !> rate, and a derivative that is known about.
+   subroutine change_of(model, options, orbit, change, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(inout) :: orbit     !! its `active` and `residual` are found
+      real(wp), intent(out) :: change(:)        !! [n + 2] in units of the scales
+      type(status_t), intent(inout) :: status
+      real(wp) :: matrix(model%n + 2, model%n + 2), phase_row(model%n)
+
+      call find_active(model, orbit)
+      orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
       phase_row = 0
-      if (model%autonomous .and. .not. has_failed(status)) call find_phase_row(model, orbit, phase_row, status)
+      if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
       if (has_failed(status)) return
       call linearise(model, options, orbit, phase_row, matrix=matrix)
       change = 0
-      change(:model%n) = merge(-difference(model, orbit)/model%scale, 0.0_wp, orbit%active)
+      change(:model%n) = merge(-lack_of_round(model, orbit)/model%scale, 0.0_wp, orbit%active)
       call solve(matrix, change, status)
-      if (.not. has_failed(status)) call move_orbit(model, options, orbit, change)
-   end subroutine correct_with
+   end subroutine change_of
 
    !> Change the unknowns of an orbit.
    pure subroutine move_orbit(model, options, orbit, change)
@@ -204,7 +219,7 @@ contains
       if (has_failed(status)) return
       if (present(derivative)) orbit%flow%derivative = derivative
       call find_active(model, orbit)
-      orbit%residual = maxval(abs(difference(model, orbit))/model%scale, orbit%active)
+      orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
    end subroutine go_round
 
    !> States that have to repeat and are not just at rest, such as a memory that no event of the orbit sets.
@@ -225,14 +240,14 @@ contains
    end subroutine find_active
 
    !> What the state lacks after a period.
-   pure function difference(model, orbit) result(lack)
+   pure function lack_of_round(model, orbit) result(lack)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: orbit
       real(wp) :: lack(model%n)
 
       lack = orbit%flow%y - orbit%y
       if (allocated(model%advance)) lack = lack - orbit%periods*model%advance
-   end function difference
+   end function lack_of_round
 
    !> The flow's direction at the start.
    subroutine find_phase_row(model, orbit, row, status)
@@ -341,7 +356,7 @@ contains
       by = change(model%n + 2)
       if (.not. abs(by) > least*norm2(change)) return
       after%by_parameter = after%by_parameter + &
-                           merge(difference(model, after) - (1 - share)*difference(model, before), 0.0_wp, after%active) &
+                           merge(lack_of_round(model, after) - (1 - share)*lack_of_round(model, before), 0.0_wp, after%active) &
                            /(by*options%parameter_scale)
    end subroutine learn_by_parameter
 

@@ -419,10 +419,19 @@ typedef struct evl_orbits evl_orbits;
  *  @return EVL_OK, or why there is none: any other code, with the reason in `status` */
 typedef int evl_orbits_take(void *self, double value, const evl_gearbox **gearbox, const double **scale,
                             evl_status *status);
+/** Follow the last gearbox that was taken once round, from a state on the section, for what is to be told of an orbit: that run says at
+ *  the same time whether it is one.
+ *  @param number  counts the points that a call of evl_orbits_advance adds, from 1; what was told under it before is not wanted any more
+ *  @param period  how long that is [s]; where no speed is prescribed it becomes what it took
+ *  @param y, integers, reals  become the state at the end, as one of the period where it began
+ *  @return EVL_OK, or any other code if it does not come round */
+typedef int evl_orbits_tell(void *self, int number, int periods, double *period, double t, double *y, int *integers,
+                            double *reals, evl_status *status);
 typedef struct {
-    void *self; /**< for `take` */
+    void *self; /**< for `take` and `tell` */
     evl_orbits_take *take;
-    double from, to; /**< the parameter stays between these; their distance counts as 1 along a branch */
+    evl_orbits_tell *tell; /**< for orbits at `values`; NULL: they are found as others are */
+    double from, to;       /**< the parameter stays between these; their distance counts as 1 along a branch */
     double
         place; /**< of the section, where a speed is prescribed: pitches of the first mesh after t = 0; away from events */
     double tolerance;                               /**< of the integration, in units of the scales */
@@ -447,12 +456,14 @@ typedef struct {
     double parameter;
     double period;   /**< until it repeats [s] */
     double residual; /**< in units of the scales */
-    double largest;  /**< size of the largest multiplier */
     int periods;     /**< common periods until it repeats */
     int kind;        /**< evl_orbit_kind */
     int mesh;        /**< of a touch; else -1 */
     int iterations;  /**< of Newton that it took */
     int n_multipliers;
+    bool is_stable; /**< all multipliers are smaller than 1 */
+    bool
+        is_told; /**< by `tell`, under its number: then it is stable as its neighbours are, and there are no multipliers */
     char root[EVL_SHORT_LENGTH]; /**< of a touch: which root function; else "" */
 } evl_orbit;
 /** @param value  a first value, whose gearbox gives the scales
