@@ -132,9 +132,11 @@ contains
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
-      real(wp) :: a, b, at_a, at_b, at, value, share, lack_a(model%n + 2), lack_b(model%n + 2)
+      integer, parameter :: most_iterations = 8    !! of Newton: from beside the orbit three are many
+      real(wp) :: a, b, at_a, at_b, at, value, enough, share, lack_a(model%n + 2), lack_b(model%n + 2)
       type(curve_t) :: curve
       type(orbit_t) :: foreseen
+      type(orbit_options) :: few
       type(status_t) :: refusal
       integer :: fewer, side, turn
 
@@ -147,6 +149,9 @@ contains
       at_a = ask(first)
       at_b = ask(last)
       if (max(abs(at_a), abs(at_b)) > huge(1.0_wp)/2) return ! only ever crossed, or never near: it came with another one
+      enough = accuracy*min(1.0_wp, way)/way*abs(at_b - at_a) ! as far from zero as that is near
+      few = options
+      few%most_iterations = most_iterations
       side = 0
       lack_a = 0 ! what the curve lacks there
       lack_b = 0
@@ -154,25 +159,26 @@ contains
          if (b - a <= accuracy*min(1.0_wp, way)) exit
          at = b - at_b*((b - a)/(at_b - at_a))
          if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
+         if (turn == 1 .and. abs(at_a) <= enough) at = a ! it begins there
          at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
          call orbit_on_curve(model, options, curve, first, at, foreseen)
          share = (at - a)/(b - a)
          point%orbit = foreseen
          call move_orbit(model, options, point%orbit, lack_a + share*(lack_b - lack_a))
          call clear(refusal)
-         call correct_orbit(model, options, point%orbit, refusal, first%tangent)
+         call correct_orbit(model, few, point%orbit, refusal, first%tangent)
          if (has_failed(refusal)) then ! between two orbits with a corner between them the cubic may foresee worse than the tangent
             point%orbit = first
             call move_orbit(model, options, point%orbit, at*first%tangent)
             call clear(refusal)
-            call correct_orbit(model, options, point%orbit, refusal, first%tangent)
+            call correct_orbit(model, few, point%orbit, refusal, first%tangent)
          end if
          if (.not. has_failed(refusal) .and. kind == kind_fold) &
             call find_tangent(model, options, point%orbit, first%tangent, refusal)
          if (has_failed(refusal)) return
          point%way = at
          value = ask(point%orbit)
-         if (.not. abs(value) > 0 .or. abs(value) > huge(1.0_wp)/2) exit
+         if (.not. abs(value) > enough .or. abs(value) > huge(1.0_wp)/2) exit
          if (value*at_a > 0) then
             a = at
             at_a = value
