@@ -45,7 +45,7 @@ void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
     nodes->samples = pool_calloc(pool, (size_t)nodes->n_samples * (size_t)nodes->n, sizeof(double));
     for (int i = 0; i < nodes->n_samples; i++) {
         for (int k = 0; k < nodes->n; k++) {
-            nodes->samples[i * nodes->n + k] = lagrange(nodes->n, places(nodes), k, sample_place(nodes, i));
+            nodes->samples[k * nodes->n_samples + i] = lagrange(nodes->n, places(nodes), k, sample_place(nodes, i));
         }
     }
 }
@@ -127,7 +127,7 @@ double step_nodes_end(const step_nodes *nodes, const double *values)
 {
     double end = 0;
     for (int k = 0; k < nodes->n; k++) {
-        end += nodes->samples[(nodes->n_samples - 1) * nodes->n + k] * values[k];
+        end += nodes->samples[(k + 1) * nodes->n_samples - 1] * values[k];
     }
     return end;
 }
@@ -137,12 +137,13 @@ double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
     double at[STEP_NODES_SAMPLES] = {0};
     const int last = nodes->n_samples - 1;
     int place = 0;
-    for (int i = 0; i <= last; i++) {
-        double here = 0;
-        for (int k = 0; k < nodes->n; k++) {
-            here += nodes->samples[i * nodes->n + k] * values[k];
+    for (int k = 0; k < nodes->n; k++) {
+        const double *of_node = nodes->samples + k * nodes->n_samples, value = sense * values[k];
+        for (int i = 0; i <= last; i++) {
+            at[i] += of_node[i] * value;
         }
-        at[i] = sense * here;
+    }
+    for (int i = 1; i <= last; i++) {
         place = at[i] > at[place] ? i : place;
     }
     /* it may lie between the first two, or the last two: the next step begins behind it */

@@ -23,7 +23,7 @@ typedef struct {
     double weight[STEP_NODES_MOST]; /**< of an integral over time [s]; 0 where no node is */
     int n_samples;
     double
-        *samples; /**< [n_samples * n] from values at the nodes to those at evenly spaced places, the ends among them */
+        *samples; /**< [n * n_samples] from values at the nodes to those at evenly spaced places, the ends among them */
 } step_nodes;
 
 /** Ask for nothing yet. @param pool  in which the arrays last */
