@@ -308,6 +308,30 @@ bool branches_are_done(const branches *o)
     return o->value == o->sweep->range->n;
 }
 
+/** Whether orbits on one side of a point may be stable: it is itself, or its stability changes there. */
+static bool may_be_stable(const orbit_point *point)
+{
+    return point->orbit.is_stable || point->orbit.kind != MODEL_ORBIT_ORDINARY;
+}
+
+int branches_left_out(const branches *o, int branch, double *first)
+{
+    int begin = 0, n = 0;
+    for (int i = 0; i < branch; i++) {
+        begin += o->branches[i].n;
+    }
+    for (int k = begin; k + 1 < begin + o->branches[branch].n; k++) {
+        const orbit_point *a = &o->points[k], *b = &o->points[k + 1];
+        const bool is_stable = (a->orbit.is_stable || b->orbit.is_stable) && may_be_stable(a) && may_be_stable(b);
+        for (int i = 0; i < o->n_values && is_stable; i++) {
+            if ((o->values[i] - a->orbit.parameter) * (o->values[i] - b->orbit.parameter) < 0) {
+                *first = n++ == 0 ? o->values[i] : *first;
+            }
+        }
+    }
+    return n;
+}
+
 /** Put back what a step that was interrupted has changed. What has grown stays as it is: only the counts count. */
 static void undo(branches *o, const branches *before, const orbit_branch *last)
 {

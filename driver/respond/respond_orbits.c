@@ -6,6 +6,7 @@
 #include "respond/branches.h"
 #include "simulate/number_channel.h"
 
+#include <math.h>
 #include <stdio.h>
 
 typedef struct {
@@ -80,6 +81,14 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
     for (int i = 0; i < found->n_branches; i++) {
         if (found->branches[i].end[0] != '\0') {
             log_note("branch %d ends: %s", i, found->branches[i].end);
+        }
+    }
+    for (int i = 0; i < found->n_branches; i++) {
+        double first = NAN;
+        const int n = branches_left_out(found, i, &first);
+        if (n > 0) {
+            log_note("branch %d passes %d of the values with no orbit found there, the first at %.9g%s%s", i, n, first,
+                     setup->unit[0] == '\0' ? "" : " ", setup->unit);
         }
     }
     for (int i = 0; i < found->n_problems; i++) {
