@@ -21,6 +21,7 @@ from kernel.gearbox_description import (
     ALGEBRAIC,
     CLOSED_FORM,
     DIFFERENTIAL,
+    SPEED,
     SPEEDS,
     TABLE,
     load,
@@ -120,6 +121,25 @@ def test_knots_of_tables_come_in_their_order_and_leave_the_torque_continuous(
     assert state.integers[-2:].tolist() == [2, 3]
     assert gearbox.outputs(state)["load_torque"][0] == -10.0  # constant behind the last knot
     assert state.yp[gearbox.place("reference_speed")] == 0
+
+
+@pytest.mark.parametrize("t", [-0.5, 0.05, 0.15, 0.7, 2.9, 4.0])
+def test_tables_are_straight_between_their_knots_and_constant_beyond(kernel: Kernel, t: float):
+    wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=30)]
+    times, torques, speeds = [0.0, 0.2, 3.0], [-20.0, -5.0, -10.0], [1.0, 2.0, 5.0]
+    loads = [
+        load(0, TABLE, table=list(zip(times, torques, strict=True))),
+        load(1, SPEED, table=list(zip(times, speeds, strict=True))),
+    ]
+    gearbox = Gearbox(kernel, wheels, loads, [mesh(kernel)])
+    speed = np.interp(t, times, speeds)
+    state = gearbox.start(SPEEDS, speeds=[-1.5 * speed, speed], t=t)
+    outputs = gearbox.outputs(state)
+    assert outputs["load_torque"][0] == pytest.approx(np.interp(t, times, torques), rel=1e-14)
+    slopes = [0.0, *(np.diff(speeds) / np.diff(times)), 0.0]
+    assert state.yp[gearbox.place("reference_speed")] == pytest.approx(
+        slopes[np.searchsorted(times, t)], rel=1e-14
+    )
 
 
 def test_a_start_between_knots_counts_those_that_have_passed(kernel: Kernel):

@@ -39,6 +39,10 @@ MASK = 2**64 - 1
         (100, 10e-3, 4, 7, 27),
         # class 3, half: 5 -> 5; 19.196 -> 19
         (100, 10e-3, 3, 5, 19),
+        # the smallest module, m = 0.5, d = 10: 5.21 -> 5; 0.02 + 1.7393 + 0.35 + 12 = 14.1093 -> 14
+        (20, 0.5e-3, 5, 5, 14),
+        # the largest wheel, m = 60, d = 15000: 44 -> 44; 30 + 67.3610 + 42 + 12 = 151.361 -> 151
+        (250, 60e-3, 5, 44, 151),
     ],
 )
 def test_tolerances_are_those_of_iso_1328_1_of_2013(
@@ -83,6 +87,7 @@ def test_tolerances_are_rounded_as_the_standard_says(kernel: Kernel):
         (20, 71e-3, 5, "not for 0.071 m"),
         (8, 0.6e-3, 5, "diameters of 0.005 to 15 m, not for 0.0048 m"),
         (300, 60e-3, 5, "not for 18 m"),
+        (251, 60e-3, 5, "not for 15.06 m"),
         (20, np.nan, 5, "modules"),
     ],
 )
