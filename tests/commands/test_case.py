@@ -139,6 +139,14 @@ BAD_OPTIONS = {
         "has 1 value, needs at least 2",
     ),
     "speed without a value": (NEW_LOAD + "{kind: speed}", "needs either 'value' or both"),
+    "times without speeds": (
+        NEW_LOAD + "{kind: speed, time: [0, 1]}",
+        "needs either 'value' or both 'time' and 'speed'",
+    ),
+    "a speed beside speeds": (
+        NEW_LOAD + "{kind: speed, value: 1, speed: [1, 2]}",
+        "needs either 'value' or both 'time' and 'speed'",
+    ),
     "a harmonic torque of nothing": (
         NEW_LOAD + "{kind: harmonic, amplitude: 1}",
         "wheels.pinion.loads.0: a harmonic torque needs either 'frequency' or 'order'",

@@ -90,6 +90,18 @@ def test_a_smaller_accuracy_is_a_smaller_tolerance(
     assert found[-1] <= 1e-3  # what a case may state
 
 
+@pytest.mark.parametrize(
+    ("integrator", "factor", "power"), [("radau", 1.4e-3, 4 / 7), ("ida", 10.0, 5 / 6)]
+)
+@pytest.mark.parametrize("accuracy", [1e-9, 1e-7, 1e-5])
+def test_the_tolerance_is_where_the_law_of_the_measured_errors_meets_the_accuracy(
+    evolvent: Evolvent, case: Path, integrator: str, factor: float, power: float, accuracy: float
+) -> None:
+    """The laws of docs/integrators.md: none of the gears that were measured errs by more."""
+    told = tolerance(evolvent, case, PLACES[integrator], f"simulation.accuracy={accuracy}")
+    assert factor * told**power == pytest.approx(accuracy, rel=0.03)  # it is told in two digits
+
+
 def test_a_case_that_says_neither_has_a_tolerance_of_1e_9(evolvent: Evolvent, case: Path) -> None:
     assert tolerance(evolvent, case) == 1e-9
 

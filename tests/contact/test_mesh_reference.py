@@ -93,6 +93,9 @@ def test_wheels_on_rigid_shafts_count_and_those_on_elastic_shafts_do_not(kernel:
     shafts = (shaft(0, 2), shaft(1, 3, stiffness=1e5))
     at = pair(kernel, n_more=2, shafts=shafts).mesh_geometry()
     assert at.reference_mass == pytest.approx(mass(INERTIA[0] + 1e-3, INERTIA[1]), rel=1e-13)
+    shafts = (shaft(0, 2, stiffness=1e5), shaft(1, 3))
+    at = pair(kernel, n_more=2, shafts=shafts).mesh_geometry()
+    assert at.reference_mass == pytest.approx(mass(INERTIA[0], INERTIA[1] + 1e-3), rel=1e-13)
 
 
 @pytest.mark.parametrize("prescribed", [0, 1])

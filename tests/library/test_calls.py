@@ -170,6 +170,15 @@ def test_show_modes_and_parameters_are_what_the_program_prints(
             ("show", "--set", "wheels.gear.teth=3"),
         ),
         (lambda case: package.run(case, ["teeth"]), ("run", "--set", "teeth")),
+        (
+            lambda case: package.show(
+                case, ["simulation.initial={kind: steady}", "wheels.gear.loads=[]"]
+            ),
+            (
+                *("show", "--set", "simulation.initial={kind: steady}"),
+                *("--set", "wheels.gear.loads=[]"),
+            ),
+        ),
         (lambda case: package.modes(case, at=9), ("modes", "--at", "9")),
         (lambda case: package.modes(case, at="x"), ("modes", "--at", "x")),
         (lambda case: package.static(case, torque="5:2:3"), ("static", "--torque", "5:2:3")),
@@ -195,6 +204,12 @@ def test_an_exception_has_the_words_of_the_program_s_line(
     )
     again = pickle.loads(pickle.dumps(error))
     assert (again.code, again.place, again.reason) == (error.code, error.place, error.reason)
+
+
+def test_modes_are_those_of_one_state_at_a_time(examples: Path) -> None:
+    with pytest.raises(package.AnalysisError, match="at a time") as refused:
+        package.modes(examples / "paper.yaml", at=0.01, mean=True)
+    assert refused.value.code == 2
 
 
 def test_a_bad_case_is_refused_at_its_line(

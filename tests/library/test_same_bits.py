@@ -110,12 +110,12 @@ def test_numbers_outputs_and_positions_are_those_of_the_file(
         assert_same(package.run(case, settings), file)
 
 
-@pytest.mark.parametrize("request_", [{}, {"torque": (10, 100, 3), "points": 60}])
+@pytest.mark.parametrize("request_", [{}, {"torque": (10, 100, 3), "points": 60, "speed": 30.0}])
 def test_a_static_analysis_in_memory_is_the_program_s_file(
     evolvent: Callable[..., Any], tmp_path: Path, examples: Path, request_: dict[str, Any]
 ) -> None:
     case = examples / "compliant-pair.yaml"
-    words = ["--torque", "10:100:3", "--points", "60"] if request_ else []
+    words = ["--torque", "10:100:3", "--points", "60", "--speed", "30"] if request_ else []
     assert evolvent("static", case, "-q", "-o", "s.h5", *words).returncode == 0
     with open_result(tmp_path / "s.h5", STATIC) as file:
         assert_same(package.static(case, **request_), file)
