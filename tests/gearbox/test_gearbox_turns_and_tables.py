@@ -85,9 +85,12 @@ def test_the_root_of_the_turns_is_zero_after_two_either_way(kernel: Kernel):
 
 
 def test_any_event_past_a_turn_takes_it_off(kernel: Kernel):
-    """So that theta is large only in between; less than a turn stays."""
+    """So that theta is large only in between; less than a turn stays, but for a rounding."""
     gearbox = paper_gearbox(kernel)
-    for theta, turns in ((6.0, 0), (-6.0, 0), (7.0, 1), (-7.0, -1)):
+    just = [
+        (side * np.nextafter(4 * np.pi, x), 2 * side) for side in (1, -1) for x in (0, 4 * np.pi)
+    ]
+    for theta, turns in ((6.0, 0), (-6.0, 0), (7.0, 1), (-7.0, -1), *just):
         state = gearbox.start()
         press(gearbox, state, 0, OPEN)
         state.y[0] = theta
