@@ -259,3 +259,34 @@ def test_a_trial_tells_which_test_noticed_and_ends_what_is_left(
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert done.stdout.strip() == told, done.stderr
+
+
+STOPPED = """
+import signal, time
+from mutation import command
+from mutation.entries import Mutant
+signal.signal(signal.SIGTERM, signal.default_int_handler)
+def work(*_):
+    print("at work", flush=True)
+    time.sleep(60)
+command._work = work
+command._run([Mutant(str(i), "x" * 100000, "", ()) for i in range(9)], 1, False)
+"""
+
+
+def test_a_run_that_is_stopped_ends_though_files_are_left() -> None:
+    """More of them than a pipe holds."""
+    tools = Path(trial.__file__).parents[1]
+    process = subprocess.Popen(
+        [sys.executable, "-c", STOPPED],
+        env={**os.environ, "PYTHONPATH": str(tools)},
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert process.stdout is not None
+    try:
+        assert process.stdout.readline() == b"at work\n"
+        process.terminate()
+        assert process.wait(30) != 0
+    finally:
+        process.kill()
+        process.communicate()

@@ -194,6 +194,7 @@ def _run(mutants: list[Mutant], copies: int, ask_all: bool) -> bool:
         for worker in workers:
             worker.join()
     except BaseException:
+        files.cancel_join_thread()  # nobody takes what is left of them
         for worker in workers:
             worker.terminate()
         raise
