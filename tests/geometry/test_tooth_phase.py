@@ -184,6 +184,22 @@ def test_teeth_of_a_row_touch_in_every_mesh_and_nowhere_overlap(kernel: Kernel, 
         assert phases[m - 1].tooth_b == 0
 
 
+def test_wheels_that_drive_what_is_placed_already_meet_it_without_a_gap(kernel: Kernel):
+    """Meshes told from the output to the input: each places the wheel that drives."""
+    train = row(5e-5)
+    train.meshes.reverse()
+    code, phases, _ = train.phases(kernel)
+    assert code == OK
+    middles = train.middles(phases)
+    for m, (a, b) in enumerate(middles):
+        assert abs(train.clearance(m, a, b)) <= 1e-8
+    for m in (1, 2):
+        driving, driven = middles[m - 1][0], middles[m][1]
+        teeth = (driven - driving) / (2 * np.pi / train.teeth[train.meshes[m][1]])
+        assert teeth == pytest.approx(round(teeth), abs=1e-12)
+        assert (phases[m].tooth_a, phases[m].gap) == (0, 0.0)
+
+
 def closing_angle(teeth: tuple[int, int, int], near: float) -> float:
     """Angle of the idlers near `near` at which the loop closes without a gap."""
     low, high = near, near
@@ -263,12 +279,15 @@ def test_the_teeth_of_a_pair_with_a_gap_are_those_that_stand_there(kernel: Kerne
     assert max(shares) > 0.8 * wide
 
 
-def test_unknown_teeth_start_at_the_start_of_contact(kernel: Kernel):
+@pytest.mark.parametrize("known", [0, 1, 2])
+def test_unknown_teeth_start_at_the_start_of_contact(kernel: Kernel, known: int):
+    """All of them, or those of the wheels behind the first ones: a mesh needs both."""
     train = row()
     n = len(train.teeth)
     phases = (ToothPhase * 3)()
+    angles = [*train.angles[:known], *[0.0] * (n - known)]
     code = kernel.library.test_tooth_phases(
-        *(n, (_double * n)(*train.base), (_double * n)(0, 0, 0, 0), (_int * n)(*train.teeth)),
+        *(n, (_double * n)(*train.base), (_double * n)(*angles), (_int * n)(*train.teeth)),
         *(3, (ToothMesh * 3)(*train.descriptions()), phases, None),
     )
     assert code == OK
