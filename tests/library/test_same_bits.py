@@ -194,7 +194,8 @@ def test_a_dataset_is_what_the_constructor_of_xarray_makes(
 
 
 def test_who_changes_a_result_changes_no_other(examples: Path) -> None:
-    first, other, expected = (package.run(examples / "paper.yaml", SHORT) for _ in range(3))
+    first, other = (package.run(examples / "paper.yaml", SHORT) for _ in range(2))
+    expected = other.copy(deep=True)  # what is shared would change in a third result, too
     for variable in first.variables.values():
         variable.attrs["units"] = "changed"
         variable.attrs["more"] = 1
