@@ -47,6 +47,10 @@ static void what_no_importer_should_hand_over_is_refused_and_changes_nothing(voi
     const fmi3ValueReference twice[] = {0, 0};
     refused(GetFloat64(fmu, twice, 2, got, 1), "do not have 1 values");
     refused(GetFloat64(fmu, twice, 2, got, 3), "do not have 3 values");
+    const fmi3ValueReference input = fmu_reference(FMU_INPUT, 0);
+    for (size_t i = 0; i < 3; i++) {
+        refused(SetFloat64(fmu, &input, 1, &odd[i], 1), "has to be finite");
+    }
     assert_int_equal(GetFloat64(fmu, NULL, 0, NULL, 0), fmi3OK);
     assert_int_equal(SetFloat64(fmu, NULL, 0, NULL, 0), fmi3OK);
     assert_int_equal(GetInt32(fmu, NULL, 0, NULL, 0), fmi3OK);
