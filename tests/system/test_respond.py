@@ -76,6 +76,7 @@ def test_numbers_are_those_of_an_independent_program(respond, omega, expected):
     response = respond(speeds(omega, omega + 0.005), "--up")
     assert deviation(response, "up", omega) == pytest.approx(expected, rel=1e-5)
     assert period(response, "up", omega) == (2 if omega == 2.0 else 1)
+    assert (response["followed"] < 300).all()  # two periods are seen as soon as one is
 
 
 def test_motion_jumps_up_where_the_flanks_part(respond):
@@ -103,6 +104,15 @@ def test_a_motion_that_winds_itself_to_an_orbit_is_followed_until_it_is_there(re
     assert told == pytest.approx(exact, rel=2e-5)  # 1e-6 of a scale, over 1 - 0.89
 
 
+def test_a_motion_that_creeps_to_its_orbit_is_not_there_when_its_steps_are_small(respond):
+    """Beside a doubled period all but nothing is lost in two: what is left is many such steps."""
+    response = respond(speeds(1.83, 1.84), "--up")
+    followed, apart = (response[name].values[0] for name in ("followed", "repeat_distance"))
+    assert followed[-1] > 500  # all there are; its steps are below 1e-6 after 337
+    assert apart[-1] < 0.2e-6
+    assert (followed[:2] < 300).all()
+
+
 def test_period_doubles_where_the_mesh_excites_the_second_order(respond):
     response = respond(speeds(1.84, 1.87), "--up")
     assert [period(response, "up", omega) for omega in (1.85, 1.855, 1.86, 1.865)] == [2] * 4
@@ -120,8 +130,10 @@ def test_the_last_line_counts_values_by_the_period_of_their_motion(tmp_path, evo
     assert result.returncode == 0, result.stderr
     with xr.open_dataset(path, engine="h5netcdf") as file:
         period, n_jumps = file["period"].values, file.sizes["jump"]
+        apart = file["repeat_distance"].values
     n_other, n_wild = int((period > 1).sum()), int((period == 0).sum())
     assert n_other > n_wild > 0
+    assert (apart[period == 0] < 0.1).all()  # of the nearest orbit; the farthest is 0.7 off
     jumps_found = f"{n_jumps} jump{'' if n_jumps == 1 else 's'}"
     assert result.stderr.splitlines()[-1] == (
         f"evolvent: 7 values, {n_other} with a period of 2 and more, {n_wild} not periodic, "
