@@ -339,6 +339,27 @@ def test_histories_are_those_of_single_runs_in_single_precision(
                 assert stack[name].units == single[name].units
 
 
+def test_a_batch_does_not_go_on_with_histories_of_which_one_bit_turned(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    """Of what says where their values are; the library would take it at its word."""
+    design = write_design(tmp_path / "design.h5", TORQUES, histories="normal_force")
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    stack = tmp_path / "r/shard-1-of-1.h5"
+    content = bytearray(stack.read_bytes())
+    journal = tmp_path / JOURNAL
+    rows = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(rows[:4]))  # some cases are to do
+    content[100] ^= 1
+    stack.write_bytes(content)
+    done = evolvent("batch", design, "-o", "r", "--resume")
+    assert done.returncode == 3
+    assert done.stderr.splitlines()[-1].startswith(
+        "r/shard-1-of-1.h5: is damaged: its check sum is wrong"
+    )
+    assert stack.read_bytes() == content
+
+
 def test_histories_of_cases_that_do_not_run_are_nan(evolvent: Evolvent, tmp_path: Path) -> None:
     columns = {TORQUE: [-1.0, OVERLOAD, -1.0], "wheels.pinion.teeth": [2, 20, 20]}
     design = write_design(tmp_path / "design.h5", columns, histories="normal_force")
