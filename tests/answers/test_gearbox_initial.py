@@ -29,6 +29,7 @@ from kernel.gearbox_description import (
     mesh,
     wheel,
 )
+from kernel.housing_description import PRESCRIBED, RATE, TURN_Z, housing, term
 from kernel.kernel import CONTACT, FRICTION, INVALID_INPUT, NO_SOLUTION, Kernel
 
 TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
@@ -300,6 +301,21 @@ def test_a_table_enters_the_steady_state_with_its_torque_at_the_start(kernel: Ke
     assert o["angular_velocity"][1] == pytest.approx(0.3, rel=1e-12)
 
 
+@pytest.mark.parametrize(("against_housing", "speed"), [(False, -1.0), (True, 2.0)])
+def test_a_prescribed_speed_in_a_housing_that_turns_is_seen_from_where_it_says(
+    kernel: Kernel, against_housing: bool, speed: float
+):
+    """Wheels' speeds are those in the housing, which turns at 3 rad/s."""
+    wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=30)]
+    loads = [load(1, SPEED, 2.0, against_housing=against_housing)]
+    turning = housing(PRESCRIBED, terms=[term(TURN_Z, RATE, 3.0)])
+    gearbox = Gearbox(kernel, wheels, loads, [mesh(kernel)], turning)
+    state = gearbox.start(SPEEDS, speeds=[-1.5 * speed, speed])
+    assert gearbox.outputs(state)["angular_velocity"][1] == pytest.approx(speed, rel=1e-14)
+    with pytest.raises(GearboxError, match="does not agree"):
+        gearbox.start(SPEEDS, speeds=[-1.5 * (1 - speed), 1 - speed])
+
+
 # ---- starts that cannot be
 
 Refusal = tuple[Callable[[Kernel], Gearbox], dict, int, int, int, str, str]
@@ -320,6 +336,10 @@ BAD: dict[str, Refusal] = {
     "infinite gap": (
         *(paper_gearbox, {"kind": REST, "gaps": [np.inf]}),
         *(INVALID_INPUT, INITIAL, -1, "", "finite"),
+    ),
+    "a gap in which the coast flanks would stand inside each other": (
+        *(lambda k: two_wheels(k, backlash=1e-4), {"kind": REST, "gaps": [0.04]}),
+        *(INVALID_INPUT, MESH, 0, "gaps", "is more than half a base pitch"),
     ),
     "steady with a gap": (
         *(paper_gearbox, {"kind": STEADY, "gaps": [1e-6]}),
