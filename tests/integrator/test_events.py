@@ -255,6 +255,23 @@ def test_a_function_that_fired_and_never_came_back_to_its_side_fires_where_it_be
     assert events.times == pytest.approx([1, 1], abs=1e-9)
 
 
+@pytest.mark.parametrize("until", [0.3, 0.03])
+def test_a_function_that_grazed_zero_fires_on_its_way_back_though_it_falls_again(
+    library: Library, until: float
+):
+    """It is below zero by less than rounding, and above it for a part of the next step."""
+    events = Recorded()
+
+    def roots(_: float, y: Floats) -> list[float]:
+        since = y[0] - 1
+        return [[-since], [since * (1 - since / until) - 1e-11], [1]][min(len(events.list), 2)]
+
+    problem = clock(roots, 1, lambda: [-1 if not events.list else 1])
+    Solver(library, problem, 1e-9).end(0, [0], 2, event=events)
+    assert events.fired == [[-1], [1]]
+    assert events.times == pytest.approx([1, 1], abs=1e-9)
+
+
 def test_an_event_lies_at_zero_though_time_is_too_coarse_for_that(library: Library):
     """At 1000 s one digit of the time is 1e-5 of a function that runs through its size in 10 ns."""
     levels = (0.3, 0.3 + 3e-6, 0.3 + 2e-5, 0.6)
