@@ -79,3 +79,30 @@ def test_a_flank_stays_closed_that_only_pulls_while_another_is_closed_too(
     after, _ = fire(gearbox, state, np.zeros(gearbox.sizes.n_roots))
     assert [int(gearbox.mode(after, m)[1]) for m in (0, 1)] == [LOADED, OPEN]
     np.testing.assert_allclose(gearbox.outputs(after)["normal_force"], [force, 0.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("sigma", [1, -1])
+def test_of_two_flanks_that_touch_the_one_closes_that_is_pressed_whatever_the_other_does(
+    kernel: Kernel, sigma: int
+):
+    """Closed together the first would push and the second pull: the first one closes alone."""
+    flee = 1.0
+    some = two_steps(kernel, sigma, 1.0, flee)
+    radii = [some.wheel_geometry(i).base_radius for i in range(4)]
+    rotor = INERTIAS[1] + INERTIAS[2]
+    first = radii[0] ** 2 / INERTIAS[0] + radii[1] ** 2 / rotor
+    second = radii[2] ** 2 / rotor + radii[3] ** 2 / INERTIAS[3]
+    cross = radii[1] * radii[2] / rotor
+    # of R F = -k the first is positive and the second negative between cross/second and first/cross
+    share = np.sqrt(first / second)
+    assert cross / second < share < first / cross
+    press = share * radii[3] * flee / INERTIAS[3] * INERTIAS[0] / radii[0]
+    gearbox = two_steps(kernel, sigma, press, flee)
+    state = gearbox.start()
+    for m in (0, 1):
+        gearbox.mode(state, m)[1] = OPEN
+        state.y[gearbox.place(f"multiplier_{m}")] = 0.0
+    after, _ = fire(gearbox, state, np.zeros(gearbox.sizes.n_roots))
+    assert [int(gearbox.mode(after, m)[1]) for m in (0, 1)] == [LOADED, OPEN]
+    force = radii[0] * press / INERTIAS[0] / first
+    np.testing.assert_allclose(gearbox.outputs(after)["normal_force"], [force, 0.0], rtol=1e-12)
