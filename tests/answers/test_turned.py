@@ -8,6 +8,7 @@ import pytest
 from kernel.gearbox import Gearbox
 from kernel.gearbox_cases import chain, prescribed, scatter, wheels_of_meshes
 from kernel.gearbox_description import CLOSED_FORM, REST, SPEED, TORQUE, load, mesh, wheel
+from kernel.housing_description import HARMONIC, PRESCRIBED, TURN_Z, housing, term
 from kernel.kernel import Kernel
 
 SENSES = pytest.mark.parametrize("sigma", [1, -1])
@@ -88,6 +89,10 @@ def test_only_what_something_turns_can_turn(kernel: Kernel):
     ):
         state = gearbox.start(REST)
         assert tuple(gearbox.can_turn(state, i) for i in (0, 1)) == expected
+    wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=30)]
+    swinging = housing(PRESCRIBED, terms=[term(TURN_Z, HARMONIC, 0.1, frequency=3.0)])
+    shaken = Gearbox(kernel, wheels, [], [mesh(kernel)], swinging)
+    assert shaken.can_turn(shaken.start(REST), 0)
     moving = free.start(REST)
     moving.y[free.place("reference_speed")] = 1e-9
     assert free.can_turn(moving, 1)
