@@ -6,8 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kernel.gearbox import Gearbox, State
-from kernel.gearbox_cases import PAIRS, draw, face, scatter, set_gap, worst
+from kernel.gearbox import Gearbox, GearboxError, State
+from kernel.gearbox_cases import PAIRS, draw, face, paper_gearbox, scatter, set_gap, worst
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM, DIFFERENTIAL
 from kernel.housing import Housing, Pair, cross
 from kernel.kernel import Kernel
@@ -310,3 +310,16 @@ def test_gap_and_its_rate_belong_together(kernel: Kernel, pair: Pair):
         mu_rate = gearbox.derivative(state)[gearbox.tracked()][5]
         # the tracked normal equals that of the line of action to rounding
         assert mu_rate == pytest.approx(float(pair.base_radii[1] * rate), rel=1e-11)
+
+
+@pytest.mark.parametrize("nearer", [0.1, 0.3, 0.6])
+def test_axles_whose_base_circles_have_no_inner_tangent_have_left_the_involute(
+    kernel: Kernel, nearer: float
+):
+    """The paper's axles, 0.5 m apart, nearer than the sum of the base radii, or past each other."""
+    gearbox = paper_gearbox(kernel)
+    state = gearbox.start()
+    state.y[gearbox.place("displacement_1")] = -nearer
+    with pytest.raises(GearboxError, match="below its base circle") as refused:
+        gearbox.derivative(state)
+    assert refused.value.field == "tracking"
