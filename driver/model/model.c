@@ -57,7 +57,7 @@ model *model_create(const description *description, const evl_wheel_store *wheel
                                        .shafts = {description->n_shafts, description->shafts},
                                        .accelerometers = {description->n_accelerometers, description->accelerometers},
                                        .pairs = name_pairs(model)};
-    model_describe_dae(model);
+    model_describe_dae(model, description->simulation.duration);
     model_describe_outputs(model);
     return model;
 }

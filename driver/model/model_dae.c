@@ -145,13 +145,13 @@ static double position(const void *self, int which, const dae_state *state)
                     : evl_gearbox_pitches(model->gearbox, mesh, state->y, state->integers);
 }
 
-void model_describe_dae(model *model)
+void model_describe_dae(model *model, double duration)
 {
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_states;
     double *scale = pool_calloc(&model->pool, n, sizeof *scale),
            *row_scale = pool_calloc(&model->pool, n, sizeof *scale);
-    evl_gearbox_scales(model->gearbox, &model->initial, scale, row_scale);
+    evl_gearbox_scales(model->gearbox, &model->initial, duration, scale, row_scale);
     model->about.dae = (dae){
         .self = model,
         .n = sizes->n_states,

@@ -18,7 +18,7 @@ struct model {
 /** What the kernel says at run time, with the name of the mesh that it is about; a dae_code. */
 int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
 /** Fill the dae; its arrays are owned by the model. */
-void model_describe_dae(model *model);
+void model_describe_dae(model *model, double duration);
 /** The entries of the Jacobian of the model's dae. */
 const dae_pattern *model_pattern(void);
 /** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */

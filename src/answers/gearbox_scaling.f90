@@ -25,8 +25,8 @@ module evl_gearbox_scaling
    real(wp), parameter :: smallest_twist = 1.0e-9_wp !! of an unloaded shaft [rad]
    real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
 
-   real(wp), parameter :: duration = 1.0_wp !! in which a free housing moves [s]
-   real(wp), parameter :: share = 0.01_wp   !! of that motion: what the gears do to a housing is small beside its weight's sag
+   real(wp), parameter :: free_time = 1.0_wp !! in which a free housing moves [s]
+   real(wp), parameter :: share = 0.01_wp    !! of that motion: what the gears do to a housing is small beside its weight's sag
 
 contains
 
@@ -181,13 +181,14 @@ contains
    end subroutine static_penetration
 
    !> Scales of states and residuals for error control.
-   subroutine gearbox_state_scales(gearbox, speeds, state, row)
+   subroutine gearbox_state_scales(gearbox, speeds, state, row, duration)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: speeds(:)      !! initial angular velocities of the wheels; size 0 if not given [rad/s]
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
+      real(wp), intent(in), optional :: duration !! of the run, if it is one [s]
       real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
       real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
-      real(wp) :: energy, housing_energy
+      real(wp) :: energy, housing_energy, time
       real(wp), dimension(n_housing_states) :: housing_state, housing_row
       integer :: i, j
 
@@ -210,7 +211,9 @@ contains
          end associate
       end do
       if (gearbox%housing%is_mounted) then
-         call housing_scales(gearbox, housing_state, housing_row, housing_energy)
+         time = free_time
+         if (present(duration)) time = min(time, duration)
+         call housing_scales(gearbox, time, housing_state, housing_row, housing_energy)
          energy = max(energy, housing_energy)
          state(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_state
       end if
@@ -319,20 +322,22 @@ contains
       twist = angle*[1.0_wp, frequency]
    end subroutine shaft_scales
 
-   !> Scales of the states and of the rows, and the energy that goes with them.
-   pure subroutine housing_scales(gearbox, state, row, energy)
+   !> Scales of the states and of the rows, and the energy that goes with them. Places and speeds keep the scales of a long run:
+   !> those of a short one may be less than the rounding of places far from the origin.
+   pure subroutine housing_scales(gearbox, time, state, row, energy)
       type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: time   !! in which loads bring energy in [s]
       real(wp), intent(out) :: state(n_housing_states), row(n_housing_states)
       real(wp), intent(out) :: energy !! [J]
-      real(wp) :: mass, inertia, force, moment, position, speed, angle, turn
+      real(wp) :: mass, inertia, force, moment, position, speed, angle, turn, energies(2)
 
       associate (housing => gearbox%housing)
          mass = housing%mass + sum(gearbox%wheels%support%mass)
          inertia = (housing%inertia(1, 1) + housing%inertia(2, 2) + housing%inertia(3, 3))/3
          force = sum(gearbox%contacts%force_scale) + mass*norm2(housing%gravity) + norm2(housing%force)
          moment = force*maxval(gearbox%wheels%pitch_radius) + norm2(housing%moment)
-         call response(force, mass, minval(housing%stiffness), norm2(housing%velocity), position, speed)
-         call response(moment, inertia, minval(housing%turn_stiffness), norm2(housing%omega), angle, turn)
+         call response(force, mass, minval(housing%stiffness), norm2(housing%velocity), time, position, speed, energies(1))
+         call response(moment, inertia, minval(housing%turn_stiffness), norm2(housing%omega), time, angle, turn, energies(2))
       end associate
       state(at_position + 1:at_position + 3) = position
       state(at_orientation + 1:at_orientation + 4) = min(angle, 1.0_wp)/2
@@ -341,21 +346,23 @@ contains
       row = state
       row(at_velocity + 1:at_velocity + 3) = mass*speed
       row(at_omega + 1:at_omega + 3) = inertia*turn
-      energy = mass*speed**2/2 + inertia*turn**2/2
+      energy = sum(energies)
    end subroutine housing_scales
 
-   !> How far and how fast something moves under a load.
-   pure subroutine response(load, inertia, stiffness, start, distance, speed)
+   !> How far and how fast something moves under a load, and with what energy within a time.
+   pure subroutine response(load, inertia, stiffness, start, time, distance, speed, energy)
       real(wp), intent(in) :: load, inertia, stiffness !! stiffness 0: free
       real(wp), intent(in) :: start                    !! speed at the start
-      real(wp), intent(out) :: distance, speed
+      real(wp), intent(in) :: time                     !! [s]
+      real(wp), intent(out) :: distance, speed, energy
 
       real(wp) :: period
 
-      period = duration
-      if (stiffness > 0) period = min(duration, sqrt(inertia/stiffness))
+      period = free_time
+      if (stiffness > 0) period = min(free_time, sqrt(inertia/stiffness))
       speed = share*max(load/inertia*period, start)
       distance = speed*period
+      energy = inertia*(share*max(load/inertia*min(period, time), start))**2/2
    end subroutine response
 
 end module evl_gearbox_scaling

@@ -113,15 +113,16 @@ contains
       code = answer(s, status)
    end function evl_gearbox_initial_state
 
-   subroutine evl_gearbox_scales(handle, initial, state, row) bind(c)
+   subroutine evl_gearbox_scales(handle, initial, duration, state, row) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(c_initial), intent(in) :: initial
+      real(c_double), intent(in), value :: duration
       real(c_double), intent(inout) :: state(*), row(*)
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
       call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
-                                state, row)
+                                state, row, duration)
    end subroutine evl_gearbox_scales
 
    subroutine evl_gearbox_state_name(handle, index, name, units) bind(c)

@@ -6,6 +6,7 @@ A `State` holds what the C caller holds; calls take states and give numpy arrays
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Collection, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -304,11 +305,11 @@ class Gearbox:
         self.check(code, status)
         return state
 
-    def scales(self) -> tuple[Floats, Floats]:
-        """Scales of states and rows for the last start."""
+    def scales(self, duration: float = math.inf) -> tuple[Floats, Floats]:
+        """Scales of states and rows for the last start of a run so long."""
         state, row = np.empty(self.sizes.n_states), np.empty(self.sizes.n_states)
         self.library.evl_gearbox_scales(
-            self.handle, ctypes.byref(self.initial), _at(state), _at(row)
+            self.handle, ctypes.byref(self.initial), _double(duration), _at(state), _at(row)
         )
         return state, row
 

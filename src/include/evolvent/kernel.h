@@ -137,8 +137,10 @@ EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_init
                                       double *yp, int *integers, double *reals, evl_status *status);
 
 /** Scales for error control, absolute, from the loads and the initial state: state[i] is the unit in which an error of y[i] counts, row[i] the unit
- *  of residual i. */
-EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double *state, double *row);
+ *  of residual i.
+ *  @param duration  of the run [s]: what loads bring in within it is measured by it */
+EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double duration, double *state,
+                                double *row);
 
 /** The name of state `index` with its wheel or mesh, such as "angle_deviation_1", and its unit. Wheels that rigid shafts join share
  *  one deviation, named after the first of them. */
