@@ -57,8 +57,9 @@ static integrate_code explain(ida_session *s, int flag)
         (void)IDAGetCurrentStep(s->ida, &step);
         (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH,
                        "the integrator cannot go on (%s): its step fell to %.3g s, and the errors did not; "
-                       "a larger tolerance than %g may do, or integrator radau",
-                       name ? name : "unknown reason", step, s->run->options->tolerance);
+                       "a larger tolerance than %g may do%s",
+                       name ? name : "unknown reason", step, s->run->options->tolerance,
+                       s->run->model->stepper != NULL ? ", or integrator radau" : "");
         free(name);
     }
     return INTEGRATE_FAILED;

@@ -708,15 +708,21 @@ static int hopeless_residual(const void *self, const dae_state *s, double *r, ch
 static void a_solution_that_runs_away_ends_the_run_with_the_integrators_words(void **state)
 {
     (void)state;
-    problem *p = make(1);
-    p->model.residual = hopeless_residual;
-    p->model.jacobian = slope_jacobian;
-    p->yp[0] = 1;
-    outcome result = solve(p, 2.0, 0.01, 1e-9);
-    assert_int_equal(result.code, INTEGRATE_FAILED);
-    assert_non_null(strstr(result.reason, "cannot go on (IDA_"));
-    assert_close(p->state.t, 1, 1e-2);
-    finish(p, &result);
+    static const dae_stepper never_asked = {0};
+    for (int has_stepper = 0; has_stepper < 2; has_stepper++) {
+        problem *p = make(1);
+        p->model.residual = hopeless_residual;
+        p->model.jacobian = slope_jacobian;
+        p->model.stepper = has_stepper ? &never_asked : NULL;
+        p->yp[0] = 1;
+        outcome result = solve(p, 2.0, 0.01, 1e-9);
+        assert_int_equal(result.code, INTEGRATE_FAILED);
+        assert_non_null(strstr(result.reason, "cannot go on (IDA_"));
+        /* what the model has not is no remedy */
+        assert_int_equal(strstr(result.reason, "radau") != NULL, has_stepper);
+        assert_close(p->state.t, 1, 1e-2);
+        finish(p, &result);
+    }
 }
 
 static double from_then_on(const void *self, const dae_state *s)
