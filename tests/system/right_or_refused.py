@@ -33,10 +33,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from evolvent import check_history
-from system.wide_gearboxes import OUTPUTS, Block, kind_of, wide_case
+sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 
-SECONDS = 5  # of CPU that a run may take
+from evolvent import check_history  # noqa: E402
+from system.wide_gearboxes import OUTPUTS, Block, kind_of, wide_case  # noqa: E402
+
+SECONDS, TIGHT_SECONDS = 5, 40  # of CPU that a run may take; at a part of its tolerance
 DONE, REFUSED, ENDED = 0, 3, 4  # exit codes that are promised here
 # Of the motion's own range; half of the pairs of runs agree to 1e-8.
 WITHIN = 1e-4
@@ -67,6 +69,8 @@ ENDS = (
     "the integrator cannot go on",  # IDA under loads that no digits resolve
 )
 
+
+ENDED_IN_WORDS = ("refused", "ended")  # of what `unfinished` tells
 
 Wrong = list[tuple[str, float, float]]  # invariants, worst value, bound
 
@@ -153,12 +157,11 @@ class Judge:
         if not all(name in said for name, _, _ in wrong):
             return "broken", words
         for part in PARTS:
-            tight = self.run(case, tightened(case, part), *settings)
+            tight = self.run(case, tightened(case, part), *settings, seconds=TIGHT_SECONDS)
             if tight.code != DONE:
-                return (
-                    "says so",
-                    f"{words}; at {part:g} of the tolerance it ends with: {tight.last}",
-                )
+                how, ends = unfinished(tight)
+                outcome = "says so" if how in ENDED_IN_WORDS else how
+                return outcome, f"{words}; at {part:g} of the tolerance it ends with: {ends}"
             left = {name: worst for name, worst, _ in wrong_in(tight)}
             words += f"; at {part:g} of the tolerance {left}"
             if all(left.get(name, 0.0) <= SHARE * worst for name, worst, _ in wrong):
@@ -168,18 +171,21 @@ class Judge:
     def explain(self, case: Block, first: Ran, apart: float) -> tuple[str, str]:
         """Say whether the motion amplifies errors, or a smaller tolerance brings both together."""
         changed = self.run(in_last_digits(case))
+        if changed.code != DONE and unfinished(changed)[0] not in ENDED_IN_WORDS:
+            return unfinished(changed)
         moved = distance(first, changed) if changed.code == DONE else float("inf")
         if moved >= CHAOTIC and FARTHER * moved >= apart:
             return "amplifies", f"{apart:.2g} apart, {LAST_DIGITS:g} moves it by {moved:.2g}"
         words = f"{apart:.2g} apart"
         for part in PARTS:
             tight = [
-                self.run(case, tightened(case, part), *setting)
+                self.run(case, tightened(case, part), *setting, seconds=TIGHT_SECONDS)
                 for setting in ((), ("simulation.integrator=ida",))
             ]
             if any(run.code != DONE for run in tight):
-                ends = next(run.last for run in tight if run.code != DONE)
-                return "differ", f"{words}; at {part:g} of the tolerance: {ends}"
+                how, ends = unfinished(next(run for run in tight if run.code != DONE))
+                outcome = "differ" if how in ENDED_IN_WORDS else how
+                return outcome, f"{words}; at {part:g} of the tolerance: {ends}"
             closer, moved = distance(*tight), distance(first, tight[0])
             words += f"; at {part:g} of the tolerance {closer:.2g}, radau moved by {moved:.2g}"
             if part < PARTS[0] and moved > WITHIN:
@@ -188,7 +194,7 @@ class Judge:
                 return "converges" if part == PARTS[0] else "ida lags", words
         return "differ", words
 
-    def run(self, case: Block, *settings: str) -> Ran:
+    def run(self, case: Block, *settings: str, seconds: int = SECONDS) -> Ran:
         """Run a case."""
         file, output = self.folder / "case.yaml", self.folder / "history.h5"
         file.write_text(json.dumps(case))
@@ -196,7 +202,7 @@ class Judge:
         options = [word for setting in settings for word in ("--set", setting)]
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         done = subprocess.run(
-            ["prlimit", f"--cpu={SECONDS}", self.program, "run", file, "-o", output, *options],
+            ["prlimit", f"--cpu={seconds}", self.program, "run", file, "-o", output, *options],
             capture_output=True,
             text=True,
             check=False,
