@@ -324,9 +324,10 @@ static double number_or_none(const case_node *node)
     return node == NULL ? 0 : node_number(node);
 }
 
-static double max_step_of(const case_node *node)
+/** @param absent  where the case does not say it */
+static double limit_of(const case_node *node, double absent)
 {
-    return node == NULL ? 0 : node_is_number(node) ? node_number(node) : DBL_MAX;
+    return node == NULL ? absent : node_is_number(node) ? node_number(node) : DBL_MAX;
 }
 
 static bool take_simulation(const checker *checker, const case_node *block, description *description)
@@ -339,7 +340,8 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
     simulation->tolerance = number_or_none(node_get(block, "tolerance"));
     simulation->integrator = integrator_of(block);
     simulation->outputs = node_get_text(block, "outputs");
-    simulation->max_step = max_step_of(node_get(block, "max_step"));
+    simulation->max_step = limit_of(node_get(block, "max_step"), 0);
+    simulation->most_steps = limit_of(node_get(block, "max_steps"), MOST_STEPS_OF_A_RUN);
     if (!take_output(checker, block, description)) {
         return false;
     }

@@ -14,6 +14,9 @@ typedef enum { INTEGRATOR_OPEN, INTEGRATOR_IDA, INTEGRATOR_RADAU } integrator_ki
 /** Longest step of IDA in a case that does not say it [s]. */
 #define IDA_LONGEST_STEP 0.02
 
+/** Steps of a run in a case that does not say it: ten hours and less. */
+#define MOST_STEPS_OF_A_RUN 1e9
+
 /** A window of whole periods: pitches of a mesh, or turns of a wheel if that is not -1. */
 typedef struct {
     bool is_given;
@@ -36,6 +39,7 @@ typedef struct {
     position_description output_by;
     const char *outputs;         /**< names of variables and groups that a history has; NULL: all */
     double max_step;             /**< [s]; DBL_MAX: none; 0: the case does not say, until the integrator is settled */
+    double most_steps;           /**< of a run; DBL_MAX: no limit */
     evl_initial initial;         /**< its arrays belong to it */
     numbers_description numbers; /**< where it is not given, what it would be if it said nothing */
 } simulation_description;

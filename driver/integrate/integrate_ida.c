@@ -242,9 +242,18 @@ static integrate_code settle(void *self)
     return open_session(s, run, step_of(run, restart_step));
 }
 
+static long steps(const void *self)
+{
+    const ida_session *s = self;
+    long since_restart = 0;
+    (void)IDAGetNumSteps(s->ida, &since_restart);
+    return s->before.steps + since_restart;
+}
+
 integrate_code integrate_by_ida(integration *run)
 {
-    static const integration_ways ways = {.advance = advance, .redo = take_back, .watch = watch, .settle = settle};
+    static const integration_ways ways = {
+        .advance = advance, .redo = take_back, .watch = watch, .settle = settle, .steps = steps};
     ida_session s = {.run = run};
     const bool resumes = run->observer->resume != NULL;
     integrate_code code = INTEGRATE_FAILED;

@@ -18,6 +18,7 @@ typedef struct {
     int position_of;        /**< which position, as of dae.position */
     double tolerance;       /**< relative to dae.scale */
     double max_step;        /**< [s]; DBL_MAX: as the errors allow */
+    double most_steps;      /**< of the integration, as of pace_spend(); 0: no limit */
     bool by_stepper;        /**< by dae.stepper, which there is, instead of IDA */
 } integrate_options;
 

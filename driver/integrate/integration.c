@@ -201,6 +201,52 @@ bool integration_keep(integration *run, archive *archive)
     return good;
 }
 
+/** Seconds in words: such as "3 h". */
+static const char *time_in_words(double seconds, char words[32])
+{
+    static const struct {
+        double seconds;
+        const char *name;
+    } units[] = {{3.15576e7, "years"}, {86400, "days"}, {3600, "h"}, {60, "min"}, {0, "s"}};
+    int i = 0;
+    while (seconds < 2 * units[i].seconds) {
+        i++;
+    }
+    (void)snprintf(words, 32, "%.2g %s", seconds / (units[i].seconds > 0 ? units[i].seconds : 1), units[i].name);
+    return words;
+}
+
+/** n steps are made: whether there may be more. */
+static integrate_code spend(integration *run, int n)
+{
+    pace *pace = &run->pace;
+    const integrate_options *options = run->options;
+    const double t = run->state->t, t_before = pace->t_crept;
+    const pace_budget left =
+        pace_spend(pace, n, t, options->t_end, options->most_steps > 0 ? options->most_steps : DBL_MAX);
+    if (left == PACE_FITS || !(t < options->t_end)) {
+        return INTEGRATE_DONE;
+    }
+    const bool creeps = left == PACE_CREEPS;
+    const double steps = creeps ? pace->crept : pace->all;
+    const double came = creeps ? t - t_before : t - run->t_start;
+    const double steps_left = steps * (options->t_end - t) / came;
+    const double cpu_of_one = (integration_cpu_now() - run->cpu_start) / pace->all;
+    char cpu[32], how[96], needs[96] = "";
+    if (creeps) {
+        (void)snprintf(how, sizeof how, "the run creeps: its last %.10g steps brought it %.3g s on", steps, came);
+    } else {
+        (void)snprintf(how, sizeof how, "%.10g steps are over and the run is not", steps);
+    }
+    if (steps_left < HUGE_VAL) {
+        (void)snprintf(needs, sizeof needs, "; at this pace the rest takes %.2g more, %s of CPU", steps_left,
+                       time_in_words(steps_left * cpu_of_one, cpu));
+    }
+    (void)snprintf(run->reason, DAE_MESSAGE_LENGTH,
+                   "%s%s; raise simulation.max_steps, or take a larger tolerance or a shorter duration", how, needs);
+    return INTEGRATE_FAILED;
+}
+
 /** Keep it if that is due: always at a step's end, and once at a time, so that the time says where. */
 static integrate_code rest(integration *run, const integration_ways *ways, void *self)
 {
@@ -226,6 +272,7 @@ static integrate_code rest(integration *run, const integration_ways *ways, void 
 integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self)
 {
     bool missed = false;
+    long seen = ways->steps == NULL ? 0 : ways->steps(self);
     integrate_code code =
         run->observer->resume != NULL ? INTEGRATE_DONE : integration_give_output(run, run->state, NULL, &missed);
     if (missed) {
@@ -235,9 +282,13 @@ integrate_code integration_to_the_end(integration *run, const integration_ways *
         while (code == INTEGRATE_DONE && run->state->t < run->options->t_end) {
             code = rest(run, ways, self);
             code = code == INTEGRATE_DONE ? ways->advance(self) : code;
-            if (code == INTEGRATE_DONE && !pace_step(&run->pace, run->state->t, grain_of(run))) {
+            const long now = ways->steps == NULL ? seen + 1 : ways->steps(self);
+            const int n = (int)(now - seen);
+            seen = now;
+            code = code == INTEGRATE_DONE ? spend(run, n) : code;
+            if (code == INTEGRATE_DONE && !pace_steps(&run->pace, n, run->state->t, grain_of(run))) {
                 (void)snprintf(run->reason, DAE_MESSAGE_LENGTH,
-                               "the integrator does not get on: %d steps within %.3g s", run->pace.steps - 1,
+                               "the integrator does not get on: %d steps within %.3g s", run->pace.steps,
                                run->state->t - run->pace.t_began);
                 code = INTEGRATE_FAILED;
             }

@@ -63,6 +63,7 @@ typedef struct {
     void (*watch)(void *self);             /**< let the observer look at what it has not seen yet */
     /** before it is kept: be as one that goes on from there will be; NULL: nothing to do */
     integrate_code (*settle)(void *self);
+    long (*steps)(const void *self); /**< made so far, of which `advance` makes many; NULL: it makes one */
 } integration_ways;
 /** Keep all that changes between two steps, its observer's part too. @return false if what was read does not fit, with a reason */
 bool integration_keep(integration *run, archive *archive);

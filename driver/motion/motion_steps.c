@@ -103,7 +103,7 @@ static bool advance(motion *m, double t_stop)
     m->at_event = outcome == DAE_AT_EVENT;
     m->at_time_event = m->reach.t >= t_event;
     const double grain = pace_grain(m->reach.t, case_description(m->prepared.file)->simulation.duration);
-    return pace_step(&m->pace, m->reach.t, grain) || motion_fail(m, "the integrator does not get on");
+    return pace_steps(&m->pace, 1, m->reach.t, grain) || motion_fail(m, "the integrator does not get on");
 }
 
 /** What is told at t, within the last step; where that was to stop there, as in a run at its end, the step's own end. */

@@ -255,6 +255,7 @@ integrate_options simulate_options(const prepared_case *prepared)
                                .position_of = rule.position_of,
                                .tolerance = simulation->tolerance,
                                .max_step = simulation->max_step,
+                               .most_steps = simulation->most_steps,
                                .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
 }
 

@@ -63,7 +63,10 @@ module evl_case_table
                                    //" not mounted, where it is taken unless this says ida", &
                                    words="ida radau"), &
                              row_t("max_step", type_number, "s", "longest step of the integrator, or none: as long as the errors" &
-                                   //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none")]
+                                   //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none"), &
+                             row_t("max_steps", type_number, "", "steps after which a run gives up, and a thousandth of them, at" &
+                                   //" least 1e6, within a millionth of the run; 1e9 if not given, or none: no such limit", &
+                                   range=range_t(1.0_wp, 1.0e15_wp), words="none")]
 
    type(row_t), parameter :: output_rows(*) = [ &
                              row_t("interval", type_number, "s", "the same as `output_interval`", range=positive), &

@@ -133,11 +133,11 @@ static void assert_same_simulation(const char *options, const simulation_descrip
     const double one[] = {a->duration,       a->output_interval, a->tolerance,    a->accuracy,
                           a->max_step,       a->numbers.from,    a->numbers.to,   a->output_by.number,
                           a->output_by.mesh, a->output_by.wheel, a->numbers.mesh, a->numbers.wheel,
-                          a->integrator,     a->initial.kind};
+                          a->integrator,     a->initial.kind,    a->most_steps};
     const double other[] = {b->duration,       b->output_interval, b->tolerance,    b->accuracy,
                             b->max_step,       b->numbers.from,    b->numbers.to,   b->output_by.number,
                             b->output_by.mesh, b->output_by.wheel, b->numbers.mesh, b->numbers.wheel,
-                            b->integrator,     b->initial.kind};
+                            b->integrator,     b->initial.kind,    b->most_steps};
     assert_same_bits("simulation", options, sizeof one / sizeof *one, one, other);
 }
 

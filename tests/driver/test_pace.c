@@ -52,11 +52,11 @@ static void test_steps_without_progress_are_seen(void **unused)
     pace seen = pace_create();
     const double grain = pace_grain(1.0, 1.0);
     int n = 0;
-    while (pace_step(&seen, 1.0, grain)) {
+    while (pace_steps(&seen, 1, 1.0, grain)) {
         n++;
     }
     assert_int_equal(n, 100000);
-    assert_true(pace_step(&seen, 1.0 + 2 * grain, grain));
+    assert_true(pace_steps(&seen, 1, 1.0 + 2 * grain, grain));
 }
 
 static void test_steps_that_creep_within_the_grain_are_no_progress(void **unused)
@@ -68,7 +68,7 @@ static void test_steps_that_creep_within_the_grain_are_no_progress(void **unused
     pace seen = pace_create();
     const double grain = pace_grain(0, 2);
     int n = 0;
-    while (n < 200000 && pace_step(&seen, n * 5e-6 * grain, grain)) {
+    while (n < 200000 && pace_steps(&seen, 1, n * 5e-6 * grain, grain)) {
         n++;
     }
     assert_int_equal(n, 100000); /* they came half a grain far */
@@ -84,11 +84,42 @@ static void test_progress_makes_room_for_as_many_again(void **unused)
             assert_true(pace_event(&seen, 1.0 + 2 * place * grain, grain));
         }
         for (int i = 0; i < 100000; i++) {
-            assert_true(pace_step(&seen, 1.0 + 2 * place * grain, grain));
+            assert_true(pace_steps(&seen, 1, 1.0 + 2 * place * grain, grain));
         }
     }
     assert_false(pace_event(&seen, 1.0 + 4 * grain, grain));
-    assert_false(pace_step(&seen, 1.0 + 4 * grain, grain));
+    assert_false(pace_steps(&seen, 1, 1.0 + 4 * grain, grain));
+}
+
+/* Steps of this length until a run of 1 s has to end, and how; 0: not among the first `tried`. */
+static long steps_until(pace_budget end, double length, int n, double most, long tried)
+{
+    pace seen = pace_create();
+    for (long i = 1; i <= tried; i++) {
+        const pace_budget left = pace_spend(&seen, n, (double)i * length, 1, most);
+        if (left != PACE_FITS) {
+            assert_int_equal(left, end);
+            return i;
+        }
+    }
+    return 0;
+}
+
+static void test_a_run_may_take_so_many_steps(void **unused)
+{
+    (void)unused;
+    assert_int_equal(steps_until(PACE_SPENT, 1e-3, 1, 500, 10000), 500);
+    assert_int_equal(steps_until(PACE_SPENT, 1e-3, 50, 500, 10000), 10); /* IDA makes many at once */
+    assert_int_equal(steps_until(PACE_SPENT, 0, 1, DBL_MAX, 3000000), 0);
+}
+
+static void test_on_a_millionth_of_a_run_it_may_take_a_thousandth_of_them(void **unused)
+{
+    (void)unused;
+    const double most = 4e9; /* 4e6 steps on 1e-6 s */
+    assert_int_equal(steps_until(PACE_CREEPS, 0.9 * 1e-6 / 4e6, 1, most, 10000000), 4000000);
+    assert_int_equal(steps_until(PACE_CREEPS, 1.1 * 1e-6 / 4e6, 1, most, 10000000), 0);
+    assert_int_equal(steps_until(PACE_CREEPS, 0, 1, 2e6, 3000000), 1000000); /* but at least 1e6 */
 }
 
 static pace heard(int n, double restitution)
@@ -141,6 +172,8 @@ int main(void)
         cmocka_unit_test(test_steps_without_progress_are_seen),
         cmocka_unit_test(test_steps_that_creep_within_the_grain_are_no_progress),
         cmocka_unit_test(test_progress_makes_room_for_as_many_again),
+        cmocka_unit_test(test_a_run_may_take_so_many_steps),
+        cmocka_unit_test(test_on_a_millionth_of_a_run_it_may_take_a_thousandth_of_them),
         cmocka_unit_test(test_events_that_come_ever_sooner_gather),
         cmocka_unit_test(test_other_events_begin_a_series_anew),
     };

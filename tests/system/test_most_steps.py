@@ -1,0 +1,64 @@
+"""No run goes on without end: it may take so many steps, and says what it would need."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from system.runs import Run, Runs
+from system.wide_gearboxes import wide_case
+
+AT_ONCE = 1000  # steps that IDA may make before it looks
+OUT_OF_STEPS = re.compile(
+    r"t = \S+ s: (?P<made>\d+) steps are over and the run is not; at this pace the rest takes "
+    r"(?P<more>\S+) more, \S+ (s|min|h|days|years) of CPU; raise simulation.max_steps"
+)
+
+
+def steps(run: Run) -> int:
+    return int(run.history.attrs["integrator_steps"])
+
+
+@pytest.mark.parametrize("integrator", ["radau", "ida"])
+def test_a_run_that_has_taken_its_steps_ends_and_foretells_the_others(
+    runs: Runs, integrator: str
+) -> None:
+    by = (f"simulation.integrator={integrator}", "simulation.duration=0.5")
+    whole = runs("rattle.yaml", *by)
+    most = steps(whole) // 2
+    stopped = runs("rattle.yaml", *by, f"simulation.max_steps={most}")
+    assert stopped.exit_code == 4
+    told = OUT_OF_STEPS.search(stopped.messages.splitlines()[-1])
+    assert told, stopped.messages
+    assert most <= int(told["made"]) <= most + AT_ONCE
+    all_of_them = int(told["made"]) + float(told["more"])
+    assert 0.5 * steps(whole) < all_of_them < 2 * steps(whole)
+
+
+@pytest.mark.parametrize("limit", ["none", "1e9"])
+def test_steps_that_are_not_needed_change_nothing(runs: Runs, limit: str) -> None:
+    run, limited = runs("paper.yaml"), runs("paper.yaml", f"simulation.max_steps={limit}")
+    assert steps(run) == steps(limited)
+    for name in ("angular_velocity", "normal_force"):
+        np.testing.assert_array_equal(run.history[name], limited.history[name])
+
+
+@pytest.mark.parametrize("seed", [0, 59])
+def test_gearboxes_that_take_very_long_say_so(executable: Path, tmp_path: Path, seed: int) -> None:
+    """Rigid flanks beside a tonne on springs; 6000 impacts and more."""
+    case, most = tmp_path / "case.yaml", 20_000
+    case.write_text(json.dumps(wide_case(executable, seed)))
+    command = [executable, "run", case, "-o", tmp_path / "h.h5", "--set"]
+    done = subprocess.run(
+        [*command, f"simulation.max_steps={most}"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 4
+    told = OUT_OF_STEPS.search(done.stderr.splitlines()[-1])
+    assert told, done.stderr
+    assert most <= int(told["made"]) <= most + AT_ONCE
+    assert float(told["more"]) > 10 * most
