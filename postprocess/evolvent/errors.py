@@ -189,7 +189,7 @@ HALF_WRITTEN: list[io.FileIO] = []  # files of HDF5 that the disk did not take
 class _Patient(io.FileIO):
     """A file for HDF5, which may crash, or leave data out, over what it could not write.
 
-    It is told that all is well, and the first error is kept.
+    It is told that all is well, and the first error is kept; but of what cannot be read back.
     """
 
     error: OSError | None = None
@@ -204,6 +204,14 @@ class _Patient(io.FileIO):
         except OSError as error:
             self.error = error
         return size
+
+    def readinto(self, buffer: Any) -> int | None:
+        """Read, and keep the error, which HDF5 may not survive either."""
+        try:
+            return super().readinto(buffer)
+        except OSError as error:
+            self.error = self.error or error
+            raise
 
     def truncate(self, size: int | None = None) -> int:
         """Set the length, or keep the error."""
