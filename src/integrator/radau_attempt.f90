@@ -65,7 +65,7 @@ contains
          call refresh_jacobian(self, model, status)
       end if
       if (has_failed(status)) return
-      if (new_factors) call factor_systems(self%stages, h, good)
+      if (new_factors) call factor_systems(self%stages, model, self%y, h, good)
       if (good .and. linear) call predict_linearly(self%stages, self%y, h)
    end subroutine prepare
 

@@ -152,7 +152,7 @@ contains
          at = at_next
          if (abs(at - h_now) > small*at) then
             h_now = at
-            call factor_systems(self%stages, h_now, good)
+            call factor_systems(self%stages, model, self%y, h_now, good)
             if (good) then
                call predict_from(self%stages, self%y, self%old_z, 0.0_wp, h_now, self%old_h)
                call solve_stages(self%stages, model, self%t, self%y, h_now, outcome, status)

@@ -46,6 +46,7 @@ contains
 
       call keep_reals(archive, size(self%coupled), self%coupled)
       call keep_reals(archive, size(self%weight), self%weight)
+      call keep_reals(archive, size(self%most_weight), self%most_weight)
       call keep_reals(archive, size(self%z), self%z)
       call keep_reals(archive, size(self%shifted), self%shifted)
       call keep_reals(archive, size(self%y), self%y)

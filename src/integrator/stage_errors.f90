@@ -24,7 +24,8 @@ contains
    module procedure estimate_error
       real(wp) :: output_error
 
-      call examine(self%n, self%z, self%weight, self%slope, self%slope_at_end, self%last, self%before, &
+      self%error_weight = min(self%weight, self%most_weight)
+      call examine(self%n, self%z, self%error_weight, self%slope, self%slope_at_end, self%last, self%before, &
                    self%next_coefficient)
       output_error = self%output_factor*nodes_over_chebyshev*self%next_coefficient
       call filter(self, self%start, h, error)
@@ -102,7 +103,7 @@ contains
          call condensed_solve_first(self%condensed, self%error)
       end if
       call integrate_error(self%integrals, self%n, h, self%jacobian, self%error)
-      error = max(sqrt(weighted_square(self%n, self%error, self%weight)/self%n), 1.0e-10_wp)
+      error = max(sqrt(weighted_square(self%n, self%error, self%error_weight)/self%n), 1.0e-10_wp)
       if (.not. error <= huge(error)) error = huge(error)
    end subroutine filter
 

@@ -19,6 +19,7 @@ module evl_stage_solver
    use evl_condensed_systems, only: condensed_create, condensed_factor, condensed_solve, condensed_t
    use evl_dense_lu, only: dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_t
    use evl_elementary, only: real_power
+   use evl_estimate_rounding, only: estimate_rounding_create, estimate_rounding_t, find_rounding
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: ode_model
    use evl_quadrature_states, only: find_pure_integrals, integrate_stages, pure_integrals_t
@@ -78,6 +79,9 @@ module evl_stage_solver
       real(wp) :: output_factor = 1 !! how much tighter the dense output is held
       real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
       real(wp), allocatable :: weight(:)    !! [n] inverse of the error that counts as 1
+      type(estimate_rounding_t) :: rounding
+      real(wp), allocatable :: most_weight(:) !! [n] of an estimate with the present factors: the inverse of its rounding
+      real(wp), allocatable :: error_weight(:) !! [n] the smaller one of both
       real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
       real(wp), allocatable :: shifted(:, :) !! [8, n] Lambda/h w, the same transformed
       real(wp), allocatable :: y(:, :)      !! [8, n] states at the stages
@@ -187,7 +191,8 @@ contains
       self%tolerance = tolerance
       self%output_factor = max(1.0_wp, tolerance/(output_share*user_tolerance))
       self%newton_stop = max(10*eps/tolerance, min(0.03_wp, sqrt(tolerance)))
-      allocate (self%weight(model%n), self%error(model%n), self%slope(model%n), self%slope_at_end(model%n), &
+      allocate (self%weight(model%n), self%most_weight(model%n), self%error_weight(model%n))
+      allocate (self%error(model%n), self%slope(model%n), self%slope_at_end(model%n), &
                 self%last(model%n), self%before(model%n), self%start(model%n), self%moved(model%n), self%moved_f(model%n))
       allocate (self%z(lanes, model%n), self%shifted(lanes, model%n), self%y(lanes, model%n), self%f(lanes, model%n))
       allocate (self%change(lanes, model%n), self%jacobian(size(model%jacobian_row)))
@@ -199,6 +204,8 @@ contains
       end associate
       self%row(:) = model%jacobian_row(self%integrals%coupled)
       self%column(:) = model%jacobian_column(self%integrals%coupled)
+      call estimate_rounding_create(self%rounding, model%n, model%jacobian_row, model%jacobian_column)
+      self%most_weight = huge(1.0_wp)
       call condensed_create(self%condensed, self%integrals%n_coupled, self%row, self%column)
       call dense_lu_create(self%dense, self%integrals%n_coupled)
    end subroutine stage_solver_create
@@ -222,8 +229,10 @@ contains
    end subroutine set_weights
 
    !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
-   subroutine factor_systems(self, h, good)
+   subroutine factor_systems(self, model, y, h, good)
       type(stage_solver_t), intent(inout) :: self
+      class(ode_model), intent(in) :: model
+      real(wp), intent(in) :: y(self%n)
       real(wp), intent(in) :: h
       logical, intent(out) :: good !! false if a matrix is singular
       integer :: p
@@ -240,6 +249,7 @@ contains
          call dense_lu_factor(self%dense, shift_re/h, shift_im/h, self%row, self%column, self%coupled, good)
       end if
       self%h_factored = merge(h, 0.0_wp, good)
+      call find_rounding(self%rounding, model%jacobian_row, model%jacobian_column, self%jacobian, y, h, self%most_weight)
    end subroutine factor_systems
 
    !> Find the stages of the step from (t, y) to t + h, from the prediction in z and w; the factors are those of h.
@@ -361,7 +371,7 @@ contains
 
       do i = 1, self%integrals%n_coupled
          call change_of_stages(1, self%change(:, i), dz)
-         is_rounding = all(abs(dz) <= 8*rounding*(abs(self%y(:, i)) + abs(self%z(:, i))))
+         is_rounding = all(abs(dz) <= max(8*rounding*(abs(self%y(:, i)) + abs(self%z(:, i))), 1/self%most_weight(i)))
          if (.not. is_rounding) return
       end do
    end function is_rounding
