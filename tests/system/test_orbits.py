@@ -29,7 +29,7 @@ from system.test_numbers import (
 from system.test_respond import SPEED, UNIT, speeds
 
 Orbits = Callable[..., xr.Dataset]
-FOLD, CROSSING, DOUBLING = 1, 2, 3
+FOLD, CROSSING, DOUBLING, TOUCH = 1, 2, 3, 5
 OMEGA_1 = math.sqrt(STIFFNESS) * BASE / math.sqrt(INERTIA)  # of one pair [rad/s]
 
 
@@ -157,6 +157,14 @@ def test_unstable_branch_is_followed_from_the_fold(orbits: Orbits) -> None:
     assert frequencies(first)[-1] == pytest.approx(0.7, rel=1e-12)  # back at the end of the range
     assert np.all(np.diff(deviations(first)[fold:]) > 0)
     assert (found["orbit_residual"].values <= 1e-10).all()
+
+
+def test_touches_of_pairs_that_share_the_force_are_one_point(orbits: Orbits) -> None:
+    """Two equal springs: their forces vanish together."""
+    found = orbits(0.4, 0.45)
+    touches = frequencies(found, TOUCH)
+    assert len(touches) >= 2
+    assert np.diff(np.sort(touches)).min() > 1e-4
 
 
 @pytest.mark.parametrize("omega", [0.7, 1.3, 2.0])
