@@ -26,8 +26,8 @@ module evl_shooting
    private
 
    public :: orbit_options, orbit_t
-   public :: change_of, correct_orbit, correct_with, differentiate_by_parameter, find_orbit, find_tangent, lack_of_round, &
-             move_orbit, own_multipliers, scaled_derivative
+   public :: change_of, correct_orbit, correct_with, differentiate_by_parameter, find_orbit, find_tangent, go_round, &
+             lack_of_round, move_orbit, own_multipliers, scaled_derivative, solve_along
 
    !> What the user chooses.
    type :: orbit_options
@@ -316,19 +316,24 @@ contains
          call fail(status, code_singular, "Newton's iteration for an orbit has no solution: orbits are not isolated here")
    end subroutine solve
 
-   !> dP/dp of an orbit that was followed round, by a difference to one side: to the other one if there is no such system.
+   !> dP/dp of an orbit that was followed round, by a difference to one side: to the other one if there is no such system, or if
+   !> root functions do not fire there as in the orbit, since P may have a corner, or a root near one; else by a shorter one.
    subroutine differentiate_by_parameter(model, options, orbit, status)
       class(orbit_model), intent(inout) :: model !! with another value of the parameter on return
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit
       type(status_t), intent(inout) :: status
+      real(wp), parameter :: over(6) = [1.0_wp, -1.0_wp, 0.03_wp, -0.03_wp, 0.001_wp, -0.001_wp]
+      real(wp), parameter :: alike = 0.1_wp !! of the square of a rate with which a root function fires
       type(status_t) :: refusal
       type(flow_t) :: flow
       real(wp) :: change, period
-      integer :: side
+      logical :: found
+      integer :: i
 
-      do side = 1, 2
-         change = merge(1, -1, side == 1)*options%parameter_change*options%parameter_scale
+      found = .false.
+      do i = 1, size(over)
+         change = over(i)*options%parameter_change*options%parameter_scale
          call clear(refusal)
          call model%set_parameter(orbit%parameter + change, refusal)
          if (has_failed(refusal)) cycle
@@ -337,9 +342,11 @@ contains
          call follow(model, orbit%y, orbit%periods, period, options%tolerance, .false., flow, refusal)
          if (has_failed(refusal)) cycle
          orbit%by_parameter = (flow%y - orbit%flow%y)/change
-         return
+         found = .true.
+         if (all(flow%crossings == orbit%flow%crossings .and. &
+                 abs(flow%slowest - orbit%flow%slowest) <= alike*orbit%flow%slowest)) return
       end do
-      status = refusal
+      if (.not. found) status = refusal
    end subroutine differentiate_by_parameter
 
    !> What a step of Newton's iteration lacks in the end is laid to dP/dp, the one part of it that is not exact (secant).
@@ -367,18 +374,31 @@ contains
       type(orbit_t), intent(inout) :: orbit !! its `tangent` and `by_parameter` are set
       real(wp), intent(in) :: along(:)      !! [n + 2] it points the same way as this
       type(status_t), intent(inout) :: status
-      real(wp) :: matrix(model%n + 2, model%n + 2), phase_row(model%n)
       integer :: i
 
       call differentiate_by_parameter(model, options, orbit, status)
-      phase_row = 0
-      if (model%autonomous .and. .not. has_failed(status)) call find_phase_row(model, orbit, phase_row, status)
       if (has_failed(status)) return
-      call linearise(model, options, orbit, phase_row, along, matrix)
       orbit%tangent = [(0.0_wp, i=0, model%n), 1.0_wp]
-      call solve(matrix, orbit%tangent, status)
+      call solve_along(model, options, orbit, along, orbit%tangent, status)
       if (.not. has_failed(status)) orbit%tangent = orbit%tangent/norm2(orbit%tangent)
    end subroutine find_tangent
+
+   !> The linear system above of an orbit whose dP/dp is known, for a last row and a right-hand side.
+   subroutine solve_along(model, options, orbit, along, x, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit
+      real(wp), intent(in) :: along(:)    !! [n + 2] the last row
+      real(wp), intent(inout) :: x(:)     !! [n + 2] right-hand side, then solution, in units of the scales
+      type(status_t), intent(inout) :: status
+      real(wp) :: matrix(model%n + 2, model%n + 2), phase_row(model%n)
+
+      phase_row = 0
+      if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
+      if (has_failed(status)) return
+      call linearise(model, options, orbit, phase_row, along, matrix)
+      call solve(matrix, x, status)
+   end subroutine solve_along
 
    !> The derivative of the period in units of the scales, of the active states.
    pure function scaled_derivative(model, orbit) result(matrix)
