@@ -79,7 +79,7 @@ static bool write_real(writer *w, netcdf_variable variable, netcdf_dimension *fi
 static bool write_all_told(writer *w)
 {
     const char *units = w->from->units[0] == '\0' ? "1" : w->from->units;
-    static const char kinds[] = "ordinary fold crossing doubling neimark_sacker touch";
+    static const char kinds[] = "ordinary fold crossing doubling neimark_sacker touch touch_fold";
     const struct {
         netcdf_variable variable;
         teller *tell;
@@ -97,7 +97,7 @@ static bool write_all_told(writer *w)
           .units = "1",
           .symbol = "",
           .long_name = "what happens at this point of the branch",
-          .n_flags = MODEL_ORBIT_TOUCH + 1,
+          .n_flags = MODEL_ORBIT_TOUCH_FOLD + 1,
           .flag_meanings = kinds},
          tell_kind},
         {netcdf_describe(NETCDF_INTEGER, "orbit_touch_mesh", "1", "",

@@ -89,7 +89,7 @@ void model_orbits_delete(model_orbits **orbits)
 
 static void from_kernel(const evl_orbit *told, model_orbit *orbit)
 {
-    _Static_assert(MODEL_ORBIT_TOUCH - EVL_ORBIT_TOUCH == 0, "the kernel's kinds");
+    _Static_assert(MODEL_ORBIT_TOUCH_FOLD - EVL_ORBIT_TOUCH_FOLD == 0, "the kernel's kinds");
     _Static_assert(MODEL_ORBIT_ROOT - EVL_SHORT_LENGTH == 0, "as long as the kernel's");
     *orbit = (model_orbit){.parameter = told->parameter,
                            .time = told->period,

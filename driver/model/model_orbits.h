@@ -11,7 +11,8 @@ typedef enum {
     MODEL_ORBIT_CROSSING,
     MODEL_ORBIT_DOUBLING,
     MODEL_ORBIT_NEIMARK_SACKER,
-    MODEL_ORBIT_TOUCH
+    MODEL_ORBIT_TOUCH,
+    MODEL_ORBIT_TOUCH_FOLD
 } model_orbit_kind;
 
 typedef struct {

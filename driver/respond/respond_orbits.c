@@ -66,14 +66,19 @@ static bool write_file(const branches *found, const respond_orbits_setup *setup,
 
 static void summarise(const branches *found, const respond_orbits_setup *setup)
 {
-    static const char *const kinds[] = {"", "fold", "crossing of branches", "period doubling", "Neimark-Sacker point",
-                                        ""};
+    static const char *const kinds[MODEL_ORBIT_TOUCH_FOLD + 1] = {
+        [MODEL_ORBIT_FOLD] = "fold",
+        [MODEL_ORBIT_CROSSING] = "crossing of branches",
+        [MODEL_ORBIT_DOUBLING] = "period doubling",
+        [MODEL_ORBIT_NEIMARK_SACKER] = "Neimark-Sacker point",
+        [MODEL_ORBIT_TOUCH_FOLD] = "fold at a touch",
+    };
     int n_stable = 0, n_ordinary = 0;
     for (int i = 0; i < found->n_points; i++) {
         const model_orbit *orbit = &found->points[i].orbit;
         n_ordinary += orbit->kind == MODEL_ORBIT_ORDINARY;
         n_stable += orbit->kind == MODEL_ORBIT_ORDINARY && orbit->is_stable;
-        if (kinds[orbit->kind][0] != '\0') {
+        if (kinds[orbit->kind] != NULL) {
             log_note("branch %d, period %d: %s at %.9g%s%s", found->points[i].branch, orbit->periods,
                      kinds[orbit->kind], orbit->parameter, setup->unit[0] == '\0' ? "" : " ", setup->unit);
         }

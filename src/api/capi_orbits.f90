@@ -12,7 +12,7 @@ module evl_capi_orbits
    use evl_kinds, only: wp
    use evl_orbit_teller, only: orbit_teller
    use evl_shooting, only: correct_orbit, find_orbit, orbit_t, own_multipliers
-   use evl_special_points, only: branch_point, kind_touch
+   use evl_special_points, only: branch_point, kind_touch, kind_touch_fold
    use evl_status, only: code_no_memory, code_no_solution, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
@@ -280,7 +280,7 @@ contains
       call c_f_pointer(handle, self)
       call advance_branch(self%model, self%options, self%walk, more, s)
       associate (branch => self%branches(self%n_branches))
-         self%before = branch%n
+         self%before = merge(branch%n, 0, allocated(self%walk%before%tangent)) ! behind a touch the curve begins anew
          do i = 1, size(more)
             call keep_point(branch%points, branch%n, more(i))
          end do
@@ -446,9 +446,7 @@ contains
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind
          orbit%is_told = at%is_told
-         if (at%kind == kind_touch) then
-            call tell_root(self, at%root, orbit)
-         end if
+         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) call tell_root(self, at%root, orbit)
          allocate (mu, source=own_multipliers(self%model, at%orbit))
       end associate
       do i = 1, size(mu)

@@ -16,6 +16,7 @@ module evl_branch
    use evl_places, only: places
    use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
    use evl_special_points, only: branch_point, find_special_points, kind_fold
+   use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
@@ -103,24 +104,46 @@ contains
       type(status_t), intent(inout) :: status
       type(branch_point), allocatable :: special(:)
       type(orbit_t) :: last ! of the points
-      type(branch_point) :: next
+      type(branch_point) :: next, target
+      type(touch_passage) :: passage
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
-      logical :: at_end, closes
+      logical :: at_end, closes, jumps
+      real(wp) :: reach
       integer :: i
 
       allocate (points(0))
-      call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, status)
-      if (has_failed(status)) return
-      walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%first_step)
-      if (walk%crawls > most_crawls) call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
-                                               quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
-      if (has_failed(status)) return
-      at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
-      if (at_end) call stop_at_bound(model, options, walk%now%orbit, next, status)
-      if (.not. has_failed(status)) &
-         call find_special_points(model, options%orbits, walk%now%orbit, next%orbit, next%way, special, status)
-      if (has_failed(status)) return
+      reach = 0
+      do
+         call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, reach, passage, status)
+         if (has_failed(status)) return
+         walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%first_step)
+         if (walk%crawls > most_crawls) then
+            call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
+                      quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
+            return
+         end if
+         at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
+         last = walk%now%orbit
+         if (passage%found) then
+            target = passage%touch
+            last = target%orbit
+            last%tangent = passage%onward
+         end if
+         if (at_end) call stop_at_bound(model, options, last, next, status)
+         if (.not. passage%found) target = next
+         if (has_failed(status)) return
+         jumps = .false.
+         if (passage%found .and. passage%from_behind) then ! multipliers jump: their tests tell nothing
+            special = [branch_point ::]
+         else
+            call find_special_points(model, options%orbits, walk%now%orbit, target%orbit, target%way, special, jumps, status)
+            if (has_failed(status)) return
+         end if
+         if (.not. jumps .or. target%way < 100*options%smallest_step) exit
+         walk%step = target%way/4 ! the two orbits are of different branches, or there is more between them
+         reach = target%way
+      end do
       last = walk%now%orbit
       do i = 1, size(special)
          call add_up_to(special(i))
@@ -130,9 +153,14 @@ contains
          walk%is_over = closes ! the same orbits, half a period later, are all that comes
          return
       end do
-      call add_up_to(next)
-      walk%is_over = at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, next%way, walk%first)
+      call add_up_to(target)
+      if (passage%found) then
+         last%tangent = passage%onward
+         call add_up_to(next)
+      end if
+      walk%is_over = at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, target%way, walk%first)
       walk%before = walk%now%orbit
+      if (passage%found) deallocate (walk%before%tangent) ! the curve begins anew
       walk%now = next
       walk%n_ordinary = walk%n_ordinary + 1
       walk%is_over = walk%is_over .or. walk%n_ordinary >= options%most_points
@@ -193,15 +221,18 @@ contains
                  .and. dot_product(now%orbit%tangent, first%orbit%tangent) > alike
    end function comes_by
 
-   !> The next point of a branch, a step further or less.
-   subroutine go_on(model, options, before, now, next, step, is_smooth, status)
+   !> The next point of a branch, a step further or less, or behind a touch at which the branch is not smooth.
+   subroutine go_on(model, options, before, now, next, step, is_smooth, reach, passage, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(orbit_t), intent(in) :: before, now !! with tangents; `before` has none if there is no such orbit
       type(branch_point), intent(out) :: next
       real(wp), intent(inout) :: step          !! to try; on return the one to try next
       logical, intent(inout) :: is_smooth      !! the cubic through the last orbits told the last step better than the tangent did
+      real(wp), intent(in) :: reach            !! how far a touch is looked for at first; 0: not at all
+      type(touch_passage), intent(out) :: passage
       type(status_t), intent(inout) :: status
+      real(wp), parameter :: ahead = 16        !! steps that failed: a touch is looked for so far, since behind one they are short
       integer, parameter :: easy = 3, hard = 8 !! iterations
       real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp !! cosine of the angle between tangents
       type(status_t) :: refusal
@@ -216,6 +247,8 @@ contains
       step = min(step, longest)
       cubic = curve_through(model, options%orbits, now, before)
       straight_on = curve_through(model, options%orbits, now, nothing)
+      if (reach > 0) call look_for_touch(reach)
+      if (passage%found) return
       do
          if (is_smooth) then
             call orbit_on_curve(model, options%orbits, cubic, now, step, next%orbit)
@@ -228,6 +261,8 @@ contains
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
          if (straight >= turn .and. next%orbit%iterations <= hard) exit
+         call look_for_touch(min(ahead*step, options%largest_step))
+         if (passage%found) return
          if (step < 2*options%smallest_step) then
             if (straight > 0) exit ! a corner, as where two events change their order
             status = refusal
@@ -240,6 +275,23 @@ contains
       is_smooth = lack_of(model, options%orbits, cubic, now, next%orbit, step) &
                   < lack_of(model, options%orbits, straight_on, now, next%orbit, step)
       if (next%orbit%iterations <= easy .and. straight >= little_turn) step = min(1.5_wp*step, longest)
+
+   contains
+
+      !> Pass a touch ahead in the range, if there is one; once.
+      subroutine look_for_touch(reach)
+         real(wp), intent(in) :: reach
+
+         if (passage%looked) return
+         call pass_touch(model, options%orbits, now, cubic, reach, [10*options%smallest_step, options%first_step], passage)
+         if (.not. passage%found) return
+         passage%found = passage%touch%orbit%parameter >= options%from .and. passage%touch%orbit%parameter <= options%to
+         if (.not. passage%found) return
+         next = passage%next
+         step = next%way
+         is_smooth = .true.
+      end subroutine look_for_touch
+
    end subroutine go_on
 
    !> Refuse a branch that begins outside its range.

@@ -16,8 +16,8 @@ module evl_special_points
    implicit none (type, external)
    private
 
-   public :: branch_point, find_special_points
-   public :: kind_ordinary, kind_fold, kind_crossing, kind_doubling, kind_neimark_sacker, kind_touch
+   public :: branch_point, find_special_points, touch_test
+   public :: kind_ordinary, kind_fold, kind_crossing, kind_doubling, kind_neimark_sacker, kind_touch, kind_touch_fold
 
    integer, parameter :: kind_ordinary = 0       !! nothing happens
    integer, parameter :: kind_fold = 1           !! the branch turns back: a multiplier 1
@@ -25,6 +25,7 @@ module evl_special_points
    integer, parameter :: kind_doubling = 3       !! a multiplier -1
    integer, parameter :: kind_neimark_sacker = 4 !! a pair of multipliers on the unit circle
    integer, parameter :: kind_touch = 5          !! a root function touches zero and does not cross it
+   integer, parameter :: kind_touch_fold = 6     !! the same, and the branch turns back there: no multiplier is 1
 
    !> A point of a branch.
    type :: branch_point
@@ -38,34 +39,37 @@ module evl_special_points
 contains
 
    !> All special points between two neighbouring points of a branch, in their order.
-   subroutine find_special_points(model, options, first, last, way, points, status)
+   subroutine find_special_points(model, options, first, last, way, points, jumps, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: first, last !! with tangents
       real(wp), intent(in) :: way              !! from one to the other along the tangent of the first
       type(branch_point), allocatable, intent(out) :: points(:) !! `way` is that from `first`
+      logical, intent(out) :: jumps            !! orbits do at a touch: the two are no neighbours
       type(status_t), intent(inout) :: status
       type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
       real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system, has no folds
-      logical :: found
+      logical :: found, leaps
       integer :: kind, n, root
 
       n = 0
+      jumps = .false.
       do kind = kind_fold, kind_neimark_sacker
          if (.not. test(model, kind, first)*test(model, kind, last) < 0) cycle
          if (kind == kind_fold .and. max(abs(test(model, kind, first)), abs(test(model, kind, last))) < upright) cycle
          if (kind == kind_crossing) then ! a fold is one too
             if (test(model, kind_fold, first)*test(model, kind_fold, last) < 0) cycle
          end if
-         call locate(model, options, first, last, way, kind, 0, kept(n + 1), found, status)
+         call locate(model, options, first, last, way, kind, 0, kept(n + 1), found, leaps, status)
          if (has_failed(status)) return
          if (found) n = n + 1
       end do
       do root = 1, model%n_roots
          if (first%flow%crossings(root) == last%flow%crossings(root)) cycle
          if (is_known(kept(:n), first, last, root)) cycle
-         call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, status)
+         call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, leaps, status)
          if (has_failed(status)) return
+         jumps = jumps .or. leaps
          if (found) n = n + 1
       end do
       points = kept(:n)
@@ -121,7 +125,7 @@ contains
    end function is_known
 
    !> One special point, by false position with halving (Illinois).
-   subroutine locate(model, options, first, last, way, kind, root, point, found, status)
+   subroutine locate(model, options, first, last, way, kind, root, point, found, jumps, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: first, last
@@ -129,11 +133,14 @@ contains
       integer, intent(in) :: kind, root
       type(branch_point), intent(out) :: point
       logical, intent(out) :: found !! false: the function jumps, or Newton's iteration fails
+      logical, intent(out) :: jumps !! orbits do, where a root function touches: the points are of different branches
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
       integer, parameter :: most_iterations = 8    !! of Newton: from beside the orbit three are many
+      real(wp), parameter :: leap = 1.0e-3_wp      !! between orbits beside the zero, over the way
       real(wp) :: a, b, at_a, at_b, at, value, enough, share, lack_a(model%n + 2), lack_b(model%n + 2)
+      type(orbit_t) :: left, right
       type(curve_t) :: curve
       type(orbit_t) :: foreseen
       type(orbit_options) :: few
@@ -141,6 +148,7 @@ contains
       integer :: fewer, side, turn
 
       found = .false.
+      jumps = .false.
       curve = curve_through(model, options, first, last)
       fewer = 0
       if (kind == kind_touch) fewer = min(first%flow%crossings(root), last%flow%crossings(root))
@@ -152,6 +160,8 @@ contains
       enough = accuracy*min(1.0_wp, way)/way*abs(at_b - at_a) ! as far from zero as that is near
       few = options
       few%most_iterations = most_iterations
+      left = first
+      right = last
       side = 0
       lack_a = 0 ! what the curve lacks there
       lack_b = 0
@@ -175,7 +185,10 @@ contains
          end if
          if (.not. has_failed(refusal) .and. kind == kind_fold) &
             call find_tangent(model, options, point%orbit, first%tangent, refusal)
-         if (has_failed(refusal)) return
+         if (has_failed(refusal)) then
+            jumps = kind == kind_touch
+            return
+         end if
          point%way = at
          value = ask(point%orbit)
          if (.not. abs(value) > enough .or. abs(value) > huge(1.0_wp)/2) exit
@@ -183,16 +196,19 @@ contains
             a = at
             at_a = value
             lack_a = way_to(model, options, foreseen, point%orbit)
+            left = point%orbit
             if (side == -1) at_b = at_b/2
             side = -1
          else
             b = at
             at_b = value
             lack_b = way_to(model, options, foreseen, point%orbit)
+            right = point%orbit
             if (side == 1) at_a = at_a/2
             side = 1
          end if
       end do
+      jumps = b - a <= accuracy*min(1.0_wp, way) .and. norm2(way_to(model, options, left, right)) > leap*way
       point%kind = kind
       point%root = root
       found = is_genuine(model, kind, point%orbit)

@@ -11,9 +11,9 @@ module orbit_systems
 
    integer, parameter, public :: meissner = 1, duffing = 2, backlash = 3, ball = 4, remembering_stop = 5, van_der_pol = 6, &
                                  duffing_with_phase = 7, moving_focus = 8, moving_fold = 9, stop = 10, parting = 11, &
-                                 floating = 12, alternating = 13
-   integer, parameter :: n_states(13) = [2, 2, 2, 3, 3, 2, 3, 2, 1, 2, 2, 3, 2]
-   integer, parameter :: n_roots(13) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 2, 1, 0]
+                                 floating = 12, alternating = 13, switched = 14
+   integer, parameter :: n_states(14) = [2, 2, 2, 3, 3, 2, 3, 2, 1, 2, 2, 3, 2, 2]
+   integer, parameter :: n_roots(14) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 2, 1, 0, 1]
 
    integer, parameter :: open = 0, loaded = 1, would_pull = 2
 
@@ -31,6 +31,7 @@ module orbit_systems
    !> alternating the same, with a mode that changes in the middle of each period and matters to nothing
    !> moving_fold W, l, a:          z' = l - z^2 around it
    !> stop        W, z, c, d, k:    x'' = c cos Wt - 2 z x' - x - k max(x - d, 0)
+   !> switched    W, z, c, d, f:    x'' = c cos Wt - 2 z x' - x, less f where x > d
    type, extends(orbit_model) :: orbit_system
       integer :: kind = 0
       integer :: varied = 1          !! which of p is the parameter
@@ -83,6 +84,7 @@ contains
       self%period = 2*pi/self%p(1)
       ! the section lies in the middle of the time with one pair, which begins at 0
       if (self%kind == meissner .or. self%kind == parting) self%phase = self%period*(1 - self%p(2)/2)
+      if (self%kind == switched) self%phase = self%period/4 ! away from where x is largest
    end subroutine set_parameter
 
    !> modes(1): pairs, or the contact; modes(2): where flanks part, what the contact does.
@@ -103,7 +105,7 @@ contains
          if (abs(y(1)) > 1) self%modes(1) = nint(sign(1.0_wp, y(1)))
       case (remembering_stop, floating)
          if (y(1) > 0) self%modes(1) = 1
-      case (stop)
+      case (stop, switched)
          if (y(1) > self%p(4)) self%modes(1) = 1
       end select
    end subroutine settle
@@ -148,6 +150,8 @@ contains
             f(1) = -p(3)*p(1)*sin(p(1)*t) + p(2) - (y(1) - p(3)*cos(p(1)*t))**2
          case (stop)
             f(2) = p(3)*cos(p(1)*t) - 2*p(2)*y(2) - y(1) - m*p(5)*(y(1) - p(4))
+         case (switched)
+            f(2) = p(3)*cos(p(1)*t) - 2*p(2)*y(2) - y(1) - m*p(5)
          end select
       end associate
    end subroutine rhs
@@ -203,6 +207,8 @@ contains
             j(1, 1) = -2*(y(1) - p(3)*cos(p(1)*t))
          case (stop)
             j(2, :) = [-1 - m*p(5), -2*p(2)]
+         case (switched)
+            j(2, :) = [-1.0_wp, -2*p(2)]
          end select
       end associate
       values = reshape(j, [size(values)])
@@ -225,7 +231,7 @@ contains
          values = y(1)
       case (parting)
          values = [y(1), y(1) + 2*self%p(3)*y(2)]
-      case (stop)
+      case (stop, switched)
          values = y(1) - self%p(4)
       end select
    end subroutine roots
@@ -268,7 +274,7 @@ contains
          if (self%modes(1) == -1) directions = [never, 1]
       case (ball)
          directions = -1
-      case (remembering_stop, floating, stop)
+      case (remembering_stop, floating, stop, switched)
          directions = 1 - 2*self%modes(1)
       case (parting)
          directions = [1, never]
@@ -321,7 +327,7 @@ contains
             y(3) = y(2)
             by_state(3, :) = [0, 1, 0]
          end if
-      case (stop)
+      case (stop, switched)
          self%modes(1) = 1 - self%modes(1)
       case (parting)
          self%modes(2) = loaded

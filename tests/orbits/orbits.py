@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
-KINDS = ("ordinary", "fold", "crossing", "doubling", "neimark_sacker", "touch")
+KINDS = ("ordinary", "fold", "crossing", "doubling", "neimark_sacker", "touch", "touch_fold")
 # which states each system has and what its parameters are: orbit_systems.f90
 SYSTEMS = {
     "meissner": (1, 2),
@@ -27,6 +27,7 @@ SYSTEMS = {
     "parting": (11, 2),
     "floating": (12, 3),
     "alternating": (13, 2),
+    "switched": (14, 2),
 }
 
 _double, _int, _bool = ctypes.c_double, ctypes.c_int, ctypes.c_bool

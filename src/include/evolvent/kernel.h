@@ -452,7 +452,8 @@ typedef enum {
     EVL_ORBIT_CROSSING, /**< another branch crosses */
     EVL_ORBIT_DOUBLING,
     EVL_ORBIT_NEIMARK_SACKER,
-    EVL_ORBIT_TOUCH /**< a root function just touches zero: flanks just part */
+    EVL_ORBIT_TOUCH,     /**< a root function just touches zero: flanks just part */
+    EVL_ORBIT_TOUCH_FOLD /**< the same, and the branch turns back there */
 } evl_orbit_kind;
 typedef struct {
     double parameter;

@@ -1,0 +1,219 @@
+!> Past an orbit at which a root function just touches zero and a force jumps: where a branch is not smooth there.
+!>
+!> Where what happens behind the touch lasts s, its effect on the flow is that of a force times s, and s is the root of how far the
+!> root function comes beyond zero. With theta, that goes through zero at the touch, s = sqrt(-theta) and g the gradient of theta,
+!>
+!>     theta > 0:    (D - 1) dy + dP/dp dp          = 0    orbits to the one side: tangent t
+!>     theta < 0:    (D - 1) dy + dP/dp dp + c s    = 0
+!>                   g_y dy + g_p dp                = 0    to the other side: du = b s
+!>
+!> with D and dP/dp of the orbit that touches, without what happens behind. In both s and the orbit are smooth along the branch, so
+!> each half has a tangent; derivatives of the flow behind the touch are not: they grow as 1/s. So orbits from which Newton's
+!> iteration would find that which touches have to lie before it, where the flow is smooth. Where b turns back in the parameter the
+!> touch is a fold.
+!>
+!> The second line is the leading order of the square-root map: A. B. Nordmark, J. Sound Vib. 145 (1991) 279-297;
+!> M. di Bernardo, C. J. Budd, A. R. Champneys, P. Kowalczyk, Piecewise-smooth Dynamical Systems, Springer 2008, ch. 6 and 7.
+!> The iteration was derived here.
+module evl_touch_passage
+   use evl_branch_curve, only: curve_t, way_to
+   use evl_kinds, only: wp
+   use evl_orbit_model, only: orbit_model
+   use evl_shooting, only: correct_orbit, difference, find_tangent, go_round, move_orbit, orbit_options, orbit_t, solve_along
+   use evl_special_points, only: branch_point, kind_touch, kind_touch_fold
+   use evl_status, only: clear, has_failed, status_t
+   use evl_touching_orbit, only: find_touching_orbit, theta_of, touch_t
+   implicit none (type, external)
+   private
+
+   public :: pass_touch, touch_passage
+
+   !> What lies on a branch at a touch.
+   type :: touch_passage
+      logical :: looked = .false.         !! a touch was seen ahead
+      logical :: found = .false.
+      logical :: from_behind = .false.    !! the branch comes from where the root function is crossed
+      type(branch_point) :: touch         !! with the tangent on which it is come to
+      real(wp), allocatable :: onward(:)  !! [n + 2] the tangent on which the branch goes on
+      type(branch_point) :: next          !! the first ordinary point behind it; its way is that from the touch
+   end type touch_passage
+
+contains
+
+   !> Look for a touch ahead, and for the branch behind it.
+   subroutine pass_touch(model, options, now, curve, reach, steps, passage)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: now            !! with a tangent
+      type(curve_t), intent(in) :: curve          !! on which the branch is expected ahead
+      real(wp), intent(in) :: reach               !! how far ahead
+      real(wp), intent(in) :: steps(2)            !! shortest and longest step from the touch to the next point
+      type(touch_passage), intent(out) :: passage !! not found: there is none, or the branch is smooth there
+      type(touch_t) :: touch
+      type(orbit_t) :: touching
+      real(wp) :: before_it(model%n + 2), behind_it(model%n + 2), depth_over_way
+      logical :: found
+
+      call find_touching_orbit(model, options, now, curve, reach, touch, touching, found)
+      passage%looked = touch%root > 0
+      if (found) call find_halves(model, options, touch, touching, before_it, behind_it, depth_over_way, found)
+      if (.not. found) return
+      passage%from_behind = touch%from_behind
+      if (touch%from_behind) then
+         touching%tangent = -behind_it
+         passage%onward = before_it
+      else
+         touching%tangent = -before_it
+         passage%onward = behind_it
+      end if
+      if (.not. leads_to(model, options, now, touching, touch%way)) return
+      call step_off(model, options, touch, touching, passage%onward, depth_over_way, steps, passage%next, found)
+      passage%touch%orbit = touching
+      passage%touch%root = touch%root
+      passage%touch%kind = kind_touch
+      if (touching%tangent(model%n + 2)*passage%onward(model%n + 2) < 0) passage%touch%kind = kind_touch_fold
+      passage%touch%way = dot_product(now%tangent, way_to(model, options, now, touching))
+      passage%found = found
+   end subroutine pass_touch
+
+   !> The tangents of both halves, away from the touch, from what a flow a little beyond the touch shows of c.
+   subroutine find_halves(model, options, touch, touching, before_it, behind_it, depth_over_way, found)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(touch_t), intent(in) :: touch
+      type(orbit_t), intent(inout) :: touching
+      real(wp), intent(out) :: before_it(:), behind_it(:) !! [n + 2]
+      real(wp), intent(out) :: depth_over_way             !! s a way along the tangent behind the touch
+      logical, intent(out) :: found                       !! false: nothing jumps
+      real(wp), parameter :: beyond(2) = [4.0e-7_wp, 1.0e-7_wp]
+      real(wp), parameter :: most_growth = 3 !! from one to the other: that of a root is 2, of what is smooth 4 and more
+      type(status_t) :: refusal
+      real(wp) :: part(model%n, 2), smooth(model%n), depth
+      integer :: i
+
+      found = .false.
+      before_it = 0
+      behind_it = 0
+      depth_over_way = 0
+      call clear(refusal)
+      call find_tangent(model, options, touching, touch%gradient, refusal)
+      if (has_failed(refusal)) return
+      before_it = touching%tangent
+      do i = 1, 2
+         call look_behind(beyond(i), part(:, i), smooth, depth, refusal)
+         if (has_failed(refusal) .or. .not. depth > 0) return
+      end do
+      if (norm2(part(:, 2)) < norm2(smooth) .or. norm2(part(:, 1)) > most_growth*norm2(part(:, 2))) return
+      behind_it(:model%n) = -part(:, 2)/depth
+      call solve_along(model, options, touching, touch%gradient, behind_it, refusal)
+      if (has_failed(refusal)) return
+      depth_over_way = 1/norm2(behind_it)
+      behind_it = behind_it*depth_over_way
+      found = .true.
+
+   contains
+
+      !> What a flow behind the touch has beside its smooth part.
+      subroutine look_behind(distance, part, smooth, depth, status)
+         real(wp), intent(in) :: distance
+         real(wp), intent(out) :: part(:), smooth(:) !! in units of the scales
+         real(wp), intent(out) :: depth              !! s; 0: there is no touch
+         type(status_t), intent(inout) :: status
+         type(orbit_t) :: behind
+         real(wp) :: change(model%n + 2)
+
+         depth = 0
+         behind = touching
+         change = -distance*touch%gradient/norm2(touch%gradient)
+         call move_orbit(model, options, behind, change)
+         call go_round(model, options, behind, status)
+         if (has_failed(status)) return
+         if (behind%flow%crossings(touch%root) > touch%fewer) &
+            depth = sqrt(max(0.0_wp, distance*norm2(touch%gradient) - theta_of(touch, touching))) ! events are not that sharp
+         associate (n => model%n)
+            smooth = matmul(touching%flow%derivative, change(:n)*model%scale) - change(:n)*model%scale &
+                     + touching%by_parameter*change(n + 2)*options%parameter_scale
+            part = difference(model, behind) - difference(model, touching) - smooth
+         end associate
+         smooth = merge(smooth/model%scale, 0.0_wp, touching%active)
+         part = merge(part/model%scale, 0.0_wp, touching%active)
+      end subroutine look_behind
+
+   end subroutine find_halves
+
+   !> Whether an orbit that touches lies ahead, where it was seen.
+   pure logical function leads_to(model, options, now, touching, seen)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: now, touching
+      real(wp), intent(in) :: seen              !! way to it
+      real(wp), parameter :: ahead = 0.5_wp     !! cosine of an angle
+      real(wp) :: way(model%n + 2)
+
+      way = way_to(model, options, now, touching)
+      leads_to = dot_product(now%tangent, touching%tangent) > 0 .and. & ! a branch turns fast behind a touch
+                 now%tangent(model%n + 2)*touching%tangent(model%n + 2) > 0 .and. & ! but a fold is to be found first
+                 norm2(way) <= 2*seen .and. dot_product(way, now%tangent) > ahead*norm2(way)
+   end function leads_to
+
+   !> The first point behind a touch, as far away as the branch is nearly straight: multipliers grow towards the touch.
+   subroutine step_off(model, options, touch, touching, onward, depth_over_way, steps, next, found)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(touch_t), intent(in) :: touch
+      type(orbit_t), intent(in) :: touching
+      real(wp), intent(in) :: onward(:), depth_over_way, steps(2)
+      type(branch_point), intent(out) :: next
+      logical, intent(out) :: found
+      real(wp), parameter :: alike = 0.9_wp, beside = 0.5_wp
+      type(status_t) :: refusal
+      type(orbit_t) :: start
+      real(wp) :: way
+
+      found = .false.
+      way = steps(2)
+      do while (way >= steps(1))
+         start = touching
+         call move_orbit(model, options, start, way*onward)
+         call clear(refusal)
+         if (.not. touch%from_behind) then
+            call push_behind(model, options, touch, (way*depth_over_way)**2, start, refusal)
+            if (allocated(start%by_parameter)) deallocate (start%by_parameter) ! that before the touch
+         end if
+         next%orbit = start
+         if (.not. has_failed(refusal)) call correct_orbit(model, options, next%orbit, refusal, onward)
+         if (.not. has_failed(refusal)) call find_tangent(model, options, next%orbit, onward, refusal)
+         if (.not. has_failed(refusal)) then
+            next%way = dot_product(onward, way_to(model, options, touching, next%orbit))
+            found = (next%orbit%flow%crossings(touch%root) == touch%fewer .eqv. touch%from_behind) .and. &
+                    dot_product(onward, next%orbit%tangent) > alike .and. &
+                    norm2(way_to(model, options, start, next%orbit)) < beside*way
+         end if
+         if (found) return
+         way = way/2
+      end do
+   end subroutine step_off
+
+   !> Move the start of an orbit across the touch until theta is what it is on the branch there.
+   subroutine push_behind(model, options, touch, depth, start, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(touch_t), intent(in) :: touch
+      real(wp), intent(in) :: depth        !! -theta
+      type(orbit_t), intent(inout) :: start
+      type(status_t), intent(inout) :: status
+      integer, parameter :: most_pushes = 6
+      real(wp), parameter :: near = 0.1_wp
+      real(wp) :: theta
+      integer :: i
+
+      do i = 1, most_pushes
+         call go_round(model, options, start, status)
+         if (has_failed(status)) return
+         theta = theta_of(touch, start)
+         if (abs(theta) > huge(theta)/2 .or. abs(theta + depth) < near*depth) return
+         call move_orbit(model, options, start, -(theta + depth)*touch%gradient/sum(touch%gradient**2))
+      end do
+   end subroutine push_behind
+
+end module evl_touch_passage

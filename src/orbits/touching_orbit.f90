@@ -1,0 +1,238 @@
+!> The orbit ahead on a branch at which a root function just touches zero, found from before the touch, where the flow is smooth.
+!>
+!> With theta, which goes through zero at the touch, as one more equation: a branch that comes from behind the touch is expected to
+!> go on to where theta is zero, and from there the iteration begins a little before it.
+!>
+!> The iteration was derived here.
+module evl_touching_orbit
+   use evl_branch_curve, only: curve_t, orbit_on_curve
+   use evl_kinds, only: wp
+   use evl_orbit_model, only: orbit_model
+   use evl_shooting, only: correct_orbit, difference, differentiate_by_parameter, go_round, move_orbit, orbit_options, orbit_t, &
+                           solve_along
+   use evl_special_points, only: touch_test
+   use evl_status, only: clear, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: find_touching_orbit, theta_of, touch_t
+
+   !> A touch that is looked at.
+   type :: touch_t
+      integer :: root = 0
+      integer :: fewer = 0           !! crossings of the root function where it does not reach zero
+      real(wp) :: way = 0            !! to it, about
+      logical :: from_behind = .false. !! the branch comes from where the function is crossed
+      real(wp), allocatable :: gradient(:) !! [n + 2] of theta by the unknowns in units of their scales
+   end type touch_t
+
+contains
+
+   !> Look for a touch ahead, and for the orbit there.
+   subroutine find_touching_orbit(model, options, now, curve, reach, touch, touching, found)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: now         !! with a tangent
+      type(curve_t), intent(in) :: curve       !! on which the branch is expected ahead
+      real(wp), intent(in) :: reach            !! how far ahead
+      type(touch_t), intent(out) :: touch      !! its root is 0: none is ahead
+      type(orbit_t), intent(out) :: touching
+      logical, intent(out) :: found
+      type(orbit_t) :: start
+
+      found = .false.
+      call look_ahead(model, options, now, reach, touch)
+      if (touch%root == 0) return
+      call find_gradient(model, options, now, touch, found)
+      if (found) call find_start(model, options, now, curve, touch, start, found)
+      if (found) call close_in(model, options, start, touch, touching, found)
+   end subroutine find_touching_orbit
+
+   !> The root function that touches zero next along the tangent: theta falls linearly before a touch, its root behind it.
+   subroutine look_ahead(model, options, now, reach, touch)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: now
+      real(wp), intent(in) :: reach
+      type(touch_t), intent(out) :: touch
+      real(wp), parameter :: share = 0.02_wp !! of the way that is looked over
+      type(orbit_t) :: further
+      type(status_t) :: refusal
+      real(wp) :: way
+      integer :: root
+
+      further = now
+      call move_orbit(model, options, further, share*reach*now%tangent)
+      call clear(refusal)
+      call go_round(model, options, further, refusal)
+      if (has_failed(refusal)) return
+      touch%way = reach
+      do root = 1, model%n_roots
+         if (further%flow%crossings(root) /= now%flow%crossings(root)) cycle
+         way = way_to_zero(now%flow%nearest(root), further%flow%nearest(root))
+         if (way < touch%way) call take(.false.)
+         way = way_to_zero(sqrt(now%flow%slowest(root)), sqrt(further%flow%slowest(root)))
+         if (way < touch%way) call take(.true.)
+      end do
+
+   contains
+
+      subroutine take(from_behind)
+         logical, intent(in) :: from_behind
+
+         touch%root = root
+         touch%way = way
+         touch%from_behind = from_behind
+         touch%fewer = now%flow%crossings(root) - merge(1, 0, from_behind)
+      end subroutine take
+
+      pure real(wp) function way_to_zero(here, there) result(zero)
+         real(wp), intent(in) :: here, there
+
+         zero = huge(zero)
+         if (here < sqrt(huge(here))/2 .and. here > there) zero = share*reach*here/(here - there)
+      end function way_to_zero
+
+   end subroutine look_ahead
+
+   !> The gradient of theta at an orbit, by differences to where theta is farther from zero, or changes little.
+   subroutine find_gradient(model, options, orbit, touch, found)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit
+      type(touch_t), intent(inout) :: touch
+      logical, intent(out) :: found
+      real(wp), parameter :: sizes(6) = [1.0e-6_wp, -1.0e-6_wp, 1.0e-7_wp, -1.0e-7_wp, 1.0e-8_wp, -1.0e-8_wp]
+      real(wp), parameter :: little = 0.1_wp
+      type(orbit_t) :: moved
+      type(status_t) :: refusal
+      real(wp) :: change(model%n + 2), here, there
+      integer :: i, k
+
+      touch%gradient = [(0.0_wp, i=1, model%n + 2)]
+      here = theta_of(touch, orbit)
+      there = here
+      do k = 1, model%n + 2
+         if (k <= model%n) then
+            if (.not. orbit%active(k)) cycle
+         end if
+         if (k == model%n + 1) cycle ! where an orbit ends does not move what happens on it
+         found = .false.
+         do i = 1, size(sizes)
+            moved = orbit
+            change = 0
+            change(k) = sizes(i)
+            call move_orbit(model, options, moved, change)
+            call clear(refusal)
+            call go_round(model, options, moved, refusal)
+            if (has_failed(refusal)) cycle
+            if (any(moved%flow%crossings /= orbit%flow%crossings)) cycle
+            there = theta_of(touch, moved)
+            found = abs(there) > abs(here) .or. abs(there - here) < little*abs(here)
+            if (found) exit
+         end do
+         if (.not. found) return
+         touch%gradient(k) = (there - here)/sizes(i)
+      end do
+      found = norm2(touch%gradient) > 0
+   end subroutine find_gradient
+
+   !> A flow near the orbit that touches, before the touch.
+   subroutine find_start(model, options, now, curve, touch, start, found)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: now
+      type(curve_t), intent(in) :: curve
+      type(touch_t), intent(inout) :: touch
+      type(orbit_t), intent(out) :: start
+      logical, intent(out) :: found
+      integer, parameter :: most_pushes = 20
+      type(status_t) :: refusal
+      real(wp) :: beyond, wanted
+      integer :: i
+
+      start = now
+      found = .true.
+      if (.not. touch%from_behind) return
+      found = .false.
+      call orbit_on_curve(model, options, curve, now, touch%way, start)
+      wanted = 0.01_wp*now%flow%slowest(touch%root)
+      do i = 1, most_pushes
+         call clear(refusal)
+         call go_round(model, options, start, refusal)
+         if (has_failed(refusal)) return
+         beyond = 0
+         if (start%flow%crossings(touch%root) >= now%flow%crossings(touch%root)) then
+            beyond = start%flow%slowest(touch%root)
+         else if (start%flow%nearest(touch%root) < huge(beyond)) then
+            found = .true.
+            exit
+         end if
+         call move_orbit(model, options, start, (beyond + wanted)*touch%gradient/sum(touch%gradient**2))
+         wanted = 2*wanted
+      end do
+      touch%fewer = start%flow%crossings(touch%root)
+   end subroutine find_start
+
+   !> The orbit that touches, by Newton's iteration with theta as the last row: it falls to a tenth each time, so that the
+   !> iteration stays before the touch.
+   subroutine close_in(model, options, start, touch, touching, found)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: start
+      type(touch_t), intent(inout) :: touch
+      type(orbit_t), intent(out) :: touching
+      logical, intent(out) :: found
+      integer, parameter :: most_iterations = 40, most_halvings = 8
+      real(wp), parameter :: near = 1.0e-10_wp   !! the touch, in units of the scales
+      type(orbit_t) :: trial
+      type(status_t) :: refusal
+      real(wp) :: change(model%n + 2), theta, last_theta, share
+      integer :: halving, iteration
+
+      found = .false.
+      touching = start
+      if (allocated(touching%tangent)) deallocate (touching%tangent)
+      do iteration = 1, most_iterations
+         last_theta = near*norm2(touch%gradient)
+         theta = theta_of(touch, touching)
+         if (touching%residual <= options%residual .and. theta <= 2*last_theta) exit
+         if (iteration == most_iterations) return
+         call clear(refusal)
+         call differentiate_by_parameter(model, options, touching, refusal)
+         change = 0
+         change(:model%n) = merge(-difference(model, touching)/model%scale, 0.0_wp, touching%active)
+         change(model%n + 2) = max(0.1_wp*theta, last_theta) - theta
+         if (.not. has_failed(refusal)) call solve_along(model, options, touching, touch%gradient, change, refusal)
+         if (has_failed(refusal)) return
+         share = 1
+         do halving = 0, most_halvings
+            trial = touching
+            call clear(refusal)
+            call move_orbit(model, options, trial, share*change)
+            call go_round(model, options, trial, refusal)
+            if (.not. has_failed(refusal)) then
+               if (trial%flow%crossings(touch%root) == touch%fewer .and. &
+                   trial%flow%nearest(touch%root) < huge(theta)) exit
+            end if
+            if (halving == most_halvings) return
+            share = share/2
+         end do
+         touch%gradient = touch%gradient + (theta_of(touch, trial) - theta - share*dot_product(touch%gradient, change)) &
+                          *change/(share*sum(change**2)) ! secant
+         touching = trial
+      end do
+      call clear(refusal)
+      call correct_orbit(model, options, touching, refusal) ! there is nothing left to correct: its multipliers
+      found = .not. has_failed(refusal) .and. touching%flow%crossings(touch%root) == touch%fewer
+   end subroutine close_in
+
+   !> Theta of an orbit: how far the root function is from touching zero.
+   pure real(wp) function theta_of(touch, orbit) result(theta)
+      type(touch_t), intent(in) :: touch
+      type(orbit_t), intent(in) :: orbit
+
+      theta = touch_test(orbit, touch%root, touch%fewer)
+   end function theta_of
+
+end module evl_touching_orbit
