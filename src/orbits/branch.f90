@@ -107,22 +107,22 @@ contains
       type(branch_point) :: next, target
       type(touch_passage) :: passage
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
+      real(wp), parameter :: little = 1.0e-3_wp   !! leap over the way
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
-      logical :: at_end, closes, jumps
-      real(wp) :: reach
+      logical :: at_end, closes
+      real(wp) :: leap
       integer :: i
 
       allocate (points(0))
-      reach = 0
+      call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, passage, status)
+      if (has_failed(status)) return
+      walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%first_step)
+      if (walk%crawls > most_crawls) then
+         call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
+                   quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
+         return
+      end if
       do
-         call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, reach, passage, status)
-         if (has_failed(status)) return
-         walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%first_step)
-         if (walk%crawls > most_crawls) then
-            call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
-                      quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
-            return
-         end if
          at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
          last = walk%now%orbit
          if (passage%found) then
@@ -133,16 +133,25 @@ contains
          if (at_end) call stop_at_bound(model, options, last, next, status)
          if (.not. passage%found) target = next
          if (has_failed(status)) return
-         jumps = .false.
+         leap = 0
          if (passage%found .and. passage%from_behind) then ! multipliers jump: their tests tell nothing
             special = [branch_point ::]
          else
-            call find_special_points(model, options%orbits, walk%now%orbit, target%orbit, target%way, special, jumps, status)
+            call find_special_points(model, options%orbits, walk%now%orbit, target%orbit, target%way, special, leap, status)
             if (has_failed(status)) return
          end if
-         if (.not. jumps .or. target%way < 100*options%smallest_step) exit
-         walk%step = target%way/4 ! the two orbits are of different branches, or there is more between them
-         reach = target%way
+         if (passage%found .or. leap < little) exit
+         call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, passage)
+         if (passage%found) then
+            next = passage%next
+            walk%step = next%way
+         else if (leap < huge(leap) .and. target%way > 100*options%smallest_step) then
+            walk%step = target%way/4 ! the two orbits are of different branches, or there is more between them
+            call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, passage, status)
+            if (has_failed(status)) return
+         else
+            exit
+         end if
       end do
       last = walk%now%orbit
       do i = 1, size(special)
@@ -222,14 +231,13 @@ contains
    end function comes_by
 
    !> The next point of a branch, a step further or less, or behind a touch at which the branch is not smooth.
-   subroutine go_on(model, options, before, now, next, step, is_smooth, reach, passage, status)
+   subroutine go_on(model, options, before, now, next, step, is_smooth, passage, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(orbit_t), intent(in) :: before, now !! with tangents; `before` has none if there is no such orbit
       type(branch_point), intent(out) :: next
       real(wp), intent(inout) :: step          !! to try; on return the one to try next
       logical, intent(inout) :: is_smooth      !! the cubic through the last orbits told the last step better than the tangent did
-      real(wp), intent(in) :: reach            !! how far a touch is looked for at first; 0: not at all
       type(touch_passage), intent(out) :: passage
       type(status_t), intent(inout) :: status
       real(wp), parameter :: ahead = 16        !! steps that failed: a touch is looked for so far, since behind one they are short
@@ -247,8 +255,6 @@ contains
       step = min(step, longest)
       cubic = curve_through(model, options%orbits, now, before)
       straight_on = curve_through(model, options%orbits, now, nothing)
-      if (reach > 0) call look_for_touch(reach)
-      if (passage%found) return
       do
          if (is_smooth) then
             call orbit_on_curve(model, options%orbits, cubic, now, step, next%orbit)
@@ -261,8 +267,14 @@ contains
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
          if (straight >= turn .and. next%orbit%iterations <= hard) exit
-         call look_for_touch(min(ahead*step, options%largest_step))
-         if (passage%found) return
+         if (.not. passage%looked) &
+            call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), passage)
+         if (passage%found) then
+            next = passage%next
+            step = next%way
+            is_smooth = .true.
+            return
+         end if
          if (step < 2*options%smallest_step) then
             if (straight > 0) exit ! a corner, as where two events change their order
             status = refusal
@@ -276,23 +288,23 @@ contains
                   < lack_of(model, options%orbits, straight_on, now, next%orbit, step)
       if (next%orbit%iterations <= easy .and. straight >= little_turn) step = min(1.5_wp*step, longest)
 
-   contains
-
-      !> Pass a touch ahead in the range, if there is one; once.
-      subroutine look_for_touch(reach)
-         real(wp), intent(in) :: reach
-
-         if (passage%looked) return
-         call pass_touch(model, options%orbits, now, cubic, reach, [10*options%smallest_step, options%first_step], passage)
-         if (.not. passage%found) return
-         passage%found = passage%touch%orbit%parameter >= options%from .and. passage%touch%orbit%parameter <= options%to
-         if (.not. passage%found) return
-         next = passage%next
-         step = next%way
-         is_smooth = .true.
-      end subroutine look_for_touch
-
    end subroutine go_on
+
+   !> Look past a touch ahead that lies in the range.
+   subroutine look_for_touch(model, options, before, now, reach, passage)
+      class(orbit_model), intent(inout) :: model
+      type(branch_options), intent(in) :: options
+      type(orbit_t), intent(in) :: before, now !! as of go_on
+      real(wp), intent(in) :: reach
+      type(touch_passage), intent(out) :: passage
+
+      call pass_touch(model, options%orbits, now, curve_through(model, options%orbits, now, before), reach, &
+                      [10*options%smallest_step, options%first_step], passage)
+      if (.not. passage%found) return
+      associate (p => passage%touch%orbit%parameter)
+         passage%found = p >= options%from .and. p <= options%to
+      end associate
+   end subroutine look_for_touch
 
    !> Refuse a branch that begins outside its range.
    subroutine check_range(options, orbit, status)

@@ -39,37 +39,38 @@ module evl_special_points
 contains
 
    !> All special points between two neighbouring points of a branch, in their order.
-   subroutine find_special_points(model, options, first, last, way, points, jumps, status)
+   subroutine find_special_points(model, options, first, last, way, points, leap, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: first, last !! with tangents
       real(wp), intent(in) :: way              !! from one to the other along the tangent of the first
       type(branch_point), allocatable, intent(out) :: points(:) !! `way` is that from `first`
-      logical, intent(out) :: jumps            !! orbits do at a touch: the two are no neighbours
+      real(wp), intent(out) :: leap            !! largest distance of orbits beside a touch, over the way: 0 on a branch
       type(status_t), intent(inout) :: status
       type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
       real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system, has no folds
-      logical :: found, leaps
+      logical :: found
+      real(wp) :: leap_here
       integer :: kind, n, root
 
       n = 0
-      jumps = .false.
+      leap = 0
       do kind = kind_fold, kind_neimark_sacker
          if (.not. test(model, kind, first)*test(model, kind, last) < 0) cycle
          if (kind == kind_fold .and. max(abs(test(model, kind, first)), abs(test(model, kind, last))) < upright) cycle
          if (kind == kind_crossing) then ! a fold is one too
             if (test(model, kind_fold, first)*test(model, kind_fold, last) < 0) cycle
          end if
-         call locate(model, options, first, last, way, kind, 0, kept(n + 1), found, leaps, status)
+         call locate(model, options, first, last, way, kind, 0, kept(n + 1), found, leap_here, status)
          if (has_failed(status)) return
          if (found) n = n + 1
       end do
       do root = 1, model%n_roots
          if (first%flow%crossings(root) == last%flow%crossings(root)) cycle
          if (is_known(kept(:n), first, last, root)) cycle
-         call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, leaps, status)
+         call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, leap_here, status)
          if (has_failed(status)) return
-         jumps = jumps .or. leaps
+         leap = max(leap, leap_here)
          if (found) n = n + 1
       end do
       points = kept(:n)
@@ -125,7 +126,7 @@ contains
    end function is_known
 
    !> One special point, by false position with halving (Illinois).
-   subroutine locate(model, options, first, last, way, kind, root, point, found, jumps, status)
+   subroutine locate(model, options, first, last, way, kind, root, point, found, leap, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: first, last
@@ -133,12 +134,11 @@ contains
       integer, intent(in) :: kind, root
       type(branch_point), intent(out) :: point
       logical, intent(out) :: found !! false: the function jumps, or Newton's iteration fails
-      logical, intent(out) :: jumps !! orbits do, where a root function touches: the points are of different branches
+      real(wp), intent(out) :: leap !! distance of the orbits beside a touch, over the way; huge if one between was not found
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
       integer, parameter :: most_iterations = 8    !! of Newton: from beside the orbit three are many
-      real(wp), parameter :: leap = 1.0e-3_wp      !! between orbits beside the zero, over the way
       real(wp) :: a, b, at_a, at_b, at, value, enough, share, lack_a(model%n + 2), lack_b(model%n + 2)
       type(orbit_t) :: left, right
       type(curve_t) :: curve
@@ -148,7 +148,7 @@ contains
       integer :: fewer, side, turn
 
       found = .false.
-      jumps = .false.
+      leap = 0
       curve = curve_through(model, options, first, last)
       fewer = 0
       if (kind == kind_touch) fewer = min(first%flow%crossings(root), last%flow%crossings(root))
@@ -186,7 +186,7 @@ contains
          if (.not. has_failed(refusal) .and. kind == kind_fold) &
             call find_tangent(model, options, point%orbit, first%tangent, refusal)
          if (has_failed(refusal)) then
-            jumps = kind == kind_touch
+            if (kind == kind_touch) leap = huge(leap)
             return
          end if
          point%way = at
@@ -208,7 +208,7 @@ contains
             side = 1
          end if
       end do
-      jumps = b - a <= accuracy*min(1.0_wp, way) .and. norm2(way_to(model, options, left, right)) > leap*way
+      if (kind == kind_touch .and. b - a <= accuracy*min(1.0_wp, way)) leap = norm2(way_to(model, options, left, right))/way
       point%kind = kind
       point%root = root
       found = is_genuine(model, kind, point%orbit)
