@@ -9,7 +9,7 @@ from evolvent.figures.orbits import UNSTABLE, draw_orbits
 
 
 def test_picture_tells_stable_from_unstable_and_marks_where_that_changes() -> None:
-    panel, factor = draw_orbits(folded_orbits()).axes
+    panel, factor, periods = draw_orbits(folded_orbits()).axes
     for axes in (panel, factor):
         drawn = [
             (str(line.get_label()), np.asarray(line.get_xdata()).tolist()) for line in axes.lines
@@ -27,3 +27,20 @@ def test_picture_tells_stable_from_unstable_and_marks_where_that_changes() -> No
     assert UNSTABLE != "-"
     assert panel.lines[0].get_color() == panel.lines[1].get_color() != panel.lines[3].get_color()
     np.testing.assert_allclose(panel.lines[0].get_ydata(), [1, 2, 3, 4])
+    # orbits of two periods lie on those of one, thinner; below the periods stand apart
+    assert panel.lines[3].get_linewidth() < panel.lines[0].get_linewidth()
+    assert panel.lines[3].get_zorder() > panel.lines[0].get_zorder()
+    heights = [set(np.asarray(line.get_ydata()).tolist()) for line in periods.lines]
+    assert heights == [{0.0}, {0.0}, {0.0}, {1.0}]
+    assert [text.get_text() for text in periods.get_yticklabels()] == ["1", "2"]
+
+
+def test_fold_at_a_touch_has_a_mark_of_its_own() -> None:
+    orbits = folded_orbits()
+    orbits["orbit_kind"].values[3] = 6
+    panel = draw_orbits(orbits).axes[0]
+    drawn = {str(line.get_label()): line for line in panel.lines}
+    mark = drawn["fold where flanks just touch"]
+    assert "fold" not in drawn
+    assert np.asarray(mark.get_xdata()).tolist() == [3.5]
+    assert mark.get_markerfacecolor() == "white"  # open, so that it is another one in grey too

@@ -22,6 +22,10 @@ MARKS: dict[int, tuple[str, dict[str, Any]]] = {
     3: ("period doubling", {"marker": "D", "markersize": 5}),
     4: ("Neimark-Sacker", {"marker": "^", "markersize": 6}),
     5: ("flanks just part", {"marker": "|", "markersize": 9}),
+    6: (
+        "fold where flanks just touch",
+        {"marker": "s", "markersize": 6, "markerfacecolor": "white"},
+    ),
 }
 MARK_COLOR = "#8c1c3a"
 UNSTABLE = (0, (3, 2))
@@ -30,8 +34,9 @@ UNSTABLE = (0, (3, 2))
 def draw_orbits(orbits: xr.Dataset) -> Figure:
     """Draw numbers of each mesh over the parameter: stable orbits solid, unstable ones dashed.
 
-    Orbits of one common period, of two and so on have their own colours; folds and other special
-    points have marks.
+    Orbits of one common period, of two and so on have their own colours, and longer ones thinner
+    lines, so that those on top of each other are seen; below all panels their ranges stand apart.
+    Folds and other special points have marks.
 
     Parameters
     ----------
@@ -44,9 +49,13 @@ def draw_orbits(orbits: xr.Dataset) -> Figure:
     )
     x = orbits["orbit_parameter"].values * scale
     with rc_context(STYLE):
-        figure = Figure(figsize=(7.5, 1.8 + 2.6 * len(shown)), layout="constrained")
-        panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-        for panel, (name, mesh) in zip(panels, shown, strict=True):
+        several = len(np.unique(orbits["orbit_period"].values)) > 1
+        ratios = [1.0] * len(shown) + [0.45] * several
+        figure = Figure(figsize=(7.5, 1.8 + 2.6 * sum(ratios)), layout="constrained")
+        panels = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[
+            :, 0
+        ]
+        for panel, (name, mesh) in zip(panels, shown, strict=False):
             values = orbits[name].isel(mesh=mesh)
             factor, of = engineering(values.values, str(values.attrs["units"]))
             _draw_branches(panel, orbits, x, values.values * factor)
@@ -54,6 +63,8 @@ def draw_orbits(orbits: xr.Dataset) -> Figure:
             text = SHOWN[name] if len(meshes) == 1 else f"{SHOWN[name]}, {meshes[mesh]}"
             panel.set_ylabel(axis_label(text, of))
             panel.set_ylim(bottom=0.0)
+        if several:
+            _draw_periods(panels[-1], orbits, x)
         panels[-1].set_xlabel(axis_label(str(orbits.attrs["parameter"]), unit))
         handles, labels = panels[0].get_legend_handles_labels()
         legend(figure, dict(zip(labels, handles, strict=True)))
@@ -67,9 +78,25 @@ def _draw_branches(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray
     periods = sorted({int(period) for period in orbits["orbit_period"].values})
     for piece, period, is_stable in _pieces(orbits):
         color = LINES[periods.index(period) % len(LINES)]["color"]
+        place = periods.index(period)
         text = f"period {period}, {'stable' if is_stable else 'unstable'}"
-        panel.plot(x[piece], y[piece], color=color, label=text,
-                   linestyle="-" if is_stable else UNSTABLE)  # fmt: skip
+        panel.plot(x[piece], y[piece], color=color, label=text, zorder=2 + 0.1 * place,
+                   linestyle="-" if is_stable else UNSTABLE,
+                   linewidth=max(0.6, 1.7 - 0.3 * place))  # fmt: skip
+
+
+def _draw_periods(panel: Axes, orbits: xr.Dataset, x: np.ndarray) -> None:
+    """Draw over which values orbits of each period go, a line for each: stable ones are thick."""
+    periods = sorted({int(period) for period in orbits["orbit_period"].values})
+    for piece, period, is_stable in _pieces(orbits):
+        place = periods.index(period)
+        color = LINES[place % len(LINES)]["color"]
+        panel.plot(x[piece], np.full(x[piece].size, place), color=color,
+                   linewidth=4.0 if is_stable else 1.0,
+                   linestyle="-", solid_capstyle="butt")  # fmt: skip
+    panel.set_yticks(range(len(periods)), [str(period) for period in periods])
+    panel.set_ylim(-0.6, len(periods) - 0.4)
+    panel.set_ylabel("period")
 
 
 def _pieces(orbits: xr.Dataset) -> Iterator[tuple[slice, int, bool]]:
