@@ -278,6 +278,11 @@ static orbit_end look(branches *o, double value, evl_error *error)
     bool begins = false;
     if (end == ORBIT_FOUND && point.period == 0) {
         note_problem(o, value, "the motion is not periodic");
+    } else if (end == ORBIT_FOUND && point.period > o->longest) {
+        OWNED char *why =
+            xasprintf("the motion repeats after %d common periods, more than --longest %d: it is left out",
+                      point.period, o->longest);
+        note_problem(o, value, why);
     } else if (end == ORBIT_FOUND) {
         if (!o->has_orbits) {
             o->sizes = state.sizes;

@@ -192,6 +192,38 @@ def _near(values: np.ndarray, value: float) -> np.ndarray:
     return np.abs(values - value) < 1e-9
 
 
+# ---- no orbits of more periods ----
+
+
+def test_longest_bounds_the_branches_at_doublings(orbits: Orbits) -> None:
+    """Period 2 is stable between the doublings, so both ends of the range have period 1."""
+    short, long = (orbits(1.5, 1.86, "--longest", n) for n in ("1", "2"))
+    assert set(short["orbit_period"].values.tolist()) == {1}
+    assert set(long["orbit_period"].values.tolist()) == {1, 2}
+    # the doubling is told all the same, and the orbits of one period are the same ones
+    np.testing.assert_array_equal(frequencies(short, DOUBLING), frequencies(long, DOUBLING)[:1])
+    first = long.isel(point=long["orbit_branch"] == 0)
+    alike = short.isel(point=short["orbit_branch"] == 0)
+    np.testing.assert_array_equal(first["orbit_parameter"], alike["orbit_parameter"])
+    assert (short["branch_parent"].values == -1).all()
+    assert 0 in long["branch_parent"].values.tolist()
+
+
+def test_longest_leaves_out_motions_of_more_periods(evolvent, tmp_path: Path) -> None:
+    """At 2.0 the motion has two pitches."""
+    case = rectangular(1.0, 1, 1, "radau")
+    del case["simulation"]["numbers"]
+    path = tmp_path / "case.yaml"
+    path.write_text(yaml.safe_dump(case))
+    over = f"{SPEED}={-2.0 * UNIT!r}:{-2.002 * UNIT!r}"
+    common = ("respond", path, "--over", over, "--method", "orbits", "-o")
+    done = evolvent(*common, tmp_path / "short.h5", "--longest", "1")
+    assert done.returncode == 4
+    assert "the motion repeats after 2 common periods, more than --longest 1: it is" in done.stderr
+    again = evolvent(*common, tmp_path / "long.h5", "--longest", "2")
+    assert again.returncode == 0, again.stderr
+
+
 # ---- backlash: a curve with two folds ----
 
 AMPLITUDE = "wheels.b.loads.0.amplitude"
