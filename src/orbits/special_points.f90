@@ -158,6 +158,7 @@ contains
       at_b = ask(last)
       if (max(abs(at_a), abs(at_b)) > huge(1.0_wp)/2) return ! only ever crossed, or never near: it came with another one
       enough = accuracy*min(1.0_wp, way)/way*abs(at_b - at_a) ! as far from zero as that is near
+      if (kind == kind_touch) enough = 0 ! orbits on both sides are wanted
       few = options
       few%most_iterations = most_iterations
       left = first

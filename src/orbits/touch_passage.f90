@@ -19,7 +19,7 @@ module evl_touch_passage
    use evl_branch_curve, only: curve_t, way_to
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
-   use evl_shooting, only: correct_orbit, difference, find_tangent, go_round, move_orbit, orbit_options, orbit_t, solve_along
+   use evl_shooting, only: correct_orbit, find_tangent, go_round, lack_of_round, move_orbit, orbit_options, orbit_t, solve_along
    use evl_special_points, only: branch_point, kind_touch, kind_touch_fold
    use evl_status, only: clear, has_failed, status_t
    use evl_touching_orbit, only: find_touching_orbit, theta_of, touch_t
@@ -133,7 +133,7 @@ contains
          associate (n => model%n)
             smooth = matmul(touching%flow%derivative, change(:n)*model%scale) - change(:n)*model%scale &
                      + touching%by_parameter*change(n + 2)*options%parameter_scale
-            part = difference(model, behind) - difference(model, touching) - smooth
+            part = lack_of_round(model, behind) - lack_of_round(model, touching) - smooth
          end associate
          smooth = merge(smooth/model%scale, 0.0_wp, touching%active)
          part = merge(part/model%scale, 0.0_wp, touching%active)
