@@ -46,7 +46,8 @@ def beyond_extremes(run: Recording) -> Deviation:
     Dims (extreme, mesh): found between the outputs, an extreme is none if an output exceeds it. The
     penetration of rigid contacts is rounding: it is measured by the reference penetration; a
     friction force that is rounding, by the normal force; a normal force under hardly any load,
-    which has digits of places, by a thousandth of the reference force at least; and sliding by a
+    which has digits of places, by a thousandth of the reference force at least, and a transmission
+    error, which is rounding where flanks are rigid, by a thousandth of its depth; and sliding by a
     millionth of what the fastest wheel would give on the mesh's larger base circle, since a wheel's
     speed is the reference wheel's and its own deviation from it.
     """
@@ -61,6 +62,8 @@ def beyond_extremes(run: Recording) -> Deviation:
         scale = _largest_of_meshes(run, measure)
         if output == "penetration":
             scale = depth_scale(run)
+        elif output == "transmission_error":
+            scale = np.maximum(scale, 1e-3 * depth_scale(run))
         elif measure in FORCES:
             scale = np.where(scale > 0.0, np.maximum(scale, 1e-3 * run["reference_force"]), 0.0)
         elif output == "sliding_velocity":
