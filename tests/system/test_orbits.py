@@ -301,11 +301,11 @@ def test_orbits_at_the_values_of_a_sweep_have_its_numbers(evolvent, stops: Path)
 
 def test_orbits_at_values_hold_and_are_the_same_each_time(evolvent, stops: Path) -> None:
     """Where two stable branches lie above each other both are told, and no unstable one between."""
-    options = (f"{AMPLITUDE}=-30:-120", "--method", "orbits", "--values", "31")
+    options = (f"{AMPLITUDE}=-30:-120", "--method", "orbits", "--values", "301")
     found, again = (follow(evolvent, stops, *options) for _ in range(2))
     xr.testing.assert_identical(found, again)
     told = np.isnan(found["multiplier_real"].values[:, 0])
-    assert told.sum() > 31
+    assert told.sum() > 301
     assert (found["orbit_residual"].values[~told] <= 1e-10).all()
     assert (found["orbit_residual"].values[told] <= 1e-7).all()
     assert (found["orbit_value"].values[told] >= 0).all()
@@ -315,6 +315,18 @@ def test_orbits_at_values_hold_and_are_the_same_each_time(evolvent, stops: Path)
     assert (found["orbit_stable"].values[place >= 0] == 1).all()
     for i in set(place[inside].tolist()):
         assert (place == i).sum() == 2
+    turns = np.diff(np.sign(np.diff(parameter))) != 0
+    assert turns.sum() == 2  # at the folds: else points follow each other along the branch
+
+
+def test_unstable_orbits_right_behind_a_fold_are_not_told(evolvent, stops: Path) -> None:
+    """The stable branch ends at 105.81: values beside that lie on both of its sides."""
+    options = ("--method", "orbits", "--values", "3001")
+    found = follow(evolvent, stops, f"{AMPLITUDE}=-30:-110", *options)
+    stable, place = found["orbit_stable"].values == 1, found["orbit_value"].values
+    assert (found["orbit_kind"].values == FOLD).any()
+    assert stable[place >= 0].all()
+    assert not stable[place < 0].all()
 
 
 @pytest.mark.parametrize(
