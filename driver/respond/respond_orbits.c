@@ -137,7 +137,15 @@ static void keep(void *self, archive *archive)
 static bool take_up(orbits_run *run, evl_error *error)
 {
     bool found = false;
-    if (!going_on_take_up(run->setup->going_on, &found, error) || (found && !branches_resume(&run->found, error))) {
+    if (!going_on_take_up(run->setup->going_on, &found, error)) {
+        return false;
+    }
+    if (found && !branches_resume(&run->found, error)) {
+        if (interrupt_signal != 0) { /* what was kept stays as it is */
+            error->code = EVL_EXIT_OK;
+            evl_error_set(error, EVL_EXIT_INTERRUPTED, case_path(run->setup->first->file),
+                          "interrupted by %s; the same command goes on", interrupt_name((int)interrupt_signal));
+        }
         return false;
     }
     if (found) {

@@ -146,6 +146,9 @@ double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
     for (int i = 1; i <= last; i++) {
         place = at[i] > at[place] ? i : place;
     }
+    if (last < 2) {
+        return at[place];
+    }
     /* it may lie between the first two, or the last two: the next step begins behind it */
     const int middle = place == 0 ? 1 : place == last ? last - 1 : place;
     const double bend = at[middle - 1] - 2 * at[middle] + at[middle + 1];

@@ -19,6 +19,7 @@ module evl_estimate_rounding
    !> For each entry of J the one across the diagonal.
    type :: estimate_rounding_t
       integer, allocatable :: across(:) !! 0: there is none
+      real(wp), allocatable :: left(:)  !! [n] scratch
    end type estimate_rounding_t
 
 contains
@@ -40,6 +41,7 @@ contains
          next(row(p)) = next(row(p)) + 1
       end do
       allocate (self%across(size(row)), source=0)
+      allocate (self%left(n))
       do p = 1, size(row)
          do k = first(column(p)), first(column(p) + 1) - 1
             if (column(in_rows(k)) == row(p)) self%across(p) = in_rows(k)
@@ -49,29 +51,29 @@ contains
 
    !> The most that an error in a state may count: the inverse of what rounding makes of the estimate with a step of h.
    pure subroutine find_rounding(self, row, column, jacobian, y, h, most_weight)
-      type(estimate_rounding_t), intent(in) :: self
+      type(estimate_rounding_t), intent(inout) :: self !! its scratch changes
       integer, intent(in) :: row(:), column(:)
       real(wp), intent(in) :: jacobian(:)      !! df/dy
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: h
       real(wp), intent(out) :: most_weight(:)
-      real(wp) :: left(size(y)), per_step
+      real(wp) :: per_step
       integer :: p
 
       per_step = shift_re(1)/h
       most_weight = 0
-      left = per_step
+      self%left = per_step
       do p = 1, size(row)
          associate (i => row(p), j => column(p), entry => abs(jacobian(p)))
             most_weight(i) = most_weight(i) + entry*abs(y(j))
             if (i == j) then
-               left(i) = left(i) + entry
+               self%left(i) = self%left(i) + entry
             else if (self%across(p) > 0) then
-               left(i) = left(i) + entry*abs(jacobian(self%across(p)))/per_step
+               self%left(i) = self%left(i) + entry*abs(jacobian(self%across(p)))/per_step
             end if
          end associate
       end do
-      most_weight = left/max((1 + of_stages)*eps*most_weight, tiny(1.0_wp))
+      most_weight = self%left/max((1 + of_stages)*eps*most_weight, tiny(1.0_wp))
    end subroutine find_rounding
 
 end module evl_estimate_rounding

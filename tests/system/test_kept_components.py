@@ -64,6 +64,8 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
             "integrals": f"{PATTERN}, and scratch",
             "row": PATTERN,
             "column": PATTERN,
+            "rounding": f"{PATTERN}, and scratch",
+            "error_weight": ROOM,
             "tolerance": GIVEN,
             "output_factor": GIVEN,
             "newton_stop": GIVEN,
