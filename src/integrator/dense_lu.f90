@@ -78,7 +78,10 @@ contains
          end do
          a(k + 1:, k) = a(k + 1:, k)/a(k, k)
          do j = k + 1, n
-            a(k + 1:, j) = a(k + 1:, j) - a(k + 1:, k)*a(k, j)
+            associate (by => a(k, j)) ! parts apart: together the compiler fuses products and sums, whatever it is told
+               a(k + 1:, j)%re = a(k + 1:, j)%re - (a(k + 1:, k)%re*by%re - a(k + 1:, k)%im*by%im)
+               a(k + 1:, j)%im = a(k + 1:, j)%im - (a(k + 1:, k)%re*by%im + a(k + 1:, k)%im*by%re)
+            end associate
          end do
       end do
    end subroutine factor_one
