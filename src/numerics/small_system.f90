@@ -1,7 +1,7 @@
 !> A linear system of a few unknowns, by elimination with row exchanges.
 !>
 !> What LAPACK does to find its blocks costs more than the work itself where there are some ten unknowns: the system of the
-!> variational equations, with 14, takes a sixth of the instructions this way (docs/orbits.md).
+!> variational equations, with 14, takes two fifths of the instructions this way (docs/orbits.md).
 module evl_small_system
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
