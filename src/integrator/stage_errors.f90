@@ -20,7 +20,7 @@ submodule(evl_stage_solver) evl_stage_errors
 
 contains
 
-   !> Weighted size of the error estimate of the step just solved.
+   !> Weighted size of the error estimate of the step just solved. What is no number stays none: max() may drop it.
    module procedure estimate_error
       real(wp) :: output_error
 
@@ -39,7 +39,7 @@ contains
          return
       end if
       call filter(self, self%moved_f, h, error)
-      error = max(error, output_error)
+      if (error < output_error) error = output_error
    end procedure estimate_error
 
    !> Slopes of the polynomial at its ends and the weighted size of the Chebyshev coefficients that would come next, if the last
@@ -103,8 +103,8 @@ contains
          call condensed_solve_first(self%condensed, self%error)
       end if
       call integrate_error(self%integrals, self%n, h, self%jacobian, self%error)
-      error = max(sqrt(weighted_square(self%n, self%error, self%error_weight)/self%n), 1.0e-10_wp)
-      if (.not. error <= huge(error)) error = huge(error)
+      error = sqrt(weighted_square(self%n, self%error, self%error_weight)/self%n)
+      if (error < 1.0e-10_wp) error = 1.0e-10_wp
    end subroutine filter
 
    !> f at the start less the slope of the polynomial there.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -65,6 +65,14 @@ class Counts(NamedTuple):
     growth_cuts: int
 
 
+class GrowthLook(NamedTuple):
+    """What a look at one Jacobian says of the modes that grow."""
+
+    may_be_out_of_reach: bool
+    longest: float  # step that follows them; the largest number if none grows
+    eigenvalue: complex  # that asks for it, or did before
+
+
 class IntegrationError(Exception):
     """The integrator gave up; carries its code."""
 
@@ -105,6 +113,11 @@ class Library:
         self.c.rt_counts.argtypes = [handle, _ints]
         self.c.rt_growth.argtypes = [handle, _doubles]
         self.c.rt_eigenvalues.argtypes = [_int, _doubles, _doubles, _doubles]
+        self.c.rt_look_at_growth.argtypes = [
+            *(_int, _int, _ints, _ints, _doubles, _int, _doubles, _doubles, _ints, _ints),
+            *(_doubles, _doubles, _doubles),
+        ]
+        self.c.rt_find_candidates.argtypes = [_doubles, _int, _double, _double, _doubles]
         self.c.rt_message.argtypes = [handle, ctypes.c_char_p]
         self.c.rt_integrate_chain.argtypes = [
             *(handle, _doubles, _doubles, _double, _double, _int, _doubles),
@@ -153,6 +166,24 @@ class Library:
         arrays = [_pointer(x) for x in (row, column, *numbers, b, first)]
         good = solve(n, len(row), *arrays)
         return good, b[:, :4].T + 1j * b[:, 4:].T, first
+
+    def looks_at_growth(
+        self, scale: ArrayLike, looks: Sequence[tuple[ArrayLike, float, bool]]
+    ) -> list[GrowthLook]:
+        """Look at full Jacobians, each for a step; with True another integration begins before."""
+        states, n, k = _array(scale), len(np.asarray(scale)), len(looks)
+        row, column = (_array(part.ravel(), np.int32) for part in np.indices((n, n)))
+        jacobians = _array([np.ravel(jacobian) for jacobian, _, _ in looks])
+        steps = _array([step for _, step, _ in looks])
+        anew, may_be = _array([new for _, _, new in looks], np.int32), np.zeros(k, np.int32)
+        longest, re, im = np.zeros(k), np.zeros(k), np.zeros(k)
+        arrays = (row, column, states, jacobians, steps, anew, may_be, longest, re, im)
+        pointers = [_pointer(array) for array in arrays]
+        self.c.rt_look_at_growth(n, n * n, *pointers[:3], k, *pointers[3:])
+        return [
+            GrowthLook(bool(may), float(step), complex(*value))
+            for may, step, *value in zip(may_be, longest, re, im, strict=True)
+        ]
 
     def eigenvalues(self, matrix: ArrayLike) -> NDArray[np.complex128] | None:
         """Eigenvalues of a matrix; None if they were not found."""

@@ -242,6 +242,55 @@ def test_a_second_start_gives_the_bits_of_the_first(library: Library):
     assert np.array_equal(*ends)
 
 
+NONE = np.finfo(float).max  # longest step where nothing grows
+
+
+def vibration(damping: float) -> list[list[float]]:
+    """The Jacobian of a mode of OMEGA with this damping ratio."""
+    return [[0, 1], [-(OMEGA**2), -2 * damping * OMEGA]]
+
+
+def test_damping_that_turns_by_more_than_the_slowest_mode_decays_is_noticed(library: Library):
+    """What is near a Jacobian of which nothing grows is not looked at: near is by its decay."""
+    looks = [(vibration(damping), 5.4 / OMEGA, False) for damping in (1e-3, -1e-3)]
+    decays, grows = library.looks_at_growth([1, OMEGA], looks)
+    assert decays.longest == NONE
+    assert grows.longest == pytest.approx(5 / OMEGA, rel=1e-12)
+    assert grows.eigenvalue == pytest.approx(OMEGA * direction(-1e-3), rel=1e-12)
+
+
+def test_growth_that_steps_follow_is_told_as_it_changes(library: Library):
+    """A Jacobian of which something grows is not kept as harmless, however short the steps."""
+    looks = [(vibration(damping), 1 / OMEGA, False) for damping in (-0.01, -0.02)]
+    found = library.looks_at_growth([1, OMEGA], looks)
+    for damping, look in zip((-0.01, -0.02), found, strict=True):
+        assert look.longest == pytest.approx(5 / OMEGA, rel=1e-12)
+        assert look.eigenvalue == pytest.approx(OMEGA * direction(damping), rel=1e-12)
+
+
+EARLIER = {
+    # -1 twice, then -1 + 2 and -1 - 2: it creeps away, within reach of a step of 0.05
+    "matrices": ([1, 1], [[-1, 100], [0, -1]], [[-1, 100], [0.04, -1]], 0.05),
+    # two springs whose states have other sizes: that is what makes the bound a close one
+    "sizes": ([1, OMEGA], [[0, 1e18], [-1e-12, 0]], vibration(1e-3), 5.4 / OMEGA),
+}
+
+
+@pytest.mark.parametrize("case", EARLIER.values(), ids=EARLIER.keys())
+def test_an_integration_knows_nothing_of_an_earlier_one(library: Library, case):
+    scale, earlier, jacobian, step = case
+    goes_on, anew, first = (
+        library.looks_at_growth(scale, looks)[-1]
+        for looks in (
+            [(earlier, step, False), (jacobian, step, False)],
+            [(earlier, step, False), (jacobian, step, True)],
+            [(jacobian, step, False)],
+        )
+    )
+    assert anew == first
+    assert goes_on != first  # which this integration would know
+
+
 MASSES = 100  # a chain whose eigenvalues are sought in pieces, since it has more than 150 states
 
 

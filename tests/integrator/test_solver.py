@@ -117,6 +117,24 @@ def test_not_a_number_is_not_taken_for_a_solution(library: Library):
         solver.end(0, [1], 2)
 
 
+@pytest.mark.parametrize("first_step", [5.0, 20.0])
+def test_an_error_that_is_not_a_number_is_not_taken_for_a_small_one(library, first_step):
+    """Beside its start, where a step that failed is estimated once more, the model has no rate.
+
+    The error that is told between the nodes is large at 5 and small at 20, where the kink lies
+    before the first node and the start alone knows of it.
+    """
+    kink, end = 0.3, 50.0
+    problem = Problem(
+        lambda t, y: [np.nan if t == 0 and y[0] != 1 else abs(t - kink)], lambda t, y: 0, [1]
+    )
+    solver = Solver(library, problem, 1e-9, first_step=first_step)
+    found = solver.end(0, [1], end)
+    assert solver.counts.rejections >= solver.counts.evaluations >= 1  # those that failed at first
+    exact = 1 + (kink**2 + (end - kink) ** 2) / 2
+    assert found == pytest.approx([exact], rel=1e-8)
+
+
 def test_the_last_step_ends_exactly_at_the_stop(library: Library):
     solver = Solver(library, oscillator())
     solver.start(0, [1, 0])
