@@ -153,6 +153,22 @@ def test_show_prints_compliance_and_stiffness_beside_those_of_the_standard(
     assert told["iso_6336"] == pytest.approx(iso, rel=1e-9)
 
 
+def test_one_pair_goes_together_by_its_wheels_and_by_johnsons_contact(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    """h/N = c_A + c_B + (ln(4 pi E* rho/N) - 1)/(pi E*) of wheels of one material, by (5.57)."""
+    table = "{model: table, rho: [0.001, 0.03], c: [2e-12, 6e-11]}"
+    told = shown(evolvent, examples, f"{BLOCK}={table}", f"wheels.gear.compliance={table}")
+    rho = told["meshes"]["pinion-gear"]["line_of_action_length"]  # sum of the radii of curvature
+    told = told["compliance"]["pinion-gear"]
+    modulus = 206e9 / (1 - 0.3**2) / 2  # E* of steel on steel
+    load = told["line_load"]
+    contact = (np.log(4 * np.pi * modulus * rho / load) - 1) / (np.pi * modulus)
+    bending = told["driving_at_pitch_point"] + told["driven_at_pitch_point"]
+    assert 0.1 < contact / bending < 1  # neither hides the other
+    assert 1 / told["single_pair"] == pytest.approx(bending + contact, rel=1e-12)
+
+
 def test_equal_wheels_give_way_alike_and_a_wheel_without_the_block_not_at_all(
     evolvent: Evolvent, examples: Path
 ) -> None:

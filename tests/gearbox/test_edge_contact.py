@@ -11,6 +11,7 @@ import pytest
 from gearbox.lanes.lane_cases import DEVIATIONS, real_gears
 from gearbox.lanes.test_lanes import around, check, check_bits
 from gearbox.test_yielding_flanks import bend
+from kernel.deviations import ROOT, TIP
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
 from kernel.gearbox_cases import worst
 from kernel.gearbox_description import STEADY
@@ -19,7 +20,9 @@ from kernel.kernel import Floats, Kernel
 
 OFF = 4
 END, EDGE = 2, 3  # zones past the end of a flank
-ROOT_CORNER = -2  # zone of the corner of a root relief; -3 is that of a tip relief
+TIP_CORNER, ROOT_CORNER = -3, -2  # zones of the corners of reliefs
+# the relief of a corner, the zone that a contact comes from and the one that it leaves for
+BESIDE_CORNER = {TIP_CORNER: ("tip", 0, TIP), ROOT_CORNER: ("root", 0, ROOT)}
 ROUNDED = "rounded"  # tips, on flanks with all deviations
 every_deviation = pytest.mark.parametrize("name", [*DEVIATIONS, ROUNDED])
 alone_and_coupled = pytest.mark.parametrize("couples", [False, True], ids=["alone", "coupled"])
@@ -168,7 +171,11 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
         check_balance(gearbox, state, fixed)
 
 
-CORNERS = ["linear tip relief", "linear root relief", "all of them"]
+CORNERS = {  # and which they are
+    "linear tip relief": ("tip_a", "tip_b"),
+    "linear root relief": ("root_a", "root_b"),
+    "all of them": ("root_a", "tip_b"),
+}
 
 
 @alone_and_coupled
@@ -238,3 +245,34 @@ def test_forces_and_energy_go_on_where_a_pair_leaves_its_path(
                 assert 1e-6 < torques[wheel] < 3e-3
                 found += 1
     assert found
+
+
+@alone_and_coupled
+@pytest.mark.parametrize("name", CORNERS)
+def test_forces_and_energy_go_on_where_a_pair_comes_to_a_corner_and_where_it_leaves_it(
+    kernel: Kernel, name: str, couples: bool
+):
+    """Where the corner begins to touch and where the relief behind it does: the same in both."""
+    gearbox = with_edges(kernel, name, couples, fixed=True, friction=0.0, damping=None)
+    found = set()
+    for place in np.linspace(0, 1, 60):
+        state = pressed(gearbox, place, 3e-5)
+        for contact in range(gearbox.sizes.n_reals // 2):
+            mode = gearbox.mode(state, contact)
+            for wheel, letter in enumerate("ab"):
+                zone = int(mode[3 + wheel])
+                if mode[1] != LOADED or zone not in BESIDE_CORNER:
+                    continue
+                part, *zones = BESIDE_CORNER[zone]
+                for end, other in zip(("", "corner_"), zones, strict=True):
+                    border = f"{part}_{end}{letter}"
+                    there = at_border(gearbox, state.copy(), border, contact)
+                    behind = there.copy()
+                    gearbox.mode(behind, contact)[3 + wheel] = other
+                    one, two = gearbox.outputs(there), gearbox.outputs(behind)
+                    for what in ("pair_normal_force", "pair_penetration", "potential_energy"):
+                        largest = np.nanmax(abs(one[what]))
+                        np.testing.assert_allclose(one[what], two[what], atol=1e-9 * largest)
+                    found.add(border)
+    corners = [border.replace("_", "_corner_") for border in CORNERS[name]]
+    assert found == {*CORNERS[name], *corners}
