@@ -54,6 +54,7 @@ contains
          allocate (yielding_flank_t :: slot%flank)
       end if
       slot%flank%bends = .true.
+      slot%flank%couples = couples
       slot%flank%reach = reach
       slot%flank%first = first
       slot%flank%last = last

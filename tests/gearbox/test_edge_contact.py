@@ -200,14 +200,16 @@ def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
     assert found >= 2
 
 
-def at_border(gearbox: Gearbox, state: State, name: str, contact: int) -> State:
-    """Roll on to where a root function of a contact vanishes, at the same penetration."""
+def at_border(
+    gearbox: Gearbox, state: State, name: str, contact: int, value: float = 0.0
+) -> State:
+    """Roll on to where a root function of a contact has a value, at the same penetration."""
     angle = gearbox.place("reference_angle")
     for _ in range(12):
         moved = state.copy()
         moved.y[angle] += 1e-7
         here, there = (gearbox.root(s, name, contact) for s in (state, moved))
-        state.y[angle] -= here / (there - here) * 1e-7
+        state.y[angle] -= (here - value) / (there - here) * 1e-7
     return state
 
 
@@ -276,3 +278,21 @@ def test_forces_and_energy_go_on_where_a_pair_comes_to_a_corner_and_where_it_lea
                     found.add(border)
     corners = [border.replace("_", "_corner_") for border in CORNERS[name]]
     assert found == {*CORNERS[name], *corners}
+
+
+@pytest.mark.parametrize("rate", [-1e-3, 1e-3], ids=["moves together", "moves apart"])
+@pytest.mark.parametrize(("mode", "overlap", "then"), [(LOADED, -5e-7, OPEN), (OPEN, 5e-7, LOADED)])
+def test_pairs_that_yield_together_touch_where_they_overlap_whichever_way_they_move(
+    kernel: Kernel, mode: int, overlap: float, then: int, rate: float
+):
+    """Others that carry more or less part the flanks of a pair, and close them, too."""
+    gearbox = with_edges(kernel, "perfect", couples=True, fixed=True, friction=0.0, damping=None)
+    state = pressed(gearbox, 0.92, 3e-5)
+    gearbox.mode(state, 1)[1] = mode
+    state = at_border(gearbox, state, "contact", 1, value=overlap)
+    state.y[gearbox.place("reference_speed")] = 0
+    state.y[gearbox.place("angle_deviation_1") + 1] = rate / gearbox.wheel_geometry(1).base_radius
+    assert gearbox.outputs(state)["pair_penetration"][0, 1] > 1e-6  # of unyielding flanks
+    after, _ = gearbox.apply_all(state, [])
+    assert gearbox.mode(after, 0)[1] == LOADED
+    assert gearbox.mode(after, 1)[1] == then
