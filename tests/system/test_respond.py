@@ -113,6 +113,29 @@ def test_a_motion_that_creeps_to_its_orbit_is_not_there_when_its_steps_are_small
     assert (followed[:2] < 300).all()
 
 
+@pytest.mark.parametrize(("ratio", "periods"), [(1.6, 4), (1.5, 5)])
+def test_passes_of_a_section_that_had_to_move_do_not_count(tmp_path, evolvent, ratio, periods):
+    """So slow and damped a motion repeats from its first pitch on.
+
+    Three passes of its section tell that, and its numbers take one period more. A pair leaves its
+    path at 0.6 of a pitch, or at half of one, where the section is: it moves, and begins anew.
+    """
+    case = rectangular(0.02, 1, 1, "radau")
+    del case["simulation"]["numbers"]
+    base_pitch, distance = 2 * math.pi * BASE / TEETH, case["meshes"][0]["centre_distance"]
+    contact = (ratio * base_pitch + math.sqrt(distance**2 - 4 * BASE**2)) / 2
+    for wheel in case["wheels"]:
+        wheel["tip_diameter"] = 2 * math.hypot(BASE, contact)
+    case["meshes"][0]["damping"]["value"] = 0.8
+    (tmp_path / "slow.yaml").write_text(yaml.safe_dump(case))
+    over, path = speeds(0.02, 0.0202, 0.0002), tmp_path / "r.h5"
+    result = evolvent("respond", tmp_path / "slow.yaml", "--over", over, "--up", "-o", path, "-q")
+    assert result.returncode == 0, result.stderr
+    with xr.open_dataset(path, engine="h5netcdf") as response:
+        assert response["followed"].values[0, 0] == periods
+        assert response["period"].values[0, 0] == 1
+
+
 def test_period_doubles_where_the_mesh_excites_the_second_order(respond):
     response = respond(speeds(1.84, 1.87), "--up")
     assert [period(response, "up", omega) for omega in (1.85, 1.855, 1.86, 1.865)] == [2] * 4
