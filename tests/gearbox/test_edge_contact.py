@@ -200,9 +200,7 @@ def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
     assert found >= 2
 
 
-def at_border(
-    gearbox: Gearbox, state: State, name: str, contact: int, value: float = 0.0
-) -> State:
+def at_border(gearbox: Gearbox, state: State, name: str, contact: int, value: float = 0.0) -> State:
     """Roll on to where a root function of a contact has a value, at the same penetration."""
     angle = gearbox.place("reference_angle")
     for _ in range(12):

@@ -56,6 +56,27 @@ def test_the_normal_force_at_rest_is_that_of_the_torques(kernel: Kernel, trackin
     assert np.abs(gearbox.residual(state) / row).max() <= 1e-12
 
 
+@pytest.mark.parametrize("before", [-7.0, 0.0, 40.0])
+@TRACKINGS
+def test_an_event_finds_the_normal_force_of_the_torques_whatever_it_was(
+    kernel: Kernel, tracking: str, before: float
+):
+    """What pressed the flanks before, or pulled, opens none: the forces of all are found anew."""
+    wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
+    description = mesh(kernel, tracking=tracking, **rigid(kernel))
+    loads = [load(0, TORQUE, -3.0), load(1, TORQUE, -0.5)]
+    gearbox = Gearbox(kernel, wheels, loads, [description])
+    state = gearbox.start()
+    multiplier = gearbox.place("multiplier_0")
+    force = state.y[multiplier]
+    assert force > 0
+    state.y[multiplier] = before
+    after, events = gearbox.apply_all(state, [])
+    assert events == []
+    assert gearbox.mode(after)[1] == LOADED
+    assert after.y[multiplier] == pytest.approx(force, rel=1e-13)
+
+
 def test_torques_that_part_the_flanks_open_the_contact_at_the_start(kernel: Kernel):
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
     gearbox = Gearbox(kernel, wheels, [load(0, TORQUE, 1.0)], [mesh(kernel, **rigid(kernel))])
