@@ -61,6 +61,8 @@ const char *case_path(const case_file *file);
 /** The whole case as YAML text: options applied, every default filled in (those that the
  *  model decides by case_settle_...), nothing derived. Reading it gives the same description. NULL for a case of case_edit, which spares the time. */
 const char *case_text(const case_file *file);
+/** The same less what has no part in the motion: the title, and the steps after which a run gives up. A new string. */
+char *case_text_of_motion(const case_file *file);
 /** The same in engineering units: `module: 3 mm`. Reading it gives the same description too. A new string. */
 char *case_text_for_reading(const case_file *file, const case_schema *schema);
 

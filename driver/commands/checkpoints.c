@@ -35,7 +35,8 @@ struct checkpoints {
 static void identify(checkpoint *own, const prepared_case *prepared)
 {
     const bool by_stepper = simulate_options(prepared).by_stepper;
-    checkpoint_identify(own, by_stepper ? "radau" : integrate_version(), case_text(prepared->file));
+    OWNED char *text = case_text_of_motion(prepared->file);
+    checkpoint_identify(own, by_stepper ? "radau" : integrate_version(), text);
 }
 
 /** The newest checkpoint that is whole and of this case and program. @param[out] found  to be freed in any case */
@@ -313,6 +314,11 @@ simulate_kept checkpoints_kept(checkpoints *self, history **part, double t, cons
 const char *checkpoints_times(const checkpoints *self)
 {
     return self->times;
+}
+
+const char *checkpoints_command(const checkpoints *self)
+{
+    return self->command;
 }
 
 void checkpoints_explain(const checkpoints *self, const char *place, evl_error *error)

@@ -46,6 +46,8 @@ void checkpoints_remove(checkpoints *checkpoints);
 
 /** Model times of the checkpoints, with commas, as --checkpoint-at takes them; "" if there was none. It lasts until the next. */
 const char *checkpoints_times(const checkpoints *checkpoints);
+/** By which the run goes on. */
+const char *checkpoints_command(const checkpoints *checkpoints);
 /** Of a run that could not write: say how it goes on, if there is a checkpoint. */
 void checkpoints_remind(const checkpoints *checkpoints, evl_error *error);
 /** Why and where the run was stopped, and how it goes on. */

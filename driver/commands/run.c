@@ -157,7 +157,12 @@ static void conclude(run *run, const simulate_result *result, const char *path)
 static void conclude_stopped(const run *run, const simulate_result *result)
 {
     OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
-    checkpoints_explain(run->checkpoints, place, run->error);
+    if (result->can_go_on) {
+        evl_error_set(run->error, EVL_EXIT_INTEGRATION, place, "%s; with more steps it goes on from here with: %s",
+                      result->message, checkpoints_command(run->checkpoints));
+    } else {
+        checkpoints_explain(run->checkpoints, place, run->error);
+    }
 }
 
 /** The history of all parts, to which the end can be put. */
@@ -173,7 +178,8 @@ static bool join_parts(run *run, const char *path)
 static void conclude_all(run *run, const simulate_result *result, const char *path)
 {
     const bool is_kept = run->checkpoints != NULL;
-    if (is_kept && result->end == SIMULATE_INTERRUPTED) {
+    const bool goes_on = is_kept && (result->end == SIMULATE_INTERRUPTED || result->can_go_on);
+    if (goes_on) {
         conclude_stopped(run, result);
     } else if (result->end == SIMULATE_SINK_FAILED || (is_kept && !join_parts(run, path)) ||
                !run_history_put(&run->history, run->error)) {
@@ -186,7 +192,7 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
     }
     if (is_kept && run->error->code == EVL_EXIT_IO) {
         checkpoints_remind(run->checkpoints, run->error);
-    } else if (is_kept && result->end != SIMULATE_INTERRUPTED) {
+    } else if (is_kept && !goes_on) {
         checkpoints_remove(run->checkpoints);
     }
 }
@@ -210,6 +216,7 @@ static void simulate_from(run *run, const dae_state *start, bool waits, simulate
                                 .is_due = run->checkpoints == NULL ? NULL : is_due,
                                 .keep = run->checkpoints == NULL ? NULL : keep,
                                 .kept = kept,
+                                .keeps_spent = run->checkpoints != NULL,
                                 .resume = run->checkpoints == NULL ? NULL : checkpoints_resume(run->checkpoints)};
     simulate(&run->prepared, &sink, &state, result);
 }

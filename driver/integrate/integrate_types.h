@@ -78,12 +78,19 @@ typedef struct {
     void (*keep)(void *self, archive *archive);
     /** And then: put it away */
     int (*kept)(void *self, double t, const archive *archive);
+    bool
+        keeps_spent; /**< it is due, too, where its steps are over, whatever is_due says: with more it goes on from there */
     archive *resume; /**< go on from what was kept; NULL: begin */
     const double
         *highest; /**< of who watches: [n_watched] largest of each channel so far, as of dae.roots_and_watched */
 } integrate_observer;
 
-typedef enum { INTEGRATE_DONE = 0, INTEGRATE_STOPPED = 1, INTEGRATE_FAILED = 2 } integrate_code;
+typedef enum {
+    INTEGRATE_DONE = 0,
+    INTEGRATE_STOPPED = 1,
+    INTEGRATE_FAILED = 2,
+    INTEGRATE_SPENT = 3 /**< failed as well, but only since its steps are over */
+} integrate_code;
 
 /** Of output `index`, 0 at the start; the last one is the end itself. */
 double output_grid_time(const integrate_options *options, double t_start, long index);

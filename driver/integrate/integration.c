@@ -216,21 +216,12 @@ static const char *time_in_words(double seconds, char words[32])
     return words;
 }
 
-/** n steps are made: whether there may be more. */
-static integrate_code spend(integration *run, int n)
+/** Say that its steps are over. @param came  how far they brought it [s] */
+static void tell_spent(integration *run, bool creeps, double came)
 {
-    pace *pace = &run->pace;
-    const integrate_options *options = run->options;
-    const double t = run->state->t, t_before = pace->t_crept;
-    const pace_budget left =
-        pace_spend(pace, n, t, options->t_end, options->most_steps > 0 ? options->most_steps : DBL_MAX);
-    if (left == PACE_FITS || !(t < options->t_end)) {
-        return INTEGRATE_DONE;
-    }
-    const bool creeps = left == PACE_CREEPS;
+    const pace *pace = &run->pace;
     const double steps = creeps ? pace->crept : pace->all;
-    const double came = creeps ? t - t_before : t - run->t_start;
-    const double steps_left = steps * (options->t_end - t) / came;
+    const double steps_left = steps * (run->options->t_end - run->state->t) / came;
     const double cpu_of_one = (integration_cpu_now() - run->cpu_start) / pace->all;
     char cpu[32], how[96], needs[96] = "";
     if (creeps) {
@@ -244,20 +235,12 @@ static integrate_code spend(integration *run, int n)
     }
     (void)snprintf(run->reason, DAE_MESSAGE_LENGTH,
                    "%s%s; raise simulation.max_steps, or take a larger tolerance or a shorter duration", how, needs);
-    return INTEGRATE_FAILED;
 }
 
-/** Keep it if that is due: always at a step's end, and once at a time, so that the time says where. */
-static integrate_code rest(integration *run, const integration_ways *ways, void *self)
+/** Keep it here: always at a step's end. */
+static integrate_code put_away(integration *run, const integration_ways *ways, void *self)
 {
     const integrate_observer *observer = run->observer;
-    if (observer->is_due == NULL || !(run->state->t > run->t_rest)) {
-        return INTEGRATE_DONE;
-    }
-    run->t_rest = run->state->t;
-    if (!observer->is_due(observer->self, run->state->t)) {
-        return INTEGRATE_DONE;
-    }
     const integrate_code code = ways->settle == NULL ? INTEGRATE_DONE : ways->settle(self);
     if (code != INTEGRATE_DONE) {
         return code;
@@ -267,6 +250,38 @@ static integrate_code rest(integration *run, const integration_ways *ways, void 
         integration_keep(run, &archive) && observer->kept(observer->self, run->state->t, &archive) == 0;
     archive_free(&archive);
     return goes_on ? INTEGRATE_DONE : INTEGRATE_STOPPED;
+}
+
+/** n steps are made: whether there may be more. */
+static integrate_code spend(integration *run, int n, const integration_ways *ways, void *self)
+{
+    const integrate_options *options = run->options;
+    const double t = run->state->t, t_before = run->pace.t_crept;
+    const pace_budget left =
+        pace_spend(&run->pace, n, t, options->t_end, options->most_steps > 0 ? options->most_steps : DBL_MAX);
+    if (left == PACE_FITS || !(t < options->t_end)) {
+        return INTEGRATE_DONE;
+    }
+    if (run->observer->keeps_spent) {
+        (void)run->observer->is_due(run->observer->self, t); /* it is, whatever he says: he hears of the time */
+        const integrate_code code = put_away(run, ways, self);
+        if (code != INTEGRATE_DONE) {
+            return code;
+        }
+    }
+    tell_spent(run, left == PACE_CREEPS, t - (left == PACE_CREEPS ? t_before : run->t_start));
+    return INTEGRATE_SPENT;
+}
+
+/** Keep it if that is due, once at a time, so that the time says where. */
+static integrate_code rest(integration *run, const integration_ways *ways, void *self)
+{
+    const integrate_observer *observer = run->observer;
+    if (observer->is_due == NULL || !(run->state->t > run->t_rest)) {
+        return INTEGRATE_DONE;
+    }
+    run->t_rest = run->state->t;
+    return observer->is_due(observer->self, run->state->t) ? put_away(run, ways, self) : INTEGRATE_DONE;
 }
 
 integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self)
@@ -285,7 +300,7 @@ integrate_code integration_to_the_end(integration *run, const integration_ways *
             const long now = ways->steps == NULL ? seen + 1 : ways->steps(self);
             const int n = (int)(now - seen);
             seen = now;
-            code = code == INTEGRATE_DONE ? spend(run, n) : code;
+            code = code == INTEGRATE_DONE ? spend(run, n, ways, self) : code;
             if (code == INTEGRATE_DONE && !pace_steps(&run->pace, n, run->state->t, grain_of(run))) {
                 (void)snprintf(run->reason, DAE_MESSAGE_LENGTH,
                                "the integrator does not get on: %d steps within %.3g s", run->pace.steps,
@@ -301,7 +316,7 @@ integrate_code integration_to_the_end(integration *run, const integration_ways *
             code = code == INTEGRATE_DONE ? taken : code;
         }
     } while (code == INTEGRATE_DONE && missed);
-    if (code != INTEGRATE_FAILED) {
+    if (code != INTEGRATE_FAILED && code != INTEGRATE_SPENT) {
         ways->watch(self);
         integration_watch_state(run);
     }

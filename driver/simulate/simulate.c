@@ -16,7 +16,7 @@
 static const double two_pi = 6.283185307179586;
 
 /** Why the observer ended an integration. */
-typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_KEPT, STOP_MODEL, STOP_MISSED, STOP_SINK } stop_reason;
+typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_KEPT, STOP_SPENT, STOP_MODEL, STOP_MISSED, STOP_SINK } stop_reason;
 
 typedef struct {
     const prepared_case *prepared;
@@ -262,8 +262,9 @@ integrate_options simulate_options(const prepared_case *prepared)
 static simulate_end end_of(const simulation *s, integrate_code code)
 {
     static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,      [STOP_INTERRUPTED] = SIMULATE_INTERRUPTED,
-                                        [STOP_KEPT] = SIMULATE_INTERRUPTED, [STOP_MODEL] = SIMULATE_FAILED,
-                                        [STOP_MISSED] = SIMULATE_MISSED,    [STOP_SINK] = SIMULATE_SINK_FAILED};
+                                        [STOP_KEPT] = SIMULATE_INTERRUPTED, [STOP_SPENT] = SIMULATE_FAILED,
+                                        [STOP_MODEL] = SIMULATE_FAILED,     [STOP_MISSED] = SIMULATE_MISSED,
+                                        [STOP_SINK] = SIMULATE_SINK_FAILED};
     return code == INTEGRATE_DONE ? SIMULATE_DONE : ends[s->stop];
 }
 
@@ -293,9 +294,12 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                                          .is_due = sink->is_due == NULL ? NULL : is_due,
                                          .keep = sink->keep == NULL ? NULL : keep,
                                          .kept = kept,
+                                         .keeps_spent = sink->keeps_spent,
                                          .resume = sink->resume};
     integrate_code code =
         integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
+    result->can_go_on = code == INTEGRATE_SPENT && sink->keeps_spent;
+    s.stop = result->can_go_on ? STOP_SPENT : s.stop; /* its outputs were given then */
     code = give_rest(&s, code, result->message);
     result->end = end_of(&s, code);
     if (code == INTEGRATE_DONE) {

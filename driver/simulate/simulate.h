@@ -28,6 +28,7 @@ typedef struct {
     bool (*is_due)(void *self, double t);
     void (*keep)(void *self, archive *archive);
     simulate_kept (*kept)(void *self, double t, const archive *archive);
+    bool keeps_spent; /**< with these, also where its steps are over */
     archive *resume;
 } simulate_sink;
 
@@ -44,6 +45,7 @@ typedef struct {
     double t; /**< where it ended [s] */
     integrate_counts counts;
     char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
+    bool can_go_on;                   /**< of SIMULATE_FAILED: it was kept where its steps were over */
     /** What deserves a word at the end: contact lost for good, a vibration that feeds itself, a motion too short for its outputs
      *  by position; "" if nothing does. */
     char remark[DAE_MESSAGE_LENGTH];

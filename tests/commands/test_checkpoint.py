@@ -361,6 +361,46 @@ def test_a_run_that_fails_leaves_what_it_leaves_without_checkpoints(
     assert not (tmp_path / "a.h5.parts").exists()
 
 
+SPENT = re.compile(r"(\d+) steps are over and the run is not; .*goes on from here with: (.*)$")
+
+
+def spend(evolvent: Evolvent, words: list[str | Path], most: int, *more: str) -> tuple[int, str]:
+    """Run out of steps: how many were made, and the command by which it goes on."""
+    limit = f"simulation.max_steps={most}"
+    result = evolvent(*words, "-o", "a.h5", "-q", "--set", limit, *more)
+    assert result.returncode == 4, result.stderr
+    (line,) = result.stderr.splitlines()
+    told = SPENT.search(line)
+    assert told, line
+    return int(told[1]), told[2]
+
+
+@pytest.mark.parametrize("integrator", ["radau", "ida"])
+def test_a_run_whose_steps_are_over_goes_on_with_more_of_them(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, integrator: str
+) -> None:
+    words: list[str | Path] = ["run", examples / "rattle.yaml"]
+    words += ["--set", f"simulation.integrator={integrator}", "--set", "simulation.duration=0.3"]
+    at_once = 1000  # steps that IDA may make before it looks
+    made, command = spend(evolvent, words, 2000, "--checkpoint", "60")
+    assert 2000 <= made <= 2000 + at_once
+    assert command.endswith("--set simulation.max_steps=2000 --continue")
+    assert not (tmp_path / "a.h5.partial").exists()
+    # with none it stops where it stands; the steps until there count
+    made_since, _ = spend(evolvent, words, 2000, "--continue")
+    assert made <= made_since <= made + at_once
+    made_in_all, _ = spend(evolvent, words, 4000, "--continue", "--set", "title=any other")
+    assert 4000 <= made_in_all <= 4000 + at_once
+    more = ["--set", "simulation.max_steps=none"]
+    assert evolvent(*words, *more, "-o", "a.h5", "-q", "--continue").returncode == 0
+    assert not (tmp_path / "a.h5.parts").exists()
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert int(file.attrs["integrator_steps"]) > made_in_all
+        at = ["--checkpoint-at", file.attrs["checkpoints"]] if integrator == "ida" else []
+    assert evolvent(*words, *more, "-o", "plain.h5", "-q", *at).returncode == 0
+    assert contents(tmp_path / "a.h5") == contents(tmp_path / "plain.h5")
+
+
 def entries(state: bytes) -> list[tuple[int, int]]:
     """Where the things that were kept lie, and their bytes: a length stands before each."""
     found, at = [], 0
