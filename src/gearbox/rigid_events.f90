@@ -45,7 +45,7 @@ contains
       type(status_t), intent(inout) :: status
       logical, dimension(size(gearbox%contacts)) :: closed, closing, held, opened, rebounded
       logical, dimension(size(gearbox%contacts)) :: parted, retried
-      logical :: free(size(gearbox%contacts)) !! their force has not parted these flanks, nor have they been held
+      logical :: free(size(gearbox%contacts)) !! may be held: what happened has not parted these flanks, nor have they been held
       integer :: blow, m
 
       closed = was_closed
@@ -67,12 +67,11 @@ contains
                if (opened(m)) call note(now%log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, now%integers))
             end do
             if (has_failed(status)) return
-            free = free .and. .not. opened
             parted = parted .or. opened
             if (count(opened) > 1) call look_again(parted, retried, free)
             call come_back(gearbox, free, now, held, status)
             if (has_failed(status)) return
-            held = held .or. (free .and. .not. (rebounded .or. retried) .and. slow(gearbox, now%y, now%integers))
+            held = held .or. (free .and. .not. rebounded .and. slow(gearbox, now%y, now%integers))
             if (any(held)) call hold(gearbox, held, now)
             if (.not. any(held .or. approach_past_zero(gearbox, now%y, now%integers))) return
             call look_again(parted, retried, free)
@@ -86,7 +85,7 @@ contains
                 gearbox%contacts(max(findloc(closing, .true., dim=1), 1))%mesh, "contact")
    end subroutine settle_rigid
 
-   !> Flanks that have parted while others were as they no longer are: what parts them may be gone. Each is looked at again once.
+   !> Flanks that have parted while others were as they no longer are: what parts them may be gone. Each is freed again once.
    pure subroutine look_again(parted, retried, free)
       logical, intent(inout) :: parted(:), retried(:), free(:)
 
@@ -225,10 +224,29 @@ contains
 
    end subroutine come_back
 
-   !> Close flanks that touch and hardly move, if that presses them together; the others stay as they are.
+   !> Close flanks that touch and hardly move, if that presses them together; the others stay as they are. Those of which together
+   !> none is pressed are tried one by one: with friction one of them may part all others.
+   subroutine hold(gearbox, held, now)
+      type(gearbox_t), intent(in) :: gearbox
+      logical, intent(inout) :: held(:) !! in: flanks to be tried; out: those that are closed now
+      type(moment_t), intent(inout) :: now
+      logical :: tried(size(held))
+      integer :: m
+
+      tried = held
+      call hold_together(gearbox, held, now)
+      do m = 1, size(held)
+         if (any(held)) return
+         if (.not. tried(m)) cycle
+         held(m) = .true.
+         call hold_together(gearbox, held, now)
+      end do
+   end subroutine hold
+
+   !> The same of flanks that are tried together.
    !>
    !> Their speeds and those of all closed flanks become 0, which takes energy away. Then the forces decide.
-   subroutine hold(gearbox, held, now)
+   subroutine hold_together(gearbox, held, now)
       type(gearbox_t), intent(in) :: gearbox
       logical, intent(inout) :: held(:) !! in: flanks to be tried; out: those that are closed now
       type(moment_t), intent(inout) :: now
@@ -263,7 +281,7 @@ contains
          if (was_closed(m) .and. .not. closed(m)) &
             call note(now%log, event_opened, gearbox%contacts(m), first_pair(gearbox, m, now%integers))
       end do
-   end subroutine hold
+   end subroutine hold_together
 
    !> Whether a tooth contact leads a rigid flank that is open, with a tooth pair on the path.
    pure logical function may_close(gearbox, leader, integers)
