@@ -53,11 +53,15 @@ contains
          write (form, "(a, i0, a)") "(f32.", decimals, ")"
          write (number, form) value
       else
-         write (number, "(es32.5e2)") value
+         write (number, "(es32.5e3)") value
       end if
       number = adjustl(number)
       e = index(number, "E")
-      if (e == 0) e = len_trim(number) + 1
+      if (e == 0) then
+         e = len_trim(number) + 1
+      else if (number(e + 2:e + 2) == "0") then ! two digits where they are enough
+         number = number(:e + 1)//number(e + 3:)
+      end if
       if (index(number(:e - 1), ".") > 0) then
          last = verify(number(:e - 1), "0", back=.true.)
          if (number(last:last) == ".") last = last - 1
