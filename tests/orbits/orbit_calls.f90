@@ -4,6 +4,7 @@ module orbit_calls
    use evl_branch, only: branch_options, follow_branch, switch_at_doubling
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
+   use evl_orbit_teller, only: orbit_teller
    use evl_shooting, only: find_orbit, orbit_t
    use evl_special_points, only: branch_point
    use evl_status, only: clear, has_failed, status_t
@@ -12,11 +13,21 @@ module orbit_calls
    private
 
    public :: ot_new, ot_delete, ot_message, ot_flow, ot_find, ot_follow, ot_switch, ot_point, ot_options
+   public :: ot_values, ot_is_told
+
+   !> Tells nothing of an orbit, but follows it once round, as one does who tells of it.
+   type, extends(orbit_teller) :: silent_teller
+      type(orbit_system), pointer :: model => null()
+      real(wp) :: tolerance = 0
+   contains
+      procedure :: tell => follow_round
+   end type silent_teller
 
    !> A system and the points of a branch.
    type :: session_t
       type(orbit_system) :: model
       type(branch_options) :: options
+      type(silent_teller) :: teller
       type(branch_point), allocatable :: points(:)
       type(status_t) :: status
    end type session_t
@@ -76,6 +87,35 @@ contains
       session%options%largest_step = largest
       session%options%most_points = most
    end subroutine ot_options
+
+   !> Ask for the stable orbits at these values of the parameter, rising; they are told of.
+   subroutine ot_values(handle, n, values) bind(c)
+      type(c_ptr), value :: handle
+      integer(c_int), value :: n
+      real(c_double), intent(in) :: values(n)
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      session%options%values = values
+      session%teller%model => session%model
+      session%teller%tolerance = session%options%orbits%tolerance
+      session%options%teller => session%teller
+   end subroutine ot_values
+
+   !> Once round, without a derivative.
+   subroutine follow_round(self, number, orbit, status)
+      class(silent_teller), intent(inout) :: self
+      integer, intent(in) :: number
+      type(orbit_t), intent(inout) :: orbit
+      type(status_t), intent(inout) :: status
+      type(flow_t) :: flow
+
+      call follow(self%model, orbit%y, orbit%periods, orbit%period, self%tolerance, .false., flow, status)
+      if (has_failed(status)) return
+      orbit%flow%y = flow%y
+      orbit%flow%rate = flow%rate
+      orbit%flow%same_modes = flow%same_modes
+   end subroutine follow_round
 
    !> A flow and its derivative; numbers: steps, ties, whether the modes repeat, crossings.
    integer(c_int) function ot_flow(handle, parameter, y, duration, end, derivative, numbers) result(code) bind(c)
@@ -156,6 +196,16 @@ contains
       allocate (session%points(1))
       session%points(1)%orbit = orbit
    end function ot_switch
+
+   !> Whether a point was told of, and has no derivative.
+   integer(c_int) function ot_is_told(handle, index) result(told) bind(c)
+      type(c_ptr), value :: handle
+      integer(c_int), value :: index !! from 0
+      type(session_t), pointer :: session
+
+      call c_f_pointer(handle, session)
+      told = merge(1, 0, session%points(index + 1)%is_told)
+   end function ot_is_told
 
    !> numbers: parameter, period, residual, way; counts: kind, root from 1, iterations, periods, multipliers.
    subroutine ot_point(handle, index, y, numbers, counts, re, im, tangent) bind(c)

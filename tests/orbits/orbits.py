@@ -53,6 +53,7 @@ class Point:
     periods: int
     multipliers: NDArray[np.complex128]
     tangent: Floats
+    is_told: bool
 
 
 def load(path: Path) -> ctypes.CDLL:
@@ -68,6 +69,8 @@ def load(path: Path) -> ctypes.CDLL:
     c.ot_find.argtypes = [handle, _double, _int, _doubles, _double]
     c.ot_follow.argtypes = [handle, _int, _bool, _ints]
     c.ot_switch.argtypes = [handle, _int, _double]
+    c.ot_values.argtypes = [handle, _int, _doubles]
+    c.ot_is_told.argtypes = [handle, _int]
     c.ot_point.argtypes = [handle, _int, _doubles, _doubles, _ints, *[_doubles] * 3]
     return c
 
@@ -108,6 +111,11 @@ class System:
         self.c.ot_options(
             self.handle, tolerance, scale, *between, rising, first, smallest, largest, most
         )
+
+    def values(self, values: ArrayLike) -> None:
+        """Ask for stable orbits at values of the parameter, too, and let them be told of."""
+        rising = _array(values)
+        self.c.ot_values(self.handle, len(rising), _pointer(rising))
 
     def _check(self, code: int) -> None:
         if code:
@@ -161,6 +169,7 @@ class System:
             periods,
             re[:m] + 1j * im[:m],
             tangent,
+            bool(self.c.ot_is_told(self.handle, index)),
         )
 
 

@@ -56,12 +56,16 @@ def closed_form(frequency: float, amplitude: float, force: float, enter: float, 
     return onwards(y, leave, quarter, 0.0)
 
 
-def follow(c, frequency: float, force: float, begin: float, rising: bool = True) -> list[Point]:
+def follow(
+    c, frequency: float, force: float, begin: float, rising: bool = True, values=()
+) -> list[Point]:
     touch = touch_of(frequency)
     system = System(c, "switched", [frequency, DAMPING, begin * touch, DISTANCE, force], 2)
     system.options(
         between=(0.5 * touch, 1.5 * touch), rising=rising, steps=(0.01, 1e-7, 0.05), most=300
     )
+    if len(values) > 0:
+        system.values(values)
     start = swept_to(system, begin * touch)
     system.find(start, begin * touch)
     return system.follow()
@@ -114,18 +118,49 @@ def test_the_branch_goes_on_behind_the_touch_and_turns_back_where_orbits_are_on_
     assert len(special(points, "fold")) == int(turns)  # where the branch turns once more
 
 
+def from_closed_form(point: Point, frequency: float, force: float) -> float:
+    """Distance of the state from that of an orbit with one time beyond the distance."""
+    top = -np.angle(1 / (1 - frequency**2 + 2j * DAMPING * frequency)) / frequency
+    found = [  # at a fold two of them have one amplitude
+        closed_form(frequency, point.parameter, force, top - half, top + half)
+        for half in (0.02, 0.1, 0.3, 0.6, 1.0)
+    ]
+    return min(max(abs(point.y - state)) for state in found if state is not None)
+
+
 def test_orbits_behind_the_touch_are_those_of_the_closed_form(branch):
     frequency, force, _, points = branch
     i = at_touch(points)
     behind = [point for point in points[i + 1 :] if point.kind == "ordinary"]
-    top = -np.angle(1 / (1 - frequency**2 + 2j * DAMPING * frequency)) / frequency
     for point in behind[:15]:
-        found = [  # at a fold two of them have one amplitude
-            closed_form(frequency, point.parameter, force, top - half, top + half)
-            for half in (0.02, 0.1, 0.3, 0.6, 1.0)
-        ]
-        far = [max(abs(point.y - state)) for state in found if state is not None]
-        assert min(far) < 1e-8
+        assert from_closed_form(point, frequency, force) < 1e-8
+
+
+@pytest.mark.parametrize("rising", [True, False])
+@pytest.mark.parametrize(("frequency", "force", "turns"), CASES)
+def test_orbits_that_are_told_on_both_sides_of_the_touch_are_those_of_closed_forms(
+    c, frequency: float, force: float, turns: bool, rising: bool
+):
+    """At values up and down; what is told comes within 1e-8 of an orbit."""
+    touch, period = touch_of(frequency), 2 * np.pi / frequency
+    values = touch * np.linspace(0.8, 1.2, 81)
+    points = follow(c, frequency, force, 0.5 if rising else 1.5, rising, values)
+    i = at_touch(points)
+    linear, beyond = (
+        [point for point in side if point.is_told]
+        for side in (points[:i], points[i + 1 :])[:: 1 if rising else -1]
+    )
+    assert sorted(point.parameter for point in linear) == values[values < touch].tolist()
+    for point in linear:
+        exact = forced(period / 4, frequency, point.parameter, 0)
+        assert point.y == pytest.approx(exact, abs=1e-7)
+    told = [point.parameter for point in beyond]
+    assert len(told) == len(set(told)) >= 30
+    assert set(told) <= set(values.tolist())
+    # those behind a fold begin below it; behind the other touch the first ones are unstable
+    assert (min(told) < touch) == turns
+    for point in beyond:
+        assert from_closed_form(point, frequency, force) < 1e-7
 
 
 def test_multipliers_grow_as_one_over_the_distance_from_the_touch(branch):
