@@ -12,7 +12,7 @@ module evl_modes
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_scaling, only: gearbox_state_scales
-   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity, frame_t, housing_frame, small_turns
+   use evl_housing, only: at_omega, at_orientation, at_position, at_velocity, frame_t, housing_frame, is_balance, small_turns
    use evl_housing_dynamics, only: housing_coupling
    use evl_kinds, only: wp
    use evl_lapack, only: dgeevx, dgesv, dgesvd
@@ -289,7 +289,7 @@ contains
       end associate
       call housing_coupling(gearbox, frame, y, mass)
       do i = 1, n
-         mass(i, i) = mass(i, i) + 1
+         if (.not. is_balance(gearbox%housing, i)) mass(i, i) = mass(i, i) + 1
       end do
       call dgesv(n, n, mass, n, pivots, matrix, n, info)
       if (info /= 0) call fail(status, code_singular, "the accelerations of the housing are not determined at this state")

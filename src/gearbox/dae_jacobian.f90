@@ -7,7 +7,7 @@ module evl_dae_jacobian
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern, scatter
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_rates, only: gearbox_rates
-   use evl_housing, only: frame_t, housing_frame
+   use evl_housing, only: frame_t, housing_frame, is_balance
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, mounted_gradient
    use evl_jacobian_entries, only: add_entry, add_row, clear_row, full_matrix, jacobian_entries, listed_entries, n_noted, &
@@ -71,7 +71,8 @@ contains
       end do
       associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
          do i = 1, gearbox%n_states
-            if (i <= before .or. i >= behind) call add_entry(entries, i, i, cj, jacobian)
+            if (i > before .and. i < behind .or. is_balance(gearbox%housing, i)) cycle
+            call add_entry(entries, i, i, cj, jacobian)
          end do
       end associate
       do i = 1, size(gearbox%contacts)

@@ -5,6 +5,7 @@ module evl_dae_residual
    use evl_discrete_state, only: is_closed
    use evl_gearbox, only: gearbox_local, gearbox_t
    use evl_gearbox_rates, only: gearbox_rates
+   use evl_housing, only: at_velocity
    use evl_housing_dynamics, only: coupled_rates, housing_residual
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
@@ -28,18 +29,21 @@ contains
       real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: residual(gearbox%n_states)
       type(status_t), intent(inout) :: status
-      real(wp) :: q(n_local), rho_a0
+      real(wp) :: q(n_local), rho_a0, balances(6)
       logical :: exists, tracks
       integer :: i
 
       call gearbox_rates(gearbox, t, y, integers, reals, residual, status, yp)
       if (has_failed(status)) return
+      if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual, balances)
       ! the places of the multipliers, which stand together before the energies, hold their rows already
       associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
          residual(:before) = yp(:before) - residual(:before)
          residual(behind:) = yp(behind:) - residual(behind:)
       end associate
-      if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual)
+      associate (first => gearbox%housing%i_state + at_velocity)
+         if (gearbox%housing%is_mounted) residual(first:first + 5) = balances
+      end associate
       do i = 1, size(gearbox%contacts)
          if (gearbox%n_multipliers == 0) exit
          associate (contact => gearbox%contacts(i), row => gearbox%contacts(i)%i_dependent)

@@ -21,19 +21,18 @@ module evl_housing_dynamics
 
 contains
 
-   !> Turn the two balances of a mounted housing from y' - f into inertia less applied force and moment.
-   subroutine housing_residual(gearbox, t, y, yp, residual)
+   !> The two balances of a mounted housing: inertia less applied force and moment. These never meet v' and Omega' themselves:
+   !> of moments of 1e-20 N m nothing would be left beside 1 rad/s^2.
+   subroutine housing_residual(gearbox, t, y, yp, f, balances)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states)
-      real(wp), intent(inout) :: residual(:) !! y' - f
+      real(wp), intent(in) :: f(gearbox%n_states) !! as from `gearbox_rates`
+      real(wp), intent(out) :: balances(6)        !! [N], [N m]
       type(frame_t) :: frame
-      real(wp) :: inertia(6)
 
       call housing_frame(gearbox%housing, t, y, frame, yp)
-      call inertia_wrench(gearbox, frame, y, yp, inertia)
-      associate (first => gearbox%housing%i_state + at_velocity, last => gearbox%housing%i_state + at_omega + 2)
-         residual(first:last) = inertia + (residual(first:last) - yp(first:last))
-      end associate
+      call inertia_wrench(gearbox, frame, y, yp, balances)
+      balances = balances - f(gearbox%housing%i_state + at_velocity:gearbox%housing%i_state + at_omega + 2)
    end subroutine housing_residual
 
    !> Rates of change of linear and angular momentum of housing and wheels, less gravity [N], [N m].
@@ -63,7 +62,8 @@ contains
       end do
    end subroutine inertia_wrench
 
-   !> dF/dy' less the unit matrix: how accelerations enter each other's equations through a mounted housing.
+   !> How accelerations enter each other's equations through a mounted housing: dF/dy', but without the unit matrix of the rows
+   !> that are y' - f. In the balances are masses and moments of inertia, which may be far below the rounding of 1.
    pure subroutine housing_coupling(gearbox, frame, y, coupling)
       type(gearbox_t), intent(in) :: gearbox
       type(frame_t), intent(in) :: frame
@@ -85,9 +85,6 @@ contains
          end associate
          coupling(v:v + 2, o:o + 2) = -skew(first_moment)
          coupling(o:o + 2, o:o + 2) = tensor
-         do i = v, o + 2
-            coupling(i, i) = coupling(i, i) - 1
-         end do
       end associate
    end subroutine housing_coupling
 
@@ -162,9 +159,9 @@ contains
       real(wp), intent(inout) :: f(gearbox%n_states) !! rates at v' = Omega' = 0, then y'
       type(status_t), intent(inout) :: status
       real(wp) :: coupling(gearbox%n_states, gearbox%n_states), others(6, gearbox%n_states), matrix(6, 6), solution(6, 1)
-      real(wp), dimension(gearbox%n_states) :: residual, none
+      real(wp) :: none(gearbox%n_states), balances(6)
       type(frame_t) :: frame
-      integer :: pivots(6), info, i
+      integer :: pivots(6), info
 
       call housing_frame(gearbox%housing, t, y, frame)
       call housing_coupling(gearbox, frame, y, coupling)
@@ -173,13 +170,9 @@ contains
          matrix = others(:, first:last)
          others(:, first:last) = 0
          matrix = matrix - matmul(others, coupling(:, first:last))
-         do i = 1, 6
-            matrix(i, i) = matrix(i, i) + 1
-         end do
          none = 0
-         residual = -f
-         call housing_residual(gearbox, t, y, none, residual)
-         solution(:, 1) = -residual(first:last) - matmul(others, f)
+         call housing_residual(gearbox, t, y, none, f, balances)
+         solution(:, 1) = -balances - matmul(others, f)
          call dgesv(6, 1, matrix, 6, pivots, solution, 6, info)
          if (info /= 0) then
             call fail(status, code_singular, "the accelerations of the housing are not determined at this state")

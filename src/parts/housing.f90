@@ -14,7 +14,7 @@ module evl_housing
    public :: at_position, at_orientation, at_velocity, at_omega
    public :: apparent_acceleration, felt_acceleration, frame_acceleration, housing_frame, norm_rate, wheel_moment
    public :: mount_force, mount_loss, mount_turn
-   public :: mount_deflection, housing_rates, housing_renormalise, housing_turn_columns, housing_take_turn, &
+   public :: mount_deflection, housing_rates, housing_renormalise, housing_turn_columns, housing_take_turn, is_balance, &
              small_turns
 
    integer, parameter :: housing_fixed = 0      !! at rest, its frame that of the ground
@@ -90,6 +90,14 @@ contains
       frame%rotation = rotation_matrix(frame%orientation)
       frame%acceleration = turned_back(frame%rotation, velocity_rate - housing%gravity)
    end subroutine housing_frame
+
+   !> Whether a state's equation is one of the two balances of a mounted housing, in newtons and newton metres, and not y' - f.
+   pure logical function is_balance(housing, state)
+      type(housing_t), intent(in) :: housing
+      integer, intent(in) :: state
+
+      is_balance = housing%is_mounted .and. state >= housing%i_state + at_velocity .and. state < housing%i_state + n_housing_states
+   end function is_balance
 
    !> Acceleration, less gravity, of a point that rests in the housing [m/s^2].
    pure function frame_acceleration(frame, c) result(b)

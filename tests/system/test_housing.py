@@ -12,6 +12,7 @@ import pytest
 from evolvent import check_history
 from system.cases import pair
 from system.runs import Run, Runs
+from system.scaled_cases import Scales, scaled_case
 
 BODY = {
     "kind": "mounted",
@@ -122,6 +123,29 @@ def test_without_losses_energy_is_conserved(free: Run) -> None:
     assert float(abs(energy - energy[0]).max()) < 1e-9 * float(energy[0])
     assert float(h["dissipated_energy"].max()) < 1e-9 * float(energy[0])
     assert not h["load_work"].values.any()
+
+
+@pytest.mark.parametrize(
+    ("length", "mass"), [(2.0**-14, 2.0**-20), (2.0**-10, 2.0**-30), (2.0**10, 2.0**20)]
+)
+@pytest.mark.parametrize("kind", ["loose", "mounted"])
+def test_a_mounted_housing_moves_alike_in_other_units(
+    runs: Runs, kind: str, length: float, mass: float
+) -> None:
+    """Small moments of inertia and torques keep their digits beside accelerations."""
+    mount = {"stiffness": [1e7] * 3, "rotational_stiffness": [1e6] * 3}
+    case = loose() if kind == "loose" else mounted(mount=mount)
+    other = scaled_case(runs.executable, case, Scales(length=length, mass=mass))
+    here, there = runs(case).history, runs(other, "simulation.max_steps=1e5").history
+    for name, unit in (
+        ("angular_velocity", 1.0),
+        ("housing_angular_velocity", 1.0),
+        ("housing_orientation", 1.0),
+        ("kinetic_energy", mass * length**2),
+    ):
+        size = float(abs(here[name]).max())
+        # Powers of two round nothing: 0 in small units; in large ones 7e-12, by other pivots.
+        np.testing.assert_allclose(there[name] / unit, here[name], rtol=0, atol=1e-10 * size)
 
 
 def test_the_quaternion_keeps_its_norm(free: Run) -> None:
