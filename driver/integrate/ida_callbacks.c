@@ -5,8 +5,10 @@
 #include <math.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
-/* Only for what grows beyond all scales, such as the gap of flanks that never meet again: asks for no more than rounding allows. */
-static const double relative_tolerance = 16 * DBL_EPSILON;
+/* Only for what grows beyond all scales, such as the gap of flanks that never meet again, and for what rounding makes of F: ask for
+ * no more than that allows. */
+enum { ROUNDINGS = 16 };
+static const double relative_tolerance = ROUNDINGS * DBL_EPSILON;
 
 /* The discrete state cannot change while IDA steps: trial states borrow the caller's. */
 static void take_trial(ida_session *s, double t, N_Vector y, N_Vector yp)
@@ -54,6 +56,7 @@ int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vecto
     if (s->sparse != NULL) {
         const int answer = ida_sparse_jacobian(s->sparse, &state, cj, s->row_units, matrix, s->run->reason);
         note_refusal(s, answer);
+        ida_rounding_note(&s->rounding, s->sparse, matrix, N_VGetArrayPointer(y));
         return answer;
     }
     double *entries = SUNDenseMatrix_Data(matrix);
@@ -62,6 +65,7 @@ int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vecto
     for (int j = 0; j < n; j++)
         for (int i = 0; i < n; i++)
             entries[j * n + i] *= s->row_units[i] * s->run->model->scale[j];
+    ida_rounding_note(&s->rounding, NULL, matrix, N_VGetArrayPointer(y));
     return code;
 }
 
@@ -170,9 +174,13 @@ int ida_weights(N_Vector y, N_Vector weight, void *data)
     if (IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS) {
         ida_watch_to(s, t, y);
     }
+    ida_rounding_update(&s->rounding, s->solver, s->matrix, s->between, weight);
     const double *values = N_VGetArrayPointer(y);
+    const double *rounded = s->rounding.of_states;
     double *to = N_VGetArrayPointer(weight);
-    for (int i = 0; i < s->run->model->n; i++)
-        to[i] = 1 / (relative_tolerance * fabs(values[i]) + s->run->options->tolerance);
+    for (int i = 0; i < s->run->model->n; i++) {
+        const double asked = relative_tolerance * fabs(values[i]) + s->run->options->tolerance;
+        to[i] = 1 / fmax(asked, ROUNDINGS * rounded[i]);
+    }
     return 0;
 }

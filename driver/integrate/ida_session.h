@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/memory.h"
+#include "integrate/ida_rounding.h"
 #include "integrate/ida_sparse.h"
 #include "integrate/integration.h"
 
@@ -40,6 +41,7 @@ typedef struct {
     ida_sparse *sparse; /**< NULL: the matrix is full */
     SUNMatrix matrix;
     SUNLinearSolver solver;
+    ida_rounding rounding;
     double t_refused; /**< latest time at which the model had no answer */
 } ida_session;
 

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sunlinsol/sunlinsol_klu.h>
@@ -86,6 +87,13 @@ int ida_sparse_jacobian(const ida_sparse *sparse, const dae_state *state, double
     return code;
 }
 
+void ida_sparse_add_sizes(const ida_sparse *sparse, SUNMatrix matrix, const double *y, double *sums)
+{
+    const double *entries = SUNSparseMatrix_Data(matrix);
+    for (int i = 0; i < sparse->n_entries; i++)
+        sums[sparse->rows[i]] += fabs(entries[i] * y[sparse->columns[i]]);
+}
+
 #else
 
 ida_sparse *ida_sparse_open(const dae *model, N_Vector like, SUNContext context, SUNMatrix *matrix,
@@ -105,6 +113,11 @@ int ida_sparse_jacobian(const ida_sparse *sparse, const dae_state *state, double
 {
     (void)sparse, (void)state, (void)cj, (void)row_units, (void)matrix, (void)message;
     return DAE_FATAL;
+}
+
+void ida_sparse_add_sizes(const ida_sparse *sparse, SUNMatrix matrix, const double *y, double *sums)
+{
+    (void)sparse, (void)matrix, (void)y, (void)sums;
 }
 
 #endif

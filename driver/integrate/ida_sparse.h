@@ -26,3 +26,6 @@ void ida_sparse_close(ida_sparse **sparse);
 /** The Jacobian in units of rows and states: row_units are those of its rows. @return a dae_code */
 int ida_sparse_jacobian(const ida_sparse *sparse, const dae_state *state, double cj, const double *row_units,
                         SUNMatrix matrix, char message[DAE_MESSAGE_LENGTH]);
+
+/** Add |matrix| |y| to sums: [n]. */
+void ida_sparse_add_sizes(const ida_sparse *sparse, SUNMatrix matrix, const double *y, double *sums);

@@ -164,6 +164,7 @@ static integrate_code handle_event(ida_session *s, bool time_event)
     }
     ida_session_to_scaled(s, s->run->state->y, s->y);
     ida_session_to_scaled(s, s->run->state->yp, s->yp);
+    ida_rounding_forget(&s->rounding);
     m->root_directions(m->self, s->run->state->integers, s->directions);
     if (m->n_roots > 0 && IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS) {
         return explain(s, IDA_ILL_INPUT);

@@ -1,6 +1,7 @@
 /* The integrator on problems without gears, whose solutions are known. */
 #include "integrate/integrate.h"
 
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -767,6 +768,49 @@ static void an_event_that_the_model_refuses_ends_the_run_before_it(void **state)
     finish(p, &result);
 }
 
+/* ---- two places far away, and the force of a stiff spring between them: a' = A cos t, b' = (A - 1) cos t, F = k (a - b) ---- */
+
+static const double away = 1e6, stiff = 1e3;
+
+static int spring_residual(const void *self, const dae_state *s, double *r, char *message)
+{
+    (void)self, (void)message;
+    r[0] = s->yp[0] - away * cos(s->t);
+    r[1] = s->yp[1] - (away - 1) * cos(s->t);
+    r[2] = s->y[2] - stiff * (s->y[0] - s->y[1]);
+    return DAE_OK;
+}
+
+static int spring_jacobian(const void *self, const dae_state *s, double cj, double *j, char *message)
+{
+    (void)self, (void)s, (void)message;
+    const double columns[9] = {cj, 0, -stiff, 0, cj, stiff, 0, 0, 1};
+    memcpy(j, columns, sizeof columns);
+    return DAE_OK;
+}
+
+static void a_tolerance_below_rounding_asks_for_no_more_than_that(void **state)
+{
+    (void)state;
+    problem *p = make(3);
+    p->model.residual = spring_residual;
+    p->model.jacobian = spring_jacobian;
+    p->yp[0] = away;
+    p->yp[1] = away - 1;
+    p->yp[2] = stiff;
+    record *heard = listen();
+    heard->stop_at_step = 60; /* of outputs and thousands of steps: a minute was not enough once */
+    outcome result = solve_for(heard, p, 3.0, 0.1, 1e-9);
+    assert_int_equal(result.code, INTEGRATE_DONE);
+    for (int i = 0; i < result.heard->n_rows; i++) {
+        const double t = result.heard->t[i], rounding = stiff * away * DBL_EPSILON;
+        assert_close(result.heard->y[i][2], stiff * sin(t), 100 * rounding);
+    }
+    assert_true(result.counts.steps <
+                10000); /* seen: 1056; a step of order 5 is some thousandths for 1e-15 of a place */
+    finish(p, &result);
+}
+
 static void the_library_tells_its_version(void **state)
 {
     (void)state;
@@ -796,6 +840,7 @@ int main(void)
         cmocka_unit_test(an_event_that_the_model_refuses_ends_the_run_before_it),
         cmocka_unit_test(an_output_that_shows_a_missed_event_has_its_step_made_anew),
         cmocka_unit_test(a_state_that_never_agrees_ends_the_run_before_it_with_the_models_words),
+        cmocka_unit_test(a_tolerance_below_rounding_asks_for_no_more_than_that),
         cmocka_unit_test(the_library_tells_its_version),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
