@@ -1,7 +1,7 @@
 !> What rounding makes of an error estimate: no tolerance can ask for less.
 !>
-!> f is rounded by about eps sum_j |J_ij y_j|: forces are differences of places, and stiff ones round by far more than their own
-!> last digit. The estimate (gamma/h I - J)^-1 (f(t, y) - p'(t)) has that of f at the start and that of the stages, of whose slopes
+!> f is rounded by about eps sum_j |J_ij y_j|, seldom by more than four times that: forces are differences of places, and stiff
+!> ones round by far more than their own last digit. The estimate (gamma/h I - J)^-1 (f(t, y) - p'(t)) has that of f at the start and that of the stages, of whose slopes
 !> p' is the value at the start, times the sum of the weights. Its filter divides row i by
 !> gamma/h + |J_ii| + h/gamma sum_j |J_ij J_ji|,
 !> which is exact for a mass on a spring and a damper.
@@ -14,6 +14,7 @@ module evl_estimate_rounding
    public :: estimate_rounding_t, estimate_rounding_create, find_rounding
 
    real(wp), parameter :: eps = epsilon(1.0_wp)
+   real(wp), parameter :: roundings = 4 !! that an error may count for one of each term of f: so many have 99 % of the estimates
    real(wp), parameter :: of_stages = 5.06_wp !! sum of |weights| that take slopes at the stages to the start
 
    !> For each entry of J the one across the diagonal.
@@ -73,7 +74,7 @@ contains
             end if
          end associate
       end do
-      most_weight = self%left/max((1 + of_stages)*eps*most_weight, tiny(1.0_wp))
+      most_weight = self%left/max(roundings*(1 + of_stages)*eps*most_weight, tiny(1.0_wp))
    end subroutine find_rounding
 
 end module evl_estimate_rounding

@@ -66,11 +66,11 @@ def test_gearboxes_that_take_very_long_say_so(executable: Path, tmp_path: Path, 
     assert float(told["more"]) > 10 * most
 
 
-@pytest.mark.parametrize("seed", [0, 1514, 5554, 8644, 9714])
+@pytest.mark.parametrize("seed", [0, 1514, 5554, 6050, 8644, 9714])
 def test_a_tolerance_below_rounding_takes_no_more_steps_for_that(
     executable: Path, tmp_path: Path, seed: int
 ) -> None:
-    """A tonne beside 1e-4 N m, housings of micrometres: 400,000 to 250 million steps once."""
+    """A tonne beside 1e-4 N m, dampers of 3e16 N s/m2, housings of micrometres: millions once."""
     case, history = tmp_path / "case.yaml", tmp_path / "h.h5"
     case.write_text(json.dumps(wide_case(executable, seed)))
     command = [executable, "run", case, "-o", history, "--set", "simulation.max_steps=300000"]
