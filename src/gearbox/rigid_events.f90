@@ -68,7 +68,6 @@ contains
             end do
             if (has_failed(status)) return
             parted = parted .or. opened
-            if (count(opened) > 1) call look_again(parted, retried, free)
             call come_back(gearbox, free, now, held, status)
             if (has_failed(status)) return
             held = held .or. (free .and. .not. rebounded .and. slow(gearbox, now%y, now%integers))

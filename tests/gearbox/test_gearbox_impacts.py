@@ -138,6 +138,29 @@ def test_an_approach_rebounds_if_it_is_faster_than_the_rest_velocity(
     assert rate == pytest.approx(expected, rel=1e-6, abs=1e-16)
 
 
+@pytest.mark.parametrize(("approach", "mode"), [(1e-7, LOADED), (1e-5, OPEN)])
+def test_a_rebound_that_the_load_ends_before_it_can_be_seen_is_none(
+    kernel: Kernel, approach: float, mode: int
+):
+    """They part faster than rest_velocity, and go back: events are located to some 1e-15 m here."""
+    wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
+    fields = {"friction": 0.0, **rigid(kernel, 0.5, 1e-10)}
+    gearbox = Gearbox(kernel, wheels, [load(0, TORQUE, -300.0)], [mesh(kernel, **fields)])
+    state = gearbox.start()
+    gearbox.mode(state, 0)[1] = OPEN
+    speed = approach / gearbox.wheel_geometry(1).base_radius
+    state.y[gearbox.place("speed_deviation_1")] -= gearbox.mesh_geometry(0).sigma * speed
+    after, events = close(gearbox, state, 0)
+    assert events[0].name == "impact"
+    assert gearbox.mode(after, 0)[1] == mode
+    parts = 0.0 if mode == LOADED else approach / 2
+    assert gearbox.outputs(after)["gap_rate"][0] == pytest.approx(parts, rel=1e-9, abs=1e-20)
+    wheel_a = gearbox.wheel_geometry(0)
+    bend = 300.0 * wheel_a.base_radius / wheel_a.inertia
+    height = (approach / 2) ** 2 / (2 * bend)
+    assert height < 1e-16 if mode == LOADED else height > 1e-13
+
+
 # ---- several contacts
 
 
