@@ -119,7 +119,8 @@ contains
                return
             end if
             y = trial
-        found = norm2(step) < newton_tolerance .or. (norm2(step) < at_rounding(y(unknown)/scale(unknown)) .and. norm2(step) >= last)
+            found = norm2(step) < newton_tolerance .or. (norm2(step) >= last .and. &
+                                                     norm2(step) < at_rounding(pack(y(unknown)/scale(unknown), unknown /= i_omega)))
             if (found) return
             last = norm2(step)
          end do
@@ -141,9 +142,9 @@ contains
    end function corrections
 
    !> Corrections below this that no longer shrink are rounding: where heavy axles sag under gears with hardly any load, one digit
-   !> of a place is more than 1e-9 of the penetration.
+   !> of a place is more than 1e-9 of the penetration. A speed does not count: every correction of one that has run away is rounding.
    pure real(wp) function at_rounding(x) result(least)
-      real(wp), intent(in) :: x(:) !! what is looked for, in units of its scales
+      real(wp), intent(in) :: x(:) !! places that are looked for, in units of their scales
       real(wp), parameter :: few = 16 !! digits that a sum of forces may lose
 
       least = max(1.0e-9_wp, few*epsilon(x)*norm2(x))

@@ -25,10 +25,8 @@ module evl_steady_state
 
 contains
 
-   !> Positions and speeds at which nothing accelerates, by Newton's method on the closed form. Approach speeds are 0.
-   !>
-   !> Where flanks deviate, the static equilibrium comes first: positions at which the forces balance without damping of the
-   !> contacts. How they change along theta gives the speeds, and then the dampers take part.
+   !> Positions and speeds at which nothing accelerates, by Newton's method on the closed form. Approach speeds are 0. A speed that
+   !> is looked for is that of the loads to begin with, then none: at the first friction may hardly depend on it.
    !> Errors: code_no_solution, code_out_of_domain.
    subroutine find_steady_state(gearbox, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -38,21 +36,51 @@ contains
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed
-      type(steady_system) :: system
-      integer :: i
+      type(status_t) :: refusal
+      real(wp) :: y_begin(gearbox%n_states)
+      integer :: begin(gearbox%n_integers)
 
       call check_steady(gearbox, integers, status)
       if (has_failed(status)) return
       closed = gearbox
       call hold_still(closed)
-      call list_unknowns(gearbox, system)
+      y_begin = y
+      begin = integers
       associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
          if (driver > 0) then
             y(i_omega) = prescribed_speed(gearbox, driver, t, integers)
          else
             y(i_omega) = free_speed(closed, t, integers)
          end if
+         call find_from(gearbox, closed, t, y, integers, reals, status)
+         if (driver > 0 .or. .not. has_failed(status)) return
       end associate
+      refusal = status
+      call clear(status)
+      y = y_begin
+      integers = begin
+      y(i_omega) = 0
+      call find_from(gearbox, closed, t, y, integers, reals, status)
+      if (has_failed(status)) status = refusal
+   end subroutine find_steady_state
+
+   !> The same from a speed on.
+   !>
+   !> Where flanks deviate, the static equilibrium comes first: positions at which the forces balance without damping of the
+   !> contacts. How they change along theta gives the speeds, and then the dampers take part.
+   subroutine find_from(gearbox, still, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox, still !! still: that holds still
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(status_t), intent(inout) :: status
+      type(gearbox_t) :: closed
+      type(steady_system) :: system
+      integer :: i
+
+      closed = still
+      call list_unknowns(gearbox, system)
       call press_flanks(gearbox, y, integers)
       reals = 0
       if (any(gearbox%contacts%deviates)) then
@@ -69,7 +97,7 @@ contains
       end if
       call settle_steady(closed, system, t, y, integers, reals, status)
       if (.not. has_failed(status)) call check_pressed(closed, t, y, integers, reals, status)
-   end subroutine find_steady_state
+   end subroutine find_from
 
    !> What is looked for. A mounted housing has a pose to be found, but it rests.
    subroutine list_unknowns(gearbox, system)

@@ -284,6 +284,25 @@ def test_light_torques_that_balance_press_the_flanks_with_their_force_or_are_ref
     assert found > 0
 
 
+@pytest.mark.parametrize("name", ["tanh", "coulomb", "stribeck"])
+@pytest.mark.parametrize("teeth", [(20, 30), (23, 41)])
+def test_torques_in_the_ratio_of_the_teeth_rest_in_every_friction(
+    kernel: Kernel, teeth: tuple[int, int], name: str
+):
+    """At the speed that they would give in a second friction does not depend on it any more."""
+    wheels = [wheel(teeth=teeth[0], pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=teeth[1])]
+    terms = {"kinetic_coefficient": 0.1, "static_coefficient": 0.12, "stribeck_velocity": 0.01}
+    terms = terms if name == "stribeck" else {"coefficient": 0.1}
+    law = kernel.law(FRICTION, name, **terms, regularisation_velocity=1e-4)
+    for torque in np.geomspace(1e-6, 1e6, 25):
+        other = torque * teeth[1] / teeth[0]
+        loads = [load(0, TORQUE, -torque), load(1, TORQUE, -other)]
+        gearbox = Gearbox(kernel, wheels, loads, [mesh(kernel, friction=law)])
+        o = gearbox.outputs(gearbox.start(STEADY))
+        assert o["normal_force"][0] == pytest.approx(torque / o["base_radius"][0], rel=1e-9)
+        assert abs(o["sliding_velocity"][0]) < 1e-4 * 1e-9  # of the regularisation
+
+
 def test_a_prescribed_speed_is_the_steady_speed_and_its_torque_is_reported(kernel: Kernel):
     gearbox = two_wheels(kernel, load(0, TORQUE, -50.0), load(1, SPEED, 2.0))
     o = gearbox.outputs(gearbox.start(STEADY))
