@@ -63,6 +63,7 @@ contains
       integer, intent(in) :: kind
 
       direction = 0
+      if (.not. can_fire(contact, kind)) return
       if (mode%flanks == flanks_off .and. root_rows(kind)%moves /= moves_pair) return ! it can only enter
       select case (kind)
       case (root_of%contact)
@@ -71,17 +72,16 @@ contains
       case (root_of%force)
          if (touches(mode)) direction = merge(1, -1, mode%flanks == flanks_unloaded)
       case (root_of%friction_high)
-         if (slides(contact, mode) .and. mode%friction /= -1) direction = merge(-1, 1, mode%friction == 1)
+         if (mode%flanks == flanks_loaded .and. mode%friction /= -1) direction = merge(-1, 1, mode%friction == 1)
       case (root_of%friction_low)
-         if (slides(contact, mode) .and. mode%friction /= 1) direction = merge(1, -1, mode%friction == -1)
+         if (mode%flanks == flanks_loaded .and. mode%friction /= 1) direction = merge(1, -1, mode%friction == -1)
       case (root_of%forward, root_of%back)
-         if (.not. contact%handover) direction = merge(1, -1, mode%flanks == flanks_off)
+         direction = merge(1, -1, mode%flanks == flanks_off)
       case (root_of%switch)
-         if (contact%handover) direction = 1
+         direction = 1
       case (root_of%switch_back)
-         if (contact%handover) direction = -1
+         direction = -1
       case (root_of%apart)
-         if (contact%tracking == tracking_closed_form) return
          if (mode%flanks == flanks_open) direction = 1
          if (mode%flanks == flanks_apart) direction = -1
       case (root_of%tip_a)
@@ -101,27 +101,68 @@ contains
       case (root_of%root_corner_b)
          direction = border_direction(contact%deviation_b%root, 2, mode%zone_b, zone_root, zone_root_corner)
       case (root_of%end_a)
-         direction = end_direction(contact, contact%tips(by_a), mode%zone_a)
+         direction = end_direction(mode%zone_a)
       case (root_of%edge_a)
-         direction = edge_direction(contact, contact%tips(by_a), mode%zone_a)
+         direction = edge_direction(contact%tips(by_a), mode%zone_a)
       case (root_of%end_b)
-         direction = end_direction(contact, contact%tips(by_b), mode%zone_b)
+         direction = end_direction(mode%zone_b)
       case (root_of%edge_b)
-         direction = edge_direction(contact, contact%tips(by_b), mode%zone_b)
+         direction = edge_direction(contact%tips(by_b), mode%zone_b)
       case default
-         if (has_side(contact, mode, root_rows(kind)%live)) &
+         if (has_side(mode, root_rows(kind)%live)) &
             direction = merge(-1, 1, mode%sides(kind - (n_root_kinds - n_sides)) > 0)
       end select
    end function contact_root_direction
 
-   !> Whether friction has branches.
-   pure logical function slides(contact, mode)
+   !> Whether a kind has a meaning in any mode of a contact: it has what the kind is about.
+   pure logical function can_fire(contact, kind)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
+      integer, intent(in) :: kind
 
-      slides = mode%flanks == flanks_loaded
-      if (slides) slides = contact%friction%knee() > 0
-   end function slides
+      select case (kind)
+      case (root_of%friction_high, root_of%friction_low)
+         can_fire = contact%friction%knee() > 0
+      case (root_of%forward, root_of%back)
+         can_fire = .not. contact%handover
+      case (root_of%switch, root_of%switch_back)
+         can_fire = contact%handover
+      case (root_of%apart)
+         can_fire = contact%tracking /= tracking_closed_form
+      case (root_of%tip_a)
+         can_fire = contact%deviation_a%tip%amount > 0
+      case (root_of%root_a)
+         can_fire = contact%deviation_a%root%amount > 0
+      case (root_of%tip_b)
+         can_fire = contact%deviation_b%tip%amount > 0
+      case (root_of%root_b)
+         can_fire = contact%deviation_b%root%amount > 0
+      case (root_of%tip_corner_a)
+         can_fire = contact%deviation_a%tip%amount > 0 .and. has_corner(contact%deviation_a%tip)
+      case (root_of%root_corner_a)
+         can_fire = contact%deviation_a%root%amount > 0 .and. has_corner(contact%deviation_a%root)
+      case (root_of%tip_corner_b)
+         can_fire = contact%deviation_b%tip%amount > 0 .and. has_corner(contact%deviation_b%tip)
+      case (root_of%root_corner_b)
+         can_fire = contact%deviation_b%root%amount > 0 .and. has_corner(contact%deviation_b%root)
+      case (root_of%end_a)
+         can_fire = contact%has_edges .and. contact%tips(by_a)%takes_over > 0
+      case (root_of%end_b)
+         can_fire = contact%has_edges .and. contact%tips(by_b)%takes_over > 0
+      case (root_of%edge_a, root_of%edge_b)
+         can_fire = contact%has_edges
+      case default
+         select case (root_rows(kind)%live)
+         case (live_one_sided)
+            can_fire = contact%one_sided
+         case (live_bends_a)
+            can_fire = contact%smooth(2, by_a) > 0
+         case (live_bends_b)
+            can_fire = contact%smooth(2, by_b) > 0
+         case default
+            can_fire = .true.
+         end select
+      end select
+   end function can_fire
 
    !> Direction at a border of a relief: a pair on it can leave, one on the profile between both can come; by way of its corner.
    pure integer function border_direction(relief, border, zone, mine, corner) result(direction)
@@ -131,7 +172,6 @@ contains
       integer :: inner, outer
 
       direction = 0
-      if (.not. relief%amount > 0 .or. (border == 2 .and. .not. has_corner(relief))) return
       inner = merge(zone_none, corner, border == 1)
       outer = merge(corner, mine, border == 1 .and. has_corner(relief))
       if (zone == inner) direction = mine
@@ -139,45 +179,35 @@ contains
    end function border_direction
 
    !> Direction at the end of a flank that goes on before its edge takes over.
-   pure integer function end_direction(contact, tip, zone) result(direction)
-      type(tooth_contact_t), intent(in) :: contact
-      type(tip_t), intent(in) :: tip
+   pure integer function end_direction(zone) result(direction)
       integer, intent(in) :: zone
 
       direction = 0
-      if (contact%has_edges .and. tip%takes_over > 0 .and. zone < zone_edge) &
-         direction = merge(-1, 1, zone == zone_end)
+      if (zone < zone_edge) direction = merge(-1, 1, zone == zone_end)
    end function end_direction
 
    !> Direction where an edge takes over: from the flank, or from what goes on behind it.
-   pure integer function edge_direction(contact, tip, zone) result(direction)
-      type(tooth_contact_t), intent(in) :: contact
+   pure integer function edge_direction(tip, zone) result(direction)
       type(tip_t), intent(in) :: tip
       integer, intent(in) :: zone
 
       direction = 0
-      if (.not. contact%has_edges) return
       if (zone == zone_edge) direction = -1
       if (zone == zone_end .or. (zone < zone_end .and. .not. tip%takes_over > 0)) direction = 1
    end function edge_direction
 
-   !> Whether a kind with a side has a meaning.
-   pure logical function has_side(contact, mode, live)
-      type(tooth_contact_t), intent(in) :: contact
+   !> Whether a kind with a side has a meaning in a mode.
+   pure logical function has_side(mode, live)
       type(contact_mode), intent(in) :: mode
       integer, intent(in) :: live !! as in the kind's row
 
       select case (live)
-      case (live_touching)
+      case (live_touching, live_one_sided, live_bends_a, live_bends_b)
          has_side = touches(mode)
-      case (live_one_sided)
-         has_side = touches(mode) .and. contact%one_sided
       case (live_loaded)
          has_side = mode%flanks == flanks_loaded
       case (live_on_path)
          has_side = mode%flanks /= flanks_off .and. mode%flanks /= flanks_apart
-      case (live_bends_a, live_bends_b)
-         has_side = touches(mode) .and. contact%smooth(2, merge(by_a, by_b, live == live_bends_a)) > 0
       case default
          has_side = .false.
       end select
@@ -190,6 +220,7 @@ contains
 
       contact%n_roots = 0
       do kind = 1, n_root_kinds
+         if (.not. can_fire(contact, kind)) cycle
          do flanks = flanks_open, flanks_off
             do branch = zone_tip_corner, zone_edge ! of friction, the zones or the sides
                directions(branch, flanks) = contact_root_direction( &

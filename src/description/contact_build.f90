@@ -8,7 +8,6 @@ module evl_contact_build
    use evl_flank_deviation, only: take_line
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
-   use evl_given, only: given_t
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, i_omega, i_theta, local_link, n_track, wheel_link
@@ -93,8 +92,8 @@ contains
                  b => given%driven)
          contact%wheel_a = a
          contact%wheel_b = b
-         compliance_a = compliance_of(wheels(a)%material)
-         compliance_b = compliance_of(wheels(b)%material)
+         compliance_a = wheels(a)%compliance
+         compliance_b = wheels(b)%compliance
          contact%e_star = 1/(compliance_a + compliance_b)
          contact%mobility = pair%base_radius_a**2/gearbox%wheels(a)%rotor_inertia &
                             + pair%base_radius_b**2/gearbox%wheels(b)%rotor_inertia
@@ -168,13 +167,6 @@ contains
       end associate
       call link_states(gearbox, gearbox%contacts(index))
    end subroutine take_contact
-
-   !> (1 - nu^2)/E [1/Pa]
-   pure real(wp) function compliance_of(material) result(compliance)
-      type(given_t), intent(in) :: material
-
-      compliance = (1 - material%number("poisson_ratio")**2)/material%number("youngs_modulus")
-   end function compliance_of
 
    !> The coast flank: the mirror image of the drive flank, on the other side of the same tooth of the driving wheel.
    !>

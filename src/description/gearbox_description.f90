@@ -90,6 +90,7 @@ module evl_gearbox_description
       integer :: teeth = 0          !! 0: a disc
       logical :: is_gear = .false.  !! its radii follow from a module, not from a pitch radius
       type(given_t) :: material
+      real(wp) :: compliance = 0.0_wp !! of its material: (1 - nu^2)/E [1/Pa]
    end type wheel_input
 
    !> A mesh as given.
@@ -146,7 +147,10 @@ contains
       wheel%teeth = wheel%whole("teeth")
       wheel%is_gear = wheel%has("module")
       i = named(wheel%word("material"), materials)
-      if (i > 0) wheel%material = materials(i)
+      if (i > 0) then
+         wheel%material = materials(i)
+         wheel%compliance = (1 - materials(i)%number("poisson_ratio")**2)/materials(i)%number("youngs_modulus")
+      end if
       if (i == 0) then
          call fail(status, code_invalid_input, "there is no such material", subject_wheel, index, "material")
       else if (wheel%teeth > 0) then

@@ -73,6 +73,7 @@ contains
 
       do i = 1, size(self%entries)
          if (self%entries(i)%level /= self%level) cycle
+         if (self%rows(self%entries(i)%row)%key(1:1) /= key(1:1)) cycle ! most are told apart so, and it costs far less
          if (self%rows(self%entries(i)%row)%key == key) return
       end do
       i = 0
@@ -86,6 +87,7 @@ contains
       if (self%first_row > 0) then
          do i = self%first_row, size(self%rows)
             if (self%rows(i)%block /= self%block) exit
+            if (self%rows(i)%key(1:1) /= key(1:1)) cycle
             if (self%rows(i)%key /= key) cycle
             if (self%rows(i)%variants(1:1) == "" .or. self%rows(i)%variants(1:1) == "+") return
             if (index(" "//trim(self%rows(i)%variants)//" ", " "//trim(self%word(trim(self%rows(self%first_row)%key)))//" ") > 0) &
