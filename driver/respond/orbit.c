@@ -326,7 +326,7 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
                      double time, const volatile sig_atomic_t *interrupt, dae_state *round, double *values,
                      char message[DAE_MESSAGE_LENGTH])
 {
-    static const double tight = 1e-11; /* tolerance: what is unstable leaves its orbit slowly enough */
+    const double tight = round != NULL ? 1e-10 : 1e-11; /* tolerance: what is unstable leaves its orbit slowly enough */
     POOLED memory_pool pool = {NULL};
     search *s = pool_calloc(&pool, 1, sizeof *s);
     integrate_options options = simulate_options(prepared);
