@@ -64,6 +64,7 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
         .first_step = 0.02,
         .smallest_step = 1e-7,
         .largest_step = 1,
+        .straight_step = 8,
         .largest_change = 0.1,
         .most_points = 2000,
         .n_values = setup->n_values,
@@ -100,7 +101,7 @@ static void from_kernel(const evl_orbit *told, model_orbit *orbit)
                            .iterations = told->iterations,
                            .n_multipliers = told->n_multipliers,
                            .is_stable = told->is_stable,
-                           .is_told = told->is_told};
+                           .told = told->told - 1};
     memcpy(orbit->root, told->root, sizeof orbit->root);
 }
 

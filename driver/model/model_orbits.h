@@ -25,7 +25,7 @@ typedef struct {
     int iterations;
     int n_multipliers; /**< 0 of one that was told: it is as stable as its neighbours are */
     bool is_stable;
-    bool is_told;                /**< by `tell` */
+    int told;                    /**< the number that `tell` had of it; -1: it was not told */
     char root[MODEL_ORBIT_ROOT]; /**< what just touches there */
 } model_orbit;
 
@@ -33,8 +33,8 @@ typedef struct {
     void *self;
     /** The model with a value of the parameter, until the next call; NULL with the reason in `message`. */
     const model *(*take)(void *self, double value, char message[DAE_MESSAGE_LENGTH]);
-    /** Follow an orbit of that model once round for its numbers, and keep these under a number, in place of what was kept there: it counts
-     *  the points that a call of model_orbits_advance adds, from 0.
+    /** Follow an orbit of that model once round for its numbers, and keep these under a number, in place of what was kept there: of a
+     *  point that this call of model_orbits_advance may add, from 0.
      *  @param time   until it repeats [s]; where no speed is prescribed it becomes what it took
      *  @param state  on the section; becomes that at the end, taken back to the period where it began. @return whether it came round */
     bool (*tell)(void *self, int number, int periods, double *time, dae_state *state);

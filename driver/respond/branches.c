@@ -143,7 +143,8 @@ static void take_points(branches *o, int n)
         *kept = pool_calloc(&o->pool, (size_t)o->n_kept, sizeof **kept);
         model_orbits_keep(o->orbits, number, k, *kept);
         point->at_value = place_among(o, point->orbit.parameter);
-        point->values = point->orbit.is_told ? o->told[k - branch->n] : find_numbers(o, number, k, &point->orbit, why);
+        point->values =
+            point->orbit.told >= 0 ? o->told[point->orbit.told] : find_numbers(o, number, k, &point->orbit, why);
         if (point->values == NULL && *o->sweep->interrupt == 0) {
             note_problem(o, point->orbit.parameter, why);
         }

@@ -26,7 +26,7 @@ module evl_capi_orbits
       type(c_ptr) :: self
       type(c_funptr) :: take, tell
       real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step, &
-                        largest_change
+                        straight_step, largest_change
       integer(c_int) :: most_points, n_values
       type(c_ptr) :: values
    end type c_setup
@@ -34,8 +34,8 @@ module evl_capi_orbits
    !> evl_orbit
    type, bind(c) :: c_orbit
       real(c_double) :: parameter, period, residual
-      integer(c_int) :: periods, kind, mesh, iterations, n_multipliers
-      logical(c_bool) :: is_stable, is_told
+      integer(c_int) :: periods, kind, mesh, iterations, n_multipliers, told
+      logical(c_bool) :: is_stable
       character(kind=c_char) :: root(c_name_length)
    end type c_orbit
 
@@ -189,6 +189,7 @@ contains
          o%first_step = setup%first_step
          o%smallest_step = setup%smallest_step
          o%largest_step = setup%largest_step
+         o%straight_step = setup%straight_step
          o%largest_change = setup%largest_change
          o%most_points = setup%most_points
          o%orbits%tolerance = setup%tolerance
@@ -445,7 +446,7 @@ contains
       associate (at => self%branches(branch + 1)%points(point + 1))
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind
-         orbit%is_told = at%is_told
+         orbit%told = at%told
          if (at%kind == kind_touch .or. at%kind == kind_touch_fold) call tell_root(self, at%root, orbit)
          allocate (mu, source=own_multipliers(self%model, at%orbit))
       end associate
@@ -507,7 +508,7 @@ contains
       told%periods = orbit%periods
       told%iterations = orbit%iterations
       told%kind = 0
-      told%is_told = .false.
+      told%told = 0
       told%mesh = -1
       call to_c("", told%root)
    end subroutine tell

@@ -30,10 +30,11 @@ module evl_branch
       real(wp) :: from = -huge(1.0_wp), to = huge(1.0_wp) !! the parameter stays between these
       logical :: rising = .true.                !! the parameter does, at the start
       real(wp) :: first_step = 0.01_wp, smallest_step = 1.0e-6_wp, largest_step = 0.1_wp
+      real(wp) :: straight_step = 0             !! the largest one where the branch is straight, if that is larger
       real(wp) :: largest_change = huge(1.0_wp) !! of the parameter in a step, over its scale
       integer :: most_points = 1000             !! special ones, and those at values, are not counted
       real(wp), allocatable :: values(:)        !! of the parameter, rising, at which there are to be orbits too
-      class(orbit_teller), pointer :: teller => null() !! of these; its numbers count the points that a step adds
+      class(orbit_teller), pointer :: teller => null() !! of these; its numbers begin anew in each step
    end type branch_options
 
    !> How far the search along a branch has come: all that its next point depends on.
@@ -103,7 +104,8 @@ contains
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
       type(status_t), intent(inout) :: status
       type(branch_point), allocatable :: special(:)
-      type(orbit_t) :: last ! of the points
+      type(branch_point) :: last ! of the points
+      type(orbit_t) :: before    ! the last one
       type(branch_point) :: next, target
       type(touch_passage) :: passage
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
@@ -111,8 +113,9 @@ contains
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
       logical :: at_end, closes
       real(wp) :: leap
-      integer :: i
+      integer :: i, n_told
 
+      n_told = 0
       allocate (points(0))
       call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, passage, status)
       if (has_failed(status)) return
@@ -124,13 +127,13 @@ contains
       end if
       do
          at_end = next%orbit%parameter <= options%from .or. next%orbit%parameter >= options%to
-         last = walk%now%orbit
+         last = walk%now
          if (passage%found) then
             target = passage%touch
-            last = target%orbit
-            last%tangent = passage%onward
+            last = target
+            last%orbit%tangent = passage%onward
          end if
-         if (at_end) call stop_at_bound(model, options, last, next, status)
+         if (at_end) call stop_at_bound(model, options, last%orbit, next, status)
          if (.not. passage%found) target = next
          if (has_failed(status)) return
          leap = 0
@@ -153,7 +156,8 @@ contains
             exit
          end if
       end do
-      last = walk%now%orbit
+      last = walk%now
+      before = walk%before
       do i = 1, size(special)
          call add_up_to(special(i))
          closes = special(i)%kind == kind_fold
@@ -164,7 +168,7 @@ contains
       end do
       call add_up_to(target)
       if (passage%found) then
-         last%tangent = passage%onward
+         last%orbit%tangent = passage%onward
          call add_up_to(next)
       end if
       walk%is_over = at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, target%way, walk%first)
@@ -182,12 +186,12 @@ contains
          type(branch_point), allocatable :: between(:)
 
          if (allocated(options%values)) then
-            call find_orbits_at(model, options%orbits, options%values, last, point%orbit, options%teller, size(points), &
-                                between)
+            call find_orbits_at(model, options%orbits, options%values, before, last, point, options%teller, n_told, between)
             points = [points, between]
          end if
          points = [points, point]
-         last = point%orbit
+         if (allocated(before%tangent)) deallocate (before%tangent) ! a special point may be a corner
+         last = point
       end subroutine add_up_to
 
    end subroutine advance_branch
@@ -241,14 +245,19 @@ contains
       type(touch_passage), intent(out) :: passage
       type(status_t), intent(inout) :: status
       real(wp), parameter :: ahead = 16        !! steps that failed: a touch is looked for so far, since behind one they are short
-      integer, parameter :: easy = 3, hard = 8 !! iterations
-      real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp !! cosine of the angle between tangents
+      integer, parameter :: easy = 4, hard = 8 !! iterations
+      integer, parameter :: most_damped = 2    !! then the orbit ahead is behind a corner, or there is none
+      real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp, no_turn = 0.9999_wp !! cosine of the angle between tangents
       type(status_t) :: refusal
+      type(orbit_options) :: few
       type(curve_t) :: cubic, straight_on
       type(orbit_t) :: nothing
       real(wp) :: longest, straight
 
-      longest = options%largest_step
+      few = options%orbits
+      few%most_iterations = hard
+      few%most_damped = most_damped
+      longest = max(options%largest_step, options%straight_step)
       associate (change => abs(now%tangent(model%n + 2)))
          if (change*longest > options%largest_change) longest = options%largest_change/change
       end associate
@@ -261,8 +270,9 @@ contains
          else
             call orbit_on_curve(model, options%orbits, straight_on, now, step, next%orbit)
          end if
+         if (step < 2*options%smallest_step) few = options%orbits
          call clear(refusal)
-         call correct_orbit(model, options%orbits, next%orbit, refusal, now%tangent)
+         call correct_orbit(model, few, next%orbit, refusal, now%tangent, foreseen=.true.)
          if (.not. has_failed(refusal)) call find_tangent(model, options%orbits, next%orbit, now%tangent, refusal)
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
@@ -286,7 +296,9 @@ contains
       next%way = step
       is_smooth = lack_of(model, options%orbits, cubic, now, next%orbit, step) &
                   < lack_of(model, options%orbits, straight_on, now, next%orbit, step)
-      if (next%orbit%iterations <= easy .and. straight >= little_turn) step = min(1.5_wp*step, longest)
+      if (straight < no_turn) longest = min(longest, options%largest_step)
+      if (next%orbit%iterations <= easy .and. straight >= little_turn) step = 1.5_wp*step
+      step = min(step, longest)
 
    end subroutine go_on
 
@@ -400,7 +412,7 @@ contains
          return
       end if
       away = 0
-      away(places(doubling%active)) = vectors(m, :)
+      away(places(doubling%active)) = vectors(m, :)*sign(1.0_wp, vectors(m, maxloc(abs(vectors(m, :)), 1)))
    end subroutine find_direction
 
 end module evl_branch

@@ -12,7 +12,7 @@ module evl_branch_curve
    implicit none (type, external)
    private
 
-   public :: curve_t, curve_through, lack_of, orbit_on_curve, way_of_parameter, way_to
+   public :: change_on_curve, curve_t, curve_through, lack_of, orbit_on_curve, way_to
 
    !> All in units of the scales, from the first orbit.
    type :: curve_t
@@ -21,6 +21,7 @@ module evl_branch_curve
       real(wp), allocatable :: tangent(:)  !! [n + 2] at the first
       real(wp), allocatable :: bend(:, :)  !! [n + 2, 2] of (w/way)**2 and (w/way)**3
       real(wp), allocatable :: by_parameter(:) !! [n] dP/dp at the second orbit less that at the first
+      real(wp), allocatable :: derivative(:, :) !! [n, n] of the flow, the same
    end type curve_t
 
 contains
@@ -60,6 +61,7 @@ contains
       curve%bend(:, 1) = 3*distance - slope
       curve%bend(:, 2) = slope - 2*distance
       allocate (curve%by_parameter, source=to%by_parameter - from%by_parameter)
+      allocate (curve%derivative, source=to%flow%derivative - from%flow%derivative)
    end function curve_through
 
    !> What is to be an orbit, some way along a curve from its first one.
@@ -71,16 +73,29 @@ contains
       real(wp), intent(in) :: way
       type(orbit_t), intent(out) :: orbit
       real(wp) :: change(model%n + 2), share
+      integer :: i
 
       orbit = from
-      change = way*curve%tangent
+      do i = 1, size(change)
+         change(i) = change_on_curve(curve, way, i)
+      end do
       if (.not. curve%is_straight) then
          share = way/curve%way
-         change = change + share**2*(curve%bend(:, 1) + share*curve%bend(:, 2))
          orbit%by_parameter = orbit%by_parameter + share*curve%by_parameter
+         orbit%flow%derivative = orbit%flow%derivative + share*curve%derivative
       end if
       call move_orbit(model, options, orbit, change)
    end subroutine orbit_on_curve
+
+   !> How far one of the unknowns is from the first orbit, in units of its scale.
+   elemental real(wp) function change_on_curve(curve, way, i) result(change)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: way
+      integer, intent(in) :: i !! 1 .. n + 2
+
+      change = way*curve%tangent(i)
+      if (.not. curve%is_straight) change = change + (way/curve%way)**2*(curve%bend(i, 1) + (way/curve%way)*curve%bend(i, 2))
+   end function change_on_curve
 
    !> How far an orbit is from where a curve told it.
    pure real(wp) function lack_of(model, options, curve, from, found, way) result(lack)
@@ -94,31 +109,5 @@ contains
       call orbit_on_curve(model, options, curve, from, way, foreseen)
       lack = norm2(way_to(model, options, foreseen, found))
    end function lack_of
-
-   !> Where the parameter has changed by so much, between the orbits of a curve: halving, since it rises or falls between them.
-   pure real(wp) function way_of_parameter(curve, change) result(way)
-      type(curve_t), intent(in) :: curve
-      real(wp), intent(in) :: change !! in units of its scale, between 0 and that of the second orbit
-      integer, parameter :: halvings = 50
-      real(wp) :: below, above, sense
-      integer :: i, p
-
-      p = size(curve%tangent)
-      way = change/curve%tangent(p)
-      if (curve%is_straight) return
-      below = 0
-      above = curve%way
-      sense = sign(1.0_wp, change)
-      do i = 1, halvings
-         way = (below + above)/2
-         associate (share => way/curve%way)
-            if (sense*(way*curve%tangent(p) + share**2*(curve%bend(p, 1) + share*curve%bend(p, 2))) < abs(change)) then
-               below = way
-            else
-               above = way
-            end if
-         end associate
-      end do
-   end function way_of_parameter
 
 end module evl_branch_curve

@@ -1,81 +1,106 @@
 !> Stable orbits of a branch at given values of the parameter: each is foreseen between its neighbours on the branch, and found
 !> by Newton's iteration at that value. Who tells of it follows it anyway, and sees how far it is one: most are foreseen well
 !> enough that this is the only time they are followed.
-!>
-!> What the cubic between the neighbours lacks is w**2 (1 - w)**2 q(w), w from 0 to 1 between them, with a smooth q: the orbits
-!> found so far between them tell q, by the polynomial through the last few, and the next orbits are foreseen the better.
 module evl_branch_values
-   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, way_of_parameter, way_to
+   use evl_branch_curve, only: curve_t, curve_through, way_to
+   use evl_branch_lacks, only: lacks_t, learn_lack, orbit_beside_curve
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
    use evl_places, only: places
-   use evl_shooting, only: change_of, correct_orbit, correct_with, lack_of_round, move_orbit, orbit_options, orbit_t, &
-                           own_multipliers
-   use evl_special_points, only: branch_point
-   use evl_status, only: clear, has_failed, status_t
+   use evl_shooting, only: change_of, correct_orbit, learn_from_change, move_orbit, orbit_options, orbit_t, own_multipliers
+   use evl_special_points, only: branch_point, kind_ordinary, kind_touch, kind_touch_fold
+   use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
    public :: find_orbits_at
 
-   integer, parameter :: most_known = 4
-
-   !> What a curve lacks at orbits that were found, over w**2 (1 - w)**2: the last few.
-   type :: lacks_t
-      integer :: n = 0
-      real(wp) :: w(most_known) = 0
-      real(wp), allocatable :: q(:, :) !! [n + 2, most_known]
-   end type lacks_t
-
 contains
 
-   !> Those between two neighbouring points of a branch, in their order, where one of these is stable: what loses its stability
-   !> between them is a point itself. One that Newton's iteration does not find beside where it was foreseen is left out.
-   subroutine find_orbits_at(model, options, values, first, last, teller, before, points)
+   !> Those between two neighbouring points of a branch, in their order, where it is stable. One that Newton's iteration does not
+   !> find beside where it was foreseen is left out.
+   subroutine find_orbits_at(model, options, values, before, first, last, teller, n_told, points)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       real(wp), intent(in) :: values(:)        !! rising
-      type(orbit_t), intent(in) :: first, last !! with tangents; between them the parameter rises or falls
+      type(orbit_t), intent(in) :: before      !! of the same branch; without a tangent if it is not known
+      type(branch_point), intent(in) :: first, last !! with tangents; between them the parameter rises or falls
       class(orbit_teller), pointer, intent(in) :: teller !! may be null
-      integer, intent(in) :: before            !! the number of the first one, less 1
+      integer, intent(inout) :: n_told         !! numbers that the teller was given
       type(branch_point), allocatable, intent(out) :: points(:)
       real(wp), parameter :: beside = 0.1_wp   !! of the way between the two
       type(curve_t) :: curve
       type(lacks_t) :: lacks
       type(orbit_t) :: foreseen, better
-      type(branch_point) :: found
-      real(wp) :: longest
+      type(branch_point), allocatable :: found(:)
+      real(wp) :: error, lack, longest
       integer, allocatable :: list(:)
-      integer :: k, n
-      logical :: is_found, is_stable
+      logical, allocatable :: is_kept(:)
+      integer :: i
+      logical :: is_found, is_stable, is_unstable
 
-      n = 0
-      allocate (list, source=places(values > min(first%parameter, last%parameter) .and. &
-                                    values < max(first%parameter, last%parameter)))
-      if (last%parameter < first%parameter) list = list(size(list):1:-1)
-      if (.not. (may_be_stable(first) .or. may_be_stable(last))) list = [integer ::]
-      allocate (points(size(list)))
+      call foresee_stability(model, first, last, is_stable, is_unstable)
+      allocate (list, source=places(values > min(first%orbit%parameter, last%orbit%parameter) .and. &
+                                    values < max(first%orbit%parameter, last%orbit%parameter)))
+      if (last%orbit%parameter < first%orbit%parameter) list = list(size(list):1:-1)
+      if (is_unstable) list = [integer ::]
+      allocate (points(0))
       if (size(list) == 0) return
-      curve = curve_through(model, options, first, last)
-      longest = beside*norm2(way_to(model, options, first, last))
-      is_stable = may_be_stable(first) .and. may_be_stable(last)
-      do k = 1, size(list)
-         call foresee(model, options, curve, lacks, first, last, values(list(k)), foreseen)
+      allocate (found(size(list)), is_kept(size(list)))
+      curve = curve_through(model, options, first%orbit, last%orbit)
+      if (allocated(before%tangent) .and. .not. curve%is_straight) then
+         if (all(before%flow%crossings == first%orbit%flow%crossings)) &
+            call learn_lack(model, options, curve, first%orbit, before, 0.0_wp, lacks, lack)
+      end if
+      longest = beside*norm2(way_to(model, options, first%orbit, last%orbit))
+      is_kept = .false.
+      do i = 1, size(list)
+         call foresee(model, options, curve, lacks, first%orbit, last%orbit, values(list(i)), foreseen)
          is_found = .false.
          if (associated(teller) .and. is_stable) &
-            call tell_orbit(model, options, teller, before + n + 1, foreseen, found%orbit, better, is_found)
-         found%is_told = is_found
-         if (.not. is_found) call solve_orbit(model, options, foreseen, found%orbit, better, is_found)
+            call tell_orbit(model, options, teller, n_told + i, foreseen, found(i)%orbit, better, is_found)
+         found(i)%told = merge(n_told + i, 0, is_found)
+         if (.not. is_found) call solve_orbit(model, options, foreseen, found(i)%orbit, better, is_found)
          if (.not. is_found) cycle
-         if (.not. norm2(way_to(model, options, foreseen, found%orbit)) <= longest) cycle
-         call learn(model, options, curve, lacks, first, better)
-         if (any(abs(own_multipliers(model, found%orbit)) >= 1)) cycle
-         n = n + 1
-         points(n) = found
+         error = norm2(way_to(model, options, foreseen, better))
+         lack = error
+         if (.not. curve%is_straight) call learn_lack(model, options, curve, first%orbit, better, error, lacks, lack)
+         if (.not. lack <= longest) cycle
+         is_kept(i) = all(abs(own_multipliers(model, found(i)%orbit)) < 1)
       end do
-      points = points(:n)
+      n_told = n_told + size(list)
+      points = pack(found, is_kept)
    end subroutine find_orbits_at
+
+   !> Whether all orbits between two points are stable, or none: that changes at points alone. Where these do not agree, as beside
+   !> a touch at which multipliers jump, or both are such points, neither is known.
+   pure subroutine foresee_stability(model, first, last, is_stable, is_unstable)
+      class(orbit_model), intent(in) :: model
+      type(branch_point), intent(in) :: first, last
+      logical, intent(out) :: is_stable, is_unstable
+
+      is_stable = (changes(first) .or. stable(first)) .and. (changes(last) .or. stable(last))
+      is_unstable = (changes(first) .or. .not. stable(first)) .and. (changes(last) .or. .not. stable(last))
+      if (.not. (changes(first) .and. changes(last))) return
+      is_stable = .false.
+      is_unstable = .false.
+
+   contains
+
+      pure logical function changes(point)
+         type(branch_point), intent(in) :: point
+
+         changes = all(point%kind /= [kind_ordinary, kind_touch, kind_touch_fold])
+      end function changes
+
+      pure logical function stable(point)
+         type(branch_point), intent(in) :: point
+
+         stable = all(abs(own_multipliers(model, point%orbit)) < 1)
+      end function stable
+
+   end subroutine foresee_stability
 
    !> Let it be told, and corrected by what that says, until there is almost nothing to correct. The derivative is not found, so
    !> there are no multipliers.
@@ -88,8 +113,8 @@ contains
       type(orbit_t), intent(out) :: orbit   !! as it was told
       type(orbit_t), intent(out) :: better  !! with the last correction
       logical, intent(out) :: is_found
-      real(wp), parameter :: near = 1.0e-8_wp, slow = 0.1_wp !! in units of the scales; of the correction before
-      integer, parameter :: most = 4
+      real(wp), parameter :: near = 1.0e-8_wp, slow = 0.5_wp !! in units of the scales; of the correction before
+      integer, parameter :: most = 5
       type(status_t) :: refusal
       real(wp) :: change(model%n + 2), last
       integer :: i
@@ -102,7 +127,7 @@ contains
          call model%set_parameter(orbit%parameter, refusal)
          if (.not. model%autonomous) orbit%period = orbit%periods*model%period
          if (.not. has_failed(refusal)) call teller%tell(number, orbit, refusal)
-         if (.not. has_failed(refusal) .and. i > 1) call learn_derivative(model, change, orbit)
+         if (.not. has_failed(refusal) .and. i > 1) call learn_from_change(model, options, change, orbit)
          if (.not. has_failed(refusal)) call change_of(model, options, orbit, change, refusal)
          if (has_failed(refusal)) return
          is_found = norm2(change) <= near .and. orbit%flow%same_modes
@@ -114,24 +139,7 @@ contains
       orbit%multipliers = [complex(wp) ::]
    end subroutine tell_orbit
 
-   !> What is left after a correction is laid to the derivative with which it was found (C. G. Broyden, Mathematics of Computation
-   !> 19 (1965) 577-593).
-   pure subroutine learn_derivative(model, change, orbit)
-      class(orbit_model), intent(in) :: model
-      real(wp), intent(in) :: change(:)      !! [n + 2] that led here, in units of the scales
-      type(orbit_t), intent(inout) :: orbit  !! its flow has an end, and the derivative that gave that change
-      real(wp) :: left(model%n), size_of
-      integer :: j
-
-      size_of = dot_product(change(:model%n), change(:model%n))
-      if (.not. size_of > 0) return
-      left = merge(lack_of_round(model, orbit), 0.0_wp, orbit%active)
-      do j = 1, model%n
-         orbit%flow%derivative(:, j) = orbit%flow%derivative(:, j) + left*(change(j)/(size_of*model%scale(j)))
-      end do
-   end subroutine learn_derivative
-
-   !> An iteration with the derivative that is expected, which saves finding it, then as usual.
+   !> Newton's iteration.
    subroutine solve_orbit(model, options, foreseen, orbit, better, is_found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -141,21 +149,10 @@ contains
       type(status_t) :: refusal
 
       orbit = foreseen
-      call correct_with(model, options, foreseen%flow%derivative, orbit, refusal)
-      if (has_failed(refusal)) orbit = foreseen
-      call clear(refusal)
-      call correct_orbit(model, options, orbit, refusal)
+      call correct_orbit(model, options, orbit, refusal, foreseen=.true.)
       is_found = .not. has_failed(refusal)
       better = orbit
    end subroutine solve_orbit
-
-   !> Whether an orbit is stable, or one where stability changes. The multiplier 1 of an autonomous one is its own direction's.
-   pure logical function may_be_stable(orbit)
-      type(orbit_t), intent(in) :: orbit
-      real(wp), parameter :: change = 1.0e-3_wp
-
-      may_be_stable = all(abs(orbit%multipliers) < 1 + change)
-   end function may_be_stable
 
    !> Where an orbit is expected, and with which derivative: on the curve, with what that lacks, or on the straight line between two
    !> orbits with a corner between them.
@@ -167,56 +164,19 @@ contains
       type(orbit_t), intent(in) :: first, last
       real(wp), intent(in) :: value
       type(orbit_t), intent(out) :: orbit
-      real(wp) :: basis, lack(model%n + 2), share, way
-      integer :: i, k
+      real(wp) :: share
 
       if (curve%is_straight) then
          share = (value - first%parameter)/(last%parameter - first%parameter)
          orbit = first
          orbit%y = first%y + share*(last%y - first%y)
          orbit%period = first%period + share*(last%period - first%period)
+         orbit%flow%derivative = first%flow%derivative + share*(last%flow%derivative - first%flow%derivative)
       else
-         way = way_of_parameter(curve, (value - first%parameter)/options%parameter_scale)
-         call orbit_on_curve(model, options, curve, first, way, orbit)
-         share = way/curve%way
-         lack = 0
-         do k = 1, lacks%n
-            basis = 1
-            do i = 1, lacks%n
-               if (i /= k) basis = basis*(share - lacks%w(i))/(lacks%w(k) - lacks%w(i))
-            end do
-            lack = lack + basis*lacks%q(:, k)
-         end do
-         call move_orbit(model, options, orbit, (share*(1 - share))**2*lack)
+         call orbit_beside_curve(model, options, curve, lacks, first, value, orbit)
       end if
       orbit%parameter = value
-      orbit%flow%derivative = first%flow%derivative + share*(last%flow%derivative - first%flow%derivative)
       if (allocated(orbit%tangent)) deallocate (orbit%tangent) ! that of the first
    end subroutine foresee
-
-   !> Remember what a curve lacks at an orbit that was found.
-   pure subroutine learn(model, options, curve, lacks, first, found)
-      class(orbit_model), intent(in) :: model
-      type(orbit_options), intent(in) :: options
-      type(curve_t), intent(in) :: curve
-      type(lacks_t), intent(inout) :: lacks
-      type(orbit_t), intent(in) :: first, found
-      type(orbit_t) :: foreseen
-      real(wp) :: share, way
-
-      if (curve%is_straight) return
-      if (.not. allocated(lacks%q)) allocate (lacks%q(model%n + 2, most_known))
-      way = way_of_parameter(curve, (found%parameter - first%parameter)/options%parameter_scale)
-      call orbit_on_curve(model, options, curve, first, way, foreseen)
-      share = way/curve%way
-      if (lacks%n == most_known) then
-         lacks%w(:most_known - 1) = lacks%w(2:)
-         lacks%q(:, :most_known - 1) = lacks%q(:, 2:)
-         lacks%n = most_known - 1
-      end if
-      lacks%n = lacks%n + 1
-      lacks%w(lacks%n) = share
-      lacks%q(:, lacks%n) = way_to(model, options, foreseen, found)/(share*(1 - share))**2
-   end subroutine learn
 
 end module evl_branch_values

@@ -26,14 +26,15 @@ module evl_shooting
    private
 
    public :: orbit_options, orbit_t
-   public :: change_of, correct_orbit, correct_with, differentiate_by_parameter, find_orbit, find_tangent, go_round, &
-             lack_of_round, move_orbit, own_multipliers, scaled_derivative, solve_along
+   public :: change_of, correct_orbit, differentiate_by_parameter, find_orbit, find_tangent, go_round, lack_of_round, &
+             learn_from_change, move_orbit, own_multipliers, scaled_derivative, solve_along
 
    !> What the user chooses.
    type :: orbit_options
       real(wp) :: tolerance = 1.0e-12_wp      !! of the integration, in 1e-13 .. 0.1
       real(wp) :: residual = 1.0e-10_wp       !! largest difference after a period, in units of the scales
       integer :: most_iterations = 20         !! of Newton
+      integer :: most_damped = 20             !! of these, one after the other, in which a full step made it worse
       real(wp) :: parameter_scale = 1         !! > 0: the change of the parameter that counts as 1
       real(wp) :: parameter_change = 1.0e-6_wp !! of the difference that gives dP/dp, over that scale; P may have corners
    end type orbit_options
@@ -81,30 +82,45 @@ contains
       call correct_orbit(model, options, orbit, status)
    end subroutine find_orbit
 
-   !> Newton's iteration from an orbit that is nearly one.
-   subroutine correct_orbit(model, options, orbit, status, tangent)
+   !> Newton's iteration from an orbit that is nearly one. Where its derivative is foreseen a flow is followed without finding it,
+   !> which costs a third, and the derivative learns from each change (Broyden); only the orbit that is found needs its own. If that
+   !> does not get on well the derivative is found after all.
+   subroutine correct_orbit(model, options, orbit, status, tangent, foreseen)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit   !! on failure: how far it came
       type(status_t), intent(inout) :: status
       real(wp), intent(in), optional :: tangent(:) !! [n + 2] the parameter is found too, orthogonal to this
+      logical, intent(in), optional :: foreseen    !! its flow has a derivative, and it a dP/dp, that are expected
       real(wp), parameter :: settled = 1.0e-6_wp   !! last change after which a small residual is believed
+      real(wp), parameter :: slow = 0.1_wp         !! residual over that before, if the derivative is worth little
       integer, parameter :: most_halvings = 8, stale = 5
       type(orbit_t) :: trial
       type(status_t) :: refusal
-      real(wp) :: matrix(model%n + 2, model%n + 2), change(model%n + 2), phase_row(model%n), last, share
-      integer :: halving, iteration
+      real(wp) :: matrix(model%n + 2, model%n + 2), change(model%n + 2), phase_row(model%n), last, rate, share
+      integer :: damped, halving, iteration
+      logical :: at_end, is_exact, is_better, was_exact
 
-      call go_round(model, options, orbit, status)
+      is_exact = .true.
+      if (present(foreseen)) is_exact = .not. foreseen
+      call go_round(model, options, orbit, status, is_exact)
       if (has_failed(status)) return
       phase_row = 0
       if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
       last = 0
-      do iteration = 0, options%most_iterations
+      rate = 0
+      damped = 0
+      iteration = 0
+      do
          orbit%iterations = iteration
          if (has_failed(status)) return
-         if (orbit%residual <= options%residual .and. last <= settled) exit
-         if (iteration == options%most_iterations) exit
+         at_end = orbit%residual <= options%residual .and. last <= settled
+         if (.not. is_exact .and. (at_end .or. rate > slow)) then
+            is_exact = .true.
+            call go_round(model, options, orbit, status, is_exact)
+            cycle
+         end if
+         if (at_end .or. iteration == options%most_iterations .or. damped == options%most_damped) exit
          if (present(tangent) .and. (.not. allocated(orbit%by_parameter) .or. iteration == stale)) &
             call differentiate_by_parameter(model, options, orbit, status)
          if (has_failed(status)) return
@@ -113,23 +129,38 @@ contains
          change(:model%n) = merge(-lack_of_round(model, orbit)/model%scale, 0.0_wp, orbit%active)
          call solve(matrix, change, status)
          if (has_failed(status)) return
+         was_exact = is_exact
+         is_exact = was_exact .or. (iteration > 0 .and. rate*orbit%residual <= options%residual)
          share = 1
          do halving = 0, most_halvings
             trial = orbit
             call clear(refusal)
             call move_orbit(model, options, trial, share*change)
-            call go_round(model, options, trial, refusal)
-            if (.not. has_failed(refusal) .and. (trial%residual < orbit%residual .or. trial%residual <= options%residual)) exit
-            if (halving == most_halvings) then
-               if (has_failed(refusal)) status = refusal
-               if (.not. has_failed(refusal)) call not_found()
-               return
-            end if
+            call go_round(model, options, trial, refusal, is_exact)
+            is_better = .not. has_failed(refusal) .and. (trial%residual < orbit%residual .or. trial%residual <= options%residual)
+            if (is_better .or. .not. was_exact) exit
             share = share/2
          end do
+         if (.not. is_better .and. was_exact) then
+            if (has_failed(refusal)) status = refusal
+            if (.not. has_failed(refusal)) call not_found()
+            return
+         end if
+         rate = 1
+         if (.not. is_better) then
+            is_exact = .false.
+            cycle
+         end if
+         if (orbit%residual > 0) rate = trial%residual/orbit%residual
+         if (.not. is_exact) then
+            call learn_from_change(model, options, change, trial)
+         else if (was_exact .and. present(tangent)) then
+            call learn_by_parameter(model, options, orbit, share*change, share, trial)
+         end if
+         damped = merge(damped + 1, 0, share < 1)
          last = norm2(share*change)
-         if (present(tangent)) call learn_by_parameter(model, options, orbit, share*change, share, trial)
          orbit = trial
+         iteration = iteration + 1
       end do
       if (.not. orbit%residual <= options%residual) then
          call not_found()
@@ -150,20 +181,6 @@ contains
       end subroutine not_found
 
    end subroutine correct_orbit
-
-   !> One iteration at a value of the parameter with a derivative that is known about: a flow without its derivative costs half.
-   subroutine correct_with(model, options, derivative, orbit, status)
-      class(orbit_model), intent(inout) :: model
-      type(orbit_options), intent(in) :: options
-      real(wp), intent(in) :: derivative(:, :)  !! [n, n] of the flow
-      type(orbit_t), intent(inout) :: orbit
-      type(status_t), intent(inout) :: status
-      real(wp) :: change(model%n + 2)
-
-      call go_round(model, options, orbit, status, derivative)
-      if (.not. has_failed(status)) call change_of(model, options, orbit, change, status)
-      if (.not. has_failed(status)) call move_orbit(model, options, orbit, change)
-   end subroutine correct_with
 
    !> The change that one iteration makes at a value of the parameter, of an orbit that was followed round: its flow has an end, a
    !> rate, and a derivative that is known about.
@@ -201,12 +218,13 @@ contains
    end subroutine move_orbit
 
    !> Follow an orbit once round.
-   subroutine go_round(model, options, orbit, status, derivative)
+   subroutine go_round(model, options, orbit, status, differentiate)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit
       type(status_t), intent(inout) :: status
-      real(wp), intent(in), optional :: derivative(:, :) !! taken for that of the flow, which is not found then
+      logical, intent(in), optional :: differentiate !! false: the derivative stays what it was
+      real(wp), allocatable :: derivative(:, :)
 
       call model%set_parameter(orbit%parameter, status)
       if (has_failed(status)) return
@@ -215,9 +233,12 @@ contains
          call fail(status, code_no_solution, "the period of the orbit fell to zero", field="period")
          return
       end if
-      call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance,.not. present(derivative), orbit%flow, status)
+      if (present(differentiate)) then
+         if (.not. differentiate) derivative = orbit%flow%derivative
+      end if
+      call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance,.not. allocated(derivative), orbit%flow, status)
       if (has_failed(status)) return
-      if (present(derivative)) orbit%flow%derivative = derivative
+      if (allocated(derivative)) orbit%flow%derivative = derivative
       call find_active(model, orbit)
       orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
    end subroutine go_round
@@ -348,6 +369,28 @@ contains
       end do
       if (.not. found) status = refusal
    end subroutine differentiate_by_parameter
+
+   !> What is left after a change is laid to the derivative, and the dP/dp, with which it was found (C. G. Broyden, Mathematics of
+   !> Computation 19 (1965) 577-593).
+   pure subroutine learn_from_change(model, options, change, after)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      real(wp), intent(in) :: change(:)     !! [n + 2] that led there, in units of the scales
+      type(orbit_t), intent(inout) :: after !! its flow has an end, and the derivative that gave that change
+      real(wp) :: left(model%n), size_of
+      integer :: j
+
+      associate (n => model%n)
+         size_of = dot_product(change(:n), change(:n)) + change(n + 2)**2
+         if (.not. size_of > 0) return
+         left = merge(lack_of_round(model, after), 0.0_wp, after%active)/size_of
+         do j = 1, n
+            after%flow%derivative(:, j) = after%flow%derivative(:, j) + left*(change(j)/model%scale(j))
+         end do
+         if (allocated(after%by_parameter)) &
+            after%by_parameter = after%by_parameter + left*(change(n + 2)/options%parameter_scale)
+      end associate
+   end subroutine learn_from_change
 
    !> What a step of Newton's iteration lacks in the end is laid to dP/dp, the one part of it that is not exact (secant).
    pure subroutine learn_by_parameter(model, options, before, change, share, after)

@@ -32,7 +32,7 @@ module evl_special_points
       type(orbit_t) :: orbit
       integer :: kind = kind_ordinary
       integer :: root = 0           !! the root function that touches zero
-      logical :: is_told = .false.  !! an orbit_teller followed it, and there is no derivative
+      integer :: told = 0           !! the number under which an orbit_teller followed it: there is no derivative. 0: none did
       real(wp) :: way = 0           !! from the last ordinary point, along its tangent, in units of the scales
    end type branch_point
 
@@ -49,11 +49,12 @@ contains
       type(status_t), intent(inout) :: status
       type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
       real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system, has no folds
-      logical :: found
+      logical :: found, was_lost(model%n_roots)
       real(wp) :: leap_here
-      integer :: kind, n, root
+      integer :: kind, n, other, root
 
       n = 0
+      was_lost = .false.
       leap = 0
       do kind = kind_fold, kind_neimark_sacker
          if (.not. test(model, kind, first)*test(model, kind, last) < 0) cycle
@@ -68,7 +69,9 @@ contains
       do root = 1, model%n_roots
          if (first%flow%crossings(root) == last%flow%crossings(root)) cycle
          if (is_known(kept(:n), first, last, root)) cycle
+         if (any(are_alike(first, last, root, [(other, other=1, root - 1)]) .and. was_lost(:root - 1))) cycle
          call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, leap_here, status)
+         was_lost(root) = .not. found
          if (has_failed(status)) return
          leap = max(leap, leap_here)
          if (found) n = n + 1
@@ -125,6 +128,31 @@ contains
       end do
    end function is_known
 
+   !> Whether two root functions are the same to both sides, as those of two tooth pairs that share a load: where one was not
+   !> located the other one is not.
+   elemental logical function are_alike(first, last, root, other)
+      type(orbit_t), intent(in) :: first, last
+      integer, intent(in) :: root, other
+      real(wp), parameter :: near = 1.0e-6_wp
+      integer :: fewer
+
+      are_alike = first%flow%crossings(root) == first%flow%crossings(other) &
+                  .and. last%flow%crossings(root) == last%flow%crossings(other)
+      if (.not. are_alike) return
+      fewer = min(first%flow%crossings(root), last%flow%crossings(root))
+      are_alike = same(touch_test(first, root, fewer), touch_test(first, other, fewer)) &
+                  .and. same(touch_test(last, root, fewer), touch_test(last, other, fewer))
+
+   contains
+
+      elemental logical function same(a, b)
+         real(wp), intent(in) :: a, b
+
+         same = abs(a - b) <= near*abs(a)
+      end function same
+
+   end function are_alike
+
    !> One special point, by false position with halving (Illinois).
    subroutine locate(model, options, first, last, way, kind, root, point, found, leap, status)
       class(orbit_model), intent(inout) :: model
@@ -139,6 +167,7 @@ contains
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
       integer, parameter :: most_iterations = 8    !! of Newton: from beside the orbit three are many
+      integer, parameter :: most_damped = 2        !! then it is at a corner, which it does not pass
       real(wp) :: a, b, at_a, at_b, at, value, enough, share, lack_a(model%n + 2), lack_b(model%n + 2)
       type(orbit_t) :: left, right
       type(curve_t) :: curve
@@ -161,6 +190,7 @@ contains
       if (kind == kind_touch) enough = 0 ! orbits on both sides are wanted
       few = options
       few%most_iterations = most_iterations
+      few%most_damped = most_damped
       left = first
       right = last
       side = 0
@@ -177,7 +207,7 @@ contains
          point%orbit = foreseen
          call move_orbit(model, options, point%orbit, lack_a + share*(lack_b - lack_a))
          call clear(refusal)
-         call correct_orbit(model, few, point%orbit, refusal, first%tangent)
+         call correct_orbit(model, few, point%orbit, refusal, first%tangent, foreseen=.true.)
          if (has_failed(refusal)) then ! between two orbits with a corner between them the cubic may foresee worse than the tangent
             point%orbit = first
             call move_orbit(model, options, point%orbit, at*first%tangent)

@@ -423,7 +423,7 @@ typedef int evl_orbits_take(void *self, double value, const evl_gearbox **gearbo
                             evl_status *status);
 /** Follow the last gearbox that was taken once round, from a state on the section, for what is to be told of an orbit: that run says at
  *  the same time whether it is one.
- *  @param number  counts the points that a call of evl_orbits_advance adds, from 1; what was told under it before is not wanted any more
+ *  @param number  from 1, of a point that this call of evl_orbits_advance may add; what was told under it before is not wanted any more
  *  @param period  how long that is [s]; where no speed is prescribed it becomes what it took
  *  @param y, integers, reals  become the state at the end, as one of the period where it began
  *  @return EVL_OK, or any other code if it does not come round */
@@ -439,8 +439,9 @@ typedef struct {
     double tolerance;                               /**< of the integration, in units of the scales */
     double residual;                                /**< largest difference after a period, in units of the scales */
     double first_step, smallest_step, largest_step; /**< along a branch, states in units of their scales */
-    double largest_change;                          /**< of the parameter in a step, over the range */
-    int most_points; /**< of a branch; special ones, and those at `values`, not counted */
+    double straight_step;  /**< the largest where the branch does not turn, if that is larger */
+    double largest_change; /**< of the parameter in a step, over the range */
+    int most_points;       /**< of a branch; special ones, and those at `values`, not counted */
     int n_values;
     const double
         *values; /**< [n_values] of the parameter, rising or falling, at which each branch has its stable orbits too */
@@ -464,9 +465,8 @@ typedef struct {
     int mesh;        /**< of a touch; else -1 */
     int iterations;  /**< of Newton that it took */
     int n_multipliers;
-    bool is_stable; /**< all multipliers are smaller than 1 */
-    bool
-        is_told; /**< by `tell`, under its number: then it is stable as its neighbours are, and there are no multipliers */
+    int told; /**< the number under which `tell` followed it: it is stable as its neighbours are, and has no multipliers; 0: none */
+    bool is_stable;              /**< all multipliers are smaller than 1 */
     char root[EVL_SHORT_LENGTH]; /**< of a touch: which root function; else "" */
 } evl_orbit;
 /** @param value  a first value, whose gearbox gives the scales
