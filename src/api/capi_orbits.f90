@@ -4,7 +4,7 @@
 module evl_capi_orbits
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
                                                                              c_funptr, c_int, c_loc, c_null_ptr, c_ptr
-   use evl_branch, only: advance_branch, begin_branch, branch_options, branch_walk, keep_point, switch_at_doubling
+   use evl_branch, only: advance_branch, begin_branch, branch_options, branch_walk, keep_point, switch_at_doubling, told_before_end
    use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_from_c, to_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_create, &
@@ -395,6 +395,7 @@ contains
          self%walk%is_smooth = walk%is_smooth /= 0
          self%walk%is_over = .false.
          self%before = walk%before
+         self%walk%told = told_before_end(branch%points(max(1, self%before + 1):branch%n))
          if (self%before > 0 .and. .not. has_failed(s)) then
             call complete(self, branch%points(self%before), s)
             self%walk%before = branch%points(self%before)%orbit

@@ -15,14 +15,14 @@ module evl_branch
    use evl_orbit_teller, only: orbit_teller
    use evl_places, only: places
    use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
-   use evl_special_points, only: branch_point, find_special_points, kind_fold
+   use evl_special_points, only: branch_point, find_special_points, kind_fold, kind_ordinary
    use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
 
    public :: branch_options, branch_walk
-   public :: advance_branch, begin_branch, follow_branch, keep_point, switch_at_doubling
+   public :: advance_branch, begin_branch, follow_branch, keep_point, switch_at_doubling, told_before_end
 
    !> What the user chooses of a branch. Steps are in units of the scales.
    type :: branch_options
@@ -41,6 +41,7 @@ module evl_branch
    type :: branch_walk
       type(branch_point) :: first, now !! ordinary points: the first one and the last one
       type(orbit_t) :: before          !! of the one before the last; without a tangent if there is none
+      type(orbit_t), allocatable :: told(:) !! at values between these two: the last few, none if there are special points too
       real(wp) :: step = 0             !! to try next
       integer :: crawls = 0            !! steps without progress, one after the other
       integer :: n_ordinary = 0        !! points
@@ -91,6 +92,7 @@ contains
       if (allocated(orbit%tangent)) along = orbit%tangent
       if (.not. has_failed(status)) call find_tangent(model, options%orbits, walk%now%orbit, along, status)
       walk%first = walk%now
+      allocate (walk%told(0))
       walk%step = options%first_step
       walk%n_ordinary = 1
       walk%is_over = walk%n_ordinary >= options%most_points
@@ -111,7 +113,7 @@ contains
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
       real(wp), parameter :: little = 1.0e-3_wp   !! leap over the way
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
-      logical :: at_end, closes
+      logical :: at_end, closes, is_missed
       real(wp) :: leap
       integer :: i, n_told
 
@@ -137,18 +139,20 @@ contains
          if (.not. passage%found) target = next
          if (has_failed(status)) return
          leap = 0
+         is_missed = .false.
          if (passage%found .and. passage%from_behind) then ! multipliers jump: their tests tell nothing
             special = [branch_point ::]
          else
-            call find_special_points(model, options%orbits, walk%now%orbit, target%orbit, target%way, special, leap, status)
+            call find_special_points(model, options%orbits, walk%now%orbit, target%orbit, target%way, special, leap, is_missed, &
+                                     status)
             if (has_failed(status)) return
          end if
-         if (passage%found .or. leap < little) exit
+         if (passage%found .or. (leap < little .and. .not. is_missed)) exit
          call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, passage)
          if (passage%found) then
             next = passage%next
             walk%step = next%way
-         else if (leap < huge(leap) .and. target%way > 100*options%smallest_step) then
+         else if (leap >= little .and. target%way > merge(100*options%smallest_step, options%first_step, leap < huge(leap))) then
             walk%step = target%way/4 ! the two orbits are of different branches, or there is more between them
             call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, passage, status)
             if (has_failed(status)) return
@@ -173,6 +177,7 @@ contains
       end if
       walk%is_over = at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, target%way, walk%first)
       walk%before = walk%now%orbit
+      walk%told = told_before_end(points)
       if (passage%found) deallocate (walk%before%tangent) ! the curve begins anew
       walk%now = next
       walk%n_ordinary = walk%n_ordinary + 1
@@ -186,7 +191,8 @@ contains
          type(branch_point), allocatable :: between(:)
 
          if (allocated(options%values)) then
-            call find_orbits_at(model, options%orbits, options%values, before, last, point, options%teller, n_told, between)
+            call find_orbits_at(model, options%orbits, options%values, before, walk%told, last, point, &
+                                options%teller, n_told, between)
             points = [points, between]
          end if
          points = [points, point]
@@ -195,6 +201,21 @@ contains
       end subroutine add_up_to
 
    end subroutine advance_branch
+
+   !> The last few orbits at values before the last of some points, if the branch has no special point there.
+   pure function told_before_end(points) result(told)
+      type(branch_point), intent(in) :: points(:)
+      type(orbit_t), allocatable :: told(:)
+      integer, parameter :: most = 4
+      integer :: n
+
+      n = size(points) - 1
+      if (all(points(:n)%kind == kind_ordinary)) then
+         told = points(max(1, n - most + 1):n)%orbit
+      else
+         allocate (told(0))
+      end if
+   end function told_before_end
 
    !> Whether an orbit repeats after half its periods, as where a branch of twice the period ends.
    subroutine repeats_sooner(model, options, orbit, sooner, status)
@@ -246,7 +267,7 @@ contains
       type(status_t), intent(inout) :: status
       real(wp), parameter :: ahead = 16        !! steps that failed: a touch is looked for so far, since behind one they are short
       integer, parameter :: easy = 4, hard = 8 !! iterations
-      integer, parameter :: most_damped = 2    !! then the orbit ahead is behind a corner, or there is none
+      integer, parameter :: most_damped = 2, most_halvings = 3 !! then the orbit ahead is behind a corner, or there is none
       real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp, no_turn = 0.9999_wp !! cosine of the angle between tangents
       type(status_t) :: refusal
       type(orbit_options) :: few
@@ -257,6 +278,7 @@ contains
       few = options%orbits
       few%most_iterations = hard
       few%most_damped = most_damped
+      few%most_halvings = most_halvings
       longest = max(options%largest_step, options%straight_step)
       associate (change => abs(now%tangent(model%n + 2)))
          if (change*longest > options%largest_change) longest = options%largest_change/change

@@ -12,7 +12,7 @@ module evl_branch_lacks
    implicit none (type, external)
    private
 
-   public :: lacks_t, learn_lack, orbit_beside_curve
+   public :: lacks_t, learn_from_before, learn_lack, orbit_beside_curve, way_of_value
 
    integer, parameter :: most_used = 6 !! of the known ones
 
@@ -25,49 +25,61 @@ module evl_branch_lacks
 
 contains
 
-   !> What is to be the orbit at a value of the parameter between the two of a curve: on it, with what that lacks.
-   pure subroutine orbit_beside_curve(model, options, curve, lacks, first, value, orbit)
+   !> What is to be the orbit some way along a curve: on it, with what that lacks.
+   pure subroutine orbit_beside_curve(model, options, curve, lacks, first, way, orbit)
       class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(curve_t), intent(in) :: curve
+      type(lacks_t), intent(in) :: lacks
+      type(orbit_t), intent(in) :: first
+      real(wp), intent(in) :: way
+      type(orbit_t), intent(out) :: orbit
+      real(wp) :: share
+      integer :: near(min(lacks%n, most_used)), i
+
+      call orbit_on_curve(model, options, curve, first, way, orbit)
+      if (lacks%n == 0) return
+      share = way/curve%way
+      near = those_near(lacks, share, size(near))
+      call move_orbit(model, options, orbit, [(lack_at(lacks, near, share, i), i=1, model%n + 2)])
+      orbit%flow%derivative = orbit%flow%derivative + share*(1 - share)*lacks%derivative
+   end subroutine orbit_beside_curve
+
+   !> The way along a curve to where the parameter has a value between those of its two orbits.
+   pure real(wp) function way_of_value(options, curve, lacks, first, value) result(way)
       type(orbit_options), intent(in) :: options
       type(curve_t), intent(in) :: curve       !! not straight
       type(lacks_t), intent(in) :: lacks
       type(orbit_t), intent(in) :: first
       real(wp), intent(in) :: value
-      type(orbit_t), intent(out) :: orbit
-      real(wp) :: share ! of the way to the second one
-      integer :: near(min(lacks%n, most_used)), i
 
-      share = share_at([integer ::])
-      near = nearest(lacks, share, size(near))
-      share = share_at(near)
-      call orbit_on_curve(model, options, curve, first, share*curve%way, orbit)
-      call move_orbit(model, options, orbit, [(lack_at(lacks, near, share, i), i=1, model%n + 2)])
-      if (lacks%n > 0) orbit%flow%derivative = orbit%flow%derivative + share*(1 - share)*lacks%derivative
+      way = curve%way*share_with(those_near(lacks, share_with([integer ::]), min(lacks%n, most_used)))
 
    contains
 
-      !> Where the parameter has that value: halving, since it rises or falls between the two.
-      pure real(wp) function share_at(known) result(middle)
-         integer, intent(in) :: known(:)
+      !> Halving, since the parameter rises or falls between the two.
+      pure real(wp) function share_with(near) result(middle)
+         integer, intent(in) :: near(:)
          integer, parameter :: halvings = 50
          real(wp) :: below, above, change, there
-         integer :: k
+         integer :: k, p
 
+         p = size(curve%tangent)
          change = (value - first%parameter)/options%parameter_scale
          below = 0
          above = 1
          do k = 1, halvings
             middle = (below + above)/2
-            there = change_on_curve(curve, middle*curve%way, model%n + 2) + lack_at(lacks, known, middle, model%n + 2)
+            there = change_on_curve(curve, middle*curve%way, p) + lack_at(lacks, near, middle, p)
             if (sign(there, there*change) < abs(change)) then
                below = middle
             else
                above = middle
             end if
          end do
-      end function share_at
+      end function share_with
 
-   end subroutine orbit_beside_curve
+   end function way_of_value
 
    !> Remember what a curve lacks at an orbit that was found. If what was known has foreseen it no better than the curve alone, as
    !> behind a corner, that is forgotten.
@@ -82,18 +94,63 @@ contains
       real(wp), parameter :: worth = 0.1_wp, too_much = 10 !! error over that, of what is known, and of a few
       integer, parameter :: few = 2
       type(orbit_t) :: foreseen
-      real(wp), allocatable :: w(:), q(:, :)
-      real(wp) :: lack(model%n + 2), share, way
+      real(wp) :: lack(model%n + 2), share
+
+      call compare(model, options, curve, first, found, foreseen, share, lack)
+      size_of = norm2(lack)
+      if (error > merge(worth, too_much, lacks%n > few)*size_of) lacks%n = 0
+      call keep(lacks, share, lack/(share*(1 - share)))
+      lacks%derivative = (found%flow%derivative - foreseen%flow%derivative)/(share*(1 - share))
+   end subroutine learn_lack
+
+   !> Remember what a curve lacks behind its first orbit, as far as the branch is smooth there.
+   pure subroutine learn_from_before(model, options, curve, before, told, first, lacks)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(curve_t), intent(in) :: curve      !! not straight
+      type(orbit_t), intent(in) :: before     !! the point before the first, with its derivative
+      type(orbit_t), intent(in) :: told(:)    !! between these two; no more than their states are used
+      type(orbit_t), intent(in) :: first
+      type(lacks_t), intent(inout) :: lacks
+      real(wp), parameter :: near = 0.05_wp   !! of the way: what is lacking so near to the first one is rounding
+      type(orbit_t) :: foreseen
+      real(wp) :: lack(model%n + 2), share
+      integer :: i
+
+      call compare(model, options, curve, first, before, foreseen, share, lack)
+      call keep(lacks, share, lack/(share*(1 - share)))
+      lacks%derivative = (before%flow%derivative - foreseen%flow%derivative)/(share*(1 - share))
+      do i = 1, size(told)
+         call compare(model, options, curve, first, told(i), foreseen, share, lack)
+         if (share < -near) call keep(lacks, share, lack/(share*(1 - share)))
+      end do
+   end subroutine learn_from_before
+
+   !> What a curve lacks at an orbit.
+   pure subroutine compare(model, options, curve, first, found, foreseen, share, lack)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(curve_t), intent(in) :: curve
+      type(orbit_t), intent(in) :: first, found
+      type(orbit_t), intent(out) :: foreseen  !! on the curve
+      real(wp), intent(out) :: share, lack(:) !! of the way to its second orbit; [n + 2]
+      real(wp) :: way
 
       way = dot_product(curve%tangent, way_to(model, options, first, found))
-      call orbit_on_curve(model, options, curve, first, way, foreseen)
       share = way/curve%way
+      call orbit_on_curve(model, options, curve, first, way, foreseen)
       lack = way_to(model, options, foreseen, found)
-      size_of = norm2(lack)
-      if (.not. allocated(lacks%w)) allocate (lacks%w(most_used), lacks%q(model%n + 2, most_used))
-      if (error > merge(worth, too_much, lacks%n > few)*size_of) lacks%n = 0
+   end subroutine compare
+
+   !> Put a value of q at the end of those that are known.
+   pure subroutine keep(lacks, share, value)
+      type(lacks_t), intent(inout) :: lacks
+      real(wp), intent(in) :: share, value(:)
+      real(wp), allocatable :: w(:), q(:, :)
+
+      if (.not. allocated(lacks%w)) allocate (lacks%w(most_used), lacks%q(size(value), most_used))
       if (lacks%n == size(lacks%w)) then
-         allocate (w(2*lacks%n), q(model%n + 2, 2*lacks%n))
+         allocate (w(2*lacks%n), q(size(value), 2*lacks%n))
          w(:lacks%n) = lacks%w
          q(:, :lacks%n) = lacks%q
          call move_alloc(w, lacks%w)
@@ -101,12 +158,11 @@ contains
       end if
       lacks%n = lacks%n + 1
       lacks%w(lacks%n) = share
-      lacks%q(:, lacks%n) = lack/(share*(1 - share))
-      lacks%derivative = (found%flow%derivative - foreseen%flow%derivative)/(share*(1 - share))
-   end subroutine learn_lack
+      lacks%q(:, lacks%n) = value
+   end subroutine keep
 
    !> The known ones that are nearest.
-   pure function nearest(lacks, share, n) result(near)
+   pure function those_near(lacks, share, n) result(near)
       type(lacks_t), intent(in) :: lacks
       real(wp), intent(in) :: share
       integer, intent(in) :: n
@@ -118,7 +174,7 @@ contains
          near(k) = minloc(distance, 1)
          distance(near(k)) = huge(distance)
       end do
-   end function nearest
+   end function those_near
 
    !> What is lacking of one of the unknowns, by the polynomial through some of those that are known.
    pure real(wp) function lack_at(lacks, near, share, row) result(lack)

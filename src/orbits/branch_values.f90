@@ -3,7 +3,7 @@
 !> enough that this is the only time they are followed.
 module evl_branch_values
    use evl_branch_curve, only: curve_t, curve_through, way_to
-   use evl_branch_lacks, only: lacks_t, learn_lack, orbit_beside_curve
+   use evl_branch_lacks, only: lacks_t, learn_from_before, learn_lack, orbit_beside_curve, way_of_value
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
@@ -20,11 +20,12 @@ contains
 
    !> Those between two neighbouring points of a branch, in their order, where it is stable. One that Newton's iteration does not
    !> find beside where it was foreseen is left out.
-   subroutine find_orbits_at(model, options, values, before, first, last, teller, n_told, points)
+   subroutine find_orbits_at(model, options, values, before, told, first, last, teller, n_told, points)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       real(wp), intent(in) :: values(:)        !! rising
       type(orbit_t), intent(in) :: before      !! of the same branch; without a tangent if it is not known
+      type(orbit_t), intent(in) :: told(:)     !! found at values between that and the first
       type(branch_point), intent(in) :: first, last !! with tangents; between them the parameter rises or falls
       class(orbit_teller), pointer, intent(in) :: teller !! may be null
       integer, intent(inout) :: n_told         !! numbers that the teller was given
@@ -51,7 +52,7 @@ contains
       curve = curve_through(model, options, first%orbit, last%orbit)
       if (allocated(before%tangent) .and. .not. curve%is_straight) then
          if (all(before%flow%crossings == first%orbit%flow%crossings)) &
-            call learn_lack(model, options, curve, first%orbit, before, 0.0_wp, lacks, lack)
+            call learn_from_before(model, options, curve, before, told, first%orbit, lacks)
       end if
       longest = beside*norm2(way_to(model, options, first%orbit, last%orbit))
       is_kept = .false.
@@ -173,7 +174,7 @@ contains
          orbit%period = first%period + share*(last%period - first%period)
          orbit%flow%derivative = first%flow%derivative + share*(last%flow%derivative - first%flow%derivative)
       else
-         call orbit_beside_curve(model, options, curve, lacks, first, value, orbit)
+         call orbit_beside_curve(model, options, curve, lacks, first, way_of_value(options, curve, lacks, first, value), orbit)
       end if
       orbit%parameter = value
       if (allocated(orbit%tangent)) deallocate (orbit%tangent) ! that of the first

@@ -35,6 +35,7 @@ module evl_shooting
       real(wp) :: residual = 1.0e-10_wp       !! largest difference after a period, in units of the scales
       integer :: most_iterations = 20         !! of Newton
       integer :: most_damped = 20             !! of these, one after the other, in which a full step made it worse
+      integer :: most_halvings = 8            !! of such a step
       real(wp) :: parameter_scale = 1         !! > 0: the change of the parameter that counts as 1
       real(wp) :: parameter_change = 1.0e-6_wp !! of the difference that gives dP/dp, over that scale; P may have corners
    end type orbit_options
@@ -94,7 +95,7 @@ contains
       logical, intent(in), optional :: foreseen    !! its flow has a derivative, and it a dP/dp, that are expected
       real(wp), parameter :: settled = 1.0e-6_wp   !! last change after which a small residual is believed
       real(wp), parameter :: slow = 0.1_wp         !! residual over that before, if the derivative is worth little
-      integer, parameter :: most_halvings = 8, stale = 5
+      integer, parameter :: stale = 5
       type(orbit_t) :: trial
       type(status_t) :: refusal
       real(wp) :: matrix(model%n + 2, model%n + 2), change(model%n + 2), phase_row(model%n), last, rate, share
@@ -132,7 +133,7 @@ contains
          was_exact = is_exact
          is_exact = was_exact .or. (iteration > 0 .and. rate*orbit%residual <= options%residual)
          share = 1
-         do halving = 0, most_halvings
+         do halving = 0, options%most_halvings
             trial = orbit
             call clear(refusal)
             call move_orbit(model, options, trial, share*change)

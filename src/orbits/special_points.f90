@@ -7,7 +7,8 @@
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 5.3, 7.4; R. I. Leine, H. Nijmeijer, Dynamics and
 !> Bifurcations of Non-Smooth Mechanical Systems, ch. 8 and 9 (jumps of multipliers).
 module evl_special_points
-   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, way_to
+   use evl_branch_curve, only: curve_t, curve_through, way_to
+   use evl_branch_lacks, only: lacks_t, learn_lack, orbit_beside_curve
    use evl_kinds, only: wp
    use evl_multipliers, only: product_over_minus_one, product_over_one, product_over_pairs
    use evl_orbit_model, only: orbit_model
@@ -39,30 +40,32 @@ module evl_special_points
 contains
 
    !> All special points between two neighbouring points of a branch, in their order.
-   subroutine find_special_points(model, options, first, last, way, points, leap, status)
+   subroutine find_special_points(model, options, first, last, way, points, leap, is_missed, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: first, last !! with tangents
       real(wp), intent(in) :: way              !! from one to the other along the tangent of the first
       type(branch_point), allocatable, intent(out) :: points(:) !! `way` is that from `first`
       real(wp), intent(out) :: leap            !! largest distance of orbits beside a touch, over the way: 0 on a branch
+      logical, intent(out) :: is_missed        !! a touch was not found, though orbits close to both sides of it were
       type(status_t), intent(inout) :: status
       type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
       real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system, has no folds
-      logical :: found, was_lost(model%n_roots)
+      logical :: found, is_missed_here, was_lost(model%n_roots)
       real(wp) :: leap_here
       integer :: kind, n, other, root
 
       n = 0
       was_lost = .false.
       leap = 0
+      is_missed = .false.
       do kind = kind_fold, kind_neimark_sacker
          if (.not. test(model, kind, first)*test(model, kind, last) < 0) cycle
          if (kind == kind_fold .and. max(abs(test(model, kind, first)), abs(test(model, kind, last))) < upright) cycle
          if (kind == kind_crossing) then ! a fold is one too
             if (test(model, kind_fold, first)*test(model, kind_fold, last) < 0) cycle
          end if
-         call locate(model, options, first, last, way, kind, 0, kept(n + 1), found, leap_here, status)
+         call locate(model, options, first, last, way, kind, 0, kept(n + 1), found, leap_here, is_missed_here, status)
          if (has_failed(status)) return
          if (found) n = n + 1
       end do
@@ -70,10 +73,11 @@ contains
          if (first%flow%crossings(root) == last%flow%crossings(root)) cycle
          if (is_known(kept(:n), first, last, root)) cycle
          if (any(are_alike(first, last, root, [(other, other=1, root - 1)]) .and. was_lost(:root - 1))) cycle
-         call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, leap_here, status)
+         call locate(model, options, first, last, way, kind_touch, root, kept(n + 1), found, leap_here, is_missed_here, status)
          was_lost(root) = .not. found
          if (has_failed(status)) return
          leap = max(leap, leap_here)
+         is_missed = is_missed .or. is_missed_here
          if (found) n = n + 1
       end do
       points = kept(:n)
@@ -154,7 +158,7 @@ contains
    end function are_alike
 
    !> One special point, by false position with halving (Illinois).
-   subroutine locate(model, options, first, last, way, kind, root, point, found, leap, status)
+   subroutine locate(model, options, first, last, way, kind, root, point, found, leap, is_missed, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: first, last
@@ -162,22 +166,29 @@ contains
       integer, intent(in) :: kind, root
       type(branch_point), intent(out) :: point
       logical, intent(out) :: found !! false: the function jumps, or Newton's iteration fails
-      real(wp), intent(out) :: leap !! distance of the orbits beside a touch, over the way; huge if one between was not found
+      real(wp), intent(out) :: leap        !! distance of the orbits beside a touch, over the way; huge if one between was not found
+      logical, intent(out) :: is_missed    !! it was not, but those to both sides are close to it: the branch goes on
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
       integer, parameter :: most_iterations = 8    !! of Newton: from beside the orbit three are many
-      integer, parameter :: most_damped = 2        !! then it is at a corner, which it does not pass
-      real(wp) :: a, b, at_a, at_b, at, value, enough, share, lack_a(model%n + 2), lack_b(model%n + 2)
+      integer, parameter :: most_damped = 2, most_halvings = 3 !! then it is at a corner, which it does not pass
+      real(wp), parameter :: little = 1.0e-4_wp    !! over the way: the last one was no farther from the curve, which is right then
+      real(wp), parameter :: far = 2               !! distance of two orbits over the way between them, of different branches
+      real(wp), parameter :: narrow = 0.2_wp       !! between two orbits, over the way: the branch goes on there
+      real(wp), parameter :: near = 1.0e-7_wp      !! that far from where it was expected, the next one is found at once
+      real(wp) :: a, b, at_a, at_b, at, value, enough, error, size_of
       type(orbit_t) :: left, right
       type(curve_t) :: curve
       type(orbit_t) :: foreseen
+      type(lacks_t) :: lacks
       type(orbit_options) :: few
       type(status_t) :: refusal
       integer :: fewer, side, turn
 
       found = .false.
       leap = 0
+      is_missed = .false.
       curve = curve_through(model, options, first, last)
       fewer = 0
       if (kind == kind_touch) fewer = min(first%flow%crossings(root), last%flow%crossings(root))
@@ -191,24 +202,23 @@ contains
       few = options
       few%most_iterations = most_iterations
       few%most_damped = most_damped
+      few%most_halvings = most_halvings
       left = first
       right = last
       side = 0
-      lack_a = 0 ! what the curve lacks there
-      lack_b = 0
+      error = huge(error)
       do turn = 1, most_turns
          if (b - a <= accuracy*min(1.0_wp, way)) exit
          at = b - at_b*((b - a)/(at_b - at_a))
          if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
          if (turn == 1 .and. abs(at_a) <= enough) at = a ! it begins there
          at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
-         call orbit_on_curve(model, options, curve, first, at, foreseen)
-         share = (at - a)/(b - a)
+         call orbit_beside_curve(model, options, curve, lacks, first, at, foreseen)
          point%orbit = foreseen
-         call move_orbit(model, options, point%orbit, lack_a + share*(lack_b - lack_a))
          call clear(refusal)
-         call correct_orbit(model, few, point%orbit, refusal, first%tangent, foreseen=.true.)
-         if (has_failed(refusal)) then ! between two orbits with a corner between them the cubic may foresee worse than the tangent
+         call correct_orbit(model, few, point%orbit, refusal, first%tangent, foreseen=error > near)
+         ! between two orbits with a corner between them the cubic may foresee worse than the tangent
+         if (has_failed(refusal) .and. error > little*way) then
             point%orbit = first
             call move_orbit(model, options, point%orbit, at*first%tangent)
             call clear(refusal)
@@ -217,23 +227,27 @@ contains
          if (.not. has_failed(refusal) .and. kind == kind_fold) &
             call find_tangent(model, options, point%orbit, first%tangent, refusal)
          if (has_failed(refusal)) then
-            if (kind == kind_touch) leap = huge(leap)
+            if (kind /= kind_touch) return
+            leap = norm2(way_to(model, options, left, right))/way
+            is_missed = leap*way <= far*(b - a) .and. b - a <= narrow*way
+            if (is_missed) leap = 0
+            if (.not. is_missed .and. leap*way <= far*(b - a)) leap = huge(leap)
             return
          end if
+         error = norm2(way_to(model, options, foreseen, point%orbit))
+         if (.not. curve%is_straight) call learn_lack(model, options, curve, first, point%orbit, error, lacks, size_of)
          point%way = at
          value = ask(point%orbit)
          if (.not. abs(value) > enough .or. abs(value) > huge(1.0_wp)/2) exit
          if (value*at_a > 0) then
             a = at
             at_a = value
-            lack_a = way_to(model, options, foreseen, point%orbit)
             left = point%orbit
             if (side == -1) at_b = at_b/2
             side = -1
          else
             b = at
             at_b = value
-            lack_b = way_to(model, options, foreseen, point%orbit)
             right = point%orbit
             if (side == 1) at_a = at_a/2
             side = 1
