@@ -266,8 +266,8 @@ contains
       type(touch_passage), intent(out) :: passage
       type(status_t), intent(inout) :: status
       real(wp), parameter :: ahead = 16        !! steps that failed: a touch is looked for so far, since behind one they are short
-      integer, parameter :: easy = 4, hard = 8 !! iterations
-      integer, parameter :: most_damped = 2, most_halvings = 3 !! then the orbit ahead is behind a corner, or there is none
+      integer, parameter :: easy = 3, hard = 8 !! iterations
+      integer, parameter :: most_damped = 2    !! then the orbit ahead is behind a corner, or there is none
       real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp, no_turn = 0.9999_wp !! cosine of the angle between tangents
       type(status_t) :: refusal
       type(orbit_options) :: few
@@ -278,7 +278,6 @@ contains
       few = options%orbits
       few%most_iterations = hard
       few%most_damped = most_damped
-      few%most_halvings = most_halvings
       longest = max(options%largest_step, options%straight_step)
       associate (change => abs(now%tangent(model%n + 2)))
          if (change*longest > options%largest_change) longest = options%largest_change/change
@@ -294,7 +293,7 @@ contains
          end if
          if (step < 2*options%smallest_step) few = options%orbits
          call clear(refusal)
-         call correct_orbit(model, few, next%orbit, refusal, now%tangent, foreseen=.true.)
+         call correct_orbit(model, few, next%orbit, refusal, now%tangent)
          if (.not. has_failed(refusal)) call find_tangent(model, options%orbits, next%orbit, now%tangent, refusal)
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
