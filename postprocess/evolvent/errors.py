@@ -69,8 +69,14 @@ class SweepError(EvolventError):
         )
 
 
+# What h5py, h5netcdf and xarray raise over a file; the last where a dimension has lost its name.
+UNREADABLE = (OSError, KeyError, ValueError, RuntimeError, AttributeError)
+
+
 def reason_of(error: Exception) -> str:
     """What an error of the system or a library says, in one line."""
+    if isinstance(error, AttributeError):
+        return "a name in it cannot be read"
     text = str(getattr(error, "strerror", None) or error)
     by_hdf5 = OF_SYSTEM.search(text)
     return by_hdf5[1] if by_hdf5 else " ".join(text.split())

@@ -142,7 +142,7 @@ contains
    end function corrections
 
    !> Corrections below this that no longer shrink are rounding: where heavy axles sag under gears with hardly any load, one digit
-   !> of a place is more than 1e-9 of the penetration. A speed does not count: every correction of one that has run away is rounding.
+   !> of a place is more than 1e-9 of the penetration. A speed does not count: what corrects one that has run away is rounding.
    pure real(wp) function at_rounding(x) result(least)
       real(wp), intent(in) :: x(:) !! places that are looked for, in units of their scales
       real(wp), parameter :: few = 16 !! digits that a sum of forces may lose

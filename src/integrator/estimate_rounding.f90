@@ -1,8 +1,9 @@
 !> What rounding makes of an error estimate: no tolerance can ask for less.
 !>
 !> f is rounded by about eps sum_j |J_ij y_j|, seldom by more than four times that: forces are differences of places, and stiff
-!> ones round by far more than their own last digit. The estimate (gamma/h I - J)^-1 (f(t, y) - p'(t)) has that of f at the start and that of the stages, of whose slopes
-!> p' is the value at the start, times the sum of the weights. Its filter divides row i by
+!> ones round by far more than their own last digit. The estimate (gamma/h I - J)^-1 (f(t, y) - p'(t)) has that of f at the
+!> start and that of the stages, of whose slopes p' is the value at the start, times the sum of the weights. Its filter divides
+!> row i by
 !> gamma/h + |J_ii| + h/gamma sum_j |J_ij J_ji|,
 !> which is exact for a mass on a spring and a damper.
 module evl_estimate_rounding

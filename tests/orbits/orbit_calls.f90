@@ -204,7 +204,7 @@ contains
       type(session_t), pointer :: session
 
       call c_f_pointer(handle, session)
-      told = merge(1, 0, session%points(index + 1)%is_told)
+      told = merge(1, 0, session%points(index + 1)%told > 0)
    end function ot_is_told
 
    !> numbers: parameter, period, residual, way; counts: kind, root from 1, iterations, periods, multipliers.

@@ -126,6 +126,17 @@ def test_a_truncated_history_is_refused(friction_run, tmp_path):
         open_history(path)
 
 
+def test_a_history_of_which_a_name_cannot_be_read_is_refused(smooth_run, tmp_path, monkeypatch):
+    path = write_history(tmp_path / "a.h5", smooth_run.history, smooth_run.events)
+
+    def lose_a_name(*_, **__):
+        None.split("/")  # as h5netcdf does where HDF5 reads no name
+
+    monkeypatch.setattr("xarray.open_dataset", lose_a_name)
+    with pytest.raises(HistoryError, match=r"a\.h5: is not a readable HDF5 file \(a name in it"):
+        open_history(path)
+
+
 def test_a_history_that_is_being_written_is_not_called_broken(smooth_run, tmp_path):
     path = write_history(tmp_path / "a.h5.partial", smooth_run.history, smooth_run.events)
     with path.open("rb+") as writer:

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from evolvent.errors import HistoryError, is_of_system, reason_of, tells_of_system
+from evolvent.errors import UNREADABLE, HistoryError, is_of_system, reason_of, tells_of_system
 from evolvent.seals import BROKEN, NONE, check
 
 if TYPE_CHECKING:
@@ -318,13 +318,12 @@ def _readable(path: Path, group: str | None = None) -> Iterator[None]:
         raise HistoryError(f"{path}: may not be read") from error
     except BlockingIOError as error:
         raise HistoryError(f"{path}: is being written; wait until its run has ended") from error
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
+    except UNREADABLE as error:
         if tells_of_system(error):
             raise HistoryError(f"{path}: cannot be read ({reason_of(error)})") from error
         if group is not None:
             raise HistoryError(f"{path}: has no readable group `{group}`") from error
-        reason = " ".join(str(error).split())
-        raise HistoryError(f"{path}: is not a readable HDF5 file ({reason})") from error
+        raise HistoryError(f"{path}: is not a readable HDF5 file ({reason_of(error)})") from error
 
 
 def _check_format(path: Path, attrs: Mapping[Any, Any]) -> None:

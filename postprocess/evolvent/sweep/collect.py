@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from evolvent.errors import SweepError, needing, replacing, replacing_hdf5
+from evolvent.errors import UNREADABLE, SweepError, needing, reason_of, replacing, replacing_hdf5
 from evolvent.seals import BROKEN, NONE, check, seal_end
 from evolvent.sweep.design import Design
 from evolvent.sweep.histories import add_histories, history_coordinates
@@ -88,9 +88,8 @@ def open_summary(path: Path) -> xr.Dataset:
                 f"{path}: is damaged, or was changed: its check sum is wrong; collect it anew"
             )
         summary = xr.open_dataset(path, engine="h5netcdf", decode_times=False)
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise SweepError(f"{path}: is no readable summary ({reason})") from error
+    except UNREADABLE as error:
+        raise SweepError(f"{path}: is no readable summary ({reason_of(error)})") from error
     if seal == NONE:
         print(
             f"evolvent-sweep: warning: {path}: has no check sum, so that damage would not be "

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from evolvent.errors import SweepError
+from evolvent.errors import UNREADABLE, SweepError, reason_of
 from evolvent.seals import BROKEN, NONE, check
 from evolvent.sweep.journal import Records
 
@@ -41,7 +41,7 @@ def history_coordinates(folder: Path, records: Records) -> xr.Dataset:
         try:
             with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as stack:
                 found = stack.coords.to_dataset().drop_vars("case").load()
-        except (OSError, KeyError, ValueError, RuntimeError) as error:
+        except UNREADABLE as error:
             raise _unreadable(path, error) from error
         for values in found.variables.values():
             values.attrs = {key: values.attrs[key] for key in TOLD if key in values.attrs}
@@ -75,7 +75,7 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
                 axis = "output_position" if "output_position" in source else "time"
                 if axis not in file or not np.array_equal(source[axis][:], file[axis][:]):
                     raise SweepError(f"{path}: has other outputs than the other shards")
-        except (OSError, KeyError) as error:
+        except UNREADABLE as error:
             raise _unreadable(path, error) from error
         # Rows of missing cases are empty. Several shards have a row of a case only if the folder
         # was split in several ways: then that counts whose record does.
@@ -149,7 +149,7 @@ def _stacks(folder: Path, records: Records) -> list[tuple[int, Path]]:
 
 
 def _unreadable(path: Path, error: Exception) -> SweepError:
-    return SweepError(f"{path}: is no readable file of histories ({error})")
+    return SweepError(f"{path}: is no readable file of histories ({reason_of(error)})")
 
 
 def _add(
