@@ -17,7 +17,7 @@ module evl_gearbox_orbits
    private
 
    public :: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_create, gearbox_orbits_start, &
-             gearbox_orbits_state, root_place
+             gearbox_orbits_state
 
    real(wp), parameter :: weight = 2             !! all states count a little more, as in gearbox_ode
    integer, parameter :: per_contact = 4         !! modes that belong to what must repeat
@@ -41,6 +41,12 @@ module evl_gearbox_orbits
       end subroutine take_interface
    end interface
 
+   !> Where a root function belongs.
+   type :: root_place
+      integer :: mesh = 0                  !! 1 ..; 0: to none
+      character(len=24) :: name = "turns"
+   end type root_place
+
    type, extends(orbit_model) :: gearbox_orbits
       class(gearbox_family), pointer, private :: family => null()
       type(gearbox_t), pointer :: gearbox => null() !! of the last value
@@ -52,6 +58,7 @@ module evl_gearbox_orbits
       integer, allocatable, private :: memory(:)    !! tooth contacts whose approach speeds are states
       integer, allocatable, private :: integers(:)  !! discrete state
       real(wp), allocatable, private :: reals(:)
+      type(root_place), allocatable :: root_list(:)    !! [n_roots] the same at all values; there need not be a gearbox any more
    contains
       procedure :: rhs
       procedure :: rhs_lanes
@@ -213,6 +220,7 @@ contains
       self%memory = places(remembering(gearbox))
       self%n = self%n_gears + size(self%memory)
       self%n_roots = gearbox%n_roots
+      self%root_list = root_places(gearbox)
       call gearbox_ode_create(ode, gearbox, scale)
       self%growth = ode%growth
       allocate (self%scale(self%n), self%reach(self%n), self%repeats(self%n))
@@ -368,23 +376,19 @@ contains
       longest = self%ode%time_in_sight(t)
    end function time_in_sight
 
-   !> To what a root function belongs.
-   pure subroutine root_place(gearbox, root, mesh, name)
+   !> The places of all root functions of a gearbox.
+   pure function root_places(gearbox) result(at)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: root           !! 1 .. n_roots
-      integer, intent(out) :: mesh          !! 1 ..; 0: none
-      character(len=:), allocatable, intent(out) :: name
-      integer :: m
+      type(root_place) :: at(gearbox%n_roots)
+      integer :: i, m
 
-      mesh = 0
-      name = "turns"
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m))
-            if (root <= contact%i_root .or. root > contact%i_root + contact%n_roots) cycle
-            mesh = contact%mesh
-            name = trim(root_rows(contact%roots(root - contact%i_root))%name)
+            do i = 1, contact%n_roots
+               at(contact%i_root + i) = root_place(contact%mesh, root_rows(contact%roots(i))%name)
+            end do
          end associate
       end do
-   end subroutine root_place
+   end function root_places
 
 end module evl_gearbox_orbits

@@ -119,8 +119,9 @@ contains
                return
             end if
             y = trial
-            found = norm2(step) < newton_tolerance .or. (norm2(step) >= last .and. &
-                                                     norm2(step) < at_rounding(pack(y(unknown)/scale(unknown), unknown /= i_omega)))
+            found = norm2(step) < newton_tolerance .or. &
+                    (norm2(step) >= last .and. &
+                     norm2(step) < at_rounding(merge(y(unknown)/scale(unknown), 0.0_wp, unknown /= i_omega)))
             if (found) return
             last = norm2(step)
          end do

@@ -8,7 +8,7 @@ module evl_capi_orbits
    use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_from_c, to_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_create, &
-                                 gearbox_orbits_start, gearbox_orbits_state, root_place
+                                 gearbox_orbits_start, gearbox_orbits_state
    use evl_kinds, only: wp
    use evl_orbit_teller, only: orbit_teller
    use evl_shooting, only: correct_orbit, find_orbit, orbit_t, own_multipliers
@@ -519,12 +519,9 @@ contains
       type(orbits_t), intent(in) :: self
       integer, intent(in) :: root
       type(c_orbit), intent(inout) :: told
-      character(len=:), allocatable :: name
-      integer :: mesh
 
-      call root_place(self%model%gearbox, root, mesh, name)
-      told%mesh = mesh - 1
-      call to_c(name, told%root)
+      told%mesh = self%model%root_list(root)%mesh - 1
+      call to_c(trim(self%model%root_list(root)%name), told%root)
    end subroutine tell_root
 
 end module evl_capi_orbits

@@ -71,7 +71,7 @@ contains
          is_kept(i) = all(abs(own_multipliers(model, found(i)%orbit)) < 1)
       end do
       n_told = n_told + size(list)
-      points = pack(found, is_kept)
+      points = found(places(is_kept))
    end subroutine find_orbits_at
 
    !> Whether all orbits between two points are stable, or none: that changes at points alone. Where these do not agree, as beside
