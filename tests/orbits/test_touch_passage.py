@@ -163,6 +163,18 @@ def test_orbits_that_are_told_on_both_sides_of_the_touch_are_those_of_closed_for
         assert from_closed_form(point, frequency, force) < 1e-7
 
 
+@pytest.mark.parametrize(("frequency", "force"), [case[:2] for case in CASES if not case[2]])
+def test_unstable_orbits_close_behind_a_touch_are_at_no_value(c, frequency: float, force: float):
+    """Multipliers jump at a touch, so that they are asked at each value."""
+    touch = touch_of(frequency)
+    points = follow(c, frequency, force, 0.5)
+    behind = points[at_touch(points) + 1]
+    assert abs(behind.multipliers[0]) > 1
+    values = np.linspace(touch, behind.parameter, 7)[1:-1]
+    points = follow(c, frequency, force, 0.5, True, values)
+    assert not {point.parameter for point in points} & set(values.tolist())
+
+
 def test_multipliers_grow_as_one_over_the_distance_from_the_touch(branch):
     """The derivative of a root: the product of multiplier and way has a limit."""
     _, _, _, points = branch
