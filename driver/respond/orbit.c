@@ -326,7 +326,8 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
                      double time, const volatile sig_atomic_t *interrupt, dae_state *round, double *values,
                      char message[DAE_MESSAGE_LENGTH])
 {
-    const double tight = round != NULL ? 1e-10 : 1e-11; /* tolerance: what is unstable leaves its orbit slowly enough */
+    /* tolerance: what is unstable leaves its orbit slowly enough; what is only told counts as an orbit to 1e-8 of the scales */
+    const double tight = round != NULL ? 1e-10 : 1e-11;
     POOLED memory_pool pool = {NULL};
     search *s = pool_calloc(&pool, 1, sizeof *s);
     integrate_options options = simulate_options(prepared);

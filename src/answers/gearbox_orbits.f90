@@ -58,7 +58,7 @@ module evl_gearbox_orbits
       integer, allocatable, private :: memory(:)    !! tooth contacts whose approach speeds are states
       integer, allocatable, private :: integers(:)  !! discrete state
       real(wp), allocatable, private :: reals(:)
-      type(root_place), allocatable :: root_list(:)    !! [n_roots] the same at all values; there need not be a gearbox any more
+      type(root_place), allocatable :: root_list(:) !! [n_roots] the same at all values; there need not be a gearbox any more
    contains
       procedure :: rhs
       procedure :: rhs_lanes

@@ -320,7 +320,6 @@ contains
       if (straight < no_turn) longest = min(longest, options%largest_step)
       if (next%orbit%iterations <= easy .and. straight >= little_turn) step = 1.5_wp*step
       step = min(step, longest)
-
    end subroutine go_on
 
    !> Look past a touch ahead that lies in the range.

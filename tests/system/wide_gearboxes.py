@@ -3,7 +3,7 @@
 A seed gives a case, its last digit the kind. The wide ones have loads over twelve decades, speeds
 over six, and are then put into other units: lengths over eight decades, times and masses over
 twelve. No key is left to a default that has a unit, so that a change of units changes nothing but
-the digits: see `test_scales.py`.
+the digits.
 """
 
 from __future__ import annotations
