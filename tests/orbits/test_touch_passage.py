@@ -57,13 +57,17 @@ def closed_form(frequency: float, amplitude: float, force: float, enter: float, 
 
 
 def follow(
-    c, frequency: float, force: float, begin: float, rising: bool = True, values=()
+    c,
+    frequency: float,
+    force: float,
+    begin: float,
+    rising: bool = True,
+    values=(),
+    steps=(0.01, 1e-7, 0.05),
 ) -> list[Point]:
     touch = touch_of(frequency)
     system = System(c, "switched", [frequency, DAMPING, begin * touch, DISTANCE, force], 2)
-    system.options(
-        between=(0.5 * touch, 1.5 * touch), rising=rising, steps=(0.01, 1e-7, 0.05), most=300
-    )
+    system.options(between=(0.5 * touch, 1.5 * touch), rising=rising, steps=steps, most=300)
     if len(values) > 0:
         system.values(values)
     start = swept_to(system, begin * touch)
@@ -173,6 +177,21 @@ def test_unstable_orbits_close_behind_a_touch_are_at_no_value(c, frequency: floa
     values = np.linspace(touch, behind.parameter, 7)[1:-1]
     points = follow(c, frequency, force, 0.5, True, values)
     assert not {point.parameter for point in points} & set(values.tolist())
+
+
+@pytest.mark.parametrize("rising", [True, False])
+def test_a_step_from_one_branch_to_another_is_tried_shorter(c, rising: bool):
+    """Longer than the way from the touch to the fold: what lies between is found all the same."""
+    short, long = (
+        [
+            (point.kind, round(point.parameter, 5))
+            for point in follow(c, 1.3, 0.2, 0.5 if rising else 1.5, rising, steps=steps)
+            if point.kind != "ordinary"
+        ]
+        for steps in [(0.01, 1e-7, 0.05), (0.5, 1e-7, 2.0)]
+    )
+    assert long == short
+    assert {kind for kind, _ in long} == {"touch_fold", "fold"}
 
 
 def test_multipliers_grow_as_one_over_the_distance_from_the_touch(branch):
