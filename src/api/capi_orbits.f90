@@ -4,22 +4,19 @@
 module evl_capi_orbits
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
                                                                              c_funptr, c_int, c_loc, c_null_ptr, c_ptr
-   use evl_branch, only: advance_branch, begin_branch, branch_options, branch_walk, keep_point, switch_at_doubling, told_before_end
-   use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_from_c, to_c
-   use evl_gearbox, only: gearbox_t
-   use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_create, &
-                                 gearbox_orbits_start, gearbox_orbits_state
+   use evl_branch, only: advance_branch, begin_branch, keep_point, switch_at_doubling
+   use evl_capi_types, only: answer, c_name_length, c_status, to_c
+   use evl_gearbox_orbits, only: gearbox_orbits_create, gearbox_orbits_start, gearbox_orbits_state
    use evl_kinds, only: wp
-   use evl_orbit_teller, only: orbit_teller
-   use evl_shooting, only: correct_orbit, find_orbit, orbit_t, own_multipliers
+   use evl_orbits_session, only: add_branch, c_take, c_tell, complete, orbits_t
+   use evl_shooting, only: find_orbit, orbit_t, own_multipliers
    use evl_special_points, only: branch_point, kind_touch, kind_touch_fold
    use evl_status, only: code_no_memory, code_no_solution, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: evl_orbits_advance, evl_orbits_begin, evl_orbits_create, evl_orbits_delete, evl_orbits_find, evl_orbits_go_on, &
-             evl_orbits_keep, evl_orbits_kept, evl_orbits_point, evl_orbits_put, evl_orbits_state, evl_orbits_switch, &
-             evl_orbits_walk
+   public :: evl_orbits_advance, evl_orbits_begin, evl_orbits_create, evl_orbits_delete, evl_orbits_find, evl_orbits_point, &
+             evl_orbits_state, evl_orbits_switch
 
    !> evl_orbits_setup
    type, bind(c) :: c_setup
@@ -39,125 +36,7 @@ module evl_capi_orbits
       character(kind=c_char) :: root(c_name_length)
    end type c_orbit
 
-   abstract interface
-      integer(c_int) function c_take(self, value, gearbox, scale, status) bind(c)
-         import :: c_double, c_int, c_ptr, c_status
-         implicit none (type, external)
-         type(c_ptr), value :: self
-         real(c_double), value :: value
-         type(c_ptr), intent(out) :: gearbox, scale
-         type(c_status), intent(inout) :: status
-      end function c_take
-
-      integer(c_int) function c_tell(self, number, periods, period, t, y, integers, reals, status) bind(c)
-         import :: c_double, c_int, c_ptr, c_status
-         implicit none (type, external)
-         type(c_ptr), value :: self
-         integer(c_int), value :: number, periods
-         real(c_double), intent(inout) :: period
-         real(c_double), value :: t
-         real(c_double), intent(inout) :: y(*), reals(*)
-         integer(c_int), intent(inout) :: integers(*)
-         type(c_status), intent(inout) :: status
-      end function c_tell
-   end interface
-
-   type, extends(gearbox_family) :: callers_family
-      type(c_ptr) :: self = c_null_ptr
-      procedure(c_take), pointer, nopass :: ask => null()
-   contains
-      procedure :: take
-   end type callers_family
-
-   type, extends(orbit_teller) :: callers_teller
-      type(c_ptr) :: self = c_null_ptr
-      procedure(c_tell), pointer, nopass :: ask => null()
-      type(gearbox_orbits), pointer :: model => null()
-   contains
-      procedure :: tell => tell_caller
-   end type callers_teller
-
-   !> evl_orbits_progress
-   type, bind(c) :: c_walk
-      real(c_double) :: step
-      integer(c_int) :: crawls, n_ordinary, before, is_smooth
-   end type c_walk
-
-   integer, parameter :: n_kept = 8 !! numbers that are kept of a point beside its arrays
-
-   type :: points_t
-      type(branch_point), allocatable :: points(:)
-      integer :: n = 0 !! of them
-   end type points_t
-
-   !> evl_orbits
-   type :: orbits_t
-      type(callers_family) :: family
-      type(callers_teller) :: teller
-      type(gearbox_orbits) :: model
-      type(branch_options) :: options
-      type(orbit_t) :: orbit                      !! the last that was found, or switched to
-      type(points_t), allocatable :: branches(:)
-      integer :: n_branches = 0
-      type(branch_walk) :: walk                   !! along the last one
-      integer :: before = 0                       !! which of its points is the ordinary one before the last; 0: none
-   end type orbits_t
-
 contains
-
-   !> Ask the caller for a gearbox.
-   subroutine take(self, value, gearbox, scale, status)
-      class(callers_family), intent(inout) :: self
-      real(wp), intent(in) :: value
-      type(gearbox_t), pointer, intent(out) :: gearbox
-      real(wp), allocatable, intent(out) :: scale(:)
-      type(status_t), intent(inout) :: status
-      type(c_ptr) :: handle, scale_handle
-      real(c_double), pointer :: of_caller(:)
-      type(c_status) :: refusal
-      character(len=size(refusal%message)) :: message
-      integer :: i
-
-      gearbox => null()
-      if (self%ask(self%self, value, handle, scale_handle, refusal) /= code_ok) then
-         message = ""
-         do i = 1, size(refusal%message)
-            if (iachar(refusal%message(i)) == 0) exit
-            message(i:i) = refusal%message(i)
-         end do
-         status = status_from_c(refusal)
-         call fail(status, refusal%code, trim(message))
-         return
-      end if
-      gearbox => gearbox_of(handle)
-      call c_f_pointer(scale_handle, of_caller, [gearbox%n_states])
-      scale = of_caller
-   end subroutine take
-
-   !> Let the caller follow what is to be an orbit.
-   subroutine tell_caller(self, number, orbit, status)
-      class(callers_teller), intent(inout) :: self
-      integer, intent(in) :: number
-      type(orbit_t), intent(inout) :: orbit
-      type(status_t), intent(inout) :: status
-      type(c_status) :: refusal
-
-      associate (model => self%model, g => self%model%gearbox)
-         block
-            real(c_double) :: y(g%n_states), reals(size(g%contacts))
-            integer(c_int) :: integers(g%n_integers)
-
-            call gearbox_orbits_state(model, orbit%y, y, integers, reals, status)
-            if (has_failed(status)) return
-            if (self%ask(self%self, number, orbit%periods, orbit%period, model%phase, y, integers, reals, refusal) /= code_ok) then
-               call fail(status, code_no_solution, "it could not be told")
-               return
-            end if
-            call gearbox_orbits_arrive(model, y, integers, reals, orbit%flow%y, orbit%flow%same_modes)
-            call model%rhs(model%phase, orbit%flow%y, orbit%flow%rate, status)
-         end block
-      end associate
-   end subroutine tell_caller
 
    type(c_ptr) function evl_orbits_create(setup, value, status) result(handle) bind(c)
       type(c_setup), intent(in) :: setup
@@ -290,132 +169,6 @@ contains
       is_over = self%walk%is_over
       code = answer(s, status)
    end function evl_orbits_advance
-
-   !> Room for a new branch, which is empty.
-   subroutine add_branch(self)
-      type(orbits_t), intent(inout) :: self
-      type(points_t), allocatable :: more(:)
-      integer :: i
-
-      if (self%n_branches == size(self%branches)) then
-         allocate (more(2*self%n_branches))
-         do i = 1, self%n_branches
-            call move_alloc(self%branches(i)%points, more(i)%points)
-            more(i)%n = self%branches(i)%n
-         end do
-         call move_alloc(more, self%branches)
-      end if
-      self%n_branches = self%n_branches + 1
-      allocate (self%branches(self%n_branches)%points(64))
-   end subroutine add_branch
-
-   integer(c_int) function evl_orbits_kept(handle) result(n) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(orbits_t), pointer :: self
-
-      call c_f_pointer(handle, self)
-      n = n_kept + 3*self%model%n + 2
-   end function evl_orbits_kept
-
-   subroutine evl_orbits_keep(handle, branch, point, numbers) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: branch, point
-      real(c_double), intent(inout) :: numbers(*)
-      type(orbits_t), pointer :: self
-
-      call c_f_pointer(handle, self)
-      associate (at => self%branches(branch + 1)%points(point + 1), n => self%model%n)
-         associate (o => at%orbit)
-            numbers(:n_kept) = [real(wp) :: o%parameter, o%period, o%residual, at%way, o%periods, o%iterations, at%kind, at%root]
-            numbers(n_kept + 1:n_kept + n) = o%y
-            numbers(n_kept + n + 1:n_kept + 3*n + 2) = 0
-            if (allocated(o%by_parameter)) numbers(n_kept + n + 1:n_kept + 2*n) = o%by_parameter
-            if (allocated(o%tangent)) numbers(n_kept + 2*n + 1:n_kept + 3*n + 2) = o%tangent
-         end associate
-      end associate
-   end subroutine evl_orbits_keep
-
-   subroutine evl_orbits_put(handle, branch, numbers) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      integer(c_int), intent(in), value :: branch
-      real(c_double), intent(in), optional :: numbers(*)
-      type(orbits_t), pointer :: self
-      type(branch_point) :: at
-
-      call c_f_pointer(handle, self)
-      if (branch >= self%n_branches) call add_branch(self)
-      if (.not. present(numbers)) return
-      associate (n => self%model%n, o => at%orbit)
-         o%parameter = numbers(1)
-         o%period = numbers(2)
-         o%residual = numbers(3)
-         at%way = numbers(4)
-         o%periods = nint(numbers(5))
-         o%iterations = nint(numbers(6))
-         at%kind = nint(numbers(7))
-         at%root = nint(numbers(8))
-         o%y = numbers(n_kept + 1:n_kept + n)
-         o%by_parameter = numbers(n_kept + n + 1:n_kept + 2*n)
-         o%tangent = numbers(n_kept + 2*n + 1:n_kept + 3*n + 2)
-      end associate
-      associate (to => self%branches(branch + 1))
-         call keep_point(to%points, to%n, at)
-      end associate
-   end subroutine evl_orbits_put
-
-   subroutine evl_orbits_walk(handle, walk) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(c_walk), intent(out) :: walk
-      type(orbits_t), pointer :: self
-
-      call c_f_pointer(handle, self)
-      walk%step = self%walk%step
-      walk%crawls = self%walk%crawls
-      walk%n_ordinary = self%walk%n_ordinary
-      walk%before = self%before
-      walk%is_smooth = merge(1, 0, self%walk%is_smooth)
-   end subroutine evl_orbits_walk
-
-   integer(c_int) function evl_orbits_go_on(handle, walk, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(c_walk), intent(in) :: walk
-      type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
-      type(status_t) :: s
-
-      call c_f_pointer(handle, self)
-      associate (branch => self%branches(self%n_branches))
-         call complete(self, branch%points(1), s)
-         if (.not. has_failed(s)) call complete(self, branch%points(branch%n), s)
-         self%walk%first = branch%points(1)
-         self%walk%now = branch%points(branch%n)
-         self%walk%step = walk%step
-         self%walk%crawls = walk%crawls
-         self%walk%n_ordinary = walk%n_ordinary
-         self%walk%is_smooth = walk%is_smooth /= 0
-         self%walk%is_over = .false.
-         self%before = walk%before
-         self%walk%told = told_before_end(branch%points(max(1, self%before + 1):branch%n))
-         if (self%before > 0 .and. .not. has_failed(s)) then
-            call complete(self, branch%points(self%before), s)
-            self%walk%before = branch%points(self%before)%orbit
-         end if
-      end associate
-      code = answer(s, status)
-   end function evl_orbits_go_on
-
-   !> Find what was not kept of a point: its flow and what follows from that.
-   subroutine complete(self, point, status)
-      type(orbits_t), intent(inout) :: self
-      type(branch_point), intent(inout) :: point
-      type(status_t), intent(inout) :: status
-      integer :: iterations
-
-      if (allocated(point%orbit%multipliers)) return
-      iterations = point%orbit%iterations
-      call correct_orbit(self%model, self%options%orbits, point%orbit, status) ! there is nothing left to correct
-      point%orbit%iterations = iterations
-   end subroutine complete
 
    integer(c_int) function evl_orbits_switch(handle, branch, point, distance, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -1,0 +1,161 @@
+!> What a search for periodic orbits is made of behind the C interface: who is asked, and what was found so far.
+module evl_orbits_session
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_null_ptr, c_ptr
+   use evl_branch, only: branch_options, branch_walk
+   use evl_capi_types, only: c_status, gearbox_of, status_from_c
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_state
+   use evl_kinds, only: wp
+   use evl_orbit_teller, only: orbit_teller
+   use evl_shooting, only: correct_orbit, orbit_t
+   use evl_special_points, only: branch_point
+   use evl_status, only: code_no_solution, code_ok, fail, has_failed, status_t
+   implicit none (type, external)
+   private
+
+   public :: add_branch, c_take, c_tell, complete, orbits_t
+
+   abstract interface
+      integer(c_int) function c_take(self, value, gearbox, scale, status) bind(c)
+         import :: c_double, c_int, c_ptr, c_status
+         implicit none (type, external)
+         type(c_ptr), value :: self
+         real(c_double), value :: value
+         type(c_ptr), intent(out) :: gearbox, scale
+         type(c_status), intent(inout) :: status
+      end function c_take
+
+      integer(c_int) function c_tell(self, number, periods, period, t, y, integers, reals, status) bind(c)
+         import :: c_double, c_int, c_ptr, c_status
+         implicit none (type, external)
+         type(c_ptr), value :: self
+         integer(c_int), value :: number, periods
+         real(c_double), intent(inout) :: period
+         real(c_double), value :: t
+         real(c_double), intent(inout) :: y(*), reals(*)
+         integer(c_int), intent(inout) :: integers(*)
+         type(c_status), intent(inout) :: status
+      end function c_tell
+   end interface
+
+   type, extends(gearbox_family) :: callers_family
+      type(c_ptr) :: self = c_null_ptr
+      procedure(c_take), pointer, nopass :: ask => null()
+   contains
+      procedure :: take
+   end type callers_family
+
+   type, extends(orbit_teller) :: callers_teller
+      type(c_ptr) :: self = c_null_ptr
+      procedure(c_tell), pointer, nopass :: ask => null()
+      type(gearbox_orbits), pointer :: model => null()
+   contains
+      procedure :: tell => tell_caller
+   end type callers_teller
+
+   type :: points_t
+      type(branch_point), allocatable :: points(:)
+      integer :: n = 0 !! of them
+   end type points_t
+
+   !> evl_orbits
+   type :: orbits_t
+      type(callers_family) :: family
+      type(callers_teller) :: teller
+      type(gearbox_orbits) :: model
+      type(branch_options) :: options
+      type(orbit_t) :: orbit                      !! the last that was found, or switched to
+      type(points_t), allocatable :: branches(:)
+      integer :: n_branches = 0
+      type(branch_walk) :: walk                   !! along the last one
+      integer :: before = 0                       !! which of its points is the ordinary one before the last; 0: none
+   end type orbits_t
+
+contains
+
+   !> Ask the caller for a gearbox.
+   subroutine take(self, value, gearbox, scale, status)
+      class(callers_family), intent(inout) :: self
+      real(wp), intent(in) :: value
+      type(gearbox_t), pointer, intent(out) :: gearbox
+      real(wp), allocatable, intent(out) :: scale(:)
+      type(status_t), intent(inout) :: status
+      type(c_ptr) :: handle, scale_handle
+      real(c_double), pointer :: of_caller(:)
+      type(c_status) :: refusal
+      character(len=size(refusal%message)) :: message
+      integer :: i
+
+      gearbox => null()
+      if (self%ask(self%self, value, handle, scale_handle, refusal) /= code_ok) then
+         message = ""
+         do i = 1, size(refusal%message)
+            if (iachar(refusal%message(i)) == 0) exit
+            message(i:i) = refusal%message(i)
+         end do
+         status = status_from_c(refusal)
+         call fail(status, refusal%code, trim(message))
+         return
+      end if
+      gearbox => gearbox_of(handle)
+      call c_f_pointer(scale_handle, of_caller, [gearbox%n_states])
+      scale = of_caller
+   end subroutine take
+
+   !> Let the caller follow what is to be an orbit.
+   subroutine tell_caller(self, number, orbit, status)
+      class(callers_teller), intent(inout) :: self
+      integer, intent(in) :: number
+      type(orbit_t), intent(inout) :: orbit
+      type(status_t), intent(inout) :: status
+      type(c_status) :: refusal
+
+      associate (model => self%model, g => self%model%gearbox)
+         block
+            real(c_double) :: y(g%n_states), reals(size(g%contacts))
+            integer(c_int) :: integers(g%n_integers)
+
+            call gearbox_orbits_state(model, orbit%y, y, integers, reals, status)
+            if (has_failed(status)) return
+            if (self%ask(self%self, number, orbit%periods, orbit%period, model%phase, y, integers, reals, refusal) /= code_ok) then
+               call fail(status, code_no_solution, "it could not be told")
+               return
+            end if
+            call gearbox_orbits_arrive(model, y, integers, reals, orbit%flow%y, orbit%flow%same_modes)
+            call model%rhs(model%phase, orbit%flow%y, orbit%flow%rate, status)
+         end block
+      end associate
+   end subroutine tell_caller
+
+   !> Room for a new branch, which is empty.
+   subroutine add_branch(self)
+      type(orbits_t), intent(inout) :: self
+      type(points_t), allocatable :: more(:)
+      integer :: i
+
+      if (self%n_branches == size(self%branches)) then
+         allocate (more(2*self%n_branches))
+         do i = 1, self%n_branches
+            call move_alloc(self%branches(i)%points, more(i)%points)
+            more(i)%n = self%branches(i)%n
+         end do
+         call move_alloc(more, self%branches)
+      end if
+      self%n_branches = self%n_branches + 1
+      allocate (self%branches(self%n_branches)%points(64))
+   end subroutine add_branch
+
+   !> Find what was not kept of a point: its flow and what follows from that.
+   subroutine complete(self, point, status)
+      type(orbits_t), intent(inout) :: self
+      type(branch_point), intent(inout) :: point
+      type(status_t), intent(inout) :: status
+      integer :: iterations
+
+      if (allocated(point%orbit%multipliers)) return
+      iterations = point%orbit%iterations
+      call correct_orbit(self%model, self%options%orbits, point%orbit, status) ! there is nothing left to correct
+      point%orbit%iterations = iterations
+   end subroutine complete
+
+end module evl_orbits_session
