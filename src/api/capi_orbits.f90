@@ -4,7 +4,8 @@
 module evl_capi_orbits
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
                                                                              c_funptr, c_int, c_loc, c_null_ptr, c_ptr
-   use evl_branch, only: advance_branch, begin_branch, keep_point, switch_at_doubling
+   use evl_branch, only: advance_branch, begin_branch, keep_point
+   use evl_branch_doubling, only: switch_at_doubling
    use evl_capi_types, only: answer, c_name_length, c_status, to_c
    use evl_gearbox_orbits, only: gearbox_orbits_create, gearbox_orbits_start, gearbox_orbits_state
    use evl_kinds, only: wp
@@ -182,7 +183,7 @@ contains
       call complete(self, self%branches(branch + 1)%points(point + 1), s)
       associate (from => self%branches(branch + 1)%points(point + 1)%orbit)
          if (.not. has_failed(s)) call self%model%set_parameter(from%parameter, s)
-         if (.not. has_failed(s)) call switch_at_doubling(self%model, self%options, from, distance, self%orbit, s)
+         if (.not. has_failed(s)) call switch_at_doubling(self%model, self%options%orbits, from, distance, self%orbit, s)
       end associate
       code = answer(s, status)
    end function evl_orbits_switch

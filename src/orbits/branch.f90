@@ -1,4 +1,4 @@
-!> Branches of periodic orbits: followed in a parameter, through folds; and from a period doubling the branch of twice the period.
+!> Branches of periodic orbits: followed in a parameter, through folds.
 !>
 !> Pseudo-arclength: from a point a step along the tangent, then Newton's iteration orthogonal to it. The step halves where the
 !> iteration fails or the branch turns more than it should in a step, and grows where it is easy.
@@ -7,14 +7,12 @@
 !> Stability Analysis, 3rd ed., ch. 4 and 7.
 module evl_branch
    use evl_branch_curve, only: curve_t, curve_through, lack_of, orbit_on_curve, way_to
+   use evl_branch_doubling, only: repeats_sooner
    use evl_branch_values, only: find_orbits_at
-   use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
-   use evl_lapack, only: dgesvd
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
-   use evl_places, only: places
-   use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
+   use evl_shooting, only: correct_orbit, find_tangent, orbit_options, orbit_t
    use evl_special_points, only: branch_point, find_special_points, kind_fold, kind_ordinary
    use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
@@ -22,7 +20,7 @@ module evl_branch
    private
 
    public :: branch_options, branch_walk
-   public :: advance_branch, begin_branch, follow_branch, keep_point, switch_at_doubling, told_before_end
+   public :: advance_branch, begin_branch, follow_branch, keep_point, told_before_end
 
    !> What the user chooses of a branch. Steps are in units of the scales.
    type :: branch_options
@@ -165,7 +163,7 @@ contains
       do i = 1, size(special)
          call add_up_to(special(i))
          closes = special(i)%kind == kind_fold
-         if (closes) call repeats_sooner(model, options, special(i)%orbit, closes, status)
+         if (closes) call repeats_sooner(model, options%orbits, special(i)%orbit, closes, status)
          if (.not. closes .and. .not. has_failed(status)) cycle
          walk%is_over = closes ! the same orbits, half a period later, are all that comes
          return
@@ -216,28 +214,6 @@ contains
          allocate (told(0))
       end if
    end function told_before_end
-
-   !> Whether an orbit repeats after half its periods, as where a branch of twice the period ends.
-   subroutine repeats_sooner(model, options, orbit, sooner, status)
-      class(orbit_model), intent(inout) :: model
-      type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: orbit
-      logical, intent(out) :: sooner
-      type(status_t), intent(inout) :: status
-      real(wp), parameter :: near = 1.0e-3_wp !! of the scales: orbits leave such a point with the root of the parameter
-      type(flow_t) :: flow
-      real(wp) :: lack(model%n)
-
-      sooner = .false.
-      if (modulo(orbit%periods, 2) /= 0) return
-      call model%set_parameter(orbit%parameter, status)
-      if (.not. has_failed(status)) &
-         call follow(model, orbit%y, orbit%periods/2, orbit%period/2, options%orbits%tolerance, .false., flow, status)
-      if (has_failed(status)) return
-      lack = flow%y - orbit%y
-      if (allocated(model%advance)) lack = lack - (orbit%periods/2)*model%advance
-      sooner = maxval(abs(lack)/model%scale, orbit%active) < near
-   end subroutine repeats_sooner
 
    !> Whether a step passes the first point of the branch once more.
    pure logical function comes_by(model, options, now, way, first)
@@ -387,52 +363,5 @@ contains
          if (model%autonomous) next%way = next%way + now%tangent(model%n + 1)*(orbit%period/now%period - 1)
       end associate
    end subroutine stop_at_bound
-
-   !> From an orbit with a multiplier -1 to one of twice the period.
-   subroutine switch_at_doubling(model, options, doubling, distance, orbit, status)
-      class(orbit_model), intent(inout) :: model
-      type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: doubling  !! located
-      real(wp), intent(in) :: distance       !! of the new orbit from it, along the multiplier's vector, in units of the scales
-      type(orbit_t), intent(out) :: orbit    !! with a tangent away from the doubling
-      type(status_t), intent(inout) :: status
-      real(wp) :: away(model%n + 2)
-
-      call find_direction(model, doubling, away, status)
-      if (has_failed(status)) return
-      orbit%parameter = doubling%parameter
-      orbit%periods = 2*doubling%periods
-      orbit%period = 2*doubling%period
-      orbit%y = doubling%y
-      call move_orbit(model, options%orbits, orbit, distance*away)
-      call correct_orbit(model, options%orbits, orbit, status, away)
-      if (.not. has_failed(status)) call find_tangent(model, options%orbits, orbit, away, status)
-   end subroutine switch_at_doubling
-
-   !> The vector of the multiplier -1: the last right singular vector of D + 1.
-   subroutine find_direction(model, doubling, away, status)
-      class(orbit_model), intent(in) :: model
-      type(orbit_t), intent(in) :: doubling
-      real(wp), intent(out) :: away(:) !! [n + 2]
-      type(status_t), intent(inout) :: status
-      real(wp), parameter :: near = 1.0e-3_wp
-      real(wp), allocatable :: a(:, :), sizes(:), vectors(:, :), work(:)
-      real(wp) :: no_vectors(1, 1)
-      integer :: i, m, info
-
-      m = count(doubling%active)
-      allocate (a, source=scaled_derivative(model, doubling))
-      do i = 1, m
-         a(i, i) = a(i, i) + 1
-      end do
-      allocate (sizes(m), vectors(m, m), work(8*m))
-      call dgesvd("N", "A", m, m, a, m, sizes, no_vectors, 1, vectors, m, work, size(work), info)
-      if (info /= 0 .or. minval(abs(doubling%multipliers + 1)) > near) then
-         call fail(status, code_no_solution, "the orbit at "//quantity(doubling%parameter, "")//" has no multiplier -1")
-         return
-      end if
-      away = 0
-      away(places(doubling%active)) = vectors(m, :)*sign(1.0_wp, vectors(m, maxloc(abs(vectors(m, :)), 1)))
-   end subroutine find_direction
 
 end module evl_branch

@@ -1,7 +1,8 @@
 !> The search for orbits as C functions, for tests; no part of the kernel's interface.
 module orbit_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_ptr
-   use evl_branch, only: branch_options, follow_branch, switch_at_doubling
+   use evl_branch, only: branch_options, follow_branch
+   use evl_branch_doubling, only: switch_at_doubling
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
    use evl_orbit_teller, only: orbit_teller
@@ -189,7 +190,8 @@ contains
 
       call c_f_pointer(handle, session)
       call clear(session%status)
-      call switch_at_doubling(session%model, session%options, session%points(index + 1)%orbit, distance, orbit, session%status)
+      call switch_at_doubling(session%model, session%options%orbits, session%points(index + 1)%orbit, distance, orbit, &
+                              session%status)
       code = session%status%code
       if (has_failed(session%status)) return
       deallocate (session%points)
