@@ -10,7 +10,8 @@ module evl_capi_orbits
    use evl_gearbox_orbits, only: gearbox_orbits_create, gearbox_orbits_start, gearbox_orbits_state
    use evl_kinds, only: wp
    use evl_orbits_session, only: add_branch, c_take, c_tell, complete, orbits_t
-   use evl_shooting, only: find_orbit, orbit_t, own_multipliers
+   use evl_periodic_orbit, only: orbit_t, own_multipliers
+   use evl_shooting, only: find_orbit
    use evl_special_points, only: branch_point, kind_touch, kind_touch_fold
    use evl_status, only: code_no_memory, code_no_solution, code_ok, fail, has_failed, status_t
    implicit none (type, external)

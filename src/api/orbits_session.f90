@@ -7,7 +7,8 @@ module evl_orbits_session
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_state
    use evl_kinds, only: wp
    use evl_orbit_teller, only: orbit_teller
-   use evl_shooting, only: correct_orbit, orbit_t
+   use evl_periodic_orbit, only: orbit_t
+   use evl_shooting, only: correct_orbit
    use evl_special_points, only: branch_point
    use evl_status, only: code_no_solution, code_ok, fail, has_failed, status_t
    implicit none (type, external)

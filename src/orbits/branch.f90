@@ -12,7 +12,9 @@ module evl_branch
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
-   use evl_shooting, only: correct_orbit, find_tangent, orbit_options, orbit_t
+   use evl_periodic_orbit, only: orbit_options, orbit_t
+   use evl_shooting, only: correct_orbit
+   use evl_shooting_system, only: find_tangent
    use evl_special_points, only: branch_point, find_special_points, kind_fold, kind_ordinary
    use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t

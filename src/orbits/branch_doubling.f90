@@ -6,8 +6,10 @@ module evl_branch_doubling
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd
    use evl_orbit_model, only: orbit_model
+   use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, scaled_derivative
    use evl_places, only: places
-   use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, scaled_derivative
+   use evl_shooting, only: correct_orbit
+   use evl_shooting_system, only: find_tangent
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private

@@ -8,7 +8,7 @@ module evl_branch_lacks
    use evl_branch_curve, only: change_on_curve, curve_t, orbit_on_curve, way_to
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
-   use evl_shooting, only: move_orbit, orbit_options, orbit_t
+   use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t
    implicit none (type, external)
    private
 

@@ -7,8 +7,10 @@ module evl_branch_values
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
+   use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, own_multipliers
    use evl_places, only: places
-   use evl_shooting, only: change_of, correct_orbit, learn_from_change, move_orbit, orbit_options, orbit_t, own_multipliers
+   use evl_shooting, only: correct_orbit
+   use evl_shooting_system, only: change_of, learn_from_change
    use evl_special_points, only: branch_point, kind_ordinary, kind_touch, kind_touch_fold
    use evl_status, only: has_failed, status_t
    implicit none (type, external)

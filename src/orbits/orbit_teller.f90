@@ -1,7 +1,7 @@
 !> Who wants to see an orbit go round: what is told of an orbit, such as means and extremes, needs a run of its own. That run says
 !> as well whether it is an orbit, so it saves a flow where orbits are well foreseen.
 module evl_orbit_teller
-   use evl_shooting, only: orbit_t
+   use evl_periodic_orbit, only: orbit_t
    use evl_status, only: status_t
    implicit none (type, external)
    private

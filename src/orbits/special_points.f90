@@ -12,7 +12,9 @@ module evl_special_points
    use evl_kinds, only: wp
    use evl_multipliers, only: product_over_minus_one, product_over_one, product_over_pairs
    use evl_orbit_model, only: orbit_model
-   use evl_shooting, only: correct_orbit, find_tangent, move_orbit, orbit_options, orbit_t, own_multipliers
+   use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, own_multipliers
+   use evl_shooting, only: correct_orbit
+   use evl_shooting_system, only: find_tangent
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
    private

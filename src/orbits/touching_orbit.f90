@@ -8,8 +8,9 @@ module evl_touching_orbit
    use evl_branch_curve, only: curve_t, orbit_on_curve
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
-   use evl_shooting, only: correct_orbit, differentiate_by_parameter, go_round, lack_of_round, move_orbit, orbit_options, orbit_t, &
-                           solve_along
+   use evl_periodic_orbit, only: go_round, lack_of_round, move_orbit, orbit_options, orbit_t
+   use evl_shooting, only: correct_orbit
+   use evl_shooting_system, only: differentiate_by_parameter, solve_along
    use evl_special_points, only: touch_test
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)

@@ -6,7 +6,8 @@ module orbit_calls
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
    use evl_orbit_teller, only: orbit_teller
-   use evl_shooting, only: find_orbit, orbit_t
+   use evl_periodic_orbit, only: orbit_t
+   use evl_shooting, only: find_orbit
    use evl_special_points, only: branch_point
    use evl_status, only: clear, has_failed, status_t
    use orbit_systems, only: orbit_system, orbit_system_create
