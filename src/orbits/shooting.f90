@@ -92,6 +92,7 @@ contains
          was_exact = is_exact
          is_exact = was_exact .or. (iteration > 0 .and. rate*orbit%residual <= options%residual)
          share = 1
+         is_better = .false.
          do halving = 0, options%most_halvings
             trial = orbit
             call clear(refusal)
