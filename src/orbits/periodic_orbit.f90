@@ -12,7 +12,7 @@ module evl_periodic_orbit
    private
 
    public :: orbit_options, orbit_t
-   public :: find_active, go_round, lack_of_round, move_orbit, own_multipliers, scaled_derivative
+   public :: compare_ends, go_round, lack_of_round, move_orbit, own_multipliers, scaled_derivative
 
    !> What the user chooses.
    type :: orbit_options
@@ -78,12 +78,12 @@ contains
       call follow(model, orbit%y, orbit%periods, orbit%period, options%tolerance,.not. allocated(derivative), orbit%flow, status)
       if (has_failed(status)) return
       if (allocated(derivative)) orbit%flow%derivative = derivative
-      call find_active(model, orbit)
-      orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
+      call compare_ends(model, orbit)
    end subroutine go_round
 
-   !> States that have to repeat and are not just at rest, such as a memory that no event of the orbit sets.
-   pure subroutine find_active(model, orbit)
+   !> Which states are found, and how much these lack after a period. Found are those that have to repeat and are not just at rest,
+   !> such as a memory that no event of the orbit sets.
+   pure subroutine compare_ends(model, orbit)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(inout) :: orbit
       real(wp) :: row(model%n)
@@ -97,7 +97,8 @@ contains
          row(i) = row(i) - 1
          orbit%active(i) = repeats(i) .and. (any(abs(row) > 0) .or. abs(orbit%flow%y(i) - orbit%y(i)) > 0)
       end do
-   end subroutine find_active
+      orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
+   end subroutine compare_ends
 
    !> What the state lacks after a period.
    pure function lack_of_round(model, orbit) result(lack)

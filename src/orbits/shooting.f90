@@ -5,9 +5,9 @@ module evl_shooting
    use evl_kinds, only: wp
    use evl_multipliers, only: find_multipliers
    use evl_orbit_model, only: orbit_model
-   use evl_periodic_orbit, only: go_round, lack_of_round, move_orbit, orbit_options, orbit_t, scaled_derivative
-   use evl_shooting_system, only: differentiate_by_parameter, find_phase_row, learn_by_parameter, learn_from_change, linearise, &
-                                  solve
+   use evl_periodic_orbit, only: go_round, move_orbit, orbit_options, orbit_t, scaled_derivative
+   use evl_shooting_system, only: differentiate_by_parameter, find_phase_row, learn_by_parameter, learn_from_change, solve_system, &
+                                  wanted_change
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
@@ -57,7 +57,7 @@ contains
       integer, parameter :: stale = 5
       type(orbit_t) :: trial
       type(status_t) :: refusal
-      real(wp) :: matrix(model%n + 2, model%n + 2), change(model%n + 2), phase_row(model%n), last, rate, share
+      real(wp) :: change(model%n + 2), phase_row(model%n), last, rate, share
       integer :: damped, halving, iteration
       logical :: at_end, is_exact, is_better, was_exact
 
@@ -84,10 +84,8 @@ contains
          if (present(tangent) .and. (.not. allocated(orbit%by_parameter) .or. iteration == stale)) &
             call differentiate_by_parameter(model, options, orbit, status)
          if (has_failed(status)) return
-         call linearise(model, options, orbit, phase_row, tangent, matrix)
-         change = 0
-         change(:model%n) = merge(-lack_of_round(model, orbit)/model%scale, 0.0_wp, orbit%active)
-         call solve(matrix, change, status)
+         change = wanted_change(model, orbit)
+         call solve_system(model, options, orbit, phase_row, tangent, change, status)
          if (has_failed(status)) return
          was_exact = is_exact
          is_exact = was_exact .or. (iteration > 0 .and. rate*orbit%residual <= options%residual)

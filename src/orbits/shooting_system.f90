@@ -19,13 +19,13 @@ module evl_shooting_system
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_orbit_model, only: orbit_model
-   use evl_periodic_orbit, only: find_active, lack_of_round, orbit_options, orbit_t
+   use evl_periodic_orbit, only: compare_ends, lack_of_round, orbit_options, orbit_t
    use evl_status, only: clear, code_no_solution, code_singular, fail, has_failed, status_t
    implicit none (type, external)
    private
 
    public :: change_of, differentiate_by_parameter, find_phase_row, find_tangent, learn_by_parameter, learn_from_change, &
-             linearise, solve, solve_along
+             solve_along, solve_system, wanted_change
 
 contains
 
@@ -37,17 +37,14 @@ contains
       type(orbit_t), intent(inout) :: orbit     !! its `active` and `residual` are found
       real(wp), intent(out) :: change(:)        !! [n + 2] in units of the scales
       type(status_t), intent(inout) :: status
-      real(wp) :: matrix(model%n + 2, model%n + 2), phase_row(model%n)
+      real(wp) :: phase_row(model%n)
 
-      call find_active(model, orbit)
-      orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
+      call compare_ends(model, orbit)
       phase_row = 0
       if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
       if (has_failed(status)) return
-      call linearise(model, options, orbit, phase_row, matrix=matrix)
-      change = 0
-      change(:model%n) = merge(-lack_of_round(model, orbit)/model%scale, 0.0_wp, orbit%active)
-      call solve(matrix, change, status)
+      change = wanted_change(model, orbit)
+      call solve_system(model, options, orbit, phase_row, x=change, status=status)
    end subroutine change_of
 
    !> Tangent of the branch at an orbit that was found.
@@ -74,13 +71,12 @@ contains
       real(wp), intent(in) :: along(:)    !! [n + 2] the last row
       real(wp), intent(inout) :: x(:)     !! [n + 2] right-hand side, then solution, in units of the scales
       type(status_t), intent(inout) :: status
-      real(wp) :: matrix(model%n + 2, model%n + 2), phase_row(model%n)
+      real(wp) :: phase_row(model%n)
 
       phase_row = 0
       if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
       if (has_failed(status)) return
-      call linearise(model, options, orbit, phase_row, along, matrix)
-      call solve(matrix, x, status)
+      call solve_system(model, options, orbit, phase_row, along, x, status)
    end subroutine solve_along
 
    !> The flow's direction at the start.
@@ -138,17 +134,33 @@ contains
       end if
    end subroutine linearise
 
-   !> Solve for one right-hand side.
-   subroutine solve(matrix, x, status)
-      real(wp), intent(inout) :: matrix(:, :) !! destroyed
-      real(wp), intent(inout) :: x(:)         !! right-hand side, then solution
+   !> The right-hand side above: the state is to change by what it lacks.
+   pure function wanted_change(model, orbit) result(x)
+      class(orbit_model), intent(in) :: model
+      type(orbit_t), intent(in) :: orbit
+      real(wp) :: x(model%n + 2) !! in units of the scales
+
+      x = 0
+      x(:model%n) = merge(-lack_of_round(model, orbit)/model%scale, 0.0_wp, orbit%active)
+   end function wanted_change
+
+   !> Solve the system for one right-hand side.
+   subroutine solve_system(model, options, orbit, phase_row, tangent, x, status)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit
+      real(wp), intent(in) :: phase_row(:)         !! [n] of an autonomous system
+      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the last row; else the parameter stays
+      real(wp), intent(inout) :: x(:)              !! [n + 2] right-hand side, then solution, in units of the scales
       type(status_t), intent(inout) :: status
+      real(wp) :: matrix(model%n + 2, model%n + 2)
       integer :: pivots(size(x)), info
 
+      call linearise(model, options, orbit, phase_row, tangent, matrix)
       call dgesv(size(x), 1, matrix, size(x), pivots, x, size(x), info)
       if (info /= 0 .or. .not. all(abs(x) <= huge(1.0_wp))) &
          call fail(status, code_singular, "Newton's iteration for an orbit has no solution: orbits are not isolated here")
-   end subroutine solve
+   end subroutine solve_system
 
    !> dP/dp of an orbit that was followed round, by a difference to one side: to the other one if there is no such system, or if
    !> root functions do not fire there as in the orbit, since P may have a corner, or a root near one; else by a shorter one.

@@ -8,9 +8,9 @@ module evl_touching_orbit
    use evl_branch_curve, only: curve_t, orbit_on_curve
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
-   use evl_periodic_orbit, only: go_round, lack_of_round, move_orbit, orbit_options, orbit_t
+   use evl_periodic_orbit, only: go_round, move_orbit, orbit_options, orbit_t
    use evl_shooting, only: correct_orbit
-   use evl_shooting_system, only: differentiate_by_parameter, solve_along
+   use evl_shooting_system, only: differentiate_by_parameter, solve_along, wanted_change
    use evl_special_points, only: touch_test
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
@@ -201,8 +201,7 @@ contains
          if (iteration == most_iterations) return
          call clear(refusal)
          call differentiate_by_parameter(model, options, touching, refusal)
-         change = 0
-         change(:model%n) = merge(-lack_of_round(model, touching)/model%scale, 0.0_wp, touching%active)
+         change = wanted_change(model, touching)
          change(model%n + 2) = max(0.1_wp*theta, last_theta) - theta
          if (.not. has_failed(refusal)) call solve_along(model, options, touching, touch%gradient, change, refusal)
          if (has_failed(refusal)) return
