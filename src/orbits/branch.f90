@@ -13,9 +13,10 @@ module evl_branch
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
    use evl_periodic_orbit, only: orbit_options, orbit_t
+   use evl_places, only: places
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent
-   use evl_special_points, only: branch_point, find_special_points, kind_fold, kind_ordinary
+   use evl_special_points, only: branch_point, find_special_points, kind_fold, kind_ordinary, kind_touch
    use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
@@ -148,7 +149,7 @@ contains
             if (has_failed(status)) return
          end if
          if (passage%found .or. (leap < little .and. .not. is_missed)) exit
-         call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, passage)
+         call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, smooth_touches(special, leap), passage)
          if (passage%found) then
             next = passage%next
             walk%step = next%way
@@ -277,7 +278,8 @@ contains
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
          if (straight >= turn .and. next%orbit%iterations <= hard) exit
          if (.not. passage%looked) &
-            call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), passage)
+            call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), &
+                                                       [integer ::], passage)
          if (passage%found) then
             next = passage%next
             step = next%way
@@ -300,16 +302,27 @@ contains
       step = min(step, longest)
    end subroutine go_on
 
+   !> Root functions of touches that were found, if orbits on both sides of each are the same: nothing jumps there.
+   pure function smooth_touches(points, leap) result(roots)
+      type(branch_point), intent(in) :: points(:)
+      real(wp), intent(in) :: leap !! as from find_special_points
+      integer, allocatable :: roots(:)
+      real(wp), parameter :: same = 1.0e-8_wp
+
+      roots = points(places(points%kind == kind_touch .and. leap <= same))%root
+   end function smooth_touches
+
    !> Look past a touch ahead that lies in the range.
-   subroutine look_for_touch(model, options, before, now, reach, passage)
+   subroutine look_for_touch(model, options, before, now, reach, smooth, passage)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(orbit_t), intent(in) :: before, now !! as of go_on
       real(wp), intent(in) :: reach
+      integer, intent(in) :: smooth(:)         !! as of pass_touch
       type(touch_passage), intent(out) :: passage
 
       call pass_touch(model, options%orbits, now, curve_through(model, options%orbits, now, before), reach, &
-                      [10*options%smallest_step, options%first_step], passage)
+                      [10*options%smallest_step, options%first_step], smooth, passage)
       if (.not. passage%found) return
       associate (p => passage%touch%orbit%parameter)
          passage%found = p >= options%from .and. p <= options%to

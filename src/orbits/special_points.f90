@@ -140,14 +140,14 @@ contains
       type(orbit_t), intent(in) :: first, last
       integer, intent(in) :: root, other
       real(wp), parameter :: near = 1.0e-6_wp
-      integer :: fewer
+      integer :: fewer, more
 
-      are_alike = first%flow%crossings(root) == first%flow%crossings(other) &
-                  .and. last%flow%crossings(root) == last%flow%crossings(other)
+      more = first%flow%crossings(other) - first%flow%crossings(root)
+      are_alike = last%flow%crossings(other) - last%flow%crossings(root) == more
       if (.not. are_alike) return
       fewer = min(first%flow%crossings(root), last%flow%crossings(root))
-      are_alike = same(touch_test(first, root, fewer), touch_test(first, other, fewer)) &
-                  .and. same(touch_test(last, root, fewer), touch_test(last, other, fewer))
+      are_alike = same(touch_test(first, root, fewer), touch_test(first, other, fewer + more)) &
+                  .and. same(touch_test(last, root, fewer), touch_test(last, other, fewer + more))
 
    contains
 

@@ -43,20 +43,21 @@ module evl_touch_passage
 contains
 
    !> Look for a touch ahead, and for the branch behind it.
-   subroutine pass_touch(model, options, now, curve, reach, steps, passage)
+   subroutine pass_touch(model, options, now, curve, reach, steps, smooth, passage)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: now            !! with a tangent
       type(curve_t), intent(in) :: curve          !! on which the branch is expected ahead
       real(wp), intent(in) :: reach               !! how far ahead
       real(wp), intent(in) :: steps(2)            !! shortest and longest step from the touch to the next point
+      integer, intent(in) :: smooth(:)            !! root functions that are known to touch where nothing jumps
       type(touch_passage), intent(out) :: passage !! not found: there is none, or the branch is smooth there
       type(touch_t) :: touch
       type(orbit_t) :: touching
       real(wp) :: before_it(model%n + 2), behind_it(model%n + 2), depth_over_way
       logical :: found
 
-      call find_touching_orbit(model, options, now, curve, reach, touch, touching, found)
+      call find_touching_orbit(model, options, now, curve, reach, smooth, touch, touching, found)
       passage%looked = touch%root > 0
       if (found) call find_halves(model, options, touch, touching, before_it, behind_it, depth_over_way, found)
       if (.not. found) return

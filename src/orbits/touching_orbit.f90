@@ -30,12 +30,13 @@ module evl_touching_orbit
 contains
 
    !> Look for a touch ahead, and for the orbit there.
-   subroutine find_touching_orbit(model, options, now, curve, reach, touch, touching, found)
+   subroutine find_touching_orbit(model, options, now, curve, reach, smooth, touch, touching, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: now         !! with a tangent
       type(curve_t), intent(in) :: curve       !! on which the branch is expected ahead
       real(wp), intent(in) :: reach            !! how far ahead
+      integer, intent(in) :: smooth(:)         !! root functions that are known to touch where nothing jumps
       type(touch_t), intent(out) :: touch      !! its root is 0: none is ahead
       type(orbit_t), intent(out) :: touching
       logical, intent(out) :: found
@@ -43,7 +44,7 @@ contains
 
       found = .false.
       call look_ahead(model, options, now, reach, touch)
-      if (touch%root == 0) return
+      if (touch%root == 0 .or. any(smooth == touch%root)) return
       call find_gradient(model, options, now, touch, found)
       if (found) call find_start(model, options, now, curve, touch, start, found)
       if (found) call close_in(model, options, start, touch, touching, found)
