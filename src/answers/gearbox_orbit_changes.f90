@@ -128,6 +128,7 @@ contains
       if (.not. touches(mode) .or. .not. self%reals(m) > 0) return
       reals = self%reals
       do k = -2, 2
+         if (k == 0) cycle
          reals(m) = self%reals(m)*(1 + k*step)
          call gearbox_rates(self%gearbox, t, y, self%integers, reals, f(:, k), status)
          if (has_failed(status)) return
@@ -153,6 +154,7 @@ contains
       do i = self%root_first(root), self%root_last(root)
          associate (state => self%root_states(i))
             do k = -2, 2
+               if (k == 0) cycle
                moved = y(:self%n_gears)
                moved(state) = moved(state) + k*step*self%scale(state)
                call gearbox_root(self%gearbox, root, moved, self%integers, self%reals, roots, status)
@@ -164,7 +166,7 @@ contains
       end do
    end subroutine root_gradient
 
-   !> Slope in the middle of five values, by their number.
+   !> Slope in the middle of five values, by their number; the middle one is not used.
    pure real(wp) function slope_of(values) result(slope)
       real(wp), intent(in) :: values(-2:2)
 
@@ -221,6 +223,7 @@ contains
       call self%gearbox%flanks(self%gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
       do i = 1, self%n_gears
          do k = -2, 2
+            if (k == 0) cycle
             moved = y(:self%n_gears)
             moved(i) = moved(i) + k*step*self%scale(i)
             call look_at(self%gearbox, first, last, moved, self%integers, self%reals, at, status)
