@@ -279,7 +279,7 @@ contains
          if (straight >= turn .and. next%orbit%iterations <= hard) exit
          if (.not. passage%looked) &
             call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), &
-                                                       [integer ::], passage)
+                                [integer ::], passage)
          if (passage%found) then
             next = passage%next
             step = next%way
