@@ -1,8 +1,9 @@
 #include "respond/branches.h"
 
+#include "respond/branches_points.h"
+
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 enum { MOST_BRANCHES = 64 };
 
@@ -43,115 +44,6 @@ static bool tell(void *self, int number, int periods, double *time, dae_state *s
     return good;
 }
 
-/** Which of the values that are asked for a parameter is, bit for bit; -1: none. */
-static int place_among(const branches *o, double parameter)
-{
-    for (int i = 0; i < o->n_values; i++) {
-        if (o->values[i] == parameter) {
-            return i;
-        }
-    }
-    return -1;
-}
-
-/** Remember that something did not come to an orbit. */
-static void note_problem(branches *o, double value, const char *why)
-{
-    OWNED char *option = value_range_option(o->sweep->range, value);
-    OWNED char *text = xasprintf("%s: %s", option, why);
-    o->problems =
-        pool_grow(&o->pool, o->problems, (size_t)o->n_problems, (size_t)o->n_problems + 1, sizeof *o->problems);
-    o->problems[o->n_problems++] = pool_copy(&o->pool, text);
-}
-
-/** Length of a common period on an orbit [s]. */
-static double common_time(const model_orbit *orbit)
-{
-    return orbit->time / orbit->periods;
-}
-
-/** The numbers of a point, or of the present orbit if `number` is negative. @return NULL with the reason in `message` */
-static double *find_numbers(branches *o, int number, int point, const model_orbit *orbit,
-                            char message[DAE_MESSAGE_LENGTH])
-{
-    dae_state state = dae_state_create(&o->sizes, NULL);
-    double *values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof *values);
-    const bool good = model_orbits_state(o->orbits, number, point, &state, message) &&
-                      orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit),
-                                 o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
-    dae_state_free(&state);
-    return good ? values : NULL;
-}
-
-/** Whether two orbits at one value are the same: their transmission errors are. */
-static bool are_alike(const branches *o, const double *a, const double *b)
-{
-    static const double near = 1e-4;
-    const model_output *row = &o->sweep->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
-    for (int i = 0; i < row->count; i++) {
-        const double x = a[row->offset + i], y = b[row->offset + i];
-        if (!(fabs(x - y) <= near * fmax(fabs(x), fabs(y)))) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/** Whether a branch passes an orbit that has these numbers. */
-static bool is_known(branches *o, double value, int periods, const double *values)
-{
-    char message[DAE_MESSAGE_LENGTH];
-    dae_state state = dae_state_create(&o->sizes, NULL);
-    bool known = false;
-    int first = 0;
-    for (int i = 0; i < o->n_branches && !known; first += o->branches[i++].n) {
-        for (int k = 0; k + 1 < o->branches[i].n && !known; k++) {
-            const model_orbit *a = &o->points[first + k].orbit, *b = &o->points[first + k + 1].orbit;
-            if (a->periods != periods || (a->parameter - value) * (b->parameter - value) > 0) {
-                continue;
-            }
-            model_orbit here;
-            const int nearer = fabs(a->parameter - value) < fabs(b->parameter - value) ? k : k + 1;
-            const model_orbit *near = &o->points[first + nearer].orbit;
-            if (model_orbits_state(o->orbits, i, nearer, &state, message) &&
-                model_orbits_find(o->orbits, value, periods, near->time, &state, &here, message)) {
-                const double *numbers = find_numbers(o, -1, 0, &here, message);
-                known = numbers != NULL && are_alike(o, numbers, values);
-            }
-        }
-    }
-    dae_state_free(&state);
-    return known;
-}
-
-/** Tell the points that the last branch has gained, and keep what the kernel needs of them. */
-static void take_points(branches *o, int n)
-{
-    const int number = o->n_branches - 1, n_room = 2 * (o->sizes.n + o->sizes.n_reals);
-    orbit_branch *branch = &o->branches[number];
-    const size_t have = (size_t)o->n_points, want = have + (size_t)(n - branch->n);
-    o->points = pool_grow(&o->pool, o->points, have, want, sizeof *o->points);
-    o->kept = pool_grow(&o->pool, o->kept, have, want, sizeof *o->kept);
-    o->n_kept = model_orbits_kept(o->orbits);
-    for (int k = branch->n; k < n; k++) {
-        orbit_point *point = &o->points[o->n_points];
-        char why[DAE_MESSAGE_LENGTH] = "";
-        double **kept = &o->kept[o->n_points++];
-        point->branch = number;
-        point->multipliers = pool_calloc(&o->pool, (size_t)n_room, sizeof *point->multipliers);
-        model_orbits_point(o->orbits, number, k, &point->orbit, point->multipliers);
-        *kept = pool_calloc(&o->pool, (size_t)o->n_kept, sizeof **kept);
-        model_orbits_keep(o->orbits, number, k, *kept);
-        point->at_value = place_among(o, point->orbit.parameter);
-        point->values =
-            point->orbit.told >= 0 ? o->told[point->orbit.told] : find_numbers(o, number, k, &point->orbit, why);
-        if (point->values == NULL && *o->sweep->interrupt == 0) {
-            note_problem(o, point->orbit.parameter, why);
-        }
-    }
-    branch->n = n;
-}
-
 /** Begin the branch of the present orbit. */
 static void begin_branch(branches *o, bool rising, int parent)
 {
@@ -161,7 +53,7 @@ static void begin_branch(branches *o, bool rising, int parent)
     const size_t have = (size_t)o->n_branches;
     o->branches = pool_grow(&o->pool, o->branches, have, have + 1, sizeof *o->branches);
     o->branches[o->n_branches++] = (orbit_branch){.parent = parent, .end = pool_copy(&o->pool, message)};
-    take_points(o, n);
+    branches_take_points(o, n);
     o->progress = model_orbits_walk(o->orbits);
 }
 
@@ -176,27 +68,10 @@ static void go_on(branches *o)
     if (*o->sweep->interrupt != 0) {
         return;
     }
-    take_points(o, n);
+    branches_take_points(o, n);
     o->branches[o->n_branches - 1].end = pool_copy(&o->pool, message);
     o->is_under_way = good && !is_over;
     o->progress = model_orbits_walk(o->orbits);
-}
-
-/** Whether a branch of twice the period begins or ends at a doubling. */
-static bool is_entered(const branches *o, const model_orbit *doubling)
-{
-    static const double near = 1e-3; /* of the range */
-    const double range = fabs(o->sweep->range->to - o->sweep->range->from);
-    int first = 0;
-    for (int i = 0; i < o->n_branches; first += o->branches[i++].n) {
-        for (int k = 0; k < o->branches[i].n; k += o->branches[i].n - 1 > 0 ? o->branches[i].n - 1 : 1) {
-            const model_orbit *end = &o->points[first + k].orbit;
-            if (end->periods == 2 * doubling->periods && fabs(end->parameter - doubling->parameter) < near * range) {
-                return true;
-            }
-        }
-    }
-    return false;
 }
 
 /** Enter the next branch of twice the period, also at doublings of such ones. When there is none left the value is done. */
@@ -210,14 +85,15 @@ static void enter_doubling(branches *o)
             first += o->branches[i].n;
         }
         const int point = o->doubling++ - first;
-        if (at.orbit.kind != MODEL_ORBIT_DOUBLING || 2 * at.orbit.periods > o->longest || is_entered(o, &at.orbit)) {
+        if (at.orbit.kind != MODEL_ORBIT_DOUBLING || 2 * at.orbit.periods > o->longest ||
+            branches_have_entered(o, &at.orbit)) {
             continue;
         }
         if (o->n_branches >= MOST_BRANCHES) {
-            note_problem(o, at.orbit.parameter, "there are 64 branches: the one of twice the period is not followed");
+            branches_note(o, at.orbit.parameter, "there are 64 branches: the one of twice the period is not followed");
             o->doubling = o->n_points;
         } else if (!model_orbits_switch(o->orbits, at.branch, point, message)) {
-            note_problem(o, at.orbit.parameter, message);
+            branches_note(o, at.orbit.parameter, message);
         } else {
             begin_branch(o, true, at.branch);
         }
@@ -243,7 +119,7 @@ static void begin_way(branches *o, double value)
     if (model_orbits_find(o->orbits, value, o->at.period, o->at.time, &o->motion.state, &orbit, message)) {
         begin_branch(o, rises, -1);
     } else {
-        note_problem(o, value, message);
+        branches_note(o, value, message);
         o->task = BRANCHES_DOUBLE;
     }
 }
@@ -278,12 +154,12 @@ static orbit_end look(branches *o, double value, evl_error *error)
     orbit_end end = branch_look(o->sweep, value, &state, &point, error);
     bool begins = false;
     if (end == ORBIT_FOUND && point.period == 0) {
-        note_problem(o, value, "the motion is not periodic");
+        branches_note(o, value, "the motion is not periodic");
     } else if (end == ORBIT_FOUND && point.period > o->longest) {
         OWNED char *why =
             xasprintf("the motion repeats after %d common periods, more than --longest %d: it is left out",
                       point.period, o->longest);
-        note_problem(o, value, why);
+        branches_note(o, value, why);
     } else if (end == ORBIT_FOUND) {
         if (!o->has_orbits) {
             o->sizes = state.sizes;
@@ -293,9 +169,9 @@ static orbit_end look(branches *o, double value, evl_error *error)
             end = o->has_orbits ? ORBIT_FOUND : ORBIT_FAILED;
         }
         if (o->has_orbits && fabs(state.pitches - o->place) > 1e-9) {
-            note_problem(o, value, "an event lies on the section of the others: the motion is left out");
+            branches_note(o, value, "an event lies on the section of the others: the motion is left out");
         } else if (o->has_orbits) {
-            begins = !is_known(o, value, point.period, point.values);
+            begins = !branches_pass(o, value, point.period, point.values);
         }
     }
     if (end == ORBIT_FOUND && *o->sweep->interrupt == 0) {
@@ -312,30 +188,6 @@ static orbit_end look(branches *o, double value, evl_error *error)
 bool branches_are_done(const branches *o)
 {
     return o->value == o->sweep->range->n;
-}
-
-/** Whether orbits on one side of a point may be stable: it is itself, or its stability changes there. */
-static bool may_be_stable(const orbit_point *point)
-{
-    return point->orbit.is_stable || point->orbit.kind != MODEL_ORBIT_ORDINARY;
-}
-
-int branches_left_out(const branches *o, int branch, double *first)
-{
-    int begin = 0, n = 0;
-    for (int i = 0; i < branch; i++) {
-        begin += o->branches[i].n;
-    }
-    for (int k = begin; k + 1 < begin + o->branches[branch].n; k++) {
-        const orbit_point *a = &o->points[k], *b = &o->points[k + 1];
-        const bool is_stable = (a->orbit.is_stable || b->orbit.is_stable) && may_be_stable(a) && may_be_stable(b);
-        for (int i = 0; i < o->n_values && is_stable; i++) {
-            if ((o->values[i] - a->orbit.parameter) * (o->values[i] - b->orbit.parameter) < 0) {
-                *first = n++ == 0 ? o->values[i] : *first;
-            }
-        }
-    }
-    return n;
 }
 
 /** Put back what a step that was interrupted has changed. What has grown stays as it is: only the counts count. */

@@ -41,8 +41,6 @@ typedef struct {
 
 /** Whether all is found. */
 bool branches_are_done(const branches *branches);
-/** How many of the values that are asked for a branch passes with stable orbits and has none at. @param first  of these values */
-int branches_left_out(const branches *branches, int branch, double *first);
 /** Do the next thing: look for a motion to begin with, begin a branch, or find its next point.
  *  @return ORBIT_FAILED with the reason in `error`; then, and when it was interrupted, it is still to be done */
 orbit_end branches_step(branches *branches, evl_error *error);

@@ -1,5 +1,5 @@
 /* Values that a branch passes without an orbit there are counted: between stable orbits, up to where stability changes. */
-#include "respond/branches.h"
+#include "respond/branches_points.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,0 +1,149 @@
+#include "respond/branches_points.h"
+
+#include <math.h>
+
+void branches_note(branches *o, double value, const char *why)
+{
+    OWNED char *option = value_range_option(o->sweep->range, value);
+    OWNED char *text = xasprintf("%s: %s", option, why);
+    o->problems =
+        pool_grow(&o->pool, o->problems, (size_t)o->n_problems, (size_t)o->n_problems + 1, sizeof *o->problems);
+    o->problems[o->n_problems++] = pool_copy(&o->pool, text);
+}
+
+/** Which of the values that are asked for a parameter is, bit for bit; -1: none. */
+static int place_among(const branches *o, double parameter)
+{
+    for (int i = 0; i < o->n_values; i++) {
+        if (o->values[i] == parameter) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+/** Length of a common period on an orbit [s]. */
+static double common_time(const model_orbit *orbit)
+{
+    return orbit->time / orbit->periods;
+}
+
+/** The numbers of a point, or of the present orbit if `number` is negative. @return NULL with the reason in `message` */
+static double *find_numbers(branches *o, int number, int point, const model_orbit *orbit,
+                            char message[DAE_MESSAGE_LENGTH])
+{
+    dae_state state = dae_state_create(&o->sizes, NULL);
+    double *values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof *values);
+    const bool good = model_orbits_state(o->orbits, number, point, &state, message) &&
+                      orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit),
+                                 o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
+    dae_state_free(&state);
+    return good ? values : NULL;
+}
+
+void branches_take_points(branches *o, int n)
+{
+    const int number = o->n_branches - 1, n_room = 2 * (o->sizes.n + o->sizes.n_reals);
+    orbit_branch *branch = &o->branches[number];
+    const size_t have = (size_t)o->n_points, want = have + (size_t)(n - branch->n);
+    o->points = pool_grow(&o->pool, o->points, have, want, sizeof *o->points);
+    o->kept = pool_grow(&o->pool, o->kept, have, want, sizeof *o->kept);
+    o->n_kept = model_orbits_kept(o->orbits);
+    for (int k = branch->n; k < n; k++) {
+        orbit_point *point = &o->points[o->n_points];
+        char why[DAE_MESSAGE_LENGTH] = "";
+        double **kept = &o->kept[o->n_points++];
+        point->branch = number;
+        point->multipliers = pool_calloc(&o->pool, (size_t)n_room, sizeof *point->multipliers);
+        model_orbits_point(o->orbits, number, k, &point->orbit, point->multipliers);
+        *kept = pool_calloc(&o->pool, (size_t)o->n_kept, sizeof **kept);
+        model_orbits_keep(o->orbits, number, k, *kept);
+        point->at_value = place_among(o, point->orbit.parameter);
+        point->values =
+            point->orbit.told >= 0 ? o->told[point->orbit.told] : find_numbers(o, number, k, &point->orbit, why);
+        if (point->values == NULL && *o->sweep->interrupt == 0) {
+            branches_note(o, point->orbit.parameter, why);
+        }
+    }
+    branch->n = n;
+}
+
+/** Whether two orbits at one value are the same: their transmission errors are. */
+static bool are_alike(const branches *o, const double *a, const double *b)
+{
+    static const double near = 1e-4;
+    const model_output *row = &o->sweep->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    for (int i = 0; i < row->count; i++) {
+        const double x = a[row->offset + i], y = b[row->offset + i];
+        if (!(fabs(x - y) <= near * fmax(fabs(x), fabs(y)))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool branches_pass(branches *o, double value, int periods, const double *values)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    dae_state state = dae_state_create(&o->sizes, NULL);
+    bool known = false;
+    int first = 0;
+    for (int i = 0; i < o->n_branches && !known; first += o->branches[i++].n) {
+        for (int k = 0; k + 1 < o->branches[i].n && !known; k++) {
+            const model_orbit *a = &o->points[first + k].orbit, *b = &o->points[first + k + 1].orbit;
+            if (a->periods != periods || (a->parameter - value) * (b->parameter - value) > 0) {
+                continue;
+            }
+            model_orbit here;
+            const int nearer = fabs(a->parameter - value) < fabs(b->parameter - value) ? k : k + 1;
+            const model_orbit *near = &o->points[first + nearer].orbit;
+            if (model_orbits_state(o->orbits, i, nearer, &state, message) &&
+                model_orbits_find(o->orbits, value, periods, near->time, &state, &here, message)) {
+                const double *numbers = find_numbers(o, -1, 0, &here, message);
+                known = numbers != NULL && are_alike(o, numbers, values);
+            }
+        }
+    }
+    dae_state_free(&state);
+    return known;
+}
+
+bool branches_have_entered(const branches *o, const model_orbit *doubling)
+{
+    static const double near = 1e-3; /* of the range */
+    const double range = fabs(o->sweep->range->to - o->sweep->range->from);
+    int first = 0;
+    for (int i = 0; i < o->n_branches; first += o->branches[i++].n) {
+        for (int k = 0; k < o->branches[i].n; k += o->branches[i].n - 1 > 0 ? o->branches[i].n - 1 : 1) {
+            const model_orbit *end = &o->points[first + k].orbit;
+            if (end->periods == 2 * doubling->periods && fabs(end->parameter - doubling->parameter) < near * range) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/** Whether orbits on one side of a point may be stable: it is itself, or its stability changes there. */
+static bool may_be_stable(const orbit_point *point)
+{
+    return point->orbit.is_stable || point->orbit.kind != MODEL_ORBIT_ORDINARY;
+}
+
+int branches_left_out(const branches *o, int branch, double *first)
+{
+    int begin = 0, n = 0;
+    for (int i = 0; i < branch; i++) {
+        begin += o->branches[i].n;
+    }
+    for (int k = begin; k + 1 < begin + o->branches[branch].n; k++) {
+        const orbit_point *a = &o->points[k], *b = &o->points[k + 1];
+        const bool is_stable = (a->orbit.is_stable || b->orbit.is_stable) && may_be_stable(a) && may_be_stable(b);
+        for (int i = 0; i < o->n_values && is_stable; i++) {
+            if ((o->values[i] - a->orbit.parameter) * (o->values[i] - b->orbit.parameter) < 0) {
+                *first = n++ == 0 ? o->values[i] : *first;
+            }
+        }
+    }
+    return n;
+}
