@@ -73,6 +73,8 @@ void model_warning(const model *model, int index, model_message *warning);
 const model_output *model_output_named(const model *model, const char *name);
 /** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
 int model_output_offset(const model *model, const char *name);
+/** An element of an output, by its name, among values as of model_outputs; NAN if there is no such output. */
+double model_output_value(const model *model, const double *values, const char *name, int index);
 /** The static outputs, where they stand among all [n_values]. */
 void model_constants(const model *model, double *values);
 /** All outputs at a state [n_values]; integers as whole doubles. @return a dae_code */

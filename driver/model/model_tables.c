@@ -1,5 +1,6 @@
 #include "model/model_kernel.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -184,6 +185,12 @@ int model_output_offset(const model *model, const char *name)
 {
     const model_output *found = model_output_named(model, name);
     return found == NULL ? -1 : found->offset;
+}
+
+double model_output_value(const model *model, const double *values, const char *name, int index)
+{
+    const int offset = model_output_offset(model, name);
+    return offset < 0 ? NAN : values[offset + index];
 }
 
 void model_constants(const model *model, double *values)

@@ -248,17 +248,24 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/numbers.c",
         "numbers_keep",
         {
-            **alike(
-                GIVEN, "pool model window taken n_meshes n_channels n_pairs places closed impact"
-            ),
-            **alike(ROOM, "nodes angles y values"),
-            "channels": "one by one, as of `channel`",
+            **alike(GIVEN, "pool model window closed impact"),
+            **alike(ROOM, "angles y values"),
         },
     ),
-    "channel": (
-        "simulate/numbers.c",
-        "simulate/numbers.c",
-        "numbers_keep",
+    "number_sums": (
+        "simulate/number_sums.h",
+        "simulate/number_sums.c",
+        "number_sums_keep",
+        {
+            **alike(GIVEN, "model taken n_meshes n_channels n_pairs places"),
+            "nodes": ROOM,
+            "channels": "one by one, as of `sums_channel`",
+        },
+    ),
+    "sums_channel": (
+        "simulate/number_sums.c",
+        "simulate/number_sums.c",
+        "number_sums_keep",
         alike(GIVEN, "row element value"),
     ),
 }

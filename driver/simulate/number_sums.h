@@ -1,0 +1,33 @@
+/** What the numbers of a window are made of: sums of all quantities and meshes over parts of steps. numbers.h has the window. */
+#pragma once
+
+#include "simulate/mesh_numbers.h"
+
+/** One element of an output. */
+typedef struct sums_channel sums_channel;
+
+typedef struct {
+    const model *model;
+    const bool *taken; /**< [N_NUMBER_ROWS] rows that are wanted */
+    int n_meshes, n_channels, n_pairs;
+    mesh_numbers *meshes;
+    sums_channel *channels;
+    number_waves *waves; /**< [n_meshes] */
+    step_nodes nodes;    /**< of the part of a step that is looked at */
+    mesh_places places;
+} number_sums;
+
+/** @param pool  in which the arrays last */
+void number_sums_init(number_sums *sums, const model *model, const bool *taken, memory_pool *pool);
+void number_sums_clear(number_sums *sums);
+void number_sums_keep(number_sums *sums, archive *archive);
+/** Before the first sum: what never changes.
+ *  @param values     outputs at any state
+ *  @param preferred  mesh whose pitches harmonics are of where there is a choice */
+void number_sums_begin(number_sums *sums, const double *values, int preferred);
+/** Add what is known at the nodes, to the present period. */
+void number_sums_add(number_sums *sums);
+/** The present period is complete: it counts. */
+void number_sums_complete(number_sums *sums);
+/** @param values  as number_rows_offsets has the rows */
+void number_sums_conclude(const number_sums *sums, const int *offsets, double *values);
