@@ -5,8 +5,15 @@
 
 #include <stdint.h>
 #include <string.h>
+#include <time.h>
 
 enum { MOST_OPTIONS = 4 };
+
+static struct {
+    double seconds;
+    size_t size;
+    uint8_t *data;
+} slowest; /* input of this process; libFuzzer itself counts whole seconds */
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -33,7 +40,41 @@ static void check_refusal(const evl_error *error)
     }
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static double processor_time(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/** At the end: the slowest input is named, and kept where FUZZ_SLOWEST says. */
+static void tell_slowest(void)
+{
+    const char *path = getenv("FUZZ_SLOWEST");
+    fprintf(stderr, "slowest input: %.3f s, %zu bytes\n", slowest.seconds, slowest.size);
+    FILE *file = path == NULL ? NULL : fopen(path, "wb");
+    if (file != NULL) {
+        (void)fwrite(slowest.data, 1, slowest.size, file);
+        (void)fclose(file);
+    }
+    free(slowest.data);
+}
+
+static void note_time(double seconds, const uint8_t *data, size_t size)
+{
+    if (slowest.data == NULL) {
+        (void)atexit(tell_slowest);
+    }
+    if (slowest.data == NULL || seconds > slowest.seconds) {
+        free(slowest.data);
+        slowest.data = xcalloc(size + 1, 1);
+        memcpy(slowest.data, data, size);
+        slowest.size = size;
+        slowest.seconds = seconds;
+    }
+}
+
+static void read_case(const uint8_t *data, size_t size)
 {
     OWNED char *bytes = xcalloc(size + 1, 1);
     const char *options[MOST_OPTIONS];
@@ -52,5 +93,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     case_delete(&file);
     case_base_delete(&base);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const double began = processor_time();
+    read_case(data, size);
+    note_time(processor_time() - began, data, size);
     return 0;
 }

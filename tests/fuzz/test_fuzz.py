@@ -4,6 +4,8 @@
 clang there is no fuzzer, and the test is skipped. By hand, with more to choose:
 
     python tests/fuzz/test_fuzz.py build/ci -runs=1000000
+
+What harms it and the slowest input, by processor time, are kept in the present folder.
 """
 
 from __future__ import annotations
@@ -79,7 +81,11 @@ def fuzz(build: Path, folder: Path, *options: str) -> subprocess.CompletedProces
         ],
         capture_output=True,
         text=True,
-        env={"OPENBLAS_NUM_THREADS": "1", "ASAN_OPTIONS": "quarantine_size_mb=16"},
+        env={
+            "OPENBLAS_NUM_THREADS": "1",
+            "ASAN_OPTIONS": "quarantine_size_mb=16",
+            "FUZZ_SLOWEST": str(folder / "slowest"),
+        },
     )
 
 
@@ -98,13 +104,14 @@ def test_no_bytes_break_the_reader_of_cases(seconds: int, executable: Path, tmp_
     ended = fuzz(build, tmp_path, f"-max_total_time={seconds}")
     assert ended.returncode == 0, ended.stderr[-5000:]
     assert has_tried(ended.stderr) > 1000  # it did try
+    assert re.search(r"^slowest input: \d\.\d+ s", ended.stderr, re.MULTILINE), ended.stderr[-5000:]
 
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as temporary:
         told = fuzz(Path(sys.argv[1]).resolve(), Path(temporary), *sys.argv[2:])
         print("\n".join(told.stderr.splitlines()[-40:]))
-        for kept in Path(temporary).glob("*-*"):
+        for kept in [*Path(temporary).glob("*-*"), Path(temporary) / "slowest"]:
             if kept.is_file():
                 kept.replace(Path(kept.name))
                 print(f"kept as {kept.name}")
