@@ -26,6 +26,7 @@ module evl_steady_newton
 
    integer, parameter :: max_newton = 60               !! corrections; a start from rest needs about five
    real(wp), parameter :: newton_tolerance = 1.0e-13_wp !! last correction, relative to the scales of the states
+   real(wp), parameter :: few = 16      !! digits that a sum of forces may lose
 
    !> What is looked for, and what determines it.
    type :: steady_system
@@ -72,7 +73,7 @@ contains
       type(status_t), intent(inout) :: status
       real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale
       real(wp), dimension(size(system%row), size(system%row)) :: matrix, before
-      real(wp) :: step(size(system%row), 1)
+      real(wp) :: step(size(system%row), 1), positions(size(system%row))
       real(wp) :: size_now, size_trial, share, last
       integer :: pivots(size(system%row)), info, turn
 
@@ -119,9 +120,12 @@ contains
                return
             end if
             y = trial
-            found = norm2(step) < newton_tolerance .or. &
-                    (norm2(step) >= last .and. &
-                     norm2(step) < at_rounding(merge(y(unknown)/scale(unknown), 0.0_wp, unknown /= i_omega)))
+            found = norm2(step) < newton_tolerance
+            if (.not. found .and. norm2(step) >= last) then
+               positions = merge(y(unknown)/scale(unknown), 0.0_wp, unknown /= i_omega)
+               found = norm2(step) < at_rounding(positions) .or. &
+                       (abs(y(i_omega)) <= scale(i_omega) .and. is_balanced(before, positions, f(row)/row_scale(row)))
+            end if
             if (found) return
             last = norm2(step)
          end do
@@ -146,10 +150,23 @@ contains
    !> of a place is more than 1e-9 of the penetration. A speed does not count: what corrects one that has run away is rounding.
    pure real(wp) function at_rounding(x) result(least)
       real(wp), intent(in) :: x(:) !! places that are looked for, in units of their scales
-      real(wp), parameter :: few = 16 !! digits that a sum of forces may lose
 
       least = max(1.0e-9_wp, few*epsilon(x)*norm2(x))
    end function at_rounding
+
+   !> Whether what is left of every sum of forces is the rounding of its terms. Then a correction is, too, however large it is: the
+   !> friction of light torques that balance holds a speed that is nothing beside the one that they would give in a second. Of a
+   !> speed that has run away past that one it tells nothing.
+   pure logical function is_balanced(matrix, x, residual)
+      real(wp), intent(in) :: matrix(:, :), x(:), residual(:) !! of Newton's method, x as in at_rounding
+      integer :: i
+
+      is_balanced = .false.
+      do i = 1, size(residual)
+         if (.not. abs(residual(i)) <= few*epsilon(x)*dot_product(abs(matrix(i, :)), abs(x))) return
+      end do
+      is_balanced = .true.
+   end function is_balanced
 
    !> How the equilibrium at y changes along theta: the slopes dq/dtheta.
    subroutine find_slopes(gearbox, system, t, y, integers, reals, status)
