@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/memory.h"
+#include "integrate/ida_restart.h"
 #include "integrate/ida_rounding.h"
 #include "integrate/ida_sparse.h"
 #include "integrate/integration.h"
@@ -42,6 +43,7 @@ typedef struct {
     SUNMatrix matrix;
     SUNLinearSolver solver;
     ida_rounding rounding;
+    ida_restart restart;
     double t_refused; /**< latest time at which the model had no answer */
 } ida_session;
 
