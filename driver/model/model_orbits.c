@@ -65,7 +65,7 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
         .smallest_step = 1e-7,
         .largest_step = 1,
         .straight_step = 8,
-        .largest_change = 0.1,
+        .largest_change = setup->n_values > 0 ? 0.1 : 0.0125, /* points alone are to look like a curve */
         .most_points = 2000,
         .n_values = setup->n_values,
         .values = setup->values,
