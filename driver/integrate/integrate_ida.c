@@ -17,7 +17,6 @@ static const double matrix_staleness = 0.01;
 static const double first_step = 1e-8;   /* [s] from touching flanks, where the force's stiffness starts from 0 */
 static const double restart_step = 1e-7; /* [s] after an event */
 static const double shortest_run = 1e-3; /* [s] in shorter ones both are shorter */
-static const int most_failures = 32; /* of one step: each leaves a quarter at least, and the smallest step is the end */
 static const long steps_between_looks = 1000; /* after which the observer hears of it, however far the next output is */
 
 /* A first step in a run as short as this one. */
@@ -38,7 +37,6 @@ static bool set_up(ida_session *s, double step)
     good = good && IDASetJacFn(s->ida, ida_jacobian) == IDA_SUCCESS;
     good = good && IDASetDeltaCjLSetup(s->ida, matrix_staleness) == IDA_SUCCESS;
     good = good && IDASetMaxNumSteps(s->ida, steps_between_looks) == IDA_SUCCESS;
-    good = good && IDASetMaxErrTestFails(s->ida, most_failures) == IDA_SUCCESS;
     good = good && IDASetMaxStep(s->ida, s->run->options->max_step) == IDA_SUCCESS;
     good = good && IDASetInitStep(s->ida, step) == IDA_SUCCESS;
     if (good && m->n_roots > 0) {

@@ -156,23 +156,11 @@ static void where_events_are_gentle_again_so_are_first_steps(void **state)
     assert_true(labs(then - rough - always) < 40);
 }
 
-/* From 1e-8 s down to 6e-16 s: twelve quarters. */
-static void a_first_step_becomes_as_short_as_it_has_to_be(void **state)
-{
-    (void)state;
-    ball b = {.gravity = g};
-    const integrate_counts counts = throw_up(&b, 1e-12 * fine, 100.5 * every);
-    assert_true(counts.error_test_failures >= 12);
-    assert_int_equal(b.bounces, 100);
-    assert_true(fabs(b.last_bounce - 100 * every) < 1e-8 * every);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_that_failed_after_one_event_are_not_tried_after_the_next),
         cmocka_unit_test(where_events_are_gentle_again_so_are_first_steps),
-        cmocka_unit_test(a_first_step_becomes_as_short_as_it_has_to_be),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
