@@ -174,7 +174,6 @@ int ida_weights(N_Vector y, N_Vector weight, void *data)
     if (IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS) {
         ida_watch_to(s, t, y);
     }
-    ida_restart_note(&s->restart, s->ida, weight, s->between);
     ida_rounding_update(&s->rounding, s->solver, s->matrix, s->between, weight);
     const double *values = N_VGetArrayPointer(y);
     const double *rounded = s->rounding.of_states;

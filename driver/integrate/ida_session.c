@@ -59,7 +59,6 @@ static void allocate_arrays(ida_session *s)
     s->nodes = pool_calloc(&s->pool, 1, sizeof *s->nodes);
     s->nodes->t[IDA_NODES - 1] = NAN;
     s->rounding = ida_rounding_create(&s->pool, m->n);
-    s->restart = ida_restart_create();
     for (int i = 0; i < m->n; i++) {
         s->row_units[i] = 1 / m->row_scale[i];
     }

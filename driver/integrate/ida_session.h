@@ -3,7 +3,6 @@
 #pragma once
 
 #include "base/memory.h"
-#include "integrate/ida_restart.h"
 #include "integrate/ida_rounding.h"
 #include "integrate/ida_sparse.h"
 #include "integrate/integration.h"
@@ -43,7 +42,6 @@ typedef struct {
     SUNMatrix matrix;
     SUNLinearSolver solver;
     ida_rounding rounding;
-    ida_restart restart;
     double t_refused; /**< latest time at which the model had no answer */
 } ida_session;
 

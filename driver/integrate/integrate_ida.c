@@ -14,9 +14,9 @@
 /* A contact of damping ratio 0.02 is followed for thousands of oscillations: a Newton matrix that is out of date by more than a
  * hundredth in the step size costs more steps than it saves factorisations. */
 static const double matrix_staleness = 0.01;
-static const double first_step = 1e-8;   /* [s] from touching flanks, where the force's stiffness starts from 0 */
-static const double restart_step = 1e-7; /* [s] after an event */
-static const double shortest_run = 1e-3; /* [s] in shorter ones both are shorter */
+static const double first_step = 1e-8;        /* [s] from touching flanks, where the force's stiffness starts from 0 */
+static const double restart_step = 1e-7;      /* [s] after an event */
+static const double shortest_run = 1e-3;      /* [s] in shorter ones both are shorter */
 static const long steps_between_looks = 1000; /* after which the observer hears of it, however far the next output is */
 
 /* A first step in a run as short as this one. */
@@ -162,9 +162,6 @@ static integrate_code handle_event(ida_session *s, bool time_event)
     if (code != INTEGRATE_DONE) {
         return code;
     }
-    if (IDAGetErrWeights(s->ida, s->y) == IDA_SUCCESS) { /* both vectors are free now */
-        ida_restart_note(&s->restart, s->ida, s->y, s->yp);
-    }
     ida_session_to_scaled(s, s->run->state->y, s->y);
     ida_session_to_scaled(s, s->run->state->yp, s->yp);
     ida_rounding_forget(&s->rounding);
@@ -172,7 +169,7 @@ static integrate_code handle_event(ida_session *s, bool time_event)
     if (m->n_roots > 0 && IDASetRootDirection(s->ida, s->directions) != IDA_SUCCESS) {
         return explain(s, IDA_ILL_INPUT);
     }
-    return start_anew(s, ida_restart_step(&s->restart, step_of(s->run, restart_step)));
+    return start_anew(s, step_of(s->run, restart_step));
 }
 
 /* On to the next grid point (by position: step), event or end, whichever comes first; IDA steps freely and interpolates. */
