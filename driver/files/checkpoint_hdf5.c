@@ -138,8 +138,11 @@ static bool write_image(const char *path, size_t n, const unsigned char *image, 
 {
     const int descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
     bool good = descriptor >= 0 && write_bytes(descriptor, 0, image, n) == n && sync_bytes(descriptor);
-    const int reason = errno;
-    good = (descriptor < 0 || close(descriptor) == 0) && good;
+    int reason = errno;
+    if (descriptor >= 0 && close(descriptor) != 0 && good) {
+        good = false;
+        reason = errno;
+    }
     return good || output_file_refuse(path, reason, NULL, error);
 }
 
