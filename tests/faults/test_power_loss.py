@@ -75,7 +75,7 @@ def assert_rows_are_left(
     assert results(left / "r") == expected
 
 
-@pytest.mark.parametrize("at", [3, 5])  # far from both ends of the batch, however slow the disk is
+@pytest.mark.parametrize("at", [3, 5])  # far from both ends of the batch, also on a slow disk
 def test_rows_that_progress_tells_are_on_the_disk(
     executable: Path,
     undisturbed: tuple[Path, Results],
