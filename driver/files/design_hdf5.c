@@ -225,7 +225,7 @@ design *design_read(const char *path, evl_error *error)
     design *design = xcalloc(1, sizeof *design);
     design->file = pool_copy(&design->pool, path);
     const bool is_open =
-        file >= 0 || refuse(&reader, "", netcdf_open_failure("is no HDF5 file; evolvent-sweep plan writes a design"));
+        file >= 0 || refuse(&reader, "", netcdf_system_reason("is no HDF5 file; evolvent-sweep plan writes a design"));
     if (!is_open || !read_head(&reader, design) || !read_columns(&reader, design) || !find_hash(&reader, design)) {
         design_delete(&design);
     }

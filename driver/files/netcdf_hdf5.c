@@ -105,7 +105,7 @@ hid_t netcdf_open(const char *path)
     return H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
 }
 
-const char *netcdf_open_failure(const char *otherwise)
+const char *netcdf_system_reason(const char *otherwise)
 {
     static netcdf_file failed; /* its text outlives the call */
     failed = (netcdf_file){0};

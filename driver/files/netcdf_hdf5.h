@@ -38,8 +38,8 @@ bool netcdf_fail(netcdf_file *file);
 /** Open a file of anyone's to read it, without locks: shards do at one time, from folders that may not lock. Negative if it is
  *  no HDF5 file. */
 hid_t netcdf_open(const char *path);
-/** Right after netcdf_open has failed: the reason if it is the system's, else what the caller says. */
-const char *netcdf_open_failure(const char *otherwise);
+/** Right after a call that opens or reads has failed: the reason if it is the system's, else what the caller says. */
+const char *netcdf_system_reason(const char *otherwise);
 /** A text attribute, of variable or fixed length, in a pool. NULL if there is none. */
 char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool);
 /** The numbers of an attribute, converted. @return false if it is not there or holds another number of them */

@@ -12,37 +12,41 @@ static hsize_t rows_of(hid_t place, const char *name)
                                                                                                          : 0;
 }
 
-/** All rows of a series, in blocks as it has room. *is_readable: what failed was writing */
-static bool append_rows(hid_t place, history *to, series *rows, bool *is_readable)
+/** Why a part cannot be read: the system's reason, if there is one. */
+static bool refuse_part(const char *path, const char *reason, evl_error *error)
+{
+    return reason != NULL ? evl_error_set(error, EVL_EXIT_IO, path, "cannot be read: %s; mend that", reason)
+                          : evl_error_set(error, EVL_EXIT_IO, path,
+                                          "is damaged; put a copy of it back, or begin anew without --continue");
+}
+
+/** All rows of a series, in blocks as it has room. @return false with the reason in `error` */
+static bool append_rows(hid_t place, const char *path, history *to, series *rows, evl_error *error)
 {
     POOLED memory_pool pool = {NULL};
     const int shift = rows == &to->body.events ? (int)to->body.n_events : 0;
     series_source source;
-    *is_readable = series_source_open(&source, rows, place, &pool);
-    bool good = *is_readable;
+    bool is_readable = series_source_open(&source, rows, place, &pool), good = is_readable;
     while (good && source.next < source.rows && (to->grows || history_make_room(to, rows))) {
         good = to->grows ? series_copy(rows, &to->netcdf, &source, shift) : series_take(rows, &source, shift);
-        *is_readable = good || to->netcdf.reason[0] != '\0';
+        is_readable = good || to->netcdf.reason[0] != '\0';
         good = good && history_flush_if_due(to);
     }
     good = good && source.next == source.rows;
     to->body.n_events += rows == &to->body.events ? (long long)source.rows : 0;
     series_source_close(&source, rows);
-    return good;
+    return good || (is_readable ? history_refuse(to, error) : refuse_part(path, source.reason, error));
 }
 
 bool part_append(const char *path, history *to, evl_error *error)
 {
     const hid_t file = netcdf_open(path), events = file < 0 ? file : H5Gopen2(file, "events", H5P_DEFAULT);
-    bool is_readable = events >= 0;
-    const bool good = is_readable && append_rows(file, to, &to->body.times, &is_readable) &&
-                      append_rows(events, to, &to->body.events, &is_readable);
+    const bool good = events < 0 ? refuse_part(path, netcdf_system_reason(NULL), error)
+                                 : append_rows(file, path, to, &to->body.times, error) &&
+                                       append_rows(events, path, to, &to->body.events, error);
     (void)(events >= 0 && H5Gclose(events));
     (void)(file >= 0 && H5Fclose(file));
-    if (!is_readable) {
-        return evl_error_set(error, EVL_EXIT_IO, path, "cannot be read, or is damaged; begin anew without --continue");
-    }
-    return good || history_refuse(to, error);
+    return good;
 }
 
 bool part_size_of(const char *path, part_size *size)

@@ -130,6 +130,7 @@ bool series_source_open(series_source *source, const series *rows, hid_t place, 
         /* Read without a cache, as it was written: a block is a part of a chunk. */
         const hid_t dataset = H5Dopen2(place, rows->columns[i].variable.name, netcdf_kept.access);
         CLOSED const hid_t space = dataset < 0 ? H5I_INVALID_HID : H5Dget_space(dataset);
+        source->reason = dataset < 0 ? netcdf_system_reason(NULL) : NULL;
         source->datasets[i] = dataset;
         good = find_extent(space, &rows->columns[i], extent) && (i == 0 || extent[0] == source->rows);
         source->rows = extent[0];
@@ -144,8 +145,9 @@ void series_source_close(series_source *source, const series *rows)
     }
 }
 
-static bool read_rows(const series_column *column, hid_t dataset, hsize_t from, hsize_t n, void *to)
+static bool read_rows(const series_column *column, series_source *source, int index, hsize_t from, hsize_t n, void *to)
 {
+    const hid_t dataset = source->datasets[index];
     hsize_t start[NETCDF_MAX_RANK] = {from}, count[NETCDF_MAX_RANK] = {0};
     CLOSED const hid_t on_file = H5Dget_space(dataset);
     if (!find_extent(on_file, column, count)) {
@@ -153,8 +155,12 @@ static bool read_rows(const series_column *column, hid_t dataset, hsize_t from, 
     }
     count[0] = n;
     CLOSED const hid_t in_memory = H5Screate_simple(column->variable.rank, count, NULL);
-    return in_memory >= 0 && H5Sselect_hyperslab(on_file, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-           H5Dread(dataset, type_in_memory(column), in_memory, on_file, H5P_DEFAULT, to) >= 0;
+    if (in_memory < 0 || H5Sselect_hyperslab(on_file, H5S_SELECT_SET, start, NULL, count, NULL) < 0) {
+        return false;
+    }
+    const bool good = H5Dread(dataset, type_in_memory(column), in_memory, on_file, H5P_DEFAULT, to) >= 0;
+    source->reason = good ? NULL : netcdf_system_reason(NULL); /* HDF5 forgets it with its next call */
+    return good;
 }
 
 static void shift_coordinate(const series_column *column, size_t n, void *values, int shift)
@@ -172,7 +178,7 @@ bool series_take(series *rows, series_source *source, int shift)
     for (int i = 0; i < rows->n_columns; i++) {
         const series_column *column = &rows->columns[i];
         char *to = (char *)column->block + rows->filled * (size_t)column->count * series_value_size(column);
-        if (!read_rows(column, source->datasets[i], source->next, n, to)) {
+        if (!read_rows(column, source, i, source->next, n, to)) {
             return false;
         }
         shift_coordinate(column, i == 0 ? n : 0, to, shift);
@@ -182,14 +188,13 @@ bool series_take(series *rows, series_source *source, int shift)
     return true;
 }
 
-static bool copy_column(const series *rows, netcdf_file *file, const series_source *source, int index, int shift,
-                        void *piece)
+static bool copy_column(const series *rows, netcdf_file *file, series_source *source, int index, int shift, void *piece)
 {
     const series_column *column = &rows->columns[index];
     const hsize_t most = 1 + PIECE_BYTES / ((size_t)column->count * series_value_size(column));
     for (hsize_t done = 0; source->next + done < source->rows;) {
         const hsize_t left = source->rows - source->next - done, n = left < most ? left : most;
-        if (!read_rows(column, source->datasets[index], source->next + done, n, piece)) {
+        if (!read_rows(column, source, index, source->next + done, n, piece)) {
             return false;
         }
         shift_coordinate(column, index == 0 ? (size_t)n : 0, piece, shift);

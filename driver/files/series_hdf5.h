@@ -16,6 +16,7 @@ bool series_write(series *rows, netcdf_file *file);
 typedef struct {
     hid_t *datasets; /**< of the columns */
     hsize_t rows, next;
+    const char *reason; /**< the system's, why something could not be read; NULL: it gave none */
 } series_source;
 
 /** Find the variables of a series in a file or group. @return false if they are not there, or of other sizes */

@@ -160,7 +160,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
         const char *fault = "does not hold the histories of this shard and design, or cannot be read: see to that, or "
                             "choose another folder";
         good = (file >= 0 && find_rows(stack, file, layout)) ||
-               evl_error_set(error, EVL_EXIT_CASE, layout->path, "%s", file < 0 ? netcdf_open_failure(fault) : fault);
+               evl_error_set(error, EVL_EXIT_CASE, layout->path, "%s", file < 0 ? netcdf_system_reason(fault) : fault);
     }
     if (good) {
         stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW);

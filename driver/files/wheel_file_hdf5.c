@@ -133,7 +133,7 @@ wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, 
     }
     CLOSED const hid_t file = answer == SEAL_HOLDS ? netcdf_open(path) : -1;
     const char *fault = answer != SEAL_HOLDS ? "is damaged: its check sum is wrong"
-                        : file < 0           ? netcdf_open_failure("cannot be read")
+                        : file < 0           ? netcdf_system_reason("cannot be read")
                                              : find_fault(file, wheel);
     if (fault == NULL) {
         return WHEEL_FILE_READ;

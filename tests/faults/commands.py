@@ -24,6 +24,8 @@ WHEEL = "{hub_diameter: 0.026, order: 5}"  # whose teeth bend: cheap elements
 # Of Python: what it asks the system for beside files is not the program's business.
 FILES = ("write", "fsync", "rename", "open", "close", "truncate", "read", "link", "lock")
 SWEEPS, POST = (sys.executable, START, "sweep"), (sys.executable, START, "post")
+# A run that has made no checkpoint begins anew.
+_GO_ON = 'test -e h.h5.parts/checkpoint.h5 && set -- "$@" --continue; exec "$0" "$@"'
 SWEEP = f"""\
 format: 1
 title: a sweep
@@ -159,6 +161,7 @@ def _history(stack: Path, case: int) -> bytes:
 def commands(program: Path) -> dict[str, Command]:
     """All of them by their names."""
     batch = [program, "batch", DESIGN, "-o", "r", "-q"]
+    run_checkpoints = [program, "run", CASE, "-o", "h.h5", "-q", "--checkpoint-at", "5e-4,1e-3"]
     static = ["static", CASE, "-o", "s.h5", "--points", "21", "--torque"]
     found = [
         Command(
@@ -172,6 +175,13 @@ def commands(program: Path) -> dict[str, Command]:
             _write_case,
             [program, "run", CASE, "-o", "h.h5", "-q", "--outputs", "angle,normal_force"],
             partial(_files, names={"h.h5": _of_hdf5}),
+        ),
+        Command(
+            "run-checkpoints",
+            _write_case,
+            run_checkpoints,
+            partial(_files, names={"h.h5": _of_hdf5}),
+            again=["/bin/sh", "-c", _GO_ON, *run_checkpoints],
         ),
         Command(
             "static",
