@@ -2,18 +2,20 @@
 
 Time in units of one over the frequency of one tooth pair, deflection in those of F/k: while pairs
 carry x'' + 2 z n x' + n x = 1 with n = 1 or 2 of them, else x'' = 1. They part where their force
-falls to zero.
+falls to zero, and touch again where x comes from below zero or, if it stays above, where the force
+returns.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
 
 RATIO, DAMPING = 1.638, 0.03  # contact ratio; damping ratio of a pair
+WINDOW = 64  # pitches over which a motion is looked at that does not repeat
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -75,12 +77,15 @@ class Oscillator:
         return passed
 
     def _fly(self, left: float) -> float:
-        """Flanks are apart, until x comes from below zero."""
-        t = -self.v + math.sqrt(max(self.v**2 - 2 * self.x, 0.0))
-        passed = min(t, left)
-        self.x = 0.0 if t <= left else self.x + self.v * left + left**2 / 2
+        """Flanks are apart."""
+        x, v = self.x, self.v
+        clear = v**2 >= 2 * x
+        if not clear:  # of x + 2 z v
+            x, v = x + 2 * DAMPING * v, v + 2 * DAMPING
+        t = -v + math.sqrt(max(v**2 - 2 * x, 0.0))
+        self.touches, passed = t <= left, min(t, left)
+        self.x = 0.0 if clear and self.touches else self.x + self.v * passed + passed**2 / 2
         self.v += passed
-        self.touches = t <= left
         return passed
 
     def settle(self, omega: float, place: float, most: int = 600) -> int:
@@ -113,6 +118,16 @@ class Oscillator:
         mean, square = moments[1:] / moments[0]
         return math.sqrt(square - mean**2)
 
+    def follow(
+        self, values: Iterable[float], place: float, pitches: int = 0
+    ) -> Iterator[tuple[float, float]]:
+        """Go from frequency to frequency, with the deviation at each; see `falls`."""
+        for omega in values:
+            for _ in range(pitches - WINDOW):
+                self.pitch(omega, place)
+            window = WINDOW if pitches else self.settle(omega, place) or WINDOW
+            yield omega, self.deviation(omega, place, window)
+
 
 def _constants(pairs: int, x: float, v: float) -> tuple[float, float, float, float]:
     d = DAMPING * pairs
@@ -132,20 +147,16 @@ def _near(a: tuple[float, float], b: tuple[float, float]) -> bool:
     return all(abs(p - q) < 1e-9 * (1 + abs(p)) for p, q in zip(a, b, strict=True))
 
 
-def falls(values: Iterable[float], place: float) -> list[tuple[float, float, float]]:
+def falls(
+    values: Iterable[float], place: float, pitches: int = 0, motion: Oscillator | None = None
+) -> list[tuple[float, float, float]]:
     """Go from frequency to frequency, each step taken at a place of the pitch.
 
+    pitches: at each frequency, whatever the motion does; 0: until it repeats.
     Frequencies between which the deviation falls by more than a quarter, and what it is then.
     """
-    motion, found = Oscillator(), []
-    before = (math.nan, math.nan)
-    for omega in values:
-        period = motion.settle(omega, place)
-        deviation = motion.deviation(omega, place, period or 64)
-        if deviation < before[1] / 1.3:
-            found.append((before[0], omega, deviation))
-        before = (omega, deviation)
-    return found
+    told = (motion or Oscillator()).follow(values, place, pitches)
+    return [(a, b, after) for (a, before), (b, after) in pairwise(told) if after < before / 1.3]
 
 
 def steps(first: float, last: float, step: float = 0.005) -> list[float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import pytest
 
 from system.oscillator_alone import Oscillator, falls, steps
@@ -18,6 +20,16 @@ def test_oscillator_alone_has_the_figures_of_another_program(omega: float, known
     assert motion.deviation(omega, 0.0, period) == pytest.approx(known, abs=1e-9)
 
 
+def test_flanks_that_part_but_do_not_come_clear_touch_where_their_force_returns() -> None:
+    """Of x + 2 z v, zero at first: after -2 (v + 2 z)."""
+    motion = Oscillator()
+    pieces: list[tuple[float, ...]] = []
+    motion.x, motion.v, motion.touches = 0.0054, -0.09, False
+    motion.pitch(0.435, 0.0, pieces)
+    assert pieces[0][0] == pytest.approx(0.06, rel=1e-12)
+    assert pieces[1][2:] == (pytest.approx(0.0018), pytest.approx(-0.03), True)
+
+
 @pytest.mark.parametrize("place", [0.0, 0.5])
 def test_in_small_steps_the_motion_ends_where_respond_says(place: float) -> None:
     """0.4115, wherever in the pitch the speed changes."""
@@ -26,10 +38,33 @@ def test_in_small_steps_the_motion_ends_where_respond_says(place: float) -> None
     assert 0.4113 <= after < before <= 0.4117
 
 
-def test_plain_steps_throw_it_out_earlier_and_where_they_are_taken_decides() -> None:
-    """The table of the other program falls at 0.825 to 1.0698, and between 0.440 and 0.435."""
-    ends = {place: falls(steps(2.4, 0.4), place)[-2:] for place in (0.2, 0.875)}
-    (first, second), (_, last) = ends[0.2], ends[0.875]
-    assert first == (0.83, 0.825, pytest.approx(1.0698, abs=6e-5))
-    assert second[:2] == (0.415, 0.41)
-    assert last[:2] == (0.44, 0.435)
+def test_where_the_second_pair_comes_it_falls_as_told_after_a_multiple_of_four_pitches() -> None:
+    """The motion of period 2 has period 4 and 8 there: another number changes where it is.
+
+    The first line of the other program's table, down: falls at 0.825 to 1.0698.
+    """
+    (end,) = falls(steps(2.4, 0.82), 0.0, 300)
+    assert end == (0.83, 0.825, pytest.approx(1.0698, abs=5e-5))
+    assert falls(steps(2.4, 0.85), 0.0, 301)[0][:2] == (0.855, 0.85)
+
+
+def test_at_the_second_fall_a_billionth_decides_between_three_motions() -> None:
+    """The second line, between 0.440 and 0.435 to 0.5246, is one of three ends of that step.
+
+    In one of both pitches of the period; in the other the motion goes on.
+    """
+    motion = Oscillator()
+    assert falls(steps(0.8, 0.44), 0.0, 256, motion) == []
+    ends = []
+    for tries in (200, 40):
+        found = set()
+        for i in range(tries):
+            one = copy.copy(motion)
+            one.x += i * 1e-9 / tries
+            ((_, deviation),) = one.follow([0.435], 0.0, 200)
+            found.add(round(deviation, 1 if deviation > 1 else 4))
+        ends.append(found)
+        motion.pitch(0.44, 0.0)
+    goes_on, mixed = sorted(ends, key=len)
+    assert goes_on == {4.6}
+    assert mixed >= {0.5246, 1.1, 4.6}
