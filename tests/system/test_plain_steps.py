@@ -38,6 +38,14 @@ def test_in_small_steps_the_motion_ends_where_respond_says(place: float) -> None
     assert 0.4113 <= after < before <= 0.4117
 
 
+def test_by_the_same_rule_the_way_up_is_the_told_one() -> None:
+    """A jump from 0.4975 at 0.750 to 1.3310 at 0.755, period 2 from 1.850."""
+    up = dict(Oscillator().follow(steps(0.755, 0.7)[::-1], 0.0, 300))
+    assert (up[0.75], up[0.755]) == pytest.approx((0.4975, 1.3310), abs=5e-5)
+    up = dict(Oscillator().follow(steps(1.85, 1.82)[::-1], 0.0, 300))
+    assert up[1.845] < 0.1 < 0.8 < up[1.85]
+
+
 def test_where_the_second_pair_comes_it_falls_as_told_after_a_multiple_of_four_pitches() -> None:
     """The motion of period 2 has period 4 and 8 there: another number changes where it is.
 

@@ -176,6 +176,26 @@ def test_motion_of_two_periods_is_kept_on_the_way_down(respond):
     assert deviation(up, "up", 0.825) == pytest.approx(1.0698, abs=6e-5)
 
 
+@pytest.mark.parametrize(
+    ("first", "last", "known"),
+    [
+        (0.43, 0.8, {0.44: {1: 0.5833, 2: 4.484}, 0.435: {1: 0.5246, 2: 4.603}}),
+        (0.825, 2.1, {0.83: {1: 1.0535, 8: 5.114}, 0.825: {1: 1.0698, 16: 5.179}}),
+    ],
+)
+def test_stable_orbits_are_those_between_which_plain_steps_fall(respond, first, last, known):
+    """Another program falls to 1.0698 at 0.825 and to 0.5246 at 0.435."""
+    count = round((last - first) / 0.005) + 1
+    over = f"{SPEED}={-first * UNIT!r}:{-last * UNIT!r}"
+    found = respond(over, "--method", "orbits", "--values", count)
+    found = found.isel(point=found["orbit_stable"].values == 1)
+    told = found["transmission_error_standard_deviation"].values[:, 0] / (FORCE / STIFFNESS)
+    for omega, orbits in known.items():
+        there = found["orbit_value"].values == round((omega - first) / 0.005)
+        periods = found["orbit_period"].values[there].tolist()
+        assert dict(zip(periods, told[there], strict=True)) == pytest.approx(orbits, abs=5e-4)
+
+
 def test_down_goes_on_from_where_up_ended(respond):
     """Between both jumps there are two motions, and which one it is depends on the way."""
     response = respond(speeds(0.70, 0.77, 0.01))
