@@ -331,13 +331,18 @@ contains
    end subroutine change_contact
 
    !> Whether the flanks lose contact at this instant: force and penetration vanish together, which of them first is rounding.
+   !> A gap that opens so slowly that forces of the usual size may close it at once only touches zero: that it opens, if it does, is
+   !> seen later; that it closes before it was seen to be open would not be.
    !> Where the others of a flank open and close its gap too, its own rate does not say so: the gap alone does.
    pure logical function parts(flank, contact, at)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
+      real(wp), parameter :: strong = 100 !! twice the accelerations that may be, over that by the reference force
 
       parts = at%overlap < grazing*contact%h_scale .and. (at%point%h_dot < 0 .or. contact%rigid)
+      if (.not. contact%rigid) &
+         parts = parts .and. (at%point%h_dot/contact%rate_scale)**2 > strong*at%overlap/contact%h_scale
       if (flank%couples) parts = at%overlap <= 0
    end function parts
 

@@ -242,10 +242,9 @@ contains
       real(wp), intent(in) :: y(:) !! [n]
       type(status_t), intent(inout) :: status
 
-      self%fired = 1 ! a function that is zero at the start has not fired by that
+      self%fired = 0
       self%step_after = huge(t)
       call radau_restart(self, model, t, y)
-      self%roots%sign_now = 0
       self%came_from = 0
       self%counts = radau_counts()
       self%roots%evaluations = 0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from typing import NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -142,3 +143,52 @@ def test_derivative_of_the_flow_is_that_of_differences(kernel: Kernel, name: str
         difference = (8 * (ends[2] - ends[1]) - (ends[3] - ends[0])) / (12 * step)
         error = np.abs(difference - exact[:, j])[repeats].max()
         assert error <= 1e-6 * max(1.0, np.abs(exact[repeats][:, repeats]).max()), j
+
+
+def _ends(gearbox: Gearbox, state: State) -> Callable[[float], tuple[int, Floats]]:
+    """Crossings in a period, and its end in units of the states, by the vibration at its start."""
+
+    def follow(vibration: float) -> tuple[int, Floats]:
+        change = np.zeros(size(gearbox))
+        change[2:4] = vibration
+        one = flow(gearbox, state, change, 1, 0.0)
+        repeats = one.units > 0
+        return one.crossings, one.end[repeats] / one.units[repeats]
+
+    return follow
+
+
+PARTING: dict[str, dict[str, Any]] = {  # at damping ratios of about 0.02, 0.1 and 0.2
+    "little damping": {"damping": 2e2},
+    "one-sided damping": {"damping": ("one_sided", 2e2)},
+    "damping": {"damping": 1e3, "contact": Block(law="linear", stiffness=4e8)},
+    "much damping": {"damping": 3e3, "contact": Block(law="linear", stiffness=4e8)},
+    "much damping of cylinders": {"damping": 3e3},
+}
+
+
+@pytest.mark.parametrize("fields", PARTING.values(), ids=PARTING)
+def test_where_an_event_comes_or_goes_the_flow_is_continuous(
+    kernel: Kernel, fields: dict[str, Any]
+) -> None:
+    """A force that just vanishes, a gap that just opens: no matter how near to that a motion is.
+
+    From far to near: within a thousand times the distance from where the number of events changes.
+    """
+    gearbox = pair(kernel, -1.0, **fields)
+    follow = _ends(gearbox, gearbox.start(STEADY, mesh_position=PLACE))
+    places = np.linspace(0.5, 2.5, 101)
+    counts = [follow(place)[0] for place in places]
+    changes = [
+        pair for i, pair in enumerate(pairwise(places.tolist())) if counts[i] != counts[i + 1]
+    ]
+    assert len(changes) >= 6
+    for low, high in changes:
+        ends = {place: follow(place) for place in (low, high)}
+        while high - low > 1e-13:
+            middle = (low + high) / 2
+            ends[middle] = follow(middle)
+            low, high = (middle, high) if ends[middle][0] == ends[low][0] else (low, middle)
+        for place, (_, end) in ends.items():
+            far = float(np.max(np.abs(end - ends[low][1])))
+            assert far <= 1e-7 + 1000 * abs(place - low), (place, low)

@@ -219,6 +219,7 @@ TRANSITIONS = {  # mode, root function, gap [m] and its rate [m/s]; mode afterwa
     "they part without force": (UNLOADED, "contact", 1e-18, 1e-3, OPEN, "contact_opened"),
     "the force vanishes as they part": (LOADED, "force", -1e-16, 1e-3, OPEN, "contact_opened"),
     "the force returns as they part": (UNLOADED, "force", -1e-16, 1e-3, OPEN, "contact_opened"),
+    "the gap just touches zero": (UNLOADED, "force", -1e-16, 1e-12, LOADED, "force_returned"),
 }
 
 
