@@ -1,6 +1,9 @@
 #include "simulate/step_nodes.h"
 
+#include "simulate/each_processor.h"
+
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
 
 /* Gauss and Legendre: eight nodes where the kernel takes eight states at once, three where it takes one after the other, in
@@ -27,27 +30,63 @@ static double lagrange(int n, const double *x_nodes, int k, double x)
     return value;
 }
 
-static double sample_place(const step_nodes *nodes, int i)
+/* ---- evenly spaced places, the ends among them: at most STEP_NODES_SAMPLES ---- */
+
+enum { ROOM = (STEP_NODES_SAMPLES + 7) / 8 * 8 }; /* whole vectors */
+
+/** From values at the nodes to those at these places. */
+typedef double sampling[STEP_NODES_MOST][ROOM];
+
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static sampling from_8, from_3;
+
+static int count_samples(int n)
 {
-    return -1 + 2.0 * i / (nodes->n_samples - 1);
+    return 4 * n + 1;
 }
+
+static double sample_place(int n, int i)
+{
+    return -1 + 2.0 * i / (count_samples(n) - 1);
+}
+
+static void fill_sampling(int n, const double *x_nodes, sampling samples)
+{
+    for (int k = 0; k < n; k++) {
+        for (int i = 0; i < count_samples(n); i++) {
+            samples[k][i] = lagrange(n, x_nodes, k, sample_place(n, i));
+        }
+    }
+}
+
+static void fill_samplings(void)
+{
+    fill_sampling(8, places_of_8, from_8);
+    fill_sampling(3, places_of_3, from_3);
+}
+
+FOR_EACH_PROCESSOR static void sample(int n, const sampling samples, int sense, const double *values, double at[ROOM])
+{
+    for (int k = 0; k < n; k++) {
+        const double value = sense * values[k];
+        for (int i = 0; i < ROOM; i++) {
+            at[i] += samples[k][i] * value;
+        }
+    }
+}
+
+/* ---- the nodes ---- */
 
 void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
 {
     const model_facts *about = model_about(model);
+    (void)pthread_once(&once, fill_samplings);
     *nodes = (step_nodes){.model = model, .n = about->dae.stepper != NULL ? 8 : 3};
-    nodes->n_samples = 4 * nodes->n + 1; /* at most STEP_NODES_SAMPLES */
     nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->before = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->y = pool_calloc(pool, (size_t)nodes->n * (size_t)about->dae.n, sizeof(double));
     nodes->one = pool_calloc(pool, (size_t)about->dae.n, sizeof(double));
     nodes->values = pool_calloc(pool, (size_t)nodes->n * (size_t)about->n_values, sizeof(double));
-    nodes->samples = pool_calloc(pool, (size_t)nodes->n_samples * (size_t)nodes->n, sizeof(double));
-    for (int i = 0; i < nodes->n_samples; i++) {
-        for (int k = 0; k < nodes->n; k++) {
-            nodes->samples[k * nodes->n_samples + i] = lagrange(nodes->n, places(nodes), k, sample_place(nodes, i));
-        }
-    }
 }
 
 void step_nodes_clear(step_nodes *nodes)
@@ -125,29 +164,22 @@ static double value_at(const step_nodes *nodes, const double *values, double x)
 
 double step_nodes_end(const step_nodes *nodes, const double *values)
 {
+    const int last = count_samples(nodes->n) - 1;
     double end = 0;
     for (int k = 0; k < nodes->n; k++) {
-        end += nodes->samples[(k + 1) * nodes->n_samples - 1] * values[k];
+        end += (nodes->n == 8 ? from_8 : from_3)[k][last] * values[k];
     }
     return end;
 }
 
 double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
 {
-    double at[STEP_NODES_SAMPLES] = {0};
-    const int last = nodes->n_samples - 1;
+    double at[ROOM] = {0};
+    const int last = count_samples(nodes->n) - 1;
     int place = 0;
-    for (int k = 0; k < nodes->n; k++) {
-        const double *of_node = nodes->samples + k * nodes->n_samples, value = sense * values[k];
-        for (int i = 0; i <= last; i++) {
-            at[i] += of_node[i] * value;
-        }
-    }
+    sample(nodes->n, nodes->n == 8 ? from_8 : from_3, sense, values, at);
     for (int i = 1; i <= last; i++) {
         place = at[i] > at[place] ? i : place;
-    }
-    if (last < 2) {
-        return at[place];
     }
     /* it may lie between the first two, or the last two: the next step begins behind it */
     const int middle = place == 0 ? 1 : place == last ? last - 1 : place;
@@ -156,6 +188,6 @@ double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
         return at[place];
     }
     const double step = 2.0 / last;
-    const double top = sample_place(nodes, middle) + 0.5 * step * (at[middle - 1] - at[middle + 1]) / bend;
+    const double top = sample_place(nodes->n, middle) + 0.5 * step * (at[middle - 1] - at[middle + 1]) / bend;
     return top > -1 && top < 1 ? fmax(at[place], sense * value_at(nodes, values, top)) : at[place];
 }

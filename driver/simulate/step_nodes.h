@@ -21,9 +21,6 @@ typedef struct {
     double *values;                 /**< [n_values * n] each value at the nodes side by side */
     double t[STEP_NODES_MOST];      /**< the nodes [s] */
     double weight[STEP_NODES_MOST]; /**< of an integral over time [s]; 0 where no node is */
-    int n_samples;
-    double
-        *samples; /**< [n * n_samples] from values at the nodes to those at evenly spaced places, the ends among them */
 } step_nodes;
 
 /** Ask for nothing yet. @param pool  in which the arrays last */
