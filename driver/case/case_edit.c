@@ -15,7 +15,8 @@ static bool holds_numbers(int type)
     return type <= EVL_NAMED;
 }
 
-/** Follow the path of an option through a checked tree. */
+/** Follow the path of an option through a checked tree. What is said of the simulation is told by it as a whole; all other single
+ *  numbers stand for themselves alone. */
 static case_number find_number(const case_schema *schema, case_node *root, const char *option)
 {
     OWNED char *path = xasprintf("%.*s", (int)strcspn(option, "="), option);
@@ -23,7 +24,10 @@ static case_number find_number(const case_schema *schema, case_node *root, const
     number.row = row_at_path(schema, root, path, &number.node);
     const bool is_value = number.row != NULL && number.node != NULL && number.node->kind == NODE_SCALAR;
     const bool is_number = is_value && number.node->place.option == option && holds_numbers(number.row->type);
-    return is_number ? number : (case_number){NULL, NULL};
+    const bool is_alone = is_number && (number.row->type == EVL_NUMBER || number.row->type == EVL_INTEGER) &&
+                          strchr(path, '.') != NULL && strncmp(path, "simulation.", strlen("simulation.")) != 0;
+    number.place = is_alone ? case_number_place(schema, root, number.node) : -1;
+    return is_number ? number : (case_number){NULL, NULL, -1};
 }
 
 /** Note where the options of a case have put numbers, and give these nodes room for others. */
@@ -82,15 +86,28 @@ static bool exchange_numbers(const case_base *base, case_file *file, const char 
             number->node->written = NULL;
         }
     }
-    bool good = true;
+    bool good = true, are_alone = true;
     for (int i = 0; i < file->n_options && good; i++) {
-        good = file->numbers[i].node == NULL || check_number(&checker, file->numbers[i].row, file->numbers[i].node);
+        const case_number *number = &file->numbers[i];
+        good = number->node == NULL || check_number(&checker, number->row, number->node);
+        are_alone = are_alone && (number->node == NULL || number->place >= 0);
+    }
+    for (int i = 0; i < file->n_options && good && are_alone; i++) {
+        const case_number *number = &file->numbers[i];
+        if (number->node != NULL) {
+            file->description.numbers[number->place] = node_number(number->node);
+        }
+    }
+    if (!good || are_alone) {
+        file->description.simulation = file->as_read;
+        return good;
     }
     description_clear(&file->description);
     good = good && case_file_check_format(file, &ignored) &&
            case_resolve(base->schema, file->path, file->root, &file->description, &ignored);
     if (good) {
         case_lay_out(base->schema, file->root, &file->description);
+        file->as_read = file->description.simulation;
     }
     return good;
 }
@@ -110,6 +127,7 @@ bool case_edit(const case_base *base, int n_set, const char *const *set_options,
     }
     find_numbers(base->schema, made);
     case_lay_out(base->schema, made->root, &made->description); /* now that the texts stay where they are */
+    made->as_read = made->description.simulation;
     case_delete(file);
     *file = made;
     return true;

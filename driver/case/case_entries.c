@@ -6,6 +6,8 @@ typedef struct {
     int n, n_numbers;
     evl_entry *entries;
     double *numbers;
+    const case_node *wanted; /**< a number whose place is asked for */
+    int place;               /**< of it among the numbers */
 } layout;
 
 static void add_entry(layout *layout, const evl_row *row, int level, const char *name)
@@ -19,6 +21,7 @@ static void add_entry(layout *layout, const evl_row *row, int level, const char 
 /** A number of the entry that was added last. */
 static void add_number(layout *layout, const case_node *node)
 {
+    layout->place = node == layout->wanted ? layout->n_numbers : layout->place;
     layout->numbers[layout->n_numbers++] = node_number(node);
     layout->entries[layout->n - 1].n++;
 }
@@ -92,14 +95,28 @@ static size_t count_nodes(const case_node *node)
     return n;
 }
 
-void case_lay_out(const case_schema *schema, const case_node *root, description *description)
+static layout lay_out(const case_schema *schema, const case_node *root, const case_node *wanted, memory_pool *pool)
 {
     const size_t most = count_nodes(root);
     layout layout = {.schema = schema,
-                     .entries = pool_calloc(&description->pool, most, sizeof *layout.entries),
-                     .numbers = pool_calloc(&description->pool, most, sizeof *layout.numbers)};
+                     .entries = pool_calloc(pool, most, sizeof *layout.entries),
+                     .numbers = pool_calloc(pool, most, sizeof *layout.numbers),
+                     .wanted = wanted,
+                     .place = -1};
     add_block(&layout, root, 1);
+    return layout;
+}
+
+void case_lay_out(const case_schema *schema, const case_node *root, description *description)
+{
+    const layout layout = lay_out(schema, root, NULL, &description->pool);
     description->n_entries = layout.n;
     description->entries = layout.entries;
     description->numbers = layout.numbers;
+}
+
+int case_number_place(const case_schema *schema, const case_node *root, const case_node *number)
+{
+    POOLED memory_pool pool = {NULL};
+    return lay_out(schema, root, number, &pool).place;
 }

@@ -17,6 +17,7 @@ struct case_base {
 typedef struct {
     case_node *node;    /**< NULL: the option has put something else, or was overruled by a later one */
     const evl_row *row; /**< what the number has to be */
+    int place;          /**< among the numbers of the description, if nothing else depends on it; else -1 */
 } case_number;
 
 struct case_file {
@@ -27,6 +28,7 @@ struct case_file {
     case_node *root;
     char **text;          /**< made when it is asked for: a million knots take seconds; NULL for an edited base */
     case_number *numbers; /**< [n_options] of an edited base, else NULL */
+    simulation_description as_read; /**< of an edited base: nothing of it is settled */
     description description;
 };
 
@@ -51,3 +53,5 @@ bool case_resolve(const case_schema *schema, const char *path, case_node *root, 
                   evl_error *error);
 /** Fill the entries of a description. Their names are the texts of the tree, which have to stay where they are. */
 void case_lay_out(const case_schema *schema, const case_node *root, description *description);
+/** Where that puts a number of the tree; -1: nowhere. */
+int case_number_place(const case_schema *schema, const case_node *root, const case_node *number);
