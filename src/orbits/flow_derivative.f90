@@ -79,7 +79,7 @@ contains
       real(wp), intent(inout) :: next(:, :)         !! that at the end of the piece, of these states
       real(wp), intent(out) :: error                !! over the size of the derivative
       type(status_t), intent(inout) :: status
-      real(wp) :: times(lanes), states(lanes, model%n), y(model%n), entries(size(model%jacobian_row))
+      real(wp) :: jacobians(size(model%jacobian_row), n_stages)
       real(wp) :: matrix(n_stages*size(moving), n_stages*size(moving)), z(n_stages*size(moving), size(kept)), factor
       integer :: place(model%n)
       logical :: counts(model%n), good
@@ -93,20 +93,18 @@ contains
       place(moving) = [(i, i=1, n)]
       counts = .false.
       counts(kept) = .true.
-      times = t + h*node
-      call radau_interpolate_lanes(solver, times, states)
+      call find_jacobians(model, solver, t, h, place(model%jacobian_row) > 0 .and. counts(model%jacobian_column), jacobians, &
+                          status)
+      if (has_failed(status)) return
       matrix = 0
       z = 0
       do k = 1, n_stages
-         y = states(k, :)
-         call model%jacobian(times(k), y, entries, status)
-         if (has_failed(status)) return
-         do j = 1, size(entries)
+         do j = 1, size(jacobians, 1)
             row = place(model%jacobian_row(j))
             column = model%jacobian_column(j)
             if (row == 0 .or. .not. counts(column)) cycle
             do i = 1, n_stages
-               factor = h*integral_to_node(i, k)*entries(j)
+               factor = h*integral_to_node(i, k)*jacobians(j, k)
                if (place(column) > 0) matrix((i - 1)*n + row, (k - 1)*n + place(column)) = -factor
                do l = 1, size(kept)
                   z((i - 1)*n + row, l) = z((i - 1)*n + row, l) + factor*derivative(column, kept(l))
@@ -129,6 +127,36 @@ contains
       end do
       call estimate(model, kept, moving, derivative, z, error)
    end subroutine try_piece
+
+   !> The Jacobians of the stages. Where what counts of the first, the last and the middle one is the same to the last digit, as of
+   !> forces that are linear, it is constant.
+   subroutine find_jacobians(model, solver, t, h, counts, jacobians, status)
+      class(orbit_model), intent(in) :: model
+      type(radau_t), intent(in) :: solver
+      real(wp), intent(in) :: t, h
+      logical, intent(in) :: counts(:)       !! which entries do
+      real(wp), intent(out) :: jacobians(:, :) !! [entries, n_stages]
+      type(status_t), intent(inout) :: status
+      integer, parameter :: places_to_ask(n_stages) = [1, n_stages, (n_stages + 1)/2, 2, 3, 5, 6], first_few = 3
+      real(wp) :: times(lanes), states(lanes, model%n), y(model%n)
+      integer :: i
+
+      times = t + h*node
+      call radau_interpolate_lanes(solver, times, states)
+      do i = 1, n_stages
+         associate (k => places_to_ask(i))
+            y = states(k, :)
+            call model%jacobian(times(k), y, jacobians(:, k), status)
+         end associate
+         if (has_failed(status)) return
+         if (i /= first_few) cycle
+         associate (a => jacobians(:, places_to_ask(1)), b => jacobians(:, places_to_ask(2)), c => jacobians(:, places_to_ask(3)))
+            if (any(counts .and. (abs(a - b) > 0 .or. abs(a - c) > 0))) cycle
+            jacobians(:, [2, 3, 5, 6]) = spread(a, 2, n_stages - first_few)
+            return
+         end associate
+      end do
+   end subroutine find_jacobians
 
    !> Error of a piece, over the largest entry of the derivative, both in units of the scales.
    pure subroutine estimate(model, kept, moving, derivative, z, error)
