@@ -38,8 +38,8 @@ static bool tell(void *self, int number, int periods, double *time, dae_state *s
         o->told[number] = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof(double));
     }
     const double began = state->t;
-    const bool good = orbit_tell(&o->prepared, &o->period, state, periods, *time / periods, o->sweep->interrupt, state,
-                                 o->told[number], message) == ORBIT_FOUND;
+    const bool good = orbit_tell(&o->prepared, &o->period, state, periods, *time / periods, true, o->sweep->interrupt,
+                                 state, o->told[number], message) == ORBIT_FOUND;
     *time = o->period.by_time ? *time : state->t - began;
     return good;
 }

@@ -35,7 +35,7 @@ static double *find_numbers(branches *o, int number, int point, const model_orbi
     dae_state state = dae_state_create(&o->sizes, NULL);
     double *values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof *values);
     const bool good = model_orbits_state(o->orbits, number, point, &state, message) &&
-                      orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit),
+                      orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit), orbit->is_stable,
                                  o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
     dae_state_free(&state);
     return good ? values : NULL;

@@ -323,11 +323,11 @@ static bool has_come_back(search *s, const dae_state *start, int periods, double
 }
 
 orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
-                     double time, const volatile sig_atomic_t *interrupt, dae_state *round, double *values,
-                     char message[DAE_MESSAGE_LENGTH])
+                     double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
+                     double *values, char message[DAE_MESSAGE_LENGTH])
 {
-    /* tolerance: what is unstable leaves its orbit slowly enough; what is only told counts as an orbit to 1e-8 of the scales */
-    const double tight = round != NULL ? 1e-10 : 1e-11;
+    /* tolerance: numbers and returns are right to 1e-8; what is unstable leaves its orbit slowly enough */
+    const double tight = is_stable ? 1e-9 : 1e-11;
     POOLED memory_pool pool = {NULL};
     search *s = pool_calloc(&pool, 1, sizeof *s);
     integrate_options options = simulate_options(prepared);

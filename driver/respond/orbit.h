@@ -48,9 +48,10 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
  *  @param state   on it, at any place
  *  @param periods common periods after which it repeats
  *  @param time    of a common period [s]
+ *  @param is_stable  a run stays near it: a usual tolerance will do
  *  @param interrupt  as of orbit_find
  *  @param round   becomes the state after these periods without y', at its time, taken back to where it began; may be `state`; NULL: not
  *  wanted */
 orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
-                     double time, const volatile sig_atomic_t *interrupt, dae_state *round, double *values,
-                     char message[DAE_MESSAGE_LENGTH]);
+                     double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
+                     double *values, char message[DAE_MESSAGE_LENGTH]);
