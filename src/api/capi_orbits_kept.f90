@@ -3,11 +3,11 @@
 !> The header's section "orbits" documents each procedure.
 module evl_capi_orbits_kept
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
-   use evl_branch, only: keep_point, told_before_end
+   use evl_branch, only: keep_point, before_end
+   use evl_branch_point, only: branch_point
    use evl_capi_types, only: answer, c_status
    use evl_kinds, only: wp
    use evl_orbits_session, only: add_branch, complete, orbits_t
-   use evl_special_points, only: branch_point
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -20,7 +20,7 @@ module evl_capi_orbits_kept
       integer(c_int) :: crawls, n_ordinary, before, is_smooth
    end type c_walk
 
-   integer, parameter :: n_kept = 8 !! numbers that are kept of a point beside its arrays
+   integer, parameter :: n_kept = 9 !! numbers that are kept of a point beside its arrays
 
 contains
 
@@ -41,7 +41,8 @@ contains
       call c_f_pointer(handle, self)
       associate (at => self%branches(branch + 1)%points(point + 1), n => self%model%n)
          associate (o => at%orbit)
-            numbers(:n_kept) = [real(wp) :: o%parameter, o%period, o%residual, at%way, o%periods, o%iterations, at%kind, at%root]
+            numbers(:n_kept) = [real(wp) :: o%parameter, o%period, o%residual, at%way, o%periods, o%iterations, at%kind, at%root, &
+                                merge(1, 0, at%begins_anew)]
             numbers(n_kept + 1:n_kept + n) = o%y
             numbers(n_kept + n + 1:n_kept + 3*n + 2) = 0
             if (allocated(o%by_parameter)) numbers(n_kept + n + 1:n_kept + 2*n) = o%by_parameter
@@ -69,6 +70,7 @@ contains
          o%iterations = nint(numbers(6))
          at%kind = nint(numbers(7))
          at%root = nint(numbers(8))
+         at%begins_anew = nint(numbers(9)) /= 0
          o%y = numbers(n_kept + 1:n_kept + n)
          o%by_parameter = numbers(n_kept + n + 1:n_kept + 2*n)
          o%tangent = numbers(n_kept + 2*n + 1:n_kept + 3*n + 2)
@@ -110,7 +112,7 @@ contains
          self%walk%is_smooth = walk%is_smooth /= 0
          self%walk%is_over = .false.
          self%before = walk%before
-         self%walk%told = told_before_end(branch%points(max(1, self%before + 1):branch%n))
+         self%walk%told = before_end([branch_point ::], branch%points(:branch%n))
          if (self%before > 0 .and. .not. has_failed(s)) then
             call complete(self, branch%points(self%before), s)
             self%walk%before = branch%points(self%before)%orbit

@@ -2,6 +2,7 @@
 module evl_orbits_session
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_null_ptr, c_ptr
    use evl_branch, only: branch_options, branch_walk
+   use evl_branch_point, only: branch_point
    use evl_capi_types, only: c_status, gearbox_of, status_from_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_state
@@ -9,7 +10,6 @@ module evl_orbits_session
    use evl_orbit_teller, only: orbit_teller
    use evl_periodic_orbit, only: orbit_t
    use evl_shooting, only: correct_orbit
-   use evl_special_points, only: branch_point
    use evl_status, only: code_no_solution, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private

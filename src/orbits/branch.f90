@@ -8,6 +8,7 @@
 module evl_branch
    use evl_branch_curve, only: curve_t, curve_through, lack_of, orbit_on_curve, way_to
    use evl_branch_doubling, only: repeats_sooner
+   use evl_branch_point, only: branch_point, kind_fold, kind_ordinary, kind_touch
    use evl_branch_values, only: find_orbits_at
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
@@ -16,14 +17,14 @@ module evl_branch
    use evl_places, only: places
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent
-   use evl_special_points, only: branch_point, find_special_points, kind_fold, kind_ordinary, kind_touch
+   use evl_special_points, only: find_special_points
    use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
 
    public :: branch_options, branch_walk
-   public :: advance_branch, begin_branch, follow_branch, keep_point, told_before_end
+   public :: advance_branch, begin_branch, follow_branch, keep_point, before_end
 
    !> What the user chooses of a branch. Steps are in units of the scales.
    type :: branch_options
@@ -42,7 +43,7 @@ module evl_branch
    type :: branch_walk
       type(branch_point) :: first, now !! ordinary points: the first one and the last one
       type(orbit_t) :: before          !! of the one before the last; without a tangent if there is none
-      type(orbit_t), allocatable :: told(:) !! at values between these two: the last few, none if there are special points too
+      type(branch_point), allocatable :: told(:) !! the last few, as of before_end
       real(wp) :: step = 0             !! to try next
       integer :: crawls = 0            !! steps without progress, one after the other
       integer :: n_ordinary = 0        !! points
@@ -109,6 +110,7 @@ contains
       type(branch_point), allocatable :: special(:)
       type(branch_point) :: last ! of the points
       type(orbit_t) :: before    ! the last one
+      type(branch_point), allocatable :: told(:)
       type(branch_point) :: next, target
       type(touch_passage) :: passage
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
@@ -163,6 +165,7 @@ contains
       end do
       last = walk%now
       before = walk%before
+      told = walk%told
       do i = 1, size(special)
          call add_up_to(special(i))
          closes = special(i)%kind == kind_fold
@@ -178,7 +181,7 @@ contains
       end if
       walk%is_over = at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, target%way, walk%first)
       walk%before = walk%now%orbit
-      walk%told = told_before_end(points)
+      walk%told = before_end(walk%told, points)
       if (passage%found) deallocate (walk%before%tangent) ! the curve begins anew
       walk%now = next
       walk%n_ordinary = walk%n_ordinary + 1
@@ -192,31 +195,41 @@ contains
          type(branch_point), allocatable :: between(:)
 
          if (allocated(options%values)) then
-            call find_orbits_at(model, options%orbits, options%values, before, walk%told, last, point, &
+            call find_orbits_at(model, options%orbits, options%values, before, told, last, point, &
                                 options%teller, n_told, between)
             points = [points, between]
          end if
          points = [points, point]
          if (allocated(before%tangent)) deallocate (before%tangent) ! a special point may be a corner
+         told = [branch_point ::]
+         if (point%kind == kind_touch) told = [point]
          last = point
       end subroutine add_up_to
 
    end subroutine advance_branch
 
-   !> The last few orbits at values before the last of some points, if the branch has no special point there.
-   pure function told_before_end(points) result(told)
-      type(branch_point), intent(in) :: points(:)
-      type(orbit_t), allocatable :: told(:)
-      integer, parameter :: most = 4
-      integer :: n
+   !> The last few points of a branch before its end as far as it is smooth, and the touch behind which it is, if there is one.
+   pure function before_end(known, points) result(last)
+      type(branch_point), intent(in) :: known(:)  !! those before the first point
+      type(branch_point), intent(in) :: points(:) !! the last one is the end
+      type(branch_point), allocatable :: last(:)
+      integer, parameter :: most = 8
+      integer :: first, n
 
-      n = size(points) - 1
-      if (all(points(:n)%kind == kind_ordinary)) then
-         told = points(max(1, n - most + 1):n)%orbit
-      else
-         allocate (told(0))
-      end if
-   end function told_before_end
+      last = [known, points(:size(points) - 1)]
+      n = size(last)
+      first = max(findloc(last%kind /= kind_ordinary, .true., 1, back=.true.), findloc(last%begins_anew, .true., 1, back=.true.), 1)
+      associate (begin => max(first, n - most + 1))
+         if (n == 0) return
+         if (last(first)%kind == kind_touch) then
+            last = [last(first), last(max(first + 1, begin):)]
+         else if (last(first)%kind == kind_ordinary) then
+            last = last(begin:)
+         else
+            last = last(max(first + 1, begin):)
+         end if
+      end associate
+   end function before_end
 
    !> Whether a step passes the first point of the branch once more.
    pure logical function comes_by(model, options, now, way, first)

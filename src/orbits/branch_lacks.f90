@@ -1,11 +1,18 @@
 !> What the cubic between two orbits of a branch lacks: orbits that are found tell it, and the next ones are foreseen the better.
 !>
-!> The cubic has both orbits, so it lacks w (1 - w) q(w), w from 0 to 1 between them, with a smooth q. It has their tangents,
-!> too, but these are differences, and a lack like w**2 (1 - w)**2 q(w) would give q their errors over w near the ends. Each orbit
-!> that is found tells a value of q, also one before the first, as long as the branch is smooth there; q is the polynomial through
-!> the nearest. The derivative of the flow lacks something as well, in the same way; the last one that is known tells it.
+!> It is a polynomial through what the nearest orbits tell that are known, also those before the first one, as long as the branch
+!> is smooth there. The cubic has both orbits, so the polynomial may be asked to be zero at both; it has their tangents, too, but
+!> these are differences, right to about 1e-6: a double zero there helps where little is known, and harms where much is. How many
+!> orbits are used, and which zeros, is what would have foreseen the last one best.
+!>
+!> Beside an orbit of which a root function just touches zero (kind_touch) orbits are smooth in the root of the way (docs/orbits.md),
+!> so that is the variable of the polynomial there. Where what was known has foreseen an orbit no better than the cubic alone
+!> something was not smooth: it is forgotten, and the first orbit of the cubic with it.
+!>
+!> The derivative of the flow lacks something as well; the last orbit that is known tells it.
 module evl_branch_lacks
    use evl_branch_curve, only: change_on_curve, curve_t, orbit_on_curve, way_to
+   use evl_branch_point, only: branch_point, kind_touch
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t
@@ -14,13 +21,27 @@ module evl_branch_lacks
 
    public :: lacks_t, learn_from_before, learn_lack, orbit_beside_curve, way_of_value
 
-   integer, parameter :: most_used = 6 !! of the known ones
+   integer, parameter :: most_used = 8
 
+   !> How the polynomial is made.
+   type :: fit_t
+      integer :: n = most_used !! of so many orbits that are known, at most
+      integer :: zeros = 2     !! how often it is zero at the orbits of the curve
+   end type fit_t
+
+   !> What is known. Places go from 0 at the first orbit of the curve to 1 at the second.
    type :: lacks_t
-      integer :: n = 0
-      real(wp), allocatable :: w(:)    !! [.. n]
-      real(wp), allocatable :: q(:, :) !! [n_states + 2, .. n]
-      real(wp), allocatable :: derivative(:, :) !! [n_states, n_states] of the flow: what it lacks over w (1 - w), at the last one
+      integer :: n = 0                    !! orbits that are known
+      real(wp), allocatable :: x(:)       !! [.. n] their places
+      real(wp), allocatable :: lack(:, :) !! [n_states + 2, .. n]
+      real(wp), allocatable :: derivative(:, :) !! [n_states, n_states] of the flow: what it lacks over x (1 - x), at the last one
+      type(fit_t) :: fit
+      integer :: n_tried = 0              !! with so many of them
+      real(wp) :: errors(most_used, 0:2) = 0 !! at the last orbits, by their number and the zeros
+      real(wp) :: largest = 0             !! of what was lacking
+      logical :: with_ends(2) = .true.    !! the orbits of the curve are known: nothing else is near them, and all is smooth
+      logical :: touches(2) = .false.     !! behind a touch; at one, with the second orbit
+      real(wp) :: touch = 0               !! share of the way where the former is: 0 or less
    end type lacks_t
 
 contains
@@ -34,15 +55,16 @@ contains
       type(orbit_t), intent(in) :: first
       real(wp), intent(in) :: way
       type(orbit_t), intent(out) :: orbit
-      real(wp) :: share
-      integer :: near(min(lacks%n, most_used)), i
+      real(wp) :: share, x
 
       call orbit_on_curve(model, options, curve, first, way, orbit)
-      if (lacks%n == 0) return
+      if (curve%is_straight) return
       share = way/curve%way
-      near = those_near(lacks, share, size(near))
-      call move_orbit(model, options, orbit, [(lack_at(lacks, near, share, i), i=1, model%n + 2)])
-      orbit%flow%derivative = orbit%flow%derivative + share*(1 - share)*lacks%derivative
+      x = place(lacks, share)
+      orbit%flow%derivative = orbit%flow%derivative + (x - share)*curve%derivative
+      if (lacks%n == 0) return
+      call move_orbit(model, options, orbit, lack_at(lacks, those_near(lacks, x, lacks%fit%n), lacks%fit%zeros, x))
+      orbit%flow%derivative = orbit%flow%derivative + x*(1 - x)*lacks%derivative
    end subroutine orbit_beside_curve
 
    !> The way along a curve to where the parameter has a value between those of its two orbits.
@@ -52,8 +74,11 @@ contains
       type(lacks_t), intent(in) :: lacks
       type(orbit_t), intent(in) :: first
       real(wp), intent(in) :: value
+      real(wp) :: share
 
-      way = curve%way*share_with(those_near(lacks, share_with([integer ::]), min(lacks%n, most_used)))
+      share = share_with([integer ::])
+      if (lacks%n > 0) share = share_with(those_near(lacks, place(lacks, share), lacks%fit%n))
+      way = share*curve%way
 
    contains
 
@@ -70,7 +95,9 @@ contains
          above = 1
          do k = 1, halvings
             middle = (below + above)/2
-            there = change_on_curve(curve, middle*curve%way, p) + lack_at(lacks, near, middle, p)
+            there = change_on_curve(curve, middle*curve%way, p)
+            if (size(near) > 0) &
+               there = there + dot_product(weights(lacks, near, lacks%fit%zeros, place(lacks, middle)), lacks%lack(p, near))
             if (sign(there, there*change) < abs(change)) then
                below = middle
             else
@@ -81,49 +108,70 @@ contains
 
    end function way_of_value
 
-   !> Remember what a curve lacks at an orbit that was found. If what was known has foreseen it no better than the curve alone, as
-   !> behind a corner, that is forgotten.
-   pure subroutine learn_lack(model, options, curve, first, found, error, lacks, size_of)
+   !> Remember what a curve lacks at an orbit that was found.
+   pure subroutine learn_lack(model, options, curve, first, found, lacks, size_of, forgets)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
       type(curve_t), intent(in) :: curve      !! not straight
       type(orbit_t), intent(in) :: first, found
-      real(wp), intent(in) :: error           !! how far it is from where it was foreseen, in units of the scales
       type(lacks_t), intent(inout) :: lacks
       real(wp), intent(out) :: size_of        !! how far it is from the curve
+      logical, intent(out) :: forgets         !! all that was known before
       real(wp), parameter :: worth = 0.1_wp, too_much = 10 !! error over that, of what is known, and of a few
+      real(wp), parameter :: nothing = 1.0e-8_wp !! an error that tells nothing
       integer, parameter :: few = 2
       type(orbit_t) :: foreseen
-      real(wp) :: lack(model%n + 2), share
+      real(wp) :: lack(model%n + 2), share, x, error
 
       call compare(model, options, curve, first, found, foreseen, share, lack)
       size_of = norm2(lack)
-      if (error > merge(worth, too_much, lacks%n > few)*size_of) lacks%n = 0
-      call keep(lacks, share, lack/(share*(1 - share)))
-      lacks%derivative = (found%flow%derivative - foreseen%flow%derivative)/(share*(1 - share))
+      lacks%largest = max(lacks%largest, size_of)
+      error = size_of
+      if (lacks%n > 0) then
+         x = place(lacks, share)
+         error = norm2(lack - lack_at(lacks, those_near(lacks, x, lacks%fit%n), lacks%fit%zeros, x))
+         call choose_fit(lacks, x, lack)
+      end if
+      forgets = error > max(nothing, merge(worth, too_much, lacks%n > few)*lacks%largest)
+      if (forgets) then
+         lacks%n = 0
+         lacks%n_tried = 0
+         lacks%fit = fit_t()
+         lacks%with_ends(1) = .false.
+      end if
+      call keep(lacks, share, lack)
+      call keep_derivative(curve, share, foreseen, found, lacks)
    end subroutine learn_lack
 
-   !> Remember what a curve lacks behind its first orbit, as far as the branch is smooth there.
-   pure subroutine learn_from_before(model, options, curve, before, told, first, lacks)
+   !> Remember what a curve lacks behind its first orbit.
+   pure subroutine learn_from_before(model, options, curve, before, known, first, last, lacks)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
-      type(curve_t), intent(in) :: curve      !! not straight
-      type(orbit_t), intent(in) :: before     !! the point before the first, with its derivative
-      type(orbit_t), intent(in) :: told(:)    !! between these two; no more than their states are used
-      type(orbit_t), intent(in) :: first
-      type(lacks_t), intent(inout) :: lacks
-      real(wp), parameter :: near = 0.05_wp   !! of the way: what is lacking so near to the first one is rounding
+      type(curve_t), intent(in) :: curve         !! not straight
+      type(orbit_t), intent(in) :: before        !! the point before the first, with its derivative; no tangent: there is none
+      type(branch_point), intent(in) :: known(:) !! before the first one, where all is smooth, but that the first may be a touch
+      type(branch_point), intent(in) :: first, last
+      type(lacks_t), intent(out) :: lacks
       type(orbit_t) :: foreseen
       real(wp) :: lack(model%n + 2), share
       integer :: i
 
-      call compare(model, options, curve, first, before, foreseen, share, lack)
-      call keep(lacks, share, lack/(share*(1 - share)))
-      lacks%derivative = (before%flow%derivative - foreseen%flow%derivative)/(share*(1 - share))
-      do i = 1, size(told)
-         call compare(model, options, curve, first, told(i), foreseen, share, lack)
-         if (share < -near) call keep(lacks, share, lack/(share*(1 - share)))
+      lacks%touches(2) = last%kind == kind_touch
+      do i = 1, size(known)
+         call compare(model, options, curve, first%orbit, known(i)%orbit, foreseen, share, lack)
+         if (known(i)%kind == kind_touch) then
+            lacks%touches(1) = .true.
+            lacks%touch = min(share, 0.0_wp)
+         else
+            if (i == size(known) .and. lacks%n > 0) call choose_fit(lacks, place(lacks, share), lack)
+            call keep(lacks, share, lack)
+         end if
       end do
+      allocate (lacks%derivative(model%n, model%n), source=0.0_wp)
+      if (.not. allocated(before%tangent)) return
+      if (any(before%flow%crossings /= first%orbit%flow%crossings)) return
+      call compare(model, options, curve, first%orbit, before, foreseen, share, lack)
+      call keep_derivative(curve, share, foreseen, before, lacks)
    end subroutine learn_from_before
 
    !> What a curve lacks at an orbit.
@@ -142,57 +190,137 @@ contains
       lack = way_to(model, options, foreseen, found)
    end subroutine compare
 
-   !> Put a value of q at the end of those that are known.
-   pure subroutine keep(lacks, share, value)
+   !> Put one to those that are known.
+   pure subroutine keep(lacks, share, lack)
       type(lacks_t), intent(inout) :: lacks
-      real(wp), intent(in) :: share, value(:)
-      real(wp), allocatable :: w(:), q(:, :)
+      real(wp), intent(in) :: share, lack(:)
+      real(wp), parameter :: apart = 0.01_wp      !! from the orbits of the curve: one that is nearer takes their place
+      real(wp), parameter :: distinct = 1.0e-4_wp !! from the others: of two that are nearer to each other the later one stays
+      real(wp), allocatable :: x(:), longer(:, :)
+      real(wp) :: at
+      integer :: k
 
-      if (.not. allocated(lacks%w)) allocate (lacks%w(most_used), lacks%q(size(value), most_used))
-      if (lacks%n == size(lacks%w)) then
-         allocate (w(2*lacks%n), q(size(value), 2*lacks%n))
-         w(:lacks%n) = lacks%w
-         q(:, :lacks%n) = lacks%q
-         call move_alloc(w, lacks%w)
-         call move_alloc(q, lacks%q)
+      if (.not. allocated(lacks%x)) allocate (lacks%x(2*most_used), lacks%lack(size(lack), 2*most_used))
+      if (lacks%n == size(lacks%x)) then
+         allocate (x(2*lacks%n), longer(size(lack), 2*lacks%n))
+         x(:lacks%n) = lacks%x
+         longer(:, :lacks%n) = lacks%lack
+         call move_alloc(x, lacks%x)
+         call move_alloc(longer, lacks%lack)
       end if
-      lacks%n = lacks%n + 1
-      lacks%w(lacks%n) = share
-      lacks%q(:, lacks%n) = value
+      at = place(lacks, share)
+      k = findloc(abs(lacks%x(:lacks%n) - at) < distinct, .true., 1)
+      if (k == 0) k = lacks%n + 1
+      lacks%n = max(lacks%n, k)
+      lacks%x(k) = at
+      lacks%lack(:, k) = lack
+      lacks%with_ends = lacks%with_ends .and. abs(share - [0, 1]) > apart
    end subroutine keep
 
-   !> The known ones that are nearest.
-   pure function those_near(lacks, share, n) result(near)
-      type(lacks_t), intent(in) :: lacks
+   !> Remember what the derivative of the flow lacks.
+   pure subroutine keep_derivative(curve, share, foreseen, found, lacks)
+      type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: share
-      integer, intent(in) :: n
-      integer :: near(n), k
+      type(orbit_t), intent(in) :: foreseen, found !! on the curve; with a derivative that is about known
+      type(lacks_t), intent(inout) :: lacks
+      real(wp) :: x
+
+      x = place(lacks, share)
+      if (.not. abs(x*(1 - x)) > 0) return
+      lacks%derivative = (found%flow%derivative - foreseen%flow%derivative - (x - share)*curve%derivative)/(x*(1 - x))
+   end subroutine keep_derivative
+
+   !> The variable in which all is smooth: 0 at the first orbit of the curve, 1 at the second.
+   elemental real(wp) function place(lacks, share) result(x)
+      type(lacks_t), intent(in) :: lacks
+      real(wp), intent(in) :: share !! of the way
+
+      x = root_of(share)
+      if (lacks%touch < 0) x = (x - root_of(0.0_wp))/(1 - root_of(0.0_wp))
+
+   contains
+
+      elemental real(wp) function root_of(share) result(x)
+         real(wp), intent(in) :: share
+         real(wp), parameter :: quarter = asin(1.0_wp)
+
+         x = share
+         if (lacks%touches(1)) then
+            x = sqrt(min(max((share - lacks%touch)/(1 - lacks%touch), 0.0_wp), 1.0_wp))
+            if (lacks%touches(2)) x = asin(x)/quarter
+         else if (lacks%touches(2)) then
+            x = 1 - sqrt(max(1 - share, 0.0_wp))
+         end if
+      end function root_of
+
+   end function place
+
+   !> The known ones that are nearest.
+   pure function those_near(lacks, x, most) result(near)
+      type(lacks_t), intent(in) :: lacks
+      real(wp), intent(in) :: x
+      integer, intent(in) :: most
+      integer :: near(min(lacks%n, most)), k
       real(wp) :: distance(lacks%n)
 
-      if (n > 0) distance = abs(lacks%w(:lacks%n) - share)
-      do k = 1, n
+      if (size(near) > 0) distance = abs(lacks%x(:lacks%n) - x)
+      do k = 1, size(near)
          near(k) = minloc(distance, 1)
          distance(near(k)) = huge(distance)
       end do
    end function those_near
 
-   !> What is lacking of one of the unknowns, by the polynomial through some of those that are known.
-   pure real(wp) function lack_at(lacks, near, share, row) result(lack)
-      type(lacks_t), intent(in) :: lacks
-      integer, intent(in) :: near(:), row
-      real(wp), intent(in) :: share
-      real(wp) :: basis
-      integer :: i, k
+   !> The polynomial that would have foreseen best what is lacking at one more orbit, and at those before.
+   pure subroutine choose_fit(lacks, x, lack)
+      type(lacks_t), intent(inout) :: lacks !! without that one
+      real(wp), intent(in) :: x, lack(:)
+      real(wp), parameter :: before = 0.1_wp !! what an error before counts
+      real(wp) :: error, least
+      integer :: near(min(lacks%n, most_used)), k, zeros
 
-      lack = 0
-      do k = 1, size(near)
-         basis = 1
-         do i = 1, size(near)
-            if (i /= k) basis = basis*(share - lacks%w(near(i)))/(lacks%w(near(k)) - lacks%w(near(i)))
+      near = those_near(lacks, x, most_used)
+      least = huge(least)
+      do zeros = ubound(lacks%errors, 2), 0, -1
+         do k = 1, size(near)
+            error = norm2(lack - lack_at(lacks, near(:k), zeros, x))
+            lacks%errors(k, zeros) = error + before*merge(lacks%errors(k, zeros), error, k <= lacks%n_tried)
+            if (.not. lacks%errors(k, zeros) < least) cycle
+            least = lacks%errors(k, zeros)
+            lacks%fit = fit_t(merge(most_used, k, k == size(near)), zeros)
          end do
-         lack = lack + basis*lacks%q(row, near(k))
       end do
-      lack = share*(1 - share)*lack
+      lacks%n_tried = size(near)
+   end subroutine choose_fit
+
+   !> What is lacking, by the polynomial through some of those that are known.
+   pure function lack_at(lacks, near, zeros, x) result(lack)
+      type(lacks_t), intent(in) :: lacks
+      integer, intent(in) :: near(:), zeros
+      real(wp), intent(in) :: x
+      real(wp) :: lack(size(lacks%lack, 1))
+
+      lack = matmul(lacks%lack(:, near), weights(lacks, near, zeros, x))
    end function lack_at
+
+   !> What each of some of those that are known counts.
+   pure function weights(lacks, near, zeros, x) result(weight)
+      type(lacks_t), intent(in) :: lacks
+      integer, intent(in) :: near(:), zeros
+      real(wp), intent(in) :: x
+      real(wp) :: weight(size(near))
+      integer :: i, k, powers(2)
+
+      powers = merge(zeros, 0, lacks%with_ends)
+      ! in the root of the way, a zero that is not exact is double, and a double one threefold
+      where (powers > 0 .and. lacks%touches .and. [lacks%touch >= 0, .true.]) powers = powers + 1
+      do k = 1, size(near)
+         associate (at => lacks%x(near(k)))
+            weight(k) = (x/at)**powers(1)*((1 - x)/(1 - at))**powers(2)
+            do i = 1, size(near)
+               if (i /= k) weight(k) = weight(k)*(x - lacks%x(near(i)))/(at - lacks%x(near(i)))
+            end do
+         end associate
+      end do
+   end function weights
 
 end module evl_branch_lacks

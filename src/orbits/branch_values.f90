@@ -4,6 +4,7 @@
 module evl_branch_values
    use evl_branch_curve, only: curve_t, curve_through, way_to
    use evl_branch_lacks, only: lacks_t, learn_from_before, learn_lack, orbit_beside_curve, way_of_value
+   use evl_branch_point, only: branch_point, kind_ordinary, kind_touch, kind_touch_fold
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
@@ -11,7 +12,6 @@ module evl_branch_values
    use evl_places, only: places
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: change_of, learn_from_change
-   use evl_special_points, only: branch_point, kind_ordinary, kind_touch, kind_touch_fold
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -22,12 +22,12 @@ contains
 
    !> Those between two neighbouring points of a branch, in their order, where it is stable. One that Newton's iteration does not
    !> find beside where it was foreseen is left out.
-   subroutine find_orbits_at(model, options, values, before, told, first, last, teller, n_told, points)
+   subroutine find_orbits_at(model, options, values, before, known, first, last, teller, n_told, points)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       real(wp), intent(in) :: values(:)        !! rising
       type(orbit_t), intent(in) :: before      !! of the same branch; without a tangent if it is not known
-      type(orbit_t), intent(in) :: told(:)     !! found at values between that and the first
+      type(branch_point), intent(in) :: known(:) !! as of learn_from_before
       type(branch_point), intent(in) :: first, last !! with tangents; between them the parameter rises or falls
       class(orbit_teller), pointer, intent(in) :: teller !! may be null
       integer, intent(inout) :: n_told         !! numbers that the teller was given
@@ -52,10 +52,7 @@ contains
       if (size(list) == 0) return
       allocate (found(size(list)), is_kept(size(list)))
       curve = curve_through(model, options, first%orbit, last%orbit)
-      if (allocated(before%tangent) .and. .not. curve%is_straight) then
-         if (all(before%flow%crossings == first%orbit%flow%crossings)) &
-            call learn_from_before(model, options, curve, before, told, first%orbit, lacks)
-      end if
+      if (.not. curve%is_straight) call learn_from_before(model, options, curve, before, known, first, last, lacks)
       longest = beside*norm2(way_to(model, options, first%orbit, last%orbit))
       is_kept = .false.
       do i = 1, size(list)
@@ -66,9 +63,12 @@ contains
          found(i)%told = merge(n_told + i, 0, is_found)
          if (.not. is_found) call solve_orbit(model, options, foreseen, found(i)%orbit, better, is_found)
          if (.not. is_found) cycle
+         found(i)%orbit%y = better%y
+         found(i)%orbit%period = better%period
          error = norm2(way_to(model, options, foreseen, better))
          lack = error
-         if (.not. curve%is_straight) call learn_lack(model, options, curve, first%orbit, better, error, lacks, lack)
+         if (.not. curve%is_straight) &
+            call learn_lack(model, options, curve, first%orbit, better, lacks, lack, found(i)%begins_anew)
          if (.not. lack <= longest) cycle
          is_kept(i) = all(abs(own_multipliers(model, found(i)%orbit)) < 1)
       end do

@@ -9,6 +9,7 @@
 module evl_special_points
    use evl_branch_curve, only: curve_t, curve_through, way_to
    use evl_branch_lacks, only: lacks_t, learn_lack, orbit_beside_curve
+   use evl_branch_point, only: branch_point, kind_crossing, kind_doubling, kind_fold, kind_neimark_sacker, kind_touch
    use evl_kinds, only: wp
    use evl_multipliers, only: product_over_minus_one, product_over_one, product_over_pairs
    use evl_orbit_model, only: orbit_model
@@ -19,25 +20,7 @@ module evl_special_points
    implicit none (type, external)
    private
 
-   public :: branch_point, find_special_points, touch_test
-   public :: kind_ordinary, kind_fold, kind_crossing, kind_doubling, kind_neimark_sacker, kind_touch, kind_touch_fold
-
-   integer, parameter :: kind_ordinary = 0       !! nothing happens
-   integer, parameter :: kind_fold = 1           !! the branch turns back: a multiplier 1
-   integer, parameter :: kind_crossing = 2       !! a multiplier 1 where the branch goes on: another one crosses it
-   integer, parameter :: kind_doubling = 3       !! a multiplier -1
-   integer, parameter :: kind_neimark_sacker = 4 !! a pair of multipliers on the unit circle
-   integer, parameter :: kind_touch = 5          !! a root function touches zero and does not cross it
-   integer, parameter :: kind_touch_fold = 6     !! the same, and the branch turns back there: no multiplier is 1
-
-   !> A point of a branch.
-   type :: branch_point
-      type(orbit_t) :: orbit
-      integer :: kind = kind_ordinary
-      integer :: root = 0           !! the root function that touches zero
-      integer :: told = 0           !! the number under which an orbit_teller followed it: there is no derivative. 0: none did
-      real(wp) :: way = 0           !! from the last ordinary point, along its tangent, in units of the scales
-   end type branch_point
+   public :: find_special_points, touch_test
 
 contains
 
@@ -184,8 +167,10 @@ contains
       type(curve_t) :: curve
       type(orbit_t) :: foreseen
       type(lacks_t) :: lacks
+      logical :: forgets
       type(orbit_options) :: few
       type(status_t) :: refusal
+      real(wp) :: ways(3), values(3) ! the last three
       integer :: fewer, side, turn
 
       found = .false.
@@ -207,11 +192,14 @@ contains
       few%most_halvings = most_halvings
       left = first
       right = last
+      ways = [a, b, a]
+      values = [at_a, at_b, at_a]
       side = 0
       error = huge(error)
       do turn = 1, most_turns
          if (b - a <= accuracy*min(1.0_wp, way)) exit
          at = b - at_b*((b - a)/(at_b - at_a))
+         if (turn > 1) at = foreseen_zero(ways, values, a, b, at)
          if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
          if (turn == 1 .and. abs(at_a) <= enough) at = a ! it begins there
          at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
@@ -237,9 +225,12 @@ contains
             return
          end if
          error = norm2(way_to(model, options, foreseen, point%orbit))
-         if (.not. curve%is_straight) call learn_lack(model, options, curve, first, point%orbit, error, lacks, size_of)
+         if (.not. curve%is_straight) &
+            call learn_lack(model, options, curve, first, point%orbit, lacks, size_of, forgets)
          point%way = at
          value = ask(point%orbit)
+         ways = [at, ways(:2)]
+         values = [value, values(:2)]
          if (.not. abs(value) > enough .or. abs(value) > huge(1.0_wp)/2) exit
          if (value*at_a > 0) then
             a = at
@@ -276,6 +267,25 @@ contains
       end function ask
 
    end subroutine locate
+
+   !> Where a function has its zero by the parabola through three places, with its values as abscissa, if that lies well between
+   !> two bounds.
+   pure real(wp) function foreseen_zero(ways, values, a, b, otherwise) result(zero)
+      real(wp), intent(in) :: ways(3), values(3), a, b, otherwise
+      integer :: i, j, k
+
+      zero = 0
+      do k = 1, 3
+         i = modulo(k, 3) + 1
+         j = modulo(k + 1, 3) + 1
+         if (.not. abs(values(i) - values(k)) > 0) then
+            zero = huge(zero)
+            exit
+         end if
+         zero = zero + ways(k)*(values(i)/(values(k) - values(i)))*(values(j)/(values(k) - values(j)))
+      end do
+      if (.not. (zero > a .and. zero < b)) zero = otherwise
+   end function foreseen_zero
 
    !> Whether the multipliers at a zero of the test function are those of its kind.
    pure logical function is_genuine(model, kind, orbit)

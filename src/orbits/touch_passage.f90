@@ -17,12 +17,12 @@
 !> The iteration was derived here.
 module evl_touch_passage
    use evl_branch_curve, only: curve_t, way_to
+   use evl_branch_point, only: branch_point, kind_touch, kind_touch_fold
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_periodic_orbit, only: go_round, lack_of_round, move_orbit, orbit_options, orbit_t
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent, solve_along
-   use evl_special_points, only: branch_point, kind_touch, kind_touch_fold
    use evl_status, only: clear, has_failed, status_t
    use evl_touching_orbit, only: find_touching_orbit, theta_of, touch_t
    implicit none (type, external)
