@@ -142,7 +142,7 @@ contains
 
    end function are_alike
 
-   !> One special point, by false position with halving (Illinois).
+   !> One special point, by false position with halving (Illinois), or by a parabola where the function is smooth.
    subroutine locate(model, options, first, last, way, kind, root, point, found, leap, is_missed, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -199,7 +199,7 @@ contains
       do turn = 1, most_turns
          if (b - a <= accuracy*min(1.0_wp, way)) exit
          at = b - at_b*((b - a)/(at_b - at_a))
-         if (turn > 1) at = foreseen_zero(ways, values, a, b, at)
+         if (turn > 1 .and. kind /= kind_touch) at = foreseen_zero(ways, values, a, b, at)
          if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
          if (turn == 1 .and. abs(at_a) <= enough) at = a ! it begins there
          at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
