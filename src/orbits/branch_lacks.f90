@@ -297,9 +297,14 @@ contains
       type(lacks_t), intent(in) :: lacks
       integer, intent(in) :: near(:), zeros
       real(wp), intent(in) :: x
-      real(wp) :: lack(size(lacks%lack, 1))
+      real(wp) :: lack(size(lacks%lack, 1)), weight(size(near))
+      integer :: k
 
-      lack = matmul(lacks%lack(:, near), weights(lacks, near, zeros, x))
+      weight = weights(lacks, near, zeros, x)
+      lack = 0
+      do k = 1, size(near)
+         lack = lack + weight(k)*lacks%lack(:, near(k))
+      end do
    end function lack_at
 
    !> What each of some of those that are known counts.
