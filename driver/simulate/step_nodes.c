@@ -34,11 +34,9 @@ static double lagrange(int n, const double *x_nodes, int k, double x)
 
 enum { ROOM = (STEP_NODES_SAMPLES + 7) / 8 * 8 }; /* whole vectors */
 
-/** From values at the nodes to those at these places. */
-typedef double sampling[STEP_NODES_MOST][ROOM];
-
+/* from values at the nodes to those at these places, node after node */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static sampling from_8, from_3;
+static double from_8[8 * ROOM], from_3[3 * ROOM];
 
 static int count_samples(int n)
 {
@@ -50,11 +48,11 @@ static double sample_place(int n, int i)
     return -1 + 2.0 * i / (count_samples(n) - 1);
 }
 
-static void fill_sampling(int n, const double *x_nodes, sampling samples)
+static void fill_sampling(int n, const double *x_nodes, double *samples)
 {
     for (int k = 0; k < n; k++) {
         for (int i = 0; i < count_samples(n); i++) {
-            samples[k][i] = lagrange(n, x_nodes, k, sample_place(n, i));
+            samples[k * ROOM + i] = lagrange(n, x_nodes, k, sample_place(n, i));
         }
     }
 }
@@ -65,12 +63,12 @@ static void fill_samplings(void)
     fill_sampling(3, places_of_3, from_3);
 }
 
-FOR_EACH_PROCESSOR static void sample(int n, const sampling samples, int sense, const double *values, double at[ROOM])
+FOR_EACH_PROCESSOR static void sample(int n, const double *samples, int sense, const double *values, double at[ROOM])
 {
     for (int k = 0; k < n; k++) {
         const double value = sense * values[k];
         for (int i = 0; i < ROOM; i++) {
-            at[i] += samples[k][i] * value;
+            at[i] += samples[k * ROOM + i] * value;
         }
     }
 }
@@ -167,7 +165,7 @@ double step_nodes_end(const step_nodes *nodes, const double *values)
     const int last = count_samples(nodes->n) - 1;
     double end = 0;
     for (int k = 0; k < nodes->n; k++) {
-        end += (nodes->n == 8 ? from_8 : from_3)[k][last] * values[k];
+        end += (nodes->n == 8 ? from_8 : from_3)[k * ROOM + last] * values[k];
     }
     return end;
 }
