@@ -2,15 +2,17 @@
 !>
 !> Source: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., ch. 7.
 module evl_branch_doubling
+   use evl_branch_curve, only: way_to
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
    use evl_lapack, only: dgesvd
+   use evl_multipliers, only: product_over_minus_one, product_over_pairs
    use evl_orbit_model, only: orbit_model
-   use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, scaled_derivative
+   use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, own_multipliers, scaled_derivative
    use evl_places, only: places
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent
-   use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t
+   use evl_status, only: clear, code_no_solution, fail, has_failed, quantity, status_t
    implicit none (type, external)
    private
 
@@ -18,26 +20,82 @@ module evl_branch_doubling
 
 contains
 
-   !> From an orbit with a multiplier -1 to one of twice the period.
+   !> From an orbit with a multiplier -1 to one of twice the period: at a distance at which nothing lies between them. One whose
+   !> period soon doubles again is small, and its iteration starts too far away unless the distance is, too. Of those that were
+   !> found, none of which is so near, it is the first one.
    subroutine switch_at_doubling(model, options, doubling, distance, orbit, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: doubling  !! located
-      real(wp), intent(in) :: distance       !! of the new orbit from it, along the multiplier's vector, in units of the scales
+      real(wp), intent(in) :: distance       !! largest one of the new orbit, along the multiplier's vector, in units of the scales
       type(orbit_t), intent(out) :: orbit    !! with a tangent away from the doubling
       type(status_t), intent(inout) :: status
-      real(wp) :: away(model%n + 2)
+      integer, parameter :: most_attempts = 5
+      real(wp), parameter :: shorter = 0.25_wp
+      type(orbit_t) :: trial
+      type(status_t) :: refusal
+      real(wp) :: away(model%n + 2), length
+      logical :: found, is_near
+      integer :: attempt
 
       call find_direction(model, doubling, away, status)
       if (has_failed(status)) return
-      orbit%parameter = doubling%parameter
-      orbit%periods = 2*doubling%periods
-      orbit%period = 2*doubling%period
-      orbit%y = doubling%y
-      call move_orbit(model, options, orbit, distance*away)
-      call correct_orbit(model, options, orbit, status, away)
-      if (.not. has_failed(status)) call find_tangent(model, options, orbit, away, status)
+      found = .false.
+      length = distance
+      do attempt = 1, most_attempts
+         call clear(refusal)
+         call enter_branch(model, options, doubling, length*away, trial, is_near, refusal)
+         if (.not. has_failed(refusal)) then
+            if (is_near .or. .not. found) orbit = trial
+            found = .true.
+            if (is_near) return
+         end if
+         length = shorter*length
+      end do
+      if (.not. found) status = refusal
    end subroutine switch_at_doubling
+
+   !> An orbit of twice the period, some way from the doubling.
+   subroutine enter_branch(model, options, doubling, way, orbit, is_near, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: doubling
+      real(wp), intent(in) :: way(:)         !! [n + 2] along the multiplier's vector
+      type(orbit_t), intent(out) :: orbit    !! with a tangent
+      logical, intent(out) :: is_near        !! no special point lies between
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: beside = 0.5_wp !! of the way: what the branch bends grows with its square
+      real(wp), parameter :: little = 0.1_wp !! of the way: after half the periods the orbit is about twice as far away
+      type(orbit_t) :: start
+      complex(wp) :: mu(size(own_multipliers(model, doubling)))
+      real(wp) :: half(model%n)
+
+      is_near = .false.
+      start%parameter = doubling%parameter
+      start%periods = 2*doubling%periods
+      start%period = 2*doubling%period
+      start%y = doubling%y
+      call move_orbit(model, options, start, way)
+      orbit = start
+      call correct_orbit(model, options, orbit, status, way/norm2(way))
+      if (.not. has_failed(status)) call find_tangent(model, options, orbit, way, status)
+      if (.not. has_failed(status)) call find_half_lack(model, options, orbit, half, status)
+      if (has_failed(status)) return
+      if (norm2(half) < little*norm2(way)) then
+         call fail(status, code_no_solution, "beside the doubling at "//quantity(doubling%parameter, "")// &
+                   " there is the orbit of half the period alone")
+         return
+      end if
+      if (size(own_multipliers(model, orbit)) /= size(mu)) return
+      mu = own_multipliers(model, doubling)**2
+      associate (now => own_multipliers(model, orbit))
+         is_near = norm2(way_to(model, options, orbit, start)) <= beside*norm2(way) .and. &
+                   all(orbit%flow%crossings == 2*doubling%flow%crossings) .and. &
+                   orbit%tangent(model%n + 2)*(orbit%parameter - doubling%parameter) >= 0 .and. &
+                   product_over_minus_one(mu)*product_over_minus_one(now) > 0 .and. &
+                   product_over_pairs(mu)*product_over_pairs(now) > 0
+      end associate
+   end subroutine enter_branch
 
    !> The vector of the multiplier -1: the last right singular vector of D + 1.
    subroutine find_direction(model, doubling, away, status)
@@ -73,18 +131,31 @@ contains
       logical, intent(out) :: sooner
       type(status_t), intent(inout) :: status
       real(wp), parameter :: near = 1.0e-3_wp !! of the scales: orbits leave such a point with the root of the parameter
-      type(flow_t) :: flow
       real(wp) :: lack(model%n)
 
       sooner = .false.
       if (modulo(orbit%periods, 2) /= 0) return
+      call find_half_lack(model, options, orbit, lack, status)
+      sooner = .not. has_failed(status) .and. maxval(abs(lack)) < near
+   end subroutine repeats_sooner
+
+   !> What the state of an orbit lacks after half its periods.
+   subroutine find_half_lack(model, options, orbit, lack, status)
+      class(orbit_model), intent(inout) :: model
+      type(orbit_options), intent(in) :: options
+      type(orbit_t), intent(in) :: orbit
+      real(wp), intent(out) :: lack(:) !! [n] in units of the scales
+      type(status_t), intent(inout) :: status
+      type(flow_t) :: flow
+
+      lack = 0
       call model%set_parameter(orbit%parameter, status)
       if (.not. has_failed(status)) &
          call follow(model, orbit%y, orbit%periods/2, orbit%period/2, options%tolerance, .false., flow, status)
       if (has_failed(status)) return
       lack = flow%y - orbit%y
       if (allocated(model%advance)) lack = lack - (orbit%periods/2)*model%advance
-      sooner = maxval(abs(lack)/model%scale, orbit%active) < near
-   end subroutine repeats_sooner
+      lack = merge(lack/model%scale, 0.0_wp, orbit%active)
+   end subroutine find_half_lack
 
 end module evl_branch_doubling
