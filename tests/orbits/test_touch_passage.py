@@ -194,6 +194,20 @@ def test_a_step_from_one_branch_to_another_is_tried_shorter(c, rising: bool):
     assert {kind for kind, _ in long} == {"touch_fold", "fold"}
 
 
+@pytest.mark.parametrize(
+    ("force", "begin", "step"),
+    [(0.2, 0.85, 0.8), (0.5, 0.8, 0.8), (0.5, 0.85, 0.6), (1.0, 0.75, 0.8)],
+)
+def test_a_long_step_to_another_branch_leads_to_the_touch_at_once(
+    c, force: float, begin: float, step: float
+):
+    """Orbits to both sides of the touch are found, far from each other: nothing is smooth there,
+    and no shorter step is tried first."""
+    points = follow(c, 1.3, force, begin, steps=(step, 1e-7, 2.0))
+    assert points[1].kind == "touch_fold"
+    assert points[1].parameter == pytest.approx(touch_of(1.3), abs=1e-9)
+
+
 def test_multipliers_grow_as_one_over_the_distance_from_the_touch(branch):
     """The derivative of a root: the product of multiplier and way has a limit."""
     _, _, _, points = branch
