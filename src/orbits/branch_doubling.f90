@@ -65,6 +65,7 @@ contains
       logical, intent(out) :: is_near        !! no special point lies between
       type(status_t), intent(inout) :: status
       real(wp), parameter :: beside = 0.5_wp !! of the way: what the branch bends grows with its square
+      real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system
       real(wp), parameter :: little = 0.1_wp !! of the way: after half the periods the orbit is about twice as far away
       type(orbit_t) :: start
       complex(wp) :: mu(size(own_multipliers(model, doubling)))
@@ -88,10 +89,10 @@ contains
       end if
       if (size(own_multipliers(model, orbit)) /= size(mu)) return
       mu = own_multipliers(model, doubling)**2
-      associate (now => own_multipliers(model, orbit))
+      associate (now => own_multipliers(model, orbit), along => orbit%tangent(model%n + 2))
          is_near = norm2(way_to(model, options, orbit, start)) <= beside*norm2(way) .and. &
-                   all(orbit%flow%crossings == 2*doubling%flow%crossings) .and. &
-                   orbit%tangent(model%n + 2)*(orbit%parameter - doubling%parameter) >= 0 .and. &
+                   sum(orbit%flow%crossings) == 2*sum(doubling%flow%crossings) .and. & ! places change round
+                   (abs(along) < upright .or. along*(orbit%parameter - doubling%parameter) > 0) .and. &
                    product_over_minus_one(mu)*product_over_minus_one(now) > 0 .and. &
                    product_over_pairs(mu)*product_over_pairs(now) > 0
       end associate

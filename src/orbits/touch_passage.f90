@@ -1,4 +1,4 @@
-!> Past an orbit at which a root function just touches zero and a force jumps: where a branch is not smooth there.
+!> Past an orbit at which a root function just touches zero and a force jumps or has a corner: where a branch is not smooth there.
 !>
 !> Where what happens behind the touch lasts s, its effect on the flow is that of a force times s, and s is the root of how far the
 !> root function comes beyond zero. With theta, that goes through zero at the touch, s = sqrt(-theta) and g the gradient of theta,
@@ -11,6 +11,14 @@
 !> each half has a tangent; derivatives of the flow behind the touch are not: they grow as 1/s. So orbits from which Newton's
 !> iteration would find that which touches have to lie before it, where the flow is smooth. Where b turns back in the parameter the
 !> touch is a fold.
+!>
+!> Where a force begins without a jump, and acts only while flanks approach, as that of a damper that does not pull, its effect is
+!> that of s**2 = -theta: the flow has a corner, with the derivative D - c g behind it, and
+!>
+!>     theta < 0:    (D - 1) dy + dP/dp dp + c s**2 = 0
+!>                   g_y dy + g_p dp                = -s**2
+!>
+!> Newton's iteration may not come over such a corner: from each side it leads to the other one.
 !>
 !> The second line is the leading order of the square-root map: A. B. Nordmark, J. Sound Vib. 145 (1991) 279-297;
 !> M. di Bernardo, C. J. Budd, A. R. Champneys, P. Kowalczyk, Piecewise-smooth Dynamical Systems, Springer 2008, ch. 6 and 7.
@@ -54,12 +62,13 @@ contains
       type(touch_passage), intent(out) :: passage !! not found: there is none, or the branch is smooth there
       type(touch_t) :: touch
       type(orbit_t) :: touching
-      real(wp) :: before_it(model%n + 2), behind_it(model%n + 2), depth_over_way
+      real(wp) :: before_it(model%n + 2), behind_it(model%n + 2), beyond_over_way
+      integer :: power
       logical :: found
 
       call find_touching_orbit(model, options, now, curve, reach, smooth, touch, touching, found)
       passage%looked = touch%root > 0
-      if (found) call find_halves(model, options, touch, touching, before_it, behind_it, depth_over_way, found)
+      if (found) call find_halves(model, options, touch, touching, before_it, behind_it, power, beyond_over_way, found)
       if (.not. found) return
       passage%from_behind = touch%from_behind
       if (touch%from_behind) then
@@ -70,7 +79,7 @@ contains
          passage%onward = behind_it
       end if
       if (.not. leads_to(model, options, now, touching, touch%way)) return
-      call step_off(model, options, touch, touching, passage%onward, depth_over_way, steps, passage%next, found)
+      call step_off(model, options, touch, touching, passage%onward, power, beyond_over_way, steps, passage%next, found)
       passage%touch%orbit = touching
       passage%touch%root = touch%root
       passage%touch%kind = kind_touch
@@ -80,24 +89,26 @@ contains
    end subroutine pass_touch
 
    !> The tangents of both halves, away from the touch, from what a flow a little beyond the touch shows of c.
-   subroutine find_halves(model, options, touch, touching, before_it, behind_it, depth_over_way, found)
+   subroutine find_halves(model, options, touch, touching, before_it, behind_it, power, beyond_over_way, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(touch_t), intent(in) :: touch
       type(orbit_t), intent(inout) :: touching
       real(wp), intent(out) :: before_it(:), behind_it(:) !! [n + 2]
-      real(wp), intent(out) :: depth_over_way             !! s a way along the tangent behind the touch
+      integer, intent(out) :: power                       !! of s, with which the flow and the way behind the touch grow
+      real(wp), intent(out) :: beyond_over_way            !! that power of s over the way along the tangent behind the touch
       logical, intent(out) :: found                       !! false: nothing jumps
       real(wp), parameter :: beyond(2) = [4.0e-7_wp, 1.0e-7_wp]
-      real(wp), parameter :: most_growth = 3 !! from one to the other: that of a root is 2, of what is smooth 4 and more
+      real(wp), parameter :: most_growth(2) = [3, 6] !! from one to the other: that of s is 2, of its square 4, of what is smooth 8
       type(status_t) :: refusal
-      real(wp) :: part(model%n, 2), smooth(model%n), depth
+      real(wp) :: part(model%n, 2), smooth(model%n), depth, beyond_it
       integer :: i
 
       found = .false.
       before_it = 0
       behind_it = 0
-      depth_over_way = 0
+      beyond_over_way = 0
+      power = 1
       call clear(refusal)
       call find_tangent(model, options, touching, touch%gradient, refusal)
       if (has_failed(refusal)) return
@@ -106,12 +117,16 @@ contains
          call look_behind(beyond(i), part(:, i), smooth, depth, refusal)
          if (has_failed(refusal) .or. .not. depth > 0) return
       end do
-      if (norm2(part(:, 2)) < norm2(smooth) .or. norm2(part(:, 1)) > most_growth*norm2(part(:, 2))) return
-      behind_it(:model%n) = -part(:, 2)/depth
+      if (norm2(part(:, 2)) < norm2(smooth)) return
+      if (norm2(part(:, 1)) > most_growth(1)*norm2(part(:, 2))) power = 2
+      if (norm2(part(:, 1)) > most_growth(power)*norm2(part(:, 2))) return
+      beyond_it = merge(1.0_wp, norm2(touch%gradient), power == 1)
+      behind_it(:model%n) = -part(:, 2)*(beyond_it/depth**power)
+      if (power == 2) behind_it(model%n + 2) = -beyond_it
       call solve_along(model, options, touching, touch%gradient, behind_it, refusal)
       if (has_failed(refusal)) return
-      depth_over_way = 1/norm2(behind_it)
-      behind_it = behind_it*depth_over_way
+      beyond_over_way = beyond_it/norm2(behind_it)
+      behind_it = behind_it/norm2(behind_it)
       found = .true.
 
    contains
@@ -160,12 +175,13 @@ contains
    end function leads_to
 
    !> The first point behind a touch, as far away as the branch is nearly straight: multipliers grow towards the touch.
-   subroutine step_off(model, options, touch, touching, onward, depth_over_way, steps, next, found)
+   subroutine step_off(model, options, touch, touching, onward, power, beyond_over_way, steps, next, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(touch_t), intent(in) :: touch
       type(orbit_t), intent(in) :: touching
-      real(wp), intent(in) :: onward(:), depth_over_way, steps(2)
+      integer, intent(in) :: power
+      real(wp), intent(in) :: onward(:), beyond_over_way, steps(2)
       type(branch_point), intent(out) :: next
       logical, intent(out) :: found
       real(wp), parameter :: alike = 0.9_wp, beside = 0.5_wp
@@ -180,7 +196,7 @@ contains
          call move_orbit(model, options, start, way*onward)
          call clear(refusal)
          if (.not. touch%from_behind) then
-            call push_behind(model, options, touch, (way*depth_over_way)**2, start, refusal)
+            call push_behind(model, options, touch, (way*beyond_over_way)**(2/power), start, refusal)
             if (allocated(start%by_parameter)) deallocate (start%by_parameter) ! that before the touch
          end if
          next%orbit = start

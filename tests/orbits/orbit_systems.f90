@@ -11,9 +11,9 @@ module orbit_systems
 
    integer, parameter, public :: meissner = 1, duffing = 2, backlash = 3, ball = 4, remembering_stop = 5, van_der_pol = 6, &
                                  duffing_with_phase = 7, moving_focus = 8, moving_fold = 9, stop = 10, parting = 11, &
-                                 floating = 12, alternating = 13, switched = 14
-   integer, parameter :: n_states(14) = [2, 2, 2, 3, 3, 2, 3, 2, 1, 2, 2, 3, 2, 2]
-   integer, parameter :: n_roots(14) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 2, 1, 0, 1]
+                                 floating = 12, alternating = 13, switched = 14, one_sided = 15
+   integer, parameter :: n_states(15) = [2, 2, 2, 3, 3, 2, 3, 2, 1, 2, 2, 3, 2, 2, 2]
+   integer, parameter :: n_roots(15) = [0, 0, 2, 1, 1, 0, 0, 0, 0, 1, 2, 1, 0, 1, 2]
 
    integer, parameter :: open = 0, loaded = 1, would_pull = 2
 
@@ -32,6 +32,7 @@ module orbit_systems
    !> moving_fold W, l, a:          z' = l - z^2 around it
    !> stop        W, z, c, d, k:    x'' = c cos Wt - 2 z x' - x - k max(x - d, 0)
    !> switched    W, z, c, d, f:    x'' = c cos Wt - 2 z x' - x, less f where x > d
+   !> one_sided   W, z, c, d, k, b: the same, less k (x - d) + b x' where x > d and that is positive
    type, extends(orbit_model) :: orbit_system
       integer :: kind = 0
       integer :: varied = 1          !! which of p is the parameter
@@ -84,7 +85,7 @@ contains
       self%period = 2*pi/self%p(1)
       ! the section lies in the middle of the time with one pair, which begins at 0
       if (self%kind == meissner .or. self%kind == parting) self%phase = self%period*(1 - self%p(2)/2)
-      if (self%kind == switched) self%phase = self%period/4 ! away from where x is largest
+      if (self%kind == switched .or. self%kind == one_sided) self%phase = self%period/4 ! away from where x is largest
    end subroutine set_parameter
 
    !> modes(1): pairs, or the contact; modes(2): where flanks part, what the contact does.
@@ -107,6 +108,8 @@ contains
          if (y(1) > 0) self%modes(1) = 1
       case (stop, switched)
          if (y(1) > self%p(4)) self%modes(1) = 1
+      case (one_sided)
+         if (y(1) > self%p(4)) self%modes(2) = merge(loaded, would_pull, push_of(self, y) > 0)
       end select
    end subroutine settle
 
@@ -152,9 +155,20 @@ contains
             f(2) = p(3)*cos(p(1)*t) - 2*p(2)*y(2) - y(1) - m*p(5)*(y(1) - p(4))
          case (switched)
             f(2) = p(3)*cos(p(1)*t) - 2*p(2)*y(2) - y(1) - m*p(5)
+         case (one_sided)
+            f(2) = p(3)*cos(p(1)*t) - 2*p(2)*y(2) - y(1)
+            if (self%modes(2) == loaded) f(2) = f(2) - push_of(self, y)
          end select
       end associate
    end subroutine rhs
+
+   !> What a one-sided stop does where it touches.
+   pure real(wp) function push_of(self, y) result(push)
+      class(orbit_system), intent(in) :: self
+      real(wp), intent(in) :: y(:)
+
+      push = self%p(5)*(y(1) - self%p(4)) + self%p(6)*y(2)
+   end function push_of
 
    subroutine rhs_lanes(self, t, y, f, status)
       class(orbit_system), intent(inout) :: self
@@ -209,6 +223,9 @@ contains
             j(2, :) = [-1 - m*p(5), -2*p(2)]
          case (switched)
             j(2, :) = [-1.0_wp, -2*p(2)]
+         case (one_sided)
+            j(2, :) = [-1.0_wp, -2*p(2)]
+            if (self%modes(2) == loaded) j(2, :) = j(2, :) - p(5:6)
          end select
       end associate
       values = reshape(j, [size(values)])
@@ -233,6 +250,8 @@ contains
          values = [y(1), y(1) + 2*self%p(3)*y(2)]
       case (stop, switched)
          values = y(1) - self%p(4)
+      case (one_sided)
+         values = [y(1) - self%p(4), push_of(self, y)]
       end select
    end subroutine roots
 
@@ -276,7 +295,7 @@ contains
          directions = -1
       case (remembering_stop, floating, stop, switched)
          directions = 1 - 2*self%modes(1)
-      case (parting)
+      case (parting, one_sided)
          directions = [1, never]
          if (self%modes(2) == loaded) directions = [never, -1]
          if (self%modes(2) == would_pull) directions = [-1, 1]
@@ -296,6 +315,7 @@ contains
       by_state(1) = 1
       by_time = 0
       if (self%kind == parting .and. root == 2) by_state(2) = 2*self%p(3)
+      if (self%kind == one_sided .and. root == 2) by_state = self%p(5:6)
       if (self%kind == ball) by_time = -self%p(4)*self%p(1)*cos(self%p(1)*t)
    end subroutine root_gradient
 
@@ -329,7 +349,7 @@ contains
          end if
       case (stop, switched)
          self%modes(1) = 1 - self%modes(1)
-      case (parting)
+      case (parting, one_sided)
          self%modes(2) = loaded
          if (any(fired == -1)) self%modes(2) = merge(would_pull, open, fired(2) == -1)
       case (ball)

@@ -28,6 +28,7 @@ SYSTEMS = {
     "floating": (12, 3),
     "alternating": (13, 2),
     "switched": (14, 2),
+    "one_sided": (15, 2),
 }
 
 _double, _int, _bool = ctypes.c_double, ctypes.c_int, ctypes.c_bool
