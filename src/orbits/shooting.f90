@@ -74,7 +74,7 @@ contains
       do
          orbit%iterations = iteration
          if (has_failed(status)) return
-         at_end = orbit%residual <= options%residual .and. last <= settled
+         at_end = is_closed(orbit) .and. last <= settled
          if (.not. is_exact .and. (at_end .or. rate > slow)) then
             is_exact = .true.
             call go_round(model, options, orbit, status, is_exact)
@@ -96,7 +96,7 @@ contains
             call clear(refusal)
             call move_orbit(model, options, trial, share*change)
             call go_round(model, options, trial, refusal, is_exact)
-            is_better = .not. has_failed(refusal) .and. (trial%residual < orbit%residual .or. trial%residual <= options%residual)
+            is_better = .not. has_failed(refusal) .and. (trial%residual < orbit%residual .or. is_closed(trial))
             if (is_better .or. .not. was_exact) exit
             share = share/2
          end do
@@ -121,7 +121,7 @@ contains
          orbit = trial
          iteration = iteration + 1
       end do
-      if (.not. orbit%residual <= options%residual) then
+      if (.not. is_closed(orbit)) then
          call not_found()
       else if (.not. orbit%flow%same_modes) then
          call fail(status, code_no_solution, "the state repeats, but the modes do not, at "//quantity(orbit%parameter, ""), &
@@ -131,6 +131,15 @@ contains
       end if
 
    contains
+
+      !> The error of the integration comes back as many times as large as the derivative says, and the state is that much nearer to
+      !> the orbit than its end.
+      pure logical function is_closed(orbit)
+         type(orbit_t), intent(in) :: orbit
+
+         is_closed = orbit%residual <= options%residual
+         if (.not. is_closed) is_closed = orbit%residual <= options%tolerance*norm2(scaled_derivative(model, orbit))
+      end function is_closed
 
       subroutine not_found()
 

@@ -134,6 +134,19 @@ def test_a_free_orbit_is_followed_and_its_own_multiplier_is_no_crossing(c, start
     assert all((abs(point.multipliers).max() > 1.5) == (end < 0) for point in points)
 
 
+def test_an_orbit_from_which_all_flees_is_as_exact_as_the_one_to_which_all_comes(c):
+    """Backwards in time its end differs by 1e-12 times a multiplier of 1e5, its period by less."""
+    system = System(c, "van_der_pol", [-0.5])
+    system.options(between=(-1.5, -0.5), rising=False)
+    system.find([2, 0], period=6.5)
+    last = system.follow()[-1]
+    assert last.parameter == -1.5
+    assert abs(last.multipliers[0]) > 1e5
+    assert last.residual > 1e-10
+    forwards = System(c, "van_der_pol", [1.5]).find([2, 0], period=7)
+    assert last.period == pytest.approx(forwards.period, abs=1e-9)
+
+
 @pytest.mark.parametrize("damping", [0.05, 0.2])
 def test_where_a_vibration_just_touches_a_stop_is_found(c, damping):
     """Below, it is linear: it touches where a/|1 - W^2 + 2izW| is the distance of the stop."""
