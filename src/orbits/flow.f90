@@ -1,7 +1,7 @@
 !> The flow of a system over a time: where it ends, its derivative, what happens on the way.
 module evl_flow
    use evl_collocation, only: combine, polynomial_at, zero_between
-   use evl_flow_derivative, only: derivative_along_step, derivative_at_event
+   use evl_flow_derivative, only: derivative_along_step, derivative_at_event, moving_states, moving_states_t
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: never
    use evl_orbit_model, only: must_repeat, orbit_model
@@ -47,6 +47,7 @@ contains
       type(flow_t), intent(out) :: flow
       type(status_t), intent(inout) :: status
       type(radau_t) :: solver
+      type(moving_states_t) :: moving
       integer, allocatable :: modes(:)
       real(wp) :: t_end, t_event, t_known, start(model%n), state(model%n), crossing(model%n_roots)
       integer :: outcome, i
@@ -56,6 +57,7 @@ contains
       if (.not. has_failed(status)) call model%settle(model%phase, start, status)
       if (has_failed(status)) return
       modes = model%modes
+      if (differentiate) moving = moving_states(model)
       t_end = model%phase + duration
       t_known = model%phase
       allocate (flow%derivative(model%n, model%n), source=0.0_wp)
@@ -78,7 +80,7 @@ contains
             if (solver%t > t_known .and. differentiate) then
                call look_around(model, solver, flow, status)
                if (.not. has_failed(status)) &
-                  call derivative_along_step(model, solver, t_known, tolerance, flow%derivative, status)
+                  call derivative_along_step(model, moving, solver, t_known, tolerance, flow%derivative, status)
                if (has_failed(status)) return
             end if
             t_known = solver%t

@@ -22,39 +22,63 @@ module evl_flow_derivative
    implicit none (type, external)
    private
 
-   public :: derivative_along_step, derivative_at_event
+   public :: derivative_along_step, derivative_at_event, moving_states, moving_states_t
 
    integer, parameter :: order = 2*n_stages
 
+   !> What of a model the derivative is of, and room for a piece.
+   type :: moving_states_t
+      private
+      integer, allocatable :: kept(:), moving(:)      !! states that repeat; those of them that do not rest, as a memory does
+      integer, allocatable :: place(:)                !! [n] of a state among those that move, else 0
+      integer, allocatable :: entries(:)              !! of the Jacobian that count
+      real(wp), allocatable :: jacobians(:, :)        !! [all entries, n_stages]
+      real(wp), allocatable :: matrix(:, :), z(:, :)  !! of a piece, stage after stage
+   end type moving_states_t
+
 contains
 
-   !> Carry the derivative on from t to the end of the step just made, or to the event at which it ended.
-   subroutine derivative_along_step(model, solver, t_from, tolerance, derivative, status)
+   !> What of a model the derivative is of.
+   pure function moving_states(model) result(states)
       class(orbit_model), intent(in) :: model
+      type(moving_states_t) :: states
+      logical :: moves(model%n), repeats(model%n)
+      integer :: i, n
+
+      repeats = must_repeat(model)
+      moves = .false.
+      moves(model%jacobian_row) = .true.
+      moves = moves .and. repeats
+      allocate (states%kept, source=places(repeats))
+      allocate (states%moving, source=places(moves))
+      n = size(states%moving)
+      allocate (states%place(model%n), source=0)
+      states%place(states%moving) = [(i, i=1, n)]
+      allocate (states%entries, source=places(moves(model%jacobian_row) .and. repeats(model%jacobian_column)))
+      allocate (states%jacobians(size(model%jacobian_row), n_stages), states%matrix(n_stages*n, n_stages*n), &
+                states%z(n_stages*n, size(states%kept)))
+   end function moving_states
+
+   !> Carry the derivative on from t to the end of the step just made, or to the event at which it ended.
+   subroutine derivative_along_step(model, states, solver, t_from, tolerance, derivative, status)
+      class(orbit_model), intent(in) :: model
+      type(moving_states_t), intent(inout) :: states
       type(radau_t), intent(in) :: solver
       real(wp), intent(in) :: t_from                !! in the step
       real(wp), intent(in) :: tolerance             !! of a piece, over the size of the derivative in units of the scales
       real(wp), intent(inout) :: derivative(:, :)   !! [n, n]
       type(status_t), intent(inout) :: status
       real(wp), parameter :: shortest = 1.0e-12_wp  !! piece over the step
-      integer, allocatable :: kept(:), moving(:)
-      logical :: moves(model%n)
       real(wp) :: t, h, error, factor
-      real(wp) :: next(model%n, model%n)
 
-      moves = .false.
-      moves(model%jacobian_row) = .true.
-      allocate (kept, source=places(must_repeat(model)))
-      allocate (moving, source=places(must_repeat(model) .and. moves)) ! a memory rests
       t = t_from
       h = solver%t - t
-      next = derivative
       do while (t < solver%t)
-         call try_piece(model, solver, t, h, kept, moving, derivative, next, error, status)
+         call try_piece(model, states, solver, t, h, derivative, error, status)
          if (has_failed(status)) return
          factor = 0.8_wp*(tolerance/max(error, tolerance*1.0e-14_wp))**(1.0_wp/order)
          if (error <= tolerance) then
-            derivative = next
+            call take_piece(states, derivative)
             if (t + h >= solver%t .or. solver%t - (t + h) <= shortest*h) return
             t = t + h
             h = min(h*min(factor, 4.0_wp), solver%t - t)
@@ -70,91 +94,102 @@ contains
    end subroutine derivative_along_step
 
    !> One piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages, for the states that move.
-   subroutine try_piece(model, solver, t, h, kept, moving, derivative, next, error, status)
+   subroutine try_piece(model, states, solver, t, h, derivative, error, status)
       class(orbit_model), intent(in) :: model
+      type(moving_states_t), intent(inout) :: states !! with Z on return
       type(radau_t), intent(in) :: solver
       real(wp), intent(in) :: t, h
-      integer, intent(in) :: kept(:), moving(:)     !! states that repeat; those of them that do not rest
       real(wp), intent(in) :: derivative(:, :)
-      real(wp), intent(inout) :: next(:, :)         !! that at the end of the piece, of these states
-      real(wp), intent(out) :: error                !! over the size of the derivative
+      real(wp), intent(out) :: error                 !! over the size of the derivative
       type(status_t), intent(inout) :: status
-      real(wp) :: jacobians(size(model%jacobian_row), n_stages)
-      real(wp) :: matrix(n_stages*size(moving), n_stages*size(moving)), z(n_stages*size(moving), size(kept)), factor
-      integer :: place(model%n)
-      logical :: counts(model%n), good
+      real(wp) :: factor
+      logical :: good
       integer :: i, j, k, l, n, row, column
 
-      n = size(moving)
+      n = size(states%moving)
       error = 0
       if (n == 0) return
       error = huge(error)
-      place = 0
-      place(moving) = [(i, i=1, n)]
-      counts = .false.
-      counts(kept) = .true.
-      call find_jacobians(model, solver, t, h, place(model%jacobian_row) > 0 .and. counts(model%jacobian_column), jacobians, &
-                          status)
+      call find_jacobians(model, solver, t, h, states%entries, states%jacobians, status)
       if (has_failed(status)) return
-      matrix = 0
-      z = 0
-      do k = 1, n_stages
-         do j = 1, size(jacobians, 1)
-            row = place(model%jacobian_row(j))
-            column = model%jacobian_column(j)
-            if (row == 0 .or. .not. counts(column)) cycle
-            do i = 1, n_stages
-               factor = h*integral_to_node(i, k)*jacobians(j, k)
-               if (place(column) > 0) matrix((i - 1)*n + row, (k - 1)*n + place(column)) = -factor
-               do l = 1, size(kept)
-                  z((i - 1)*n + row, l) = z((i - 1)*n + row, l) + factor*derivative(column, kept(l))
+      states%matrix = 0
+      states%z = 0
+      associate (matrix => states%matrix, z => states%z, kept => states%kept)
+         do k = 1, n_stages
+            do j = 1, size(states%entries)
+               row = states%place(model%jacobian_row(states%entries(j)))
+               column = model%jacobian_column(states%entries(j))
+               do i = 1, n_stages
+                  factor = h*integral_to_node(i, k)*states%jacobians(states%entries(j), k)
+                  if (states%place(column) > 0) matrix((i - 1)*n + row, (k - 1)*n + states%place(column)) = -factor
+                  do l = 1, size(kept)
+                     z((i - 1)*n + row, l) = z((i - 1)*n + row, l) + factor*derivative(column, kept(l))
+                  end do
                end do
             end do
          end do
-      end do
-      do i = 1, n_stages*n
-         matrix(i, i) = matrix(i, i) + 1
-      end do
-      call solve_small(matrix, z, good)
+         do i = 1, n_stages*n
+            matrix(i, i) = matrix(i, i) + 1
+         end do
+         call solve_small(matrix, z, good)
+      end associate
       if (.not. good) then
          call fail(status, code_singular, "the variational equations have no solution at time "//quantity(t, ""))
          return
       end if
-      do j = 1, size(kept)
+      call estimate(model, states%kept, states%moving, derivative, states%z, error)
+   end subroutine try_piece
+
+   !> The derivative at the end of a piece.
+   pure subroutine take_piece(states, derivative)
+      type(moving_states_t), intent(in) :: states
+      real(wp), intent(inout) :: derivative(:, :)
+      integer :: i, j, n
+
+      n = size(states%moving)
+      do j = 1, size(states%kept)
          do i = 1, n
-            next(moving(i), kept(j)) = derivative(moving(i), kept(j)) + z((n_stages - 1)*n + i, j)
+            associate (d => derivative(states%moving(i), states%kept(j)))
+               d = d + states%z((n_stages - 1)*n + i, j)
+            end associate
          end do
       end do
-      call estimate(model, kept, moving, derivative, z, error)
-   end subroutine try_piece
+   end subroutine take_piece
 
    !> The Jacobians of the stages. Where what counts of the first, the last and the middle one is the same to the last digit, as of
    !> forces that are linear, it is constant.
-   subroutine find_jacobians(model, solver, t, h, counts, jacobians, status)
+   subroutine find_jacobians(model, solver, t, h, entries, jacobians, status)
       class(orbit_model), intent(in) :: model
       type(radau_t), intent(in) :: solver
       real(wp), intent(in) :: t, h
-      logical, intent(in) :: counts(:)       !! which entries do
-      real(wp), intent(out) :: jacobians(:, :) !! [entries, n_stages]
+      integer, intent(in) :: entries(:)        !! that count
+      real(wp), intent(inout) :: jacobians(:, :) !! [all entries, n_stages]
       type(status_t), intent(inout) :: status
-      integer, parameter :: places_to_ask(n_stages) = [1, n_stages, (n_stages + 1)/2, 2, 3, 5, 6], first_few = 3
+      integer, parameter :: order_of(n_stages) = [1, n_stages, (n_stages + 1)/2, 2, 3, 5, 6], few = 3
       real(wp) :: times(lanes), states(lanes, model%n), y(model%n)
-      integer :: i
+      logical :: is_constant
+      integer :: i, j, k
 
       times = t + h*node
       call radau_interpolate_lanes(solver, times, states)
       do i = 1, n_stages
-         associate (k => places_to_ask(i))
-            y = states(k, :)
-            call model%jacobian(times(k), y, jacobians(:, k), status)
-         end associate
+         k = order_of(i)
+         y = states(k, :)
+         call model%jacobian(times(k), y, jacobians(:, k), status)
          if (has_failed(status)) return
-         if (i /= first_few) cycle
-         associate (a => jacobians(:, places_to_ask(1)), b => jacobians(:, places_to_ask(2)), c => jacobians(:, places_to_ask(3)))
-            if (any(counts .and. (abs(a - b) > 0 .or. abs(a - c) > 0))) cycle
-            jacobians(:, [2, 3, 5, 6]) = spread(a, 2, n_stages - first_few)
-            return
-         end associate
+         if (i /= few) cycle
+         is_constant = .true.
+         do j = 1, size(entries)
+            associate (a => jacobians(entries(j), :))
+               is_constant = is_constant .and. .not. (abs(a(order_of(1)) - a(order_of(2))) > 0 .or. &
+                                                      abs(a(order_of(1)) - a(order_of(3))) > 0)
+            end associate
+         end do
+         if (is_constant) exit
+      end do
+      if (.not. is_constant) return
+      do i = few + 1, n_stages
+         jacobians(:, order_of(i)) = jacobians(:, order_of(1))
       end do
    end subroutine find_jacobians
 
