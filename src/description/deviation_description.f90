@@ -63,6 +63,9 @@ contains
       type(given_t), intent(in) :: wheel
       type(given_t) :: tip, root, runout
 
+      has_deviation = .false.
+      if (.not. (wheel%has("tip_relief") .or. wheel%has("root_relief") .or. wheel%has("runout") .or. &
+                 wheel%has("profile_crowning") .or. wheel%has("accuracy") .or. wheel%has("pitch_errors"))) return
       call wheel%inner("tip_relief", tip)
       call wheel%inner("root_relief", root)
       call wheel%inner("runout", runout)

@@ -109,24 +109,42 @@ contains
    pure real(wp) function number(self, key)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), allocatable :: all(:)
+      character(len=short_length) :: unit
 
-      allocate (all, source=self%numbers(key))
-      number = ieee_value(number, ieee_quiet_nan)
-      if (size(all) > 0) number = all(1)
+      call take_number(self, key, number, unit)
+      if (unit == "deg") number = number*radians_per_degree
    end function number
 
    !> The same in the unit of the row.
    pure real(wp) function in_unit(self, key) result(number)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
-      real(wp), allocatable :: all(:)
       character(len=short_length) :: unit
 
-      call take_numbers(self, key, all, unit)
-      number = ieee_value(number, ieee_quiet_nan)
-      if (size(all) > 0) number = all(1)
+      call take_number(self, key, number, unit)
    end function in_unit
+
+   !> The first number of a key, and their unit.
+   pure subroutine take_number(self, key, number, unit)
+      class(given_t), intent(in) :: self
+      character(len=*), intent(in) :: key
+      real(wp), intent(out) :: number !! NaN: there is none
+      character(len=*), intent(out) :: unit
+      integer :: i
+
+      number = ieee_value(number, ieee_quiet_nan)
+      unit = ""
+      i = self%find(key)
+      if (i > 0) then
+         unit = self%rows(self%entries(i)%row)%unit
+         if (size(self%entries(i)%numbers) > 0) number = self%entries(i)%numbers(1)
+         return
+      end if
+      i = self%row_of(key)
+      if (i == 0) return
+      unit = self%rows(i)%unit
+      if (self%rows(i)%n_defaults > 0) number = self%rows(i)%defaults(1)
+   end subroutine take_number
 
    !> A whole number; 0 if it is not given and has no default.
    pure integer function whole(self, key)
@@ -260,6 +278,7 @@ contains
          integer, intent(in) :: i
 
          is_element = self%entries(i)%level == self%level
+         if (is_element) is_element = self%rows(self%entries(i)%row)%key(1:1) == key(1:1) ! as in `find`
          if (is_element) is_element = self%rows(self%entries(i)%row)%key == key
       end function is_element
 
