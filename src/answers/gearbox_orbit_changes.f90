@@ -153,6 +153,7 @@ contains
       by_time = 0
       do i = self%root_first(root), self%root_last(root)
          associate (state => self%root_states(i))
+            if (state == i_omega .and. self%common%by_time) cycle ! it never changes
             do k = -2, 2
                if (k == 0) cycle
                moved = y(:self%n_gears)

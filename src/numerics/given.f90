@@ -219,15 +219,26 @@ contains
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
       character(len=text_length) :: word
-      integer :: i, start
+      integer :: blank, i, last, n, start
 
       choice = -1
       word = self%word(key)
       i = self%row_of(key)
       if (i == 0 .or. word == "") return
       associate (words => self%rows(i)%words)
-         start = index(" "//trim(words)//" ", " "//trim(word)//" ")
-         if (start > 0) choice = count([(words(i:i) == " ", i=1, start - 1)])
+         last = len_trim(words)
+         start = 1
+         n = 0
+         do while (start <= last)
+            blank = index(words(start:last), " ")
+            if (blank == 0) blank = last - start + 2
+            if (words(start:start + blank - 2) == word) then
+               choice = n
+               return
+            end if
+            n = n + 1
+            start = start + blank
+         end do
       end associate
    end function choice
 
