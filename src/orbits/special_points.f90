@@ -166,7 +166,7 @@ contains
       type(orbit_t) :: left, right
       type(curve_t) :: curve
       type(orbit_t) :: foreseen
-      type(lacks_t) :: lacks
+      type(lacks_t) :: lacks, nothing
       logical :: forgets
       type(orbit_options) :: few
       type(status_t) :: refusal
@@ -207,6 +207,13 @@ contains
          point%orbit = foreseen
          call clear(refusal)
          call correct_orbit(model, few, point%orbit, refusal, first%tangent, foreseen=error > near)
+         if (has_failed(refusal) .and. lacks%n > 0) then ! at a corner what is known of one side misleads
+            lacks = nothing
+            call orbit_beside_curve(model, options, curve, lacks, first, at, foreseen)
+            point%orbit = foreseen
+            call clear(refusal)
+            call correct_orbit(model, few, point%orbit, refusal, first%tangent)
+         end if
          ! between two orbits with a corner between them the cubic may foresee worse than the tangent
          if (has_failed(refusal) .and. error > little*way) then
             point%orbit = first
