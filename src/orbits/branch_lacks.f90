@@ -2,11 +2,11 @@
 !>
 !> It is a polynomial through what the nearest orbits tell that are known, also those before the first one, as long as the branch
 !> is smooth there. The cubic has both orbits, so the polynomial may be asked to be zero at both; it has their tangents, too, but
-!> these are differences, right to about 1e-6: a double zero there helps where little is known, and harms where much is. How many
-!> orbits are used, and which zeros, is what would have foreseen the last one best.
+!> these are differences, right to about 1e-6: a double zero there helps where little is known, and harms where much is. How
+!> many orbits are used, and which zeros, is what would have foreseen the last one best.
 !>
-!> Beside an orbit of which a root function just touches zero (kind_touch) orbits are smooth in the root of the way (docs/orbits.md),
-!> so that is the variable of the polynomial there. Where what was known has foreseen an orbit no better than the cubic alone
+!> Beside an orbit of which a root function just touches zero (kind_touch) orbits are smooth in the root of the way, so that is the
+!> variable of the polynomial there (docs/orbits.md). Where what was known has foreseen an orbit no better than the cubic alone
 !> something was not smooth: it is forgotten, and the first orbit of the cubic with it.
 !>
 !> The derivative of the flow lacks something as well; the last orbit that is known tells it.
