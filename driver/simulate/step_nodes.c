@@ -15,11 +15,6 @@ static const double weights_of_8[] = {0.1012285362903763, 0.2223810344533745, 0.
 static const double places_of_3[] = {-0.7745966692414834, 0.0, 0.7745966692414834};
 static const double weights_of_3[] = {0.5555555555555556, 0.8888888888888889, 0.5555555555555556};
 
-static const double *places(const step_nodes *nodes)
-{
-    return nodes->n == 8 ? places_of_8 : places_of_3;
-}
-
 /** Value at x of the polynomial that is 1 at node k and 0 at the others. */
 static double lagrange(int n, const double *x_nodes, int k, double x)
 {
@@ -34,33 +29,48 @@ static double lagrange(int n, const double *x_nodes, int k, double x)
 
 enum { ROOM = (STEP_NODES_SAMPLES + 7) / 8 * 8 }; /* whole vectors */
 
-/* from values at the nodes to those at these places, node after node */
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-static double from_8[8 * ROOM], from_3[3 * ROOM];
+static double samples_of_8[8 * ROOM], samples_of_3[3 * ROOM];
 
-static int count_samples(int n)
+/** What belongs to so many nodes. */
+typedef struct {
+    int n;
+    const double *places, *weights;
+    double *samples; /**< [n * ROOM] from values at the nodes to those at the evenly spaced places, node after node */
+} node_rule;
+
+static const node_rule rule_of_8 = {8, places_of_8, weights_of_8, samples_of_8};
+static const node_rule rule_of_3 = {3, places_of_3, weights_of_3, samples_of_3};
+
+static const node_rule *rule_of(const step_nodes *nodes)
 {
-    return 4 * n + 1;
+    return nodes->n == 8 ? &rule_of_8 : &rule_of_3;
 }
 
-static double sample_place(int n, int i)
+static int last_sample(const node_rule *rule)
 {
-    return -1 + 2.0 * i / (count_samples(n) - 1);
+    return 4 * rule->n;
 }
 
-static void fill_sampling(int n, const double *x_nodes, double *samples)
+static double sample_place(const node_rule *rule, int i)
 {
-    for (int k = 0; k < n; k++) {
-        for (int i = 0; i < count_samples(n); i++) {
-            samples[k * ROOM + i] = lagrange(n, x_nodes, k, sample_place(n, i));
+    return -1 + 2.0 * i / last_sample(rule);
+}
+
+static void fill_samples(const node_rule *rule)
+{
+    for (int k = 0; k < rule->n; k++) {
+        for (int i = 0; i <= last_sample(rule); i++) {
+            rule->samples[k * ROOM + i] = lagrange(rule->n, rule->places, k, sample_place(rule, i));
         }
     }
 }
 
-static void fill_samplings(void)
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+static void fill_all_samples(void)
 {
-    fill_sampling(8, places_of_8, from_8);
-    fill_sampling(3, places_of_3, from_3);
+    fill_samples(&rule_of_8);
+    fill_samples(&rule_of_3);
 }
 
 FOR_EACH_PROCESSOR static void sample(int n, const double *samples, int sense, const double *values, double at[ROOM])
@@ -78,7 +88,7 @@ FOR_EACH_PROCESSOR static void sample(int n, const double *samples, int sense, c
 void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
 {
     const model_facts *about = model_about(model);
-    (void)pthread_once(&once, fill_samplings);
+    (void)pthread_once(&once, fill_all_samples);
     *nodes = (step_nodes){.model = model, .n = about->dae.stepper != NULL ? 8 : 3};
     nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
     nodes->before = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
@@ -138,10 +148,10 @@ bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from,
 {
     char message[DAE_MESSAGE_LENGTH];
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
-    const double *weights = nodes->n == 8 ? weights_of_8 : weights_of_3;
+    const node_rule *rule = rule_of(nodes);
     for (int k = 0; k < nodes->n; k++) {
-        nodes->t[k] = middle + half * places(nodes)[k];
-        nodes->weight[k] = half * weights[k];
+        nodes->t[k] = middle + half * rule->places[k];
+        nodes->weight[k] = half * rule->weights[k];
     }
     if (nodes->sampler == NULL) {
         nodes->sampler = model_sampler_create(nodes->model, nodes->n_wanted, nodes->wanted);
@@ -151,21 +161,21 @@ bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from,
 }
 
 /** The polynomial at x in -1..1. */
-static double value_at(const step_nodes *nodes, const double *values, double x)
+static double value_at(const node_rule *rule, const double *values, double x)
 {
     double value = 0;
-    for (int k = 0; k < nodes->n; k++) {
-        value += lagrange(nodes->n, places(nodes), k, x) * values[k];
+    for (int k = 0; k < rule->n; k++) {
+        value += lagrange(rule->n, rule->places, k, x) * values[k];
     }
     return value;
 }
 
 double step_nodes_end(const step_nodes *nodes, const double *values)
 {
-    const int last = count_samples(nodes->n) - 1;
+    const node_rule *rule = rule_of(nodes);
     double end = 0;
-    for (int k = 0; k < nodes->n; k++) {
-        end += (nodes->n == 8 ? from_8 : from_3)[k * ROOM + last] * values[k];
+    for (int k = 0; k < rule->n; k++) {
+        end += rule->samples[k * ROOM + last_sample(rule)] * values[k];
     }
     return end;
 }
@@ -173,9 +183,10 @@ double step_nodes_end(const step_nodes *nodes, const double *values)
 double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
 {
     double at[ROOM] = {0};
-    const int last = count_samples(nodes->n) - 1;
+    const node_rule *rule = rule_of(nodes);
+    const int last = last_sample(rule);
     int place = 0;
-    sample(nodes->n, nodes->n == 8 ? from_8 : from_3, sense, values, at);
+    sample(rule->n, rule->samples, sense, values, at);
     for (int i = 1; i <= last; i++) {
         place = at[i] > at[place] ? i : place;
     }
@@ -186,6 +197,6 @@ double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
         return at[place];
     }
     const double step = 2.0 / last;
-    const double top = sample_place(nodes->n, middle) + 0.5 * step * (at[middle - 1] - at[middle + 1]) / bend;
-    return top > -1 && top < 1 ? fmax(at[place], sense * value_at(nodes, values, top)) : at[place];
+    const double top = sample_place(rule, middle) + 0.5 * step * (at[middle - 1] - at[middle + 1]) / bend;
+    return top > -1 && top < 1 ? fmax(at[place], sense * value_at(rule, values, top)) : at[place];
 }
