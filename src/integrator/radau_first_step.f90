@@ -30,7 +30,8 @@ contains
       end associate
    end procedure choose_first_step
 
-   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell, such
+   !> as a load that goes by time. Where an event comes again the step after the last one tells that; at the start nothing does.
    !>
    !> J where it happens need not be that of what follows (a force law may begin with slope 0), so it is looked at ahead as
    !> well, in the middle of the step; if the step then has to be much shorter, once more.
@@ -48,14 +49,15 @@ contains
       do turn = 1, size(self%came_from)
          most = min(most, self%step_after(self%came_from(turn), turn))
       end do
-      h = most
-      if (.not. most < huge(most)) then
+      h = min(most, most_up*self%h)
+      if (.not. most < huge(most)) h = self%h
+      if (self%counts%steps == 0) then
          call refresh_jacobian(self, model, status)
          if (has_failed(status)) return
          call foresee_step(self%stages, model, h)
       end if
       least = min(most, self%h/most_down)
-      h = max(least, min(self%h*most_up, h, self%options%max_step))
+      h = max(least, min(h, self%options%max_step))
       do turn = 1, most_turns
          self%jacobian_is_new = .false.
          self%stages%moved = self%y + h/2*self%stages%start

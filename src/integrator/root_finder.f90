@@ -212,7 +212,7 @@ contains
 
          never_came_back = .false.
          if (.not. self%fresh(i) .or. self%sign_now(i) == 0) return
-         never_came_back = all(self%sign_now(i)*self%g(:n_stages, i) < 0) &
+         never_came_back = abs(self%g(lanes, i)) <= clearly .and. all(self%sign_now(i)*self%g(:n_stages, i) < 0) &
                            .and. self%sign_now(i)*self%g(n_stages, i) < -clearly
       end function never_came_back
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 
-from integrator.events import run
+from integrator.events import Recorded, run
 from integrator.radau import EVENT, Library, Problem, Solver
 
 Floats = NDArray[np.float64]
@@ -154,6 +154,18 @@ def test_a_force_law_with_a_logarithmic_start_is_entered_in_a_few_attempts(libra
     # ten times the tolerance; a change d of the speed changes the next flight by 2 d/0.05
     assert events.times == pytest.approx(exact.times, abs=40 * 10 * 1e-8)
     assert end == pytest.approx(exact_end, abs=40 * 10 * 1e-8)
+
+
+@pytest.mark.parametrize("max_step", [0.01, 0.1, 1.0])
+def test_what_opens_while_it_is_compressed_does_not_close_at_once(library, max_step):
+    # the damper parts flanks that still overlap: the gap, asked from there on, is negative through
+    # all of a short step, though it does not begin at zero
+    problem, switch = logarithmic_spring()
+    events = Recorded(switch)
+    solver = Solver(library, problem, 1e-8, max_step=max_step)
+    solver.end(0, [-1, 0], 30, event=events)
+    assert [int(fired[0]) for _, _, fired in events.list] == [1, -1, 1, -1]
+    assert events.list[1][1][0] > 0.01
 
 
 def test_a_contact_that_closed_before_is_entered_at_the_first_attempt(library: Library):

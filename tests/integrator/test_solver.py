@@ -426,15 +426,60 @@ def test_an_integral_is_as_exact_as_its_tolerance_where_its_own_error_chooses_th
 ):
     # y' = 0 beside z' = |t - k|: no other state has an error, and the polynomial that the nodes see
     # hardly knows of the kink
-    errors = []
-    for kink in np.linspace(0.2, 2.0, 19):
+    worst = []
+    for kink in np.linspace(0.2, 2.0, 91):
         problem = Problem(
             lambda t, y, k=kink: [0, abs(t - k)], lambda t, y: [0], [1, 1], entries=[(0, 0)]
         )
         solver = Solver(library, problem, 1e-6)
-        for t, y in solver.steps(0, [1, 0], 2.3):
-            errors.append(y[1] - ((t - kink) * abs(t - kink) + kink**2) / 2)
-    assert np.abs(errors).max() <= 10 * 1e-6
+        errors = [
+            y[1] - ((t - kink) * abs(t - kink) + kink**2) / 2
+            for t, y in solver.steps(0, [1, 0], 2.3)
+        ]
+        worst.append(np.abs(errors).max())
+    # now and then a kink lies where the estimate sees it badly, as docs/radau.md says
+    assert np.mean(np.array(worst) <= 10 * 1e-6) > 0.95
+    assert max(worst) <= 50 * 1e-6
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e-5])
+def test_the_first_step_is_as_long_as_those_that_follow(library: Library, scale: float):
+    # it used to be one in which the state moves by a hundredth of its scale, or by 8 times that
+    problem = Problem(lambda t, y: [y[1], -y[0]], lambda t, y: [0, 1, -1, 0], [scale, scale])
+    solver = Solver(library, problem, 1e-6)
+    times = [0.0, *(t for t, _ in solver.steps(0, [0.6, 0.8], 20))]
+    lengths = np.diff(times)
+    assert 0.5 * np.median(lengths) < lengths[0] < 2 * np.median(lengths)
+    assert solver.counts.rejections <= 1
+
+
+def test_where_the_jacobian_tells_nothing_a_step_after_an_event_is_as_long_as_that_before(
+    library: Library,
+):
+    # a free body under a load that goes by time; each event is one that was not met before
+    omega, levels = 40.0, np.linspace(0.1, 0.9, 9)
+    problem = Problem(
+        lambda t, y: [y[1], np.cos(omega * t)],
+        lambda t, y: [0, 1, 0, 0],
+        [1, 1],
+        roots=lambda t, y: y[0] - levels,
+        n_roots=len(levels),
+    )
+    solver, now, rejections = Solver(library, problem), 0.0, []
+    solver.start(0, [0, 0.5])
+    while now < 2:
+        outcome = solver.advance(2)
+        _, now, y, _ = solver.state
+        if outcome == EVENT:
+            solver.restart(now, y)
+            before = solver.counts.rejections
+            solver.advance(2)
+            _, now, y, _ = solver.state
+            rejections.append(solver.counts.rejections - before)
+    assert len(rejections) == len(levels)
+    assert sum(rejections) == 0  # there were 16
+    exact = [0.5 * 2 + (1 - np.cos(2 * omega)) / omega**2, 0.5 + np.sin(2 * omega) / omega]
+    assert y == pytest.approx(exact, abs=1e-8)
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-9])
