@@ -57,7 +57,7 @@ contains
          call foresee_step(self%stages, model, h)
       end if
       least = min(most, self%h/most_down)
-      h = max(least, min(h, self%options%max_step))
+      h = min(max(least, h), self%options%max_step, longest_in_sight(self, model))
       do turn = 1, most_turns
          self%jacobian_is_new = .false.
          self%stages%moved = self%y + h/2*self%stages%start
