@@ -79,12 +79,17 @@ static bool is_harmonic(int k)
 int number_rows_offsets(const model_names *names, int offsets[N_NUMBER_ROWS])
 {
     int n = 0;
-    for (int i = 0; i < N_NUMBER_ROWS; i++) {
-        const bool is_of_contact = i >= number_row_of_contact((number_of_contact)0);
-        const char *dims = is_of_contact ? "mesh" : quantities[i / N_TELLS].dims;
-        offsets[i] = n;
-        n += elements_of(dims, names)->n * (words_contain(dims, "axis") ? 2 : 1) *
-             (!is_of_contact && is_harmonic(i % N_TELLS) ? NUMBER_HARMONICS : 1);
+    for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
+        const char *dims = quantities[quantity].dims;
+        const int count = elements_of(dims, names)->n * (words_contain(dims, "axis") ? 2 : 1);
+        for (int k = 0; k < N_TELLS; k++) {
+            offsets[number_row(quantity, (number_tells)k)] = n;
+            n += count * (is_harmonic(k) ? NUMBER_HARMONICS : 1);
+        }
+    }
+    for (int i = 0; i < N_OF_CONTACT; i++) {
+        offsets[number_row_of_contact((number_of_contact)i)] = n;
+        n += names->meshes.n;
     }
     return n;
 }

@@ -277,7 +277,16 @@ contains
 
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
-            call list_roots(contact)
+            if (contact%slot == 0) then
+               call list_roots(contact)
+            else ! the places of a flank are alike
+               associate (alike => gearbox%contacts(i - 1))
+                  contact%n_roots = alike%n_roots
+                  contact%roots = alike%roots
+                  contact%moved = alike%moved
+                  contact%directions = alike%directions
+               end associate
+            end if
             contact%i_root = gearbox%n_roots
             gearbox%n_roots = gearbox%n_roots + contact%n_roots
          end associate

@@ -34,11 +34,12 @@ contains
       type(jacobian_entries) :: entries
       integer :: room, i, turn
 
-      room = 0
-      do turn = 1, 2
+      room = 256 ! more than most have
+      do
          call note_entries(gearbox%n_states, room, entries)
          notes = [(0.0_wp, i=0, room)]
          call note_forces(gearbox, entries, notes)
+         if (n_noted(notes) <= room) exit
          room = n_noted(notes)
       end do
       call take_noted(gearbox%n_states, notes, rows, columns)

@@ -5,7 +5,7 @@
 !> entry stands at the last bits of its column, as many as tell the columns of that row from each other: so an entry is found
 !> without a search, and the tables grow as the list does.
 !>
-!> Notes are made twice, by whoever will add to the entries: with room for none, which counts them, and with room for all.
+!> Notes are made by whoever will add to the entries, and counted; where there was no room for all, once more with that room.
 module evl_jacobian_entries
    use evl_kinds, only: wp
    use evl_places, only: places
