@@ -16,7 +16,8 @@ module evl_flow_derivative
    use evl_orbit_model, only: must_repeat, orbit_model
    use evl_places, only: places
    use evl_radau, only: radau_interpolate_lanes, radau_t
-   use evl_radau_coefficients, only: integral_to_node, n_stages, node, to_chebyshev
+   use evl_radau_coefficients, only: from_stage, integral_to_node, n_stages, n_systems, node, shift_im, shift_re, to_chebyshev, &
+                                     to_stage
    use evl_small_system, only: solve_small
    use evl_status, only: code_no_solution, code_singular, fail, has_failed, quantity, status_t
    implicit none (type, external)
@@ -94,6 +95,7 @@ contains
    end subroutine derivative_along_step
 
    !> One piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages, for the states that move.
+   !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8, also for the system falling apart.
    subroutine try_piece(model, states, solver, t, h, derivative, error, status)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states !! with Z on return
@@ -102,16 +104,36 @@ contains
       real(wp), intent(in) :: derivative(:, :)
       real(wp), intent(out) :: error                 !! over the size of the derivative
       type(status_t), intent(inout) :: status
+      logical :: good, is_constant
+
+      error = 0
+      if (size(states%moving) == 0) return
+      error = huge(error)
+      call find_jacobians(model, solver, t, h, states%entries, states%jacobians, is_constant, status)
+      if (has_failed(status)) return
+      if (is_constant) then
+         call solve_apart(model, states, h, derivative, good)
+      else
+         call solve_whole(model, states, h, derivative, good)
+      end if
+      if (.not. good) then
+         call fail(status, code_singular, "the variational equations have no solution at time "//quantity(t, ""))
+         return
+      end if
+      call estimate(model, states%kept, states%moving, derivative, states%z, error)
+   end subroutine try_piece
+
+   !> The system of a piece, as it stands.
+   subroutine solve_whole(model, states, h, derivative, good)
+      class(orbit_model), intent(in) :: model
+      type(moving_states_t), intent(inout) :: states
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: derivative(:, :)
+      logical, intent(out) :: good
       real(wp) :: factor
-      logical :: good
       integer :: i, j, k, l, n, row, column
 
       n = size(states%moving)
-      error = 0
-      if (n == 0) return
-      error = huge(error)
-      call find_jacobians(model, solver, t, h, states%entries, states%jacobians, status)
-      if (has_failed(status)) return
       states%matrix = 0
       states%z = 0
       associate (matrix => states%matrix, z => states%z, kept => states%kept)
@@ -133,12 +155,67 @@ contains
          end do
          call solve_small(matrix, z, good)
       end associate
-      if (.not. good) then
-         call fail(status, code_singular, "the variational equations have no solution at time "//quantity(t, ""))
-         return
-      end if
-      call estimate(model, states%kept, states%moving, derivative, states%z, error)
-   end subroutine try_piece
+   end subroutine solve_whole
+
+   !> The same where the Jacobian is constant: with A^-1 T = T Lambda and Z = (T x I) W it is (Lambda/h - J) W = (T^-1 1) x (J D),
+   !> one real system and three complex ones, each of as many unknowns as states move.
+   subroutine solve_apart(model, states, h, derivative, good)
+      class(orbit_model), intent(in) :: model
+      type(moving_states_t), intent(inout) :: states
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: derivative(:, :)
+      logical, intent(out) :: good
+      integer :: i
+      real(wp), parameter :: ones(lanes) = [(sum(from_stage(i, :n_stages)), i=1, lanes)] ! T^-1 1
+      real(wp), dimension(size(states%moving), size(states%moving)) :: shifted, minus_j
+      real(wp), dimension(size(states%moving), size(states%kept)) :: by_start, w
+      real(wp) :: pair(2*size(states%moving), 2*size(states%moving)), w_pair(2*size(states%moving), size(states%kept))
+      integer :: j, k, l, n, row, column
+
+      n = size(states%moving)
+      minus_j = 0
+      by_start = 0
+      do j = 1, size(states%entries)
+         row = states%place(model%jacobian_row(states%entries(j)))
+         column = model%jacobian_column(states%entries(j))
+         associate (entry => states%jacobians(states%entries(j), 1))
+            if (states%place(column) > 0) minus_j(row, states%place(column)) = -entry
+            do l = 1, size(states%kept)
+               by_start(row, l) = by_start(row, l) + entry*derivative(column, states%kept(l))
+            end do
+         end associate
+      end do
+      shifted = minus_j
+      do i = 1, n
+         shifted(i, i) = shifted(i, i) + shift_re(1)/h
+      end do
+      w = ones(1)*by_start
+      call solve_small(shifted, w, good)
+      do i = 1, n_stages
+         states%z((i - 1)*n + 1:i*n, :) = to_stage(i, 1)*w
+      end do
+      do k = 2, n_systems
+         if (.not. good) return
+         pair(:n, :n) = minus_j
+         pair(n + 1:, n + 1:) = minus_j
+         pair(n + 1:, :n) = 0
+         pair(:n, n + 1:) = 0
+         do i = 1, n
+            pair(i, i) = pair(i, i) + shift_re(k)/h
+            pair(n + i, n + i) = pair(i, i)
+            pair(n + i, i) = shift_im(k)/h
+            pair(i, n + i) = -shift_im(k)/h
+         end do
+         w_pair(:n, :) = ones(k)*by_start
+         w_pair(n + 1:, :) = ones(n_systems + k)*by_start
+         call solve_small(pair, w_pair, good)
+         do i = 1, n_stages
+            associate (z => states%z((i - 1)*n + 1:i*n, :))
+               z = z + (to_stage(i, k)*w_pair(:n, :) + to_stage(i, n_systems + k)*w_pair(n + 1:, :))
+            end associate
+         end do
+      end do
+   end subroutine solve_apart
 
    !> The derivative at the end of a piece.
    pure subroutine take_piece(states, derivative)
@@ -158,18 +235,19 @@ contains
 
    !> The Jacobians of the stages. Where what counts of the first, the last and the middle one is the same to the last digit, as of
    !> forces that are linear, it is constant.
-   subroutine find_jacobians(model, solver, t, h, entries, jacobians, status)
+   subroutine find_jacobians(model, solver, t, h, entries, jacobians, is_constant, status)
       class(orbit_model), intent(in) :: model
       type(radau_t), intent(in) :: solver
       real(wp), intent(in) :: t, h
       integer, intent(in) :: entries(:)        !! that count
-      real(wp), intent(inout) :: jacobians(:, :) !! [all entries, n_stages]
+      real(wp), intent(inout) :: jacobians(:, :) !! [all entries, n_stages]; of a constant one, only the first
+      logical, intent(out) :: is_constant
       type(status_t), intent(inout) :: status
       integer, parameter :: order_of(n_stages) = [1, n_stages, (n_stages + 1)/2, 2, 3, 5, 6], few = 3
       real(wp) :: times(lanes), states(lanes, model%n), y(model%n)
-      logical :: is_constant
       integer :: i, j, k
 
+      is_constant = .false.
       times = t + h*node
       call radau_interpolate_lanes(solver, times, states)
       do i = 1, n_stages
@@ -185,11 +263,7 @@ contains
                                                       abs(a(order_of(1)) - a(order_of(3))) > 0)
             end associate
          end do
-         if (is_constant) exit
-      end do
-      if (.not. is_constant) return
-      do i = few + 1, n_stages
-         jacobians(:, order_of(i)) = jacobians(:, order_of(1))
+         if (is_constant) return
       end do
    end subroutine find_jacobians
 
