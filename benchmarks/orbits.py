@@ -1,8 +1,9 @@
 """What the numbers of a sweep cost by orbits: `python benchmarks/orbits.py PROGRAM [CASE...]`.
 
 Of each case a sweep, up and down, and the stable orbits at the same 401 values: processor time of
-both processes, and how far numbers differ where the sweep's motion is one of the orbits. Extremes
-of a sweep have what its motion still lacks: it counts as periodic when it repeats to about 1e-6.
+both processes, medians of runs in turn, and how far numbers differ where the sweep's motion is one
+of the orbits. Extremes of a sweep have what its motion still lacks: it counts as periodic when it
+repeats to about 1e-6.
 There are also the unstable ones beside these, the folds and the multipliers, which no sweep finds.
 
 Cases: `backlash`, over the amplitude of its load, a curve with two folds; `resonance` and `mesh`,
@@ -32,6 +33,7 @@ VALUES = 401
 ALIKE = 1e-3  # deviations of the transmission error this near are those of one motion
 NEAR = 1e-5  # of numbers that are said to be the same
 LONGEST = 2  # pitches
+RUNS = 7  # of each, in turn
 MOST = 600  # pitches that a motion is followed; one that takes them all still settles
 TOLD = ("transmission_error_standard_deviation", "dynamic_factor", "normal_force_max")
 
@@ -92,17 +94,22 @@ def measure(program: str, name: str, folder: Path) -> None:
     case["simulation"].pop("numbers", None)
     case["simulation"]["tolerance"] = 1e-9  # a sweep's motions repeat to a thousand times that
     (folder / "case.yaml").write_text(yaml.safe_dump(case))
-    of_sweep, sweep = run(program, folder, f"{over}:{VALUES}", "--both")
     asked = ("--values", str(VALUES), "--longest", str(LONGEST))
-    of_orbits, orbits = run(program, folder, over, "--method", "orbits", *asked)
+    seconds = []
+    for _ in range(RUNS):
+        of_sweep, sweep = run(program, folder, f"{over}:{VALUES}", "--both")
+        of_orbits, orbits = run(program, folder, over, "--method", "orbits", *asked)
+        seconds.append((of_sweep, of_orbits))
+    of_sweep, of_orbits = np.median(seconds, axis=0)
     n, found, differences = compare(sweep, orbits)
     differences.sort()
     largest = {name: max(d for d, of in differences if of == name) for name in TOLD}
     n_at = int((orbits["orbit_value"].values >= 0).sum())
     print(f"{name}: sweep {of_sweep:.3g} s, {1e3 * of_sweep / sweep['period'].size:.3g} ms a value")
+    ratios = [a / b for a, b in seconds]
     print(
         f"  orbits {of_orbits:.3g} s, {n_at} at values and {orbits.sizes['point'] - n_at} others: "
-        f"{of_sweep / of_orbits:.1f} times cheaper"
+        f"{of_sweep / of_orbits:.1f} times cheaper ({min(ratios):.1f} to {max(ratios):.1f})"
     )
     print(f"  {found} of {n} motions are among them; largest differences:")
     print("  " + ", ".join(f"{name} {gap:.1e}" for name, gap in largest.items()))

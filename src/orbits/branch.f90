@@ -8,6 +8,7 @@
 module evl_branch
    use evl_branch_curve, only: curve_t, curve_through, lack_of, orbit_on_curve, way_to
    use evl_branch_doubling, only: repeats_sooner
+   use evl_branch_lacks, only: lacks_t, orbit_at_value
    use evl_branch_point, only: branch_point, kind_fold, kind_ordinary, kind_touch
    use evl_branch_values, only: find_orbits_at
    use evl_kinds, only: wp
@@ -285,7 +286,7 @@ contains
          end if
          if (step < 2*options%smallest_step) few = options%orbits
          call clear(refusal)
-         call correct_orbit(model, few, next%orbit, refusal, now%tangent)
+         call correct_orbit(model, few, next%orbit, refusal, now%tangent, far=now%iterations >= easy)
          if (.not. has_failed(refusal)) call find_tangent(model, options%orbits, next%orbit, now%tangent, refusal)
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
@@ -376,14 +377,15 @@ contains
       type(orbit_t), intent(in) :: now
       type(branch_point), intent(inout) :: next !! beyond the bound, then on it
       type(status_t), intent(inout) :: status
-      real(wp) :: bound, share
+      type(lacks_t) :: nothing
+      type(orbit_t) :: foreseen
+      real(wp) :: bound
 
       associate (orbit => next%orbit)
          bound = merge(options%to, options%from, orbit%parameter >= options%to)
-         share = (bound - now%parameter)/(orbit%parameter - now%parameter)
-         orbit%y = now%y + share*(orbit%y - now%y)
-         orbit%period = now%period + share*(orbit%period - now%period)
-         orbit%parameter = bound
+         call orbit_at_value(model, options%orbits, curve_through(model, options%orbits, now, orbit), nothing, now, orbit, bound, &
+                             foreseen)
+         orbit = foreseen
          call correct_orbit(model, options%orbits, orbit, status)
          if (.not. has_failed(status)) call find_tangent(model, options%orbits, orbit, now%tangent, status)
          next%way = dot_product(now%tangent(:model%n), (orbit%y - now%y)/model%scale) &

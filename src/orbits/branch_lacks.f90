@@ -19,7 +19,7 @@ module evl_branch_lacks
    implicit none (type, external)
    private
 
-   public :: lacks_t, learn_from_before, learn_lack, orbit_beside_curve, way_of_value
+   public :: lacks_t, learn_from_before, learn_lack, orbit_at_value, orbit_beside_curve
 
    integer, parameter :: most_used = 8
 
@@ -66,6 +66,31 @@ contains
       call move_orbit(model, options, orbit, lack_at(lacks, those_near(lacks, x, lacks%fit%n), lacks%fit%zeros, x))
       orbit%flow%derivative = orbit%flow%derivative + x*(1 - x)*lacks%derivative
    end subroutine orbit_beside_curve
+
+   !> Where an orbit is expected, and with which derivative: on the curve, with what that lacks, or on the straight line between two
+   !> orbits with a corner between them.
+   pure subroutine orbit_at_value(model, options, curve, lacks, first, last, value, orbit)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(curve_t), intent(in) :: curve
+      type(lacks_t), intent(in) :: lacks
+      type(orbit_t), intent(in) :: first, last
+      real(wp), intent(in) :: value
+      type(orbit_t), intent(out) :: orbit
+      real(wp) :: share
+
+      if (curve%is_straight) then
+         share = (value - first%parameter)/(last%parameter - first%parameter)
+         orbit = first
+         orbit%y = first%y + share*(last%y - first%y)
+         orbit%period = first%period + share*(last%period - first%period)
+         orbit%flow%derivative = first%flow%derivative + share*(last%flow%derivative - first%flow%derivative)
+      else
+         call orbit_beside_curve(model, options, curve, lacks, first, way_of_value(options, curve, lacks, first, value), orbit)
+      end if
+      orbit%parameter = value
+      if (allocated(orbit%tangent)) deallocate (orbit%tangent) ! that of the first
+   end subroutine orbit_at_value
 
    !> The way along a curve to where the parameter has a value between those of its two orbits.
    pure real(wp) function way_of_value(options, curve, lacks, first, value) result(way)

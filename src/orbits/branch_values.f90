@@ -3,7 +3,7 @@
 !> enough that this is the only time they are followed.
 module evl_branch_values
    use evl_branch_curve, only: curve_t, curve_through, way_to
-   use evl_branch_lacks, only: lacks_t, learn_from_before, learn_lack, orbit_beside_curve, way_of_value
+   use evl_branch_lacks, only: lacks_t, learn_from_before, learn_lack, orbit_at_value
    use evl_branch_point, only: branch_point, kind_ordinary, kind_touch, kind_touch_fold
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
@@ -56,7 +56,7 @@ contains
       longest = beside*norm2(way_to(model, options, first%orbit, last%orbit))
       is_kept = .false.
       do i = 1, size(list)
-         call foresee(model, options, curve, lacks, first%orbit, last%orbit, values(list(i)), foreseen)
+         call orbit_at_value(model, options, curve, lacks, first%orbit, last%orbit, values(list(i)), foreseen)
          is_found = .false.
          if (associated(teller) .and. is_stable) &
             call tell_orbit(model, options, teller, n_told + i, foreseen, found(i)%orbit, better, is_found)
@@ -156,30 +156,5 @@ contains
       is_found = .not. has_failed(refusal)
       better = orbit
    end subroutine solve_orbit
-
-   !> Where an orbit is expected, and with which derivative: on the curve, with what that lacks, or on the straight line between two
-   !> orbits with a corner between them.
-   pure subroutine foresee(model, options, curve, lacks, first, last, value, orbit)
-      class(orbit_model), intent(in) :: model
-      type(orbit_options), intent(in) :: options
-      type(curve_t), intent(in) :: curve
-      type(lacks_t), intent(in) :: lacks
-      type(orbit_t), intent(in) :: first, last
-      real(wp), intent(in) :: value
-      type(orbit_t), intent(out) :: orbit
-      real(wp) :: share
-
-      if (curve%is_straight) then
-         share = (value - first%parameter)/(last%parameter - first%parameter)
-         orbit = first
-         orbit%y = first%y + share*(last%y - first%y)
-         orbit%period = first%period + share*(last%period - first%period)
-         orbit%flow%derivative = first%flow%derivative + share*(last%flow%derivative - first%flow%derivative)
-      else
-         call orbit_beside_curve(model, options, curve, lacks, first, way_of_value(options, curve, lacks, first, value), orbit)
-      end if
-      orbit%parameter = value
-      if (allocated(orbit%tangent)) deallocate (orbit%tangent) ! that of the first
-   end subroutine foresee
 
 end module evl_branch_values

@@ -44,26 +44,34 @@ contains
 
    !> Newton's iteration from an orbit that is nearly one. Where its derivative is foreseen a flow is followed without finding it,
    !> which costs a third, and the derivative learns from each change (Broyden); only the orbit that is found needs its own. If that
-   !> does not get on well the derivative is found after all.
-   subroutine correct_orbit(model, options, orbit, status, tangent, foreseen)
+   !> does not get on well the derivative is found after all. Far from the orbit flows need not be exact: the error of the
+   !> integration only has to be small beside what the next iteration leaves, which is about the square of what is left now.
+   subroutine correct_orbit(model, options, orbit, status, tangent, foreseen, far)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit   !! on failure: how far it came
       type(status_t), intent(inout) :: status
       real(wp), intent(in), optional :: tangent(:) !! [n + 2] the parameter is found too, orthogonal to this
       logical, intent(in), optional :: foreseen    !! its flow has a derivative, and it a dP/dp, that are expected
+      logical, intent(in), optional :: far         !! it is not so near that the first iteration might find it
       real(wp), parameter :: settled = 1.0e-6_wp   !! last change after which a small residual is believed
       real(wp), parameter :: slow = 0.1_wp         !! residual over that before, if the derivative is worth little
       integer, parameter :: stale = 5
+      real(wp), parameter :: rough = 1.0e-6_wp     !! tolerance far from the orbit
+      real(wp), parameter :: small = 1.0e-3_wp     !! tolerance over what the next iteration leaves
+      real(wp), parameter :: noise = 100           !! of a residual, over the tolerance
+      type(orbit_options) :: now   !! with the tolerance of the last flow
       type(orbit_t) :: trial
       type(status_t) :: refusal
-      real(wp) :: change(model%n + 2), phase_row(model%n), last, rate, share
+      real(wp) :: change(model%n + 2), phase_row(model%n), last, rate, share, unsure
       integer :: damped, halving, iteration
       logical :: at_end, is_exact, is_better, was_exact
 
       is_exact = .true.
       if (present(foreseen)) is_exact = .not. foreseen
-      call go_round(model, options, orbit, status, is_exact)
+      now = options
+      if (present(far)) now%tolerance = merge(max(rough, options%tolerance), options%tolerance, far)
+      call go_round(model, now, orbit, status, is_exact)
       if (has_failed(status)) return
       phase_row = 0
       if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
@@ -75,9 +83,10 @@ contains
          orbit%iterations = iteration
          if (has_failed(status)) return
          at_end = is_closed(orbit) .and. last <= settled
-         if (.not. is_exact .and. (at_end .or. rate > slow)) then
+         if (.not. is_exact .and. (at_end .or. rate > slow) .or. now%tolerance > options%tolerance .and. at_end) then
             is_exact = .true.
-            call go_round(model, options, orbit, status, is_exact)
+            now = options
+            call go_round(model, now, orbit, status, is_exact)
             cycle
          end if
          if (at_end .or. iteration == options%most_iterations .or. damped == options%most_damped) exit
@@ -89,14 +98,19 @@ contains
          if (has_failed(status)) return
          was_exact = is_exact
          is_exact = was_exact .or. (iteration > 0 .and. rate*orbit%residual <= options%residual)
+         unsure = 0
+         if (now%tolerance > options%tolerance) then
+            unsure = noise*now%tolerance
+            now%tolerance = max(options%tolerance, min(rough, small*orbit%residual**2))
+         end if
          share = 1
          is_better = .false.
          do halving = 0, options%most_halvings
             trial = orbit
             call clear(refusal)
             call move_orbit(model, options, trial, share*change)
-            call go_round(model, options, trial, refusal, is_exact)
-            is_better = .not. has_failed(refusal) .and. (trial%residual < orbit%residual .or. is_closed(trial))
+            call go_round(model, now, trial, refusal, is_exact)
+            is_better = .not. has_failed(refusal) .and. (trial%residual < max(orbit%residual, unsure) .or. is_closed(trial))
             if (is_better .or. .not. was_exact) exit
             share = share/2
          end do
@@ -121,7 +135,7 @@ contains
          orbit = trial
          iteration = iteration + 1
       end do
-      if (.not. is_closed(orbit)) then
+      if (.not. is_closed(orbit) .or. now%tolerance > options%tolerance) then
          call not_found()
       else if (.not. orbit%flow%same_modes) then
          call fail(status, code_no_solution, "the state repeats, but the modes do not, at "//quantity(orbit%parameter, ""), &
