@@ -76,7 +76,8 @@ def draw_orbits(orbits: xr.Dataset) -> Figure:
 def _draw_branches(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray) -> None:
     """Draw all branches, the colour by the period."""
     periods = sorted({int(period) for period in orbits["orbit_period"].values})
-    for piece, period, is_stable in _pieces(orbits):
+    in_order = sorted(_pieces(orbits), key=lambda piece: (piece[1], not piece[2]))  # of the legend
+    for piece, period, is_stable in in_order:
         color = LINES[periods.index(period) % len(LINES)]["color"]
         place = periods.index(period)
         text = f"period {period}, {'stable' if is_stable else 'unstable'}"
