@@ -16,7 +16,7 @@ module evl_contact_roots
    private
 
  public :: by_kind, contact_root_direction, contact_root_directions, contact_roots, ends_of_path, find_sides, is_past, list_roots, &
-             pitches_since_handover
+             pitches_since_handover, share_roots
 
    integer, parameter :: width = 1 !! states that the included formulas take at once
 
@@ -237,6 +237,17 @@ contains
          end associate
       end do
    end subroutine list_roots
+
+   !> Those of another contact of the same flank: its places have the same laws, wheels and deviations.
+   pure subroutine share_roots(other, contact)
+      type(tooth_contact_t), intent(in) :: other
+      type(tooth_contact_t), intent(inout) :: contact
+
+      contact%n_roots = other%n_roots
+      contact%roots = other%roots
+      contact%moved = other%moved
+      contact%directions = other%directions
+   end subroutine share_roots
 
    !> Whether a root function is past the zero that would end its mode.
    elemental logical function is_past(direction, root, by)

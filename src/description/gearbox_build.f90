@@ -3,7 +3,7 @@ module evl_gearbox_build
    use evl_compliance_description, only: compliance_create
    use evl_compliant_mesh, only: check_compliant_mesh
    use evl_contact_build, only: find_dependents, list_contacts, take_contact
-   use evl_contact_roots, only: list_roots
+   use evl_contact_roots, only: list_roots, share_roots
    use evl_discrete_state, only: number_integers
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
@@ -279,13 +279,8 @@ contains
          associate (contact => gearbox%contacts(i))
             if (contact%slot == 0) then
                call list_roots(contact)
-            else ! the places of a flank are alike
-               associate (alike => gearbox%contacts(i - 1))
-                  contact%n_roots = alike%n_roots
-                  contact%roots = alike%roots
-                  contact%moved = alike%moved
-                  contact%directions = alike%directions
-               end associate
+            else
+               call share_roots(gearbox%contacts(i - 1), contact)
             end if
             contact%i_root = gearbox%n_roots
             gearbox%n_roots = gearbox%n_roots + contact%n_roots
