@@ -9,8 +9,8 @@
 module evl_nominal_point
    use evl_gearbox, only: gearbox_t, nominal_point_t
    use evl_kinds, only: wp
-   use evl_knots, only: next_knot
    use evl_load, only: load_point, load_t
+   use evl_load_instants, only: first_instant, instant_t, next_instant
    use evl_train_statics, only: lay_out_train, train_carries, train_t
    use evl_wheel_loads, only: segment_of
    implicit none (type, external)
@@ -21,13 +21,6 @@ module evl_nominal_point
    real(wp), parameter :: spin_up = 1.0_wp        !! time after which the speed of an unbalanced gearbox is taken [s]
    real(wp), parameter :: rounding = 8*epsilon(1.0_wp) !! sum of torques over the sum of their magnitudes: they balance
    real(wp), parameter :: nothing = 1.0e-12_wp    !! share of the loads below which a mesh or shaft counts as unloaded
-   real(wp), parameter :: never = huge(1.0_wp)
-
-   !> The loads between two knots of their tables, at the first of these.
-   type :: instant_t
-      real(wp) :: t = 0.0_wp               !! [s]
-      integer, allocatable :: segments(:)  !! of each load: knots passed
-   end type instant_t
 
 contains
 
@@ -43,7 +36,7 @@ contains
 
       call lay_out_train(gearbox, train)
       nominal = 0
-      allocate (now%segments(size(gearbox%loads)), source=0)
+      now = first_instant(gearbox)
       do
          call operating_speed(gearbox, now, speed, is_balanced)
          point%is_balanced = point%is_balanced .and. is_balanced
@@ -54,7 +47,7 @@ contains
          call carried_loads(gearbox, train, now, speed*gearbox%wheels%ratio, acceleration, there)
          where (abs(there) > abs(nominal)) nominal = there
          point%torque_scale = max(point%torque_scale, torque_through(gearbox, now, speed))
-         call pass_knot(gearbox, now, is_next)
+         call next_instant(gearbox, now, is_next)
          if (.not. is_next) exit
       end do
       call swinging_loads(gearbox, train, swing, swing_speed, swing_torque)
@@ -88,12 +81,12 @@ contains
       call lay_out_train(gearbox, train)
       force = 0
       torque = 0
-      allocate (now%segments(size(gearbox%loads)), source=0)
+      now = first_instant(gearbox)
       do
          call carried_loads(gearbox, train, now, speeds, acceleration_at(gearbox, now, speeds), there)
          force = max(force, abs(there(:size(force))))
          torque = max(torque, abs(there(size(force) + 1:)))
-         call pass_knot(gearbox, now, is_next)
+         call next_instant(gearbox, now, is_next)
          if (.not. is_next) exit
       end do
    end subroutine loads_at_start
@@ -111,31 +104,6 @@ contains
       now%segments = [(segment_of(gearbox%loads(i)%load, integers), i=1, size(gearbox%loads))]
       call operating_speed(gearbox, now, speed, is_balanced)
    end function speed_in_balance
-
-   !> Go to the next knot of any table.
-   pure subroutine pass_knot(gearbox, now, exists)
-      type(gearbox_t), intent(in) :: gearbox
-      type(instant_t), intent(inout) :: now
-      logical, intent(out) :: exists
-      real(wp) :: next
-      integer :: i
-
-      next = never
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            if (allocated(load%knots%time)) next = min(next, next_knot(load%knots, now%segments(i)))
-         end associate
-      end do
-      exists = next < never
-      if (.not. exists) return
-      now%t = next
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            if (.not. allocated(load%knots%time)) cycle
-            if (next_knot(load%knots, now%segments(i)) <= next) now%segments(i) = now%segments(i) + 1
-         end associate
-      end do
-   end subroutine pass_knot
 
    !> Whether a load prescribes the speed of a wheel.
    pure logical function prescribes_speed(gearbox)
@@ -177,6 +145,7 @@ contains
       logical, intent(out) :: exists
       integer, parameter :: most_newton = 200
       real(wp), parameter :: first = 1.0_wp !! of the speeds that are tried where the torque does not depend on them [rad/s]
+      real(wp), parameter :: never = huge(1.0_wp)
       real(wp) :: sense, torque, damping, gross, low, high, x, next
       integer :: i
 
