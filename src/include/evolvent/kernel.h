@@ -553,7 +553,7 @@ typedef struct {
     int n_pairs; /**< places for tooth pairs, by how many pitches they are ahead of the one that came last onto the path */
     int first_pair; /**< of the first place */
     int n_values;
-    double torque; /**< of the driving wheel that the loads suggest [N m], >= 0 */
+    double torque; /**< nominal one of the driving wheel [N m]; < 0: it presses the coast flanks, 0: no load */
 } evl_static_plan;
 
 /** @param points  positions a pitch, at least 21
