@@ -213,6 +213,16 @@ static char *remarks(const prepared_case *prepared, const char *remark)
     return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 
+/** A case whose outputs go by position may have none in its window: it failed. */
+static void check_window(const batch_sink *sink, simulate_result *result)
+{
+    if (result->end == SIMULATE_DONE && !statistics_has_outputs(sink->statistics)) {
+        result->end = SIMULATE_FAILED;
+        (void)snprintf(result->message, sizeof result->message,
+                       "the window holds no output; begin it earlier, or run longer");
+    }
+}
+
 static void conclude(const batch_sink *sink, const prepared_case *prepared, long index, const simulate_result *result,
                      batch_row *row)
 {
@@ -220,20 +230,9 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     const bool is_done = result->end == SIMULATE_DONE;
     OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
     statistics_finish(sink->statistics, result, results);
-    char no_numbers[DAE_MESSAGE_LENGTH] = "";
-    if (statistics_numbers(sink->statistics) != NULL) {
-        numbers_explain(statistics_numbers(sink->statistics), no_numbers, sizeof no_numbers);
-    }
     OWNED char *invariants = result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
-    const char *const all[] = {result->remark, no_numbers, invariants};
-    const char *told[3];
-    int n_told = 0;
-    for (int i = 0; i < 3; i++) {
-        if (all[i][0] != '\0') {
-            told[n_told++] = all[i];
-        }
-    }
-    OWNED char *remark = words_join(n_told, told, "; ");
+    const char *separator = result->remark[0] != '\0' && invariants[0] != '\0' ? "; " : "";
+    OWNED char *remark = xasprintf("%s%s%s", result->remark, separator, invariants);
     OWNED char *message =
         is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
     batch_row_write(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);
@@ -309,6 +308,7 @@ static bool simulate_prepared(batch_keeper *keeper, const batch_start *start, ba
     simulate_to(&sink, keeper->prepared, start, &result);
     bool good = result.end != SIMULATE_SINK_FAILED;
     if (good && result.end != SIMULATE_INTERRUPTED) {
+        check_window(&sink, &result);
         conclude(&sink, keeper->prepared, keeper->index, &result, row);
         row->has_checkpoints = keeper->has_some;
         good = sink.history == NULL ||

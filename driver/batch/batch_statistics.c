@@ -245,6 +245,11 @@ numbers *statistics_numbers(const statistics *statistics)
     return statistics->numbers;
 }
 
+bool statistics_has_outputs(const statistics *statistics)
+{
+    return !isnan(statistics->t_first);
+}
+
 /** What becomes of an output in a row, at some times. */
 static void reduce_values(int row, int n, const double *values, double *reduced)
 {

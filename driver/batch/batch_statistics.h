@@ -56,6 +56,8 @@ void statistics_outputs(statistics *statistics, const output_block *block);
 void statistics_event(statistics *statistics, const event_record *record);
 /** Keep what was accumulated, but for what the simulation keeps: extremes and numbers. */
 void statistics_keep(statistics *statistics, archive *archive);
+/** Whether any output lay in the window. */
+bool statistics_has_outputs(const statistics *statistics);
 /** The numbers of the table; NaN where there was nothing to accumulate.
  *  @param result   of the simulation; if it did not come to its end, the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */

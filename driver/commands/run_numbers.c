@@ -26,13 +26,7 @@ void tell_numbers(const numbers *numbers, const model_names *names)
     OWNED double *values = xcalloc((size_t)number_rows_place(&pool, names, rows), sizeof *values);
     numbers_conclude(numbers, values);
     const number_span span = numbers_span(numbers);
-    char reason[DAE_MESSAGE_LENGTH];
-    numbers_explain(numbers, reason, sizeof reason);
-    if (reason[0] != '\0') {
-        log_warning("%s", reason);
-        return;
-    }
-    for (int m = 0; m < names->meshes.n; m++) {
+    for (int m = 0; m < names->meshes.n && span.periods > 0; m++) {
         const double first = values[rows[number_row(NUMBER_ERROR, TELLS_AMPLITUDE)].offset + m * NUMBER_HARMONICS];
         char impacts[64];
         write_impacts(impacts, sizeof impacts, of_mesh(rows, values, number_row_of_contact(NUMBER_IMPACTS), m),

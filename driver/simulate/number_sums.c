@@ -29,13 +29,19 @@ static bool follows(const number_sums *sums, int quantity)
            (quantity == NUMBER_FORCE && sums->taken[number_row_of_contact(NUMBER_DYNAMIC)]);
 }
 
-static void open_channels(number_sums *sums)
+/** A channel for each element of the quantities that are requested. */
+static void open_channels(number_sums *sums, memory_pool *pool)
 {
+    const model_names *names = &model_about(sums->model)->names;
+    int counts[N_NUMBER_QUANTITIES], n = 0;
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
-        const char *name = number_quantity(quantity);
-        const int value = follows(sums, quantity) ? step_nodes_want(&sums->nodes, name) : -1;
-        const int count = value < 0 ? 0 : model_output_named(sums->model, name)->count;
-        for (int i = 0; i < count; i++) {
+        counts[quantity] = follows(sums, quantity) ? number_quantity_elements(names, quantity) : 0;
+        n += counts[quantity];
+    }
+    sums->channels = pool_calloc(pool, (size_t)n, sizeof *sums->channels);
+    for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
+        const int value = counts[quantity] > 0 ? step_nodes_want(&sums->nodes, number_quantity(quantity)) : -1;
+        for (int i = 0; i < counts[quantity] && value >= 0; i++) {
             sums_channel *one = &sums->channels[sums->n_channels++];
             *one = (sums_channel){.row = number_row(quantity, (number_tells)0), .element = i, .value = value + i};
             number_channel_init(&one->sums);
@@ -54,12 +60,9 @@ void number_sums_init(number_sums *self, const model *model, const bool *taken, 
     for (int m = 0; m < self->n_meshes; m++) {
         number_waves_init(&self->waves[m]);
     }
-    self->channels =
-        pool_calloc(pool, 2 * (size_t)self->n_meshes + 3 * (size_t)names->wheels.n + (size_t)names->accelerometers.n,
-                    sizeof *self->channels);
     step_nodes_init(&self->nodes, model, pool);
     mesh_numbers_want(own, &self->nodes, &self->places);
-    open_channels(self);
+    open_channels(self, pool);
 }
 
 void number_sums_clear(number_sums *self)
@@ -139,7 +142,7 @@ static void conclude_channel(const number_sums *self, const sums_channel *one, c
     const bool is_force = one->row == number_row(NUMBER_FORCE, (number_tells)0);
     number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &told);
     told.low =
-        is_force ? fmax(told.low, 0) : told.low; /* flanks only push; the rest is rounding at the ends of steps */
+        is_force && told.low < 0 ? 0 : told.low; /* flanks only push; the rest is rounding at the ends of steps */
     const double numbers[] = {[TELLS_MEAN] = told.mean,   [TELLS_DEVIATION] = told.deviation,
                               [TELLS_RMS] = told.rms,     [TELLS_RANGE] = told.high - told.low,
                               [TELLS_HIGH] = told.high,   [TELLS_LOW] = told.low,

@@ -245,6 +245,15 @@ static void remark_positions(const positions_watch *positions, simulate_result *
     add_remark(text, result);
 }
 
+/** A run without a whole period in its window has no metrics: it did not deliver what the case requests. */
+static void check_window(const simulate_sink *sink, simulate_result *result)
+{
+    if (sink->numbers != NULL && result->end == SIMULATE_DONE) {
+        numbers_explain(sink->numbers, result->message, DAE_MESSAGE_LENGTH);
+        result->end = result->message[0] != '\0' ? SIMULATE_FAILED : SIMULATE_DONE;
+    }
+}
+
 integrate_options simulate_options(const prepared_case *prepared)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
@@ -306,6 +315,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
         remark_contact(&s, result);
         remark_growth(&result->counts.growth, result);
         remark_positions(&s.positions, result);
+        check_window(sink, result);
     } else {
         give_last(&s, &options, state);
     }

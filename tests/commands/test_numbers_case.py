@@ -61,14 +61,17 @@ def test_a_window_that_cannot_be_is_refused_at_its_place(
         ),
     ],
 )
-def test_a_window_without_a_whole_period_is_told_and_gives_no_numbers(
+def test_a_run_without_a_whole_period_in_its_window_fails_with_the_reason(
     evolvent: Evolvent, case: Path, tmp_path: Path, numbers: str, told: str
 ) -> None:
     result = evolvent("run", case, *SHORT, "--set", f"simulation.numbers={numbers}", "-o", "n.h5")
-    assert result.returncode == 0
-    assert told in result.stderr
-    assert "begin earlier, or run longer" in result.stderr
-    with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
+    assert result.returncode == 4
+    assert result.stderr.count(told) == 1
+    assert "begin earlier, or run longer; the history up to there is in 'n.h5." in result.stderr
+    assert not (tmp_path / "n.h5").exists()
+    with xr.open_dataset(tmp_path / "n.h5.partial", engine="h5netcdf") as history:
+        assert history.attrs["status"] == "failed"
+        assert told in history.attrs["status_message"]
         assert int(history["window_periods"]) == 0
         names = [name for name in history if str(name).startswith("window_")]
         assert len(names) > 40
@@ -94,7 +97,7 @@ def test_a_mesh_that_does_not_turn_is_told(evolvent: Evolvent, examples: Path) -
     settings = ("wheels.0.loads=[]", "simulation.duration=0.01", "simulation.numbers={}")
     words = [word for setting in settings for word in ("--set", setting)]
     result = evolvent("run", examples / "paper.yaml", *words, "-o", "n.h5")
-    assert result.returncode == 0, result.stderr
+    assert result.returncode == 4, result.stderr
     assert "start of contact to the next: it went 0 pitches in it" in result.stderr
 
 
@@ -159,7 +162,7 @@ def test_numbers_of_a_batch_are_those_of_the_history(
         )
 
 
-def test_a_batch_says_where_a_case_has_no_whole_period(
+def test_a_case_of_a_batch_without_a_whole_period_is_recorded_as_failed(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
     base = case.read_text().replace("duration: 50 ms", "duration: 2 ms")
@@ -167,9 +170,9 @@ def test_a_batch_says_where_a_case_has_no_whole_period(
     with h5py.File(design, "a") as file:
         file.attrs["numbers"] = "dynamic_factor"
     seal(design)
-    assert evolvent("batch", design, "-o", "r").returncode == 0
+    assert evolvent("batch", design, "-o", "r").returncode == 1
     row = read_journal(tmp_path / JOURNAL).cases[0]
-    assert row["dynamic_factor"] is None
+    assert (row["status"], row["exit"], row["dynamic_factor"]) == ("failed", 4, None)
     assert "holds no whole pitch of mesh 'pinion-gear'" in row["message"]
 
 
