@@ -231,8 +231,18 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
     statistics_finish(sink->statistics, result, results);
     OWNED char *invariants = result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
-    const char *separator = result->remark[0] != '\0' && invariants[0] != '\0' ? "; " : "";
-    OWNED char *remark = xasprintf("%s%s%s", result->remark, separator, invariants);
+    const numbers *numbers = statistics_numbers(sink->statistics);
+    const char *unsettled = numbers == NULL ? "" : numbers_settled(numbers)->reason;
+    OWNED char *window = unsettled[0] == '\0' ? xstrdup("") : xasprintf("the window may not be settled: %s", unsettled);
+    const char *const all[] = {result->remark, window, invariants};
+    const char *told[3];
+    int n_told = 0;
+    for (int i = 0; i < 3; i++) {
+        if (all[i][0] != '\0') {
+            told[n_told++] = all[i];
+        }
+    }
+    OWNED char *remark = words_join(n_told, told, "; ");
     OWNED char *message =
         is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
     batch_row_write(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);

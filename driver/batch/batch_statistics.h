@@ -26,6 +26,7 @@ typedef struct {
     bool *taken;                /**< [N_NUMBER_ROWS] numbers over whole periods; a scalar of that name is this number */
     int n_numbers;              /**< 0: none */
     statistics_number *numbers; /**< [n_numbers] */
+    int settled;                /**< scalar that says whether the window is settled; -1: none, without numbers */
 } statistics_table;
 
 /** The table for cases with these meshes, wheels and accelerometers. With several meshes each has its own numbers: NAME_MESH; those of

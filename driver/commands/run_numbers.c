@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static double of_mesh(const model_output *rows, const double *values, int row, int mesh)
@@ -16,6 +17,18 @@ static void write_impacts(char *text, size_t size, double impacts, double speed)
     text[0] = '\0';
     if (impacts > 0) {
         snprintf(text, size, ", %.0f impact%s at up to %.3g mm/s", impacts, impacts > 1 ? "s" : "", 1e3 * speed);
+    }
+}
+
+/** Whether the window holds the settled motion. */
+static void tell_settled(const number_settled *settled, const number_span *span)
+{
+    if (settled->is_settled > 0) {
+        log_note("the motion has settled before the window from %.6g to %.6g s", span->from, span->to);
+    } else if (settled->reason[0] != '\0') {
+        const bool is_unknown = isnan(settled->is_settled);
+        (is_unknown ? log_note : log_warning)("the window from %.6g to %.6g s %s: %s", span->from, span->to,
+                                              is_unknown ? "may not be settled" : "is not settled", settled->reason);
     }
 }
 
@@ -40,4 +53,5 @@ void tell_numbers(const numbers *numbers, const model_names *names)
             1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_RANGE), m), 1e6 * first,
             100 * of_mesh(rows, values, number_row_of_contact(NUMBER_NO_CONTACT), m), impacts);
     }
+    tell_settled(numbers_settled(numbers), &span);
 }

@@ -140,12 +140,6 @@ static void add_sums(channel_sums *sums, const channel_sums *more)
     sums->low = fmin(sums->low, more->low);
 }
 
-void number_channel_complete(number_channel *channel)
-{
-    add_sums(&channel->total, &channel->period);
-    channel->period = nothing;
-}
-
 static double sum_of(const double of_nodes[STEP_NODES_MOST])
 {
     double sum = 0;
@@ -153,6 +147,14 @@ static double sum_of(const double of_nodes[STEP_NODES_MOST])
         sum += of_nodes[k];
     }
     return sum;
+}
+
+double number_channel_complete(number_channel *channel)
+{
+    const double integral = sum_of(channel->period.power[0]);
+    add_sums(&channel->total, &channel->period);
+    channel->period = nothing;
+    return integral;
 }
 
 void number_channel_conclude(const number_channel *channel, double time, double pitches, channel_numbers *numbers)

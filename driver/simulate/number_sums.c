@@ -38,6 +38,9 @@ static void open_channels(number_sums *sums, memory_pool *pool)
         counts[quantity] = follows(sums, quantity) ? number_quantity_elements(names, quantity) : 0;
         n += counts[quantity];
     }
+    if (n == 0) { /* whether the motion has settled is judged by a quantity */
+        n = counts[NUMBER_ERROR] = names->meshes.n;
+    }
     sums->channels = pool_calloc(pool, (size_t)n, sizeof *sums->channels);
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
         const int value = counts[quantity] > 0 ? step_nodes_want(&sums->nodes, number_quantity(quantity)) : -1;
@@ -63,6 +66,7 @@ void number_sums_init(number_sums *self, const model *model, const bool *taken, 
     step_nodes_init(&self->nodes, model, pool);
     mesh_numbers_want(own, &self->nodes, &self->places);
     open_channels(self, pool);
+    number_blocks_init(&self->blocks, self->n_channels, pool);
 }
 
 void number_sums_clear(number_sums *self)
@@ -79,6 +83,7 @@ void number_sums_keep(number_sums *self, archive *archive)
         KEEP(archive, one->sums);
     }
     KEEP_ARRAY(archive, self->waves, self->n_meshes);
+    number_blocks_keep(&self->blocks, archive);
 }
 
 /** The mesh whose pitches the harmonics of a wheel are of: the window's, `preferred`, if it is one of its, else its first. */
@@ -127,12 +132,24 @@ void number_sums_add(number_sums *self)
 
 void number_sums_complete(number_sums *self)
 {
+    number_blocks_period(&self->blocks, self->meshes[0].period.time);
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_numbers_complete(&self->meshes[m]);
     }
     for (int i = 0; i < self->n_channels; i++) {
-        number_channel_complete(&self->channels[i].sums);
+        number_blocks_add(&self->blocks, i, number_channel_complete(&self->channels[i].sums));
     }
+}
+
+void number_sums_followed(const number_sums *self, int channel, number_followed *followed)
+{
+    const sums_channel *one = &self->channels[channel];
+    const mesh_sums *mesh = &self->meshes[one->mesh].total;
+    *followed = (number_followed){.quantity = one->row / N_TELLS, .element = one->element};
+    number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &followed->numbers);
+    followed->has_halves = number_blocks_halves(&self->blocks, channel, &followed->halves);
+    followed->halves.first += one->sums.shift;
+    followed->halves.second += one->sums.shift;
 }
 
 static void conclude_channel(const number_sums *self, const sums_channel *one, const int *offsets, double *values)

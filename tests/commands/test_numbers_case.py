@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 
 from designs import read_journal, seal, write_design
 
@@ -127,7 +128,7 @@ def test_a_batch_tells_the_numbers_that_its_design_names(
     every = rows_of(evolvent, folders[2], case, "all")
     harmonics = [f"normal_force_amplitude_{n}" for n in range(1, 11)]
     new = [name for name in some[0] if name not in usual[0]]
-    assert sorted(new) == sorted([*harmonics, "dynamic_factor"])
+    assert sorted(new) == sorted([*harmonics, "dynamic_factor", "window_settled"])
     for i in range(2):
         for name in usual[i]:
             if name not in ("at", "check", "cpu_time"):
@@ -158,7 +159,7 @@ def test_numbers_of_a_batch_are_those_of_the_history(
             len([key for key in rows[1] if key.startswith(str(name).removeprefix("window_"))])
             for name in history
             if str(name).startswith("window_")
-            and str(name) not in ("window_begin", "window_end", "window_periods")
+            and str(name) not in ("window_begin", "window_end", "window_periods", "window_settled")
         )
 
 
@@ -174,6 +175,49 @@ def test_a_case_of_a_batch_without_a_whole_period_is_recorded_as_failed(
     row = read_journal(tmp_path / JOURNAL).cases[0]
     assert (row["status"], row["exit"], row["dynamic_factor"]) == ("failed", 4, None)
     assert "holds no whole pitch of mesh 'pinion-gear'" in row["message"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "settled"),
+    [
+        ({}, 1.0),
+        ({"simulation.initial.kind": "rest"}, 0.0),
+        ({"meshes.0.contact.law": "rigid", "meshes.0.damping.law": "none"}, None),
+    ],
+    ids=["settled", "unsettled", "missing"],
+)
+def test_a_row_says_whether_the_window_is_settled_as_the_history_does(
+    evolvent: Evolvent, case: Path, tmp_path: Path, settings: dict[str, str], settled: float | None
+) -> None:
+    shorter = yaml.safe_load(case.read_text())
+    shorter["simulation"] |= {"duration": 0.02, "numbers": {"from": 4e-3}}
+    for path, value in settings.items():
+        *folders, key = path.split(".")
+        at = shorter
+        for folder in folders:
+            at = at[int(folder)] if isinstance(at, list) else at[folder]
+        if key == "law":
+            at.clear()
+        at[key] = value
+    base = tmp_path / "base.yaml"
+    base.write_text(yaml.safe_dump(shorter))
+    column = {"wheels.pinion.loads.0.value": [-50.0]}
+    design = write_design(tmp_path / "d.h5", column, base.read_text(), window=(4e-3, 0.02))
+    with h5py.File(design, "a") as file:
+        file.attrs["numbers"] = "all"
+    seal(design)
+    done = evolvent("batch", design, "-o", "r")
+    assert done.returncode == 0, done.stderr
+    row = read_journal(tmp_path / JOURNAL).cases[0]
+    assert row["window_settled"] == settled
+    assert evolvent("run", base, "-o", "n.h5").returncode == 0
+    with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
+        told = float(history["window_settled"])
+        assert (None if np.isnan(told) else told) == settled
+        reason = history.attrs["window_settled_reason"]
+    assert (reason == "") == (settled == 1)
+    assert reason in row["message"]
+    assert ("the window may not be settled" in row["message"]) == (settled != 1)
 
 
 def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
