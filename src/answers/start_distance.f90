@@ -1,8 +1,8 @@
 !> Distance of a start from the steady motion, in natural modes of the mean stiffness.
 !>
-!> Near the steady motion x' = A (x - x_s(t)), where A is the mean of the linearised gearbox over one pitch of the first mesh and x_s the
-!> static equilibrium at the present position of the meshes, with the mean speeds. In the modes A v_k = lambda_k v_k of the mean the
-!> harmonic n of x_s, of amplitude z_n in mode k, has the response z_n H_n, H_n = -lambda_k/(i n Omega - lambda_k). The motion is this
+!> Near the steady motion x' = A (x - x_s(t)), where A is the mean of the linearised gearbox over one pitch of the first mesh and x_s
+!> the static equilibrium at the present position of the meshes, with the mean speeds. In the modes A v_k = lambda_k v_k of the mean
+!> the harmonic n of x_s, of amplitude z_n in mode k, has the response z_n H_n, H_n = -lambda_k/(i n Omega - lambda_k). The motion is this
 !> response and sum a_k v_k exp(lambda_k t), which decays: a_k is the start less the mean less the response at the start.
 !> Rigid-body modes, whose eigenvalue is 0, take no part.
 module evl_start_distance

@@ -99,10 +99,10 @@ def finiteness(run: Recording) -> Deviation:
 
     What only tracked points have is missing on purpose where none are tracked, position,
     penetration and sliding velocity of a tooth pair off the path of contact, its pressure on a
-    hollow flank, the efficiency of a mesh without power, gap and force of coast flanks of a mesh that has
-    none, what only real gears have, the vibration of a mesh whose contact is rigid, that has no
-    load or whose wheels both have prescribed speeds, and numbers over whole periods that do not
-    apply, as the crest factor of an axle that rests.
+    hollow flank, the efficiency of a mesh without power, gap and force of coast flanks of a mesh
+    that has none, what only real gears have, the vibration of a mesh whose contact is rigid, that
+    has no load or whose wheels both have prescribed speeds, and numbers over whole periods that do
+    not apply, as the crest factor of an axle that rests.
     """
     shares: dict[str, float] = {}
     for name, variable in run.variables.items():
