@@ -11,7 +11,7 @@ static const double two_pi = 6.283185307179586;
 static const double of_mean =
     0.01; /* of the root mean square: what may be left in a mean, and between the halves' means */
 static const double of_range = 0.05; /* of the peak to peak: what may be left of the transient */
-static const double least = 1e-4;    /* of the root mean square: less is left out of account */
+static const double least = 1e-4;    /* of the quantity's largest root mean square: less does not count */
 static const double of_start = 1e-6; /* of the start's distance: less is rounding */
 static const double undamped = 1e-6; /* damping ratio below which a mode does not decay */
 static const double of_scatter = 2;  /* standard deviations between blocks by which the halves' means may differ */
@@ -47,8 +47,9 @@ static void note(worst_case *worst, double left, double allowed, bool is_of_mean
     }
 }
 
-/** What is left of the start's distance in a quantity. */
-static void judge_start(const judgement *j, const number_followed *of, worst_case *worst)
+/** What is left of the start's distance in a quantity.
+ *  @param size  largest root mean square of the quantity, of all wheels or meshes */
+static void judge_start(const judgement *j, const number_followed *of, double size, worst_case *worst)
 {
     const model_output *output = model_output_named(j->sums->model, number_quantity(of->quantity));
     const channel_numbers *numbers = &of->numbers;
@@ -67,18 +68,17 @@ static void judge_start(const judgement *j, const number_followed *of, worst_cas
             largest[i] = fmax(largest[i], parts[i]);
         }
     }
-    const double floor = fmax(least * numbers->rms, of_start * begun), range = numbers->high - numbers->low;
+    const double floor = fmax(least * size, of_start * begun), range = numbers->high - numbers->low;
     note(worst, left, fmax(of_range * range, floor), false, of, most[0], range);
     note(worst, in_mean, fmax(of_mean * numbers->rms, floor), true, of, most[1], numbers->rms);
 }
 
-/** The means of both halves. @param size  largest root mean square of the quantity */
+/** The means of both halves. @param size  as above */
 static void judge_halves(const number_followed *of, double size, worst_case *worst)
 {
-    static const double rounding = 1e-9;
     const double apart = fabs(of->halves.second - of->halves.first), rms = of->numbers.rms;
-    if (of->has_halves && apart > of_scatter * of->halves.scatter && rms > rounding * size) {
-        note(worst, apart, of_mean * rms, true, of, NULL, rms);
+    if (of->has_halves && apart > of_scatter * of->halves.scatter) {
+        note(worst, apart, fmax(of_mean * rms, least * size), true, of, NULL, rms);
     }
 }
 
@@ -144,7 +144,7 @@ void settled_judge(const number_sums *sums, const dae_state *start, bool starts_
     }
     for (int i = 0; i < sums->n_channels; i++) {
         number_sums_followed(sums, i, &of);
-        judge_start(&j, &of, &worst);
+        judge_start(&j, &of, sizes[of.quantity], &worst);
         judge_halves(&of, sizes[of.quantity], &worst);
     }
     *settled = (number_settled){.is_settled = has_modes ? 1 : NAN};

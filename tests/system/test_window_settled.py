@@ -103,14 +103,14 @@ def farthest(one: Run, other: Run) -> float:
             }
             for run in (one, other)
         )
-        moves = b["rms"] > 1e-9 * b["rms"].max()
+        least = 1e-4 * b["rms"].max()
         allowed = {
             "mean": OF_MEAN * b["rms"],
             "rms": OF_MEAN * b["rms"],
             "peak_to_peak": OF_RANGE * b["peak_to_peak"],
         }
         for what, most in allowed.items():
-            worst = max(worst, *(abs(a[what] - b[what])[moves] / most[moves]))
+            worst = max(worst, *(abs(a[what] - b[what]) / np.maximum(most, least)))
     return worst
 
 
