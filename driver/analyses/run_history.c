@@ -222,13 +222,15 @@ static bool put_numbers(const run_history *self, evl_error *error)
         rows[i].name = pool_printf(&pool, "window_%s", rows[i].name);
     }
     const number_span span = numbers_span(self->numbers);
-    const double of_span[] = {span.from, span.to, (double)span.periods};
+    const double of_span[] = {span.from, span.to, (double)span.periods, numbers_settled(self->numbers)->is_settled};
     const model_output rows_of_span[] = {
         {"window_begin", "s", "", "where the first whole period of the numbers begins", "", true, false, 0, 1},
         {"window_end", "s", "", "where the last one ends", "", true, false, 1, 1},
         {"window_periods", "1", "", "whole periods of the numbers", "", true, true, 2, 1},
+        {"window_settled", "1", "", "1 if the motion had settled before the window, 0 if not; NaN: not known", "", true,
+         false, 3, 1},
     };
-    return history_put_finals(self->history, 3, rows_of_span, of_span, error) &&
+    return history_put_finals(self->history, 4, rows_of_span, of_span, error) &&
            history_put_finals(self->history, N_NUMBER_ROWS, rows, values, error);
 }
 
@@ -260,7 +262,8 @@ bool run_history_close(run_history *self, const char *who, const simulate_result
     const char *status = tell_end(result, who, message);
     const integrate_counts *counts = &result->counts;
     const bool by_stepper = simulate_options(self->prepared).by_stepper;
-    const history_attribute attributes[] = {
+    enum { MOST_ATTRIBUTES = 14 };
+    history_attribute attributes[MOST_ATTRIBUTES] = {
         {"status", .text = status},
         {"status_message", .text = message},
         {"invariants", .text = result->invariants},
@@ -274,9 +277,14 @@ bool run_history_close(run_history *self, const char *who, const simulate_result
         by_stepper ? (history_attribute){"integrator_rejections", .integer = counts->rejections}
                    : (history_attribute){"integrator_error_test_failures", .integer = counts->error_test_failures},
         {"integrator_convergence_failures", .integer = counts->convergence_failures},
-        {"checkpoints", .text = checkpoints},
     };
-    const int n = (int)(sizeof attributes / sizeof *attributes) - (by_stepper ? 2 : checkpoints[0] != '\0' ? 0 : 1);
+    int n = by_stepper ? 11 : 12;
+    if (!by_stepper && checkpoints[0] != '\0') {
+        attributes[n++] = (history_attribute){"checkpoints", .text = checkpoints};
+    }
+    if (self->numbers != NULL) {
+        attributes[n++] = (history_attribute){"window_settled_reason", .text = numbers_settled(self->numbers)->reason};
+    }
     return history_close(&self->history, result->end == SIMULATE_DONE, n, attributes, error);
 }
 

@@ -213,6 +213,16 @@ static char *remarks(const prepared_case *prepared, const char *remark)
     return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 
+/** A case whose outputs go by position may have none in its window: it failed. */
+static void check_window(const batch_sink *sink, simulate_result *result)
+{
+    if (result->end == SIMULATE_DONE && !statistics_has_outputs(sink->statistics)) {
+        result->end = SIMULATE_FAILED;
+        (void)snprintf(result->message, sizeof result->message,
+                       "the window holds no output; begin it earlier, or run longer");
+    }
+}
+
 static void conclude(const batch_sink *sink, const prepared_case *prepared, long index, const simulate_result *result,
                      batch_row *row)
 {
@@ -220,12 +230,11 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     const bool is_done = result->end == SIMULATE_DONE;
     OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
     statistics_finish(sink->statistics, result, results);
-    char no_numbers[DAE_MESSAGE_LENGTH] = "";
-    if (statistics_numbers(sink->statistics) != NULL) {
-        numbers_explain(statistics_numbers(sink->statistics), no_numbers, sizeof no_numbers);
-    }
     OWNED char *invariants = result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
-    const char *const all[] = {result->remark, no_numbers, invariants};
+    const numbers *numbers = statistics_numbers(sink->statistics);
+    const char *unsettled = numbers == NULL ? "" : numbers_settled(numbers)->reason;
+    OWNED char *window = unsettled[0] == '\0' ? xstrdup("") : xasprintf("the window may not be settled: %s", unsettled);
+    const char *const all[] = {result->remark, window, invariants};
     const char *told[3];
     int n_told = 0;
     for (int i = 0; i < 3; i++) {
@@ -309,6 +318,7 @@ static bool simulate_prepared(batch_keeper *keeper, const batch_start *start, ba
     simulate_to(&sink, keeper->prepared, start, &result);
     bool good = result.end != SIMULATE_SINK_FAILED;
     if (good && result.end != SIMULATE_INTERRUPTED) {
+        check_window(&sink, &result);
         conclude(&sink, keeper->prepared, keeper->index, &result, row);
         row->has_checkpoints = keeper->has_some;
         good = sink.history == NULL ||

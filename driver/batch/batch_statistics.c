@@ -124,7 +124,7 @@ static void add_numbers(statistics_table *table)
 static const char *begin_table(statistics_table *table, const model_names *names, int n_words, const char *const *words,
                                int more)
 {
-    *table = (statistics_table){.names = *names, .n_meshes = names->meshes.n};
+    *table = (statistics_table){.names = *names, .n_meshes = names->meshes.n, .settled = -1};
     model_output rows[N_NUMBER_ROWS];
     const int most = number_rows_place(&table->pool, names, rows);
     table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
@@ -145,7 +145,7 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
                                   const char *const *words)
 {
     const int n_kinds = model_tables()->n_event_kinds, n_meshes = names->meshes.n;
-    const char *unknown = begin_table(table, names, n_words, words, n_meshes * N_OF_MESH + N_OF_CASE + n_kinds);
+    const char *unknown = begin_table(table, names, n_words, words, n_meshes * N_OF_MESH + N_OF_CASE + n_kinds + 1);
     for (int i = 0; i < n_meshes * N_OF_MESH; i++) {
         const int mesh = i / N_OF_MESH, row = i % N_OF_MESH;
         const char *of = n_meshes == 1 ? NULL : names->meshes.names[mesh], *text = of_mesh[row].long_name;
@@ -161,6 +161,10 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
             pool_printf(&table->pool, "number of events %s", name));
     }
     add_numbers(table);
+    table->settled = table->n_numbers > 0 ? table->n : -1;
+    if (table->settled >= 0) {
+        add(table, "window_settled", "1", "1 if the motion had settled before the window, 0 if not; NaN: not known");
+    }
     return unknown;
 }
 
@@ -243,6 +247,11 @@ extremes *statistics_extremes(const statistics *statistics)
 numbers *statistics_numbers(const statistics *statistics)
 {
     return statistics->numbers;
+}
+
+bool statistics_has_outputs(const statistics *statistics)
+{
+    return !isnan(statistics->t_first);
 }
 
 /** What becomes of an output in a row, at some times. */
@@ -375,6 +384,7 @@ static void put_numbers(const statistics *statistics, double *results)
     for (int i = 0; i < table->n_numbers; i++) {
         results[table->numbers[i].scalar] = values[table->numbers[i].place];
     }
+    results[table->settled] = numbers_settled(statistics->numbers)->is_settled;
 }
 
 void statistics_finish(const statistics *statistics, const simulate_result *result, double *results)

@@ -26,6 +26,7 @@ typedef struct {
     bool *taken;                /**< [N_NUMBER_ROWS] numbers over whole periods; a scalar of that name is this number */
     int n_numbers;              /**< 0: none */
     statistics_number *numbers; /**< [n_numbers] */
+    int settled;                /**< scalar that says whether the window is settled; -1: none, without numbers */
 } statistics_table;
 
 /** The table for cases with these meshes, wheels and accelerometers. With several meshes each has its own numbers: NAME_MESH; those of
@@ -56,6 +57,8 @@ void statistics_outputs(statistics *statistics, const output_block *block);
 void statistics_event(statistics *statistics, const event_record *record);
 /** Keep what was accumulated, but for what the simulation keeps: extremes and numbers. */
 void statistics_keep(statistics *statistics, archive *archive);
+/** Whether any output lay in the window. */
+bool statistics_has_outputs(const statistics *statistics);
 /** The numbers of the table; NaN where there was nothing to accumulate.
  *  @param result   of the simulation; if it did not come to its end, the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */

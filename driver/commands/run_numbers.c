@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static double of_mesh(const model_output *rows, const double *values, int row, int mesh)
@@ -19,6 +20,18 @@ static void write_impacts(char *text, size_t size, double impacts, double speed)
     }
 }
 
+/** Whether the window holds the settled motion. */
+static void tell_settled(const number_settled *settled, const number_span *span)
+{
+    if (settled->is_settled > 0) {
+        log_note("the motion has settled before the window from %.6g to %.6g s", span->from, span->to);
+    } else if (settled->reason[0] != '\0') {
+        const bool is_unknown = isnan(settled->is_settled);
+        (is_unknown ? log_note : log_warning)("the window from %.6g to %.6g s %s: %s", span->from, span->to,
+                                              is_unknown ? "may not be settled" : "is not settled", settled->reason);
+    }
+}
+
 void tell_numbers(const numbers *numbers, const model_names *names)
 {
     POOLED memory_pool pool = {NULL};
@@ -26,13 +39,7 @@ void tell_numbers(const numbers *numbers, const model_names *names)
     OWNED double *values = xcalloc((size_t)number_rows_place(&pool, names, rows), sizeof *values);
     numbers_conclude(numbers, values);
     const number_span span = numbers_span(numbers);
-    char reason[DAE_MESSAGE_LENGTH];
-    numbers_explain(numbers, reason, sizeof reason);
-    if (reason[0] != '\0') {
-        log_warning("%s", reason);
-        return;
-    }
-    for (int m = 0; m < names->meshes.n; m++) {
+    for (int m = 0; m < names->meshes.n && span.periods > 0; m++) {
         const double first = values[rows[number_row(NUMBER_ERROR, TELLS_AMPLITUDE)].offset + m * NUMBER_HARMONICS];
         char impacts[64];
         write_impacts(impacts, sizeof impacts, of_mesh(rows, values, number_row_of_contact(NUMBER_IMPACTS), m),
@@ -46,4 +53,5 @@ void tell_numbers(const numbers *numbers, const model_names *names)
             1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_RANGE), m), 1e6 * first,
             100 * of_mesh(rows, values, number_row_of_contact(NUMBER_NO_CONTACT), m), impacts);
     }
+    tell_settled(numbers_settled(numbers), &span);
 }

@@ -87,7 +87,7 @@ static void add_coast(mesh_sums *sums, const step_nodes *nodes, const double *fo
 {
     double time = 0;
     for (int k = 0; k < nodes->n; k++) {
-        time += force[k] > 0 ? nodes->weight[k] : 0;
+        time += isnan(force[k]) ? NAN : force[k] > 0 ? nodes->weight[k] : 0; /* NaN: it has no coast flanks */
     }
     sums->shares[NUMBER_COAST] += time;
 }
@@ -171,11 +171,9 @@ void mesh_numbers_conclude(const mesh_numbers *mesh, int m, const mesh_places *p
 {
     const mesh_sums *sums = &mesh->total;
     for (int i = 0; i <= NUMBER_COAST; i++) {
-        const bool is_known = is_asked(places, i == NUMBER_COAST ? AT_COAST : AT_PAIRS);
-        put(offsets, values, (number_of_contact)i, m,
-            is_known            ? sums->shares[i] / sums->time
-            : i == NUMBER_COAST ? 0
-                                : NAN);
+        if (is_asked(places, i == NUMBER_COAST ? AT_COAST : AT_PAIRS)) {
+            put(offsets, values, (number_of_contact)i, m, sums->shares[i] / sums->time);
+        }
     }
     if (is_asked(places, AT_PAIR_FORCE)) {
         put(offsets, values, NUMBER_PAIR_FORCE, m, sums->pair_force);
@@ -188,9 +186,10 @@ void mesh_numbers_conclude(const mesh_numbers *mesh, int m, const mesh_places *p
     }
     put(offsets, values, NUMBER_IMPACTS, m, (double)sums->impacts);
     put(offsets, values, NUMBER_IMPACT_SPEED, m, sums->impact_speed);
-    put(offsets, values, NUMBER_IMPACT_ENERGY, m, sums->impact_energy);
+    const double impact_energy = isnan(mesh->mass) ? NAN : sums->impact_energy;
+    put(offsets, values, NUMBER_IMPACT_ENERGY, m, impact_energy);
     if (is_asked(places, AT_TORQUE)) {
         put(offsets, values, NUMBER_ENERGY, m, sums->energy);
-        put(offsets, values, NUMBER_RATTLE, m, sums->energy > 0 ? sums->impact_energy / sums->energy : NAN);
+        put(offsets, values, NUMBER_RATTLE, m, sums->energy > 0 ? impact_energy / sums->energy : NAN);
     }
 }

@@ -140,12 +140,6 @@ static void add_sums(channel_sums *sums, const channel_sums *more)
     sums->low = fmin(sums->low, more->low);
 }
 
-void number_channel_complete(number_channel *channel)
-{
-    add_sums(&channel->total, &channel->period);
-    channel->period = nothing;
-}
-
 static double sum_of(const double of_nodes[STEP_NODES_MOST])
 {
     double sum = 0;
@@ -153,6 +147,14 @@ static double sum_of(const double of_nodes[STEP_NODES_MOST])
         sum += of_nodes[k];
     }
     return sum;
+}
+
+double number_channel_complete(number_channel *channel)
+{
+    const double integral = sum_of(channel->period.power[0]);
+    add_sums(&channel->total, &channel->period);
+    channel->period = nothing;
+    return integral;
 }
 
 void number_channel_conclude(const number_channel *channel, double time, double pitches, channel_numbers *numbers)
@@ -164,12 +166,13 @@ void number_channel_conclude(const number_channel *channel, double time, double 
     }
     const double variance = fmax(m[1] - m[0] * m[0], 0), mean = channel->shift + m[0];
     const double fourth = m[3] - 4 * m[0] * m[2] + 6 * m[0] * m[0] * m[1] - 3 * m[0] * m[0] * m[0] * m[0];
+    const bool has_values = sums->high >= sums->low; /* of a quantity that is NaN there are none */
     const double furthest = fmax(sums->high - mean, mean - sums->low);
     *numbers = (channel_numbers){.mean = mean,
                                  .deviation = sqrt(variance),
                                  .rms = sqrt(variance + mean * mean),
-                                 .high = sums->high,
-                                 .low = sums->low,
+                                 .high = has_values ? sums->high : NAN,
+                                 .low = has_values ? sums->low : NAN,
                                  .crest = variance > 0 ? furthest / sqrt(variance) : NAN,
                                  .kurtosis = variance > 0 ? fourth / (variance * variance) : NAN};
     for (int n = 0; n < NUMBER_HARMONICS; n++) {

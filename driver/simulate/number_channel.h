@@ -47,6 +47,7 @@ typedef struct {
 void number_channel_init(number_channel *channel);
 /** @param x  at the nodes [nodes->n] */
 void number_channel_add(number_channel *channel, const step_nodes *nodes, const number_waves *waves, const double *x);
-void number_channel_complete(number_channel *channel);
+/** @return the integral over time of x - shift over the period */
+double number_channel_complete(number_channel *channel);
 /** @param time, pitches  length of the complete periods */
 void number_channel_conclude(const number_channel *channel, double time, double pitches, channel_numbers *numbers);

@@ -76,12 +76,17 @@ static bool is_harmonic(int k)
     return k == TELLS_AMPLITUDE || k == TELLS_PHASE;
 }
 
+int number_quantity_elements(const model_names *names, int quantity)
+{
+    const char *dims = quantities[quantity].dims;
+    return elements_of(dims, names)->n * (words_contain(dims, "axis") ? 2 : 1);
+}
+
 int number_rows_offsets(const model_names *names, int offsets[N_NUMBER_ROWS])
 {
     int n = 0;
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
-        const char *dims = quantities[quantity].dims;
-        const int count = elements_of(dims, names)->n * (words_contain(dims, "axis") ? 2 : 1);
+        const int count = number_quantity_elements(names, quantity);
         for (int k = 0; k < N_TELLS; k++) {
             offsets[number_row(quantity, (number_tells)k)] = n;
             n += count * (is_harmonic(k) ? NUMBER_HARMONICS : 1);

@@ -54,6 +54,8 @@ static inline int number_row_of_contact(number_of_contact what)
 
 /** The output that a quantity is. */
 const char *number_quantity(int quantity);
+/** Number of elements of a quantity: of each wheel, mesh or accelerometer one, or one an axis. */
+int number_quantity_elements(const model_names *names, int quantity);
 /** Where the first value of each row stands. @return values of all */
 int number_rows_offsets(const model_names *names, int offsets[N_NUMBER_ROWS]);
 /** The rows for what has these names, with places in an array of all numbers. Texts are in the pool.

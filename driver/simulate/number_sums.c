@@ -29,13 +29,22 @@ static bool follows(const number_sums *sums, int quantity)
            (quantity == NUMBER_FORCE && sums->taken[number_row_of_contact(NUMBER_DYNAMIC)]);
 }
 
-static void open_channels(number_sums *sums)
+/** A channel for each element of the quantities that are requested. */
+static void open_channels(number_sums *sums, memory_pool *pool)
 {
+    const model_names *names = &model_about(sums->model)->names;
+    int counts[N_NUMBER_QUANTITIES], n = 0;
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
-        const char *name = number_quantity(quantity);
-        const int value = follows(sums, quantity) ? step_nodes_want(&sums->nodes, name) : -1;
-        const int count = value < 0 ? 0 : model_output_named(sums->model, name)->count;
-        for (int i = 0; i < count; i++) {
+        counts[quantity] = follows(sums, quantity) ? number_quantity_elements(names, quantity) : 0;
+        n += counts[quantity];
+    }
+    if (n == 0) { /* whether the motion has settled is judged by a quantity */
+        n = counts[NUMBER_ERROR] = names->meshes.n;
+    }
+    sums->channels = pool_calloc(pool, (size_t)n, sizeof *sums->channels);
+    for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
+        const int value = counts[quantity] > 0 ? step_nodes_want(&sums->nodes, number_quantity(quantity)) : -1;
+        for (int i = 0; i < counts[quantity] && value >= 0; i++) {
             sums_channel *one = &sums->channels[sums->n_channels++];
             *one = (sums_channel){.row = number_row(quantity, (number_tells)0), .element = i, .value = value + i};
             number_channel_init(&one->sums);
@@ -54,12 +63,10 @@ void number_sums_init(number_sums *self, const model *model, const bool *taken, 
     for (int m = 0; m < self->n_meshes; m++) {
         number_waves_init(&self->waves[m]);
     }
-    self->channels =
-        pool_calloc(pool, 2 * (size_t)self->n_meshes + 3 * (size_t)names->wheels.n + (size_t)names->accelerometers.n,
-                    sizeof *self->channels);
     step_nodes_init(&self->nodes, model, pool);
     mesh_numbers_want(own, &self->nodes, &self->places);
-    open_channels(self);
+    open_channels(self, pool);
+    number_blocks_init(&self->blocks, self->n_channels, pool);
 }
 
 void number_sums_clear(number_sums *self)
@@ -76,6 +83,7 @@ void number_sums_keep(number_sums *self, archive *archive)
         KEEP(archive, one->sums);
     }
     KEEP_ARRAY(archive, self->waves, self->n_meshes);
+    number_blocks_keep(&self->blocks, archive);
 }
 
 /** The mesh whose pitches the harmonics of a wheel are of: the window's, `preferred`, if it is one of its, else its first. */
@@ -124,12 +132,24 @@ void number_sums_add(number_sums *self)
 
 void number_sums_complete(number_sums *self)
 {
+    number_blocks_period(&self->blocks, self->meshes[0].period.time);
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_numbers_complete(&self->meshes[m]);
     }
     for (int i = 0; i < self->n_channels; i++) {
-        number_channel_complete(&self->channels[i].sums);
+        number_blocks_add(&self->blocks, i, number_channel_complete(&self->channels[i].sums));
     }
+}
+
+void number_sums_followed(const number_sums *self, int channel, number_followed *followed)
+{
+    const sums_channel *one = &self->channels[channel];
+    const mesh_sums *mesh = &self->meshes[one->mesh].total;
+    *followed = (number_followed){.quantity = one->row / N_TELLS, .element = one->element};
+    number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &followed->numbers);
+    followed->has_halves = number_blocks_halves(&self->blocks, channel, &followed->halves);
+    followed->halves.first += one->sums.shift;
+    followed->halves.second += one->sums.shift;
 }
 
 static void conclude_channel(const number_sums *self, const sums_channel *one, const int *offsets, double *values)
@@ -139,7 +159,7 @@ static void conclude_channel(const number_sums *self, const sums_channel *one, c
     const bool is_force = one->row == number_row(NUMBER_FORCE, (number_tells)0);
     number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &told);
     told.low =
-        is_force ? fmax(told.low, 0) : told.low; /* flanks only push; the rest is rounding at the ends of steps */
+        is_force && told.low < 0 ? 0 : told.low; /* flanks only push; the rest is rounding at the ends of steps */
     const double numbers[] = {[TELLS_MEAN] = told.mean,   [TELLS_DEVIATION] = told.deviation,
                               [TELLS_RMS] = told.rms,     [TELLS_RANGE] = told.high - told.low,
                               [TELLS_HIGH] = told.high,   [TELLS_LOW] = told.low,

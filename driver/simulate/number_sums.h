@@ -2,6 +2,7 @@
 #pragma once
 
 #include "simulate/mesh_numbers.h"
+#include "simulate/number_blocks.h"
 
 /** One element of an output. */
 typedef struct sums_channel sums_channel;
@@ -12,8 +13,9 @@ typedef struct {
     int n_meshes, n_channels, n_pairs;
     mesh_numbers *meshes;
     sums_channel *channels;
-    number_waves *waves; /**< [n_meshes] */
-    step_nodes nodes;    /**< of the part of a step that is looked at */
+    number_blocks blocks; /**< of the channels */
+    number_waves *waves;  /**< [n_meshes] */
+    step_nodes nodes;     /**< of the part of a step that is looked at */
     mesh_places places;
 } number_sums;
 
@@ -29,5 +31,13 @@ void number_sums_begin(number_sums *sums, const double *values, int preferred);
 void number_sums_add(number_sums *sums);
 /** The present period is complete: it counts. */
 void number_sums_complete(number_sums *sums);
+/** A quantity that is followed, and what is known of it. */
+typedef struct {
+    int quantity, element; /**< in the table of quantities; of that quantity */
+    channel_numbers numbers;
+    bool has_halves; /**< there are means of both halves of the window */
+    block_halves halves;
+} number_followed;
+void number_sums_followed(const number_sums *sums, int channel, number_followed *followed);
 /** @param values  as number_rows_offsets has the rows */
 void number_sums_conclude(const number_sums *sums, const int *offsets, double *values);

@@ -28,6 +28,9 @@ struct numbers {
     double position;        /**< furthest that was reached */
     double first_seen;      /**< first position in the window */
     long periods;
+    dae_state start; /**< of the run */
+    bool has_start, starts_periodic;
+    number_settled settled;
 };
 
 static int event_kind(const char *name)
@@ -45,6 +48,8 @@ numbers *numbers_create(const model *model, const number_window *window, const b
                       .closed = event_kind("contact_closed"),
                       .impact = event_kind("impact")};
     memory_pool *pool = &self->pool;
+    self->start = dae_state_create(&about->dae, pool);
+    self->settled.is_settled = NAN;
     self->y = pool_calloc(pool, (size_t)about->dae.n, sizeof *self->y);
     self->values = pool_calloc(pool, (size_t)about->n_values, sizeof *self->values);
     number_sums_init(&self->sums, model, taken, pool);
@@ -263,6 +268,25 @@ void numbers_event(numbers *self, const event_record *record)
 }
 
 /* ---- results ---- */
+
+void numbers_start(numbers *self, const dae_state *start, bool is_periodic)
+{
+    dae_state_copy(&model_about(self->model)->dae, &self->start, start);
+    self->has_start = true;
+    self->starts_periodic = is_periodic;
+}
+
+void numbers_judge(numbers *self)
+{
+    if (self->periods > 0 && self->has_start) {
+        settled_judge(&self->sums, &self->start, self->starts_periodic, self->t_first, self->t_last, &self->settled);
+    }
+}
+
+const number_settled *numbers_settled(const numbers *self)
+{
+    return &self->settled;
+}
 
 number_span numbers_span(const numbers *self)
 {

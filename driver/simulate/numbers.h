@@ -5,6 +5,7 @@
 #include "integrate/integrate_types.h"
 #include "model/model.h"
 #include "simulate/number_rows.h"
+#include "simulate/settled.h"
 
 /** The window begins where a period does for the first time after `from`, and ends where the last one does before `to`. */
 typedef struct {
@@ -24,6 +25,13 @@ void numbers_watch(numbers *numbers, const integrate_step *step);
 /** Keep what was found so far. */
 void numbers_keep(numbers *numbers, archive *archive);
 void numbers_event(numbers *numbers, const event_record *record);
+
+/** Remember where the run starts, before its first step. @param is_periodic  it starts on its periodic orbit */
+void numbers_start(numbers *numbers, const dae_state *start, bool is_periodic);
+/** Judge whether the motion has settled before the window, when the run has ended. */
+void numbers_judge(numbers *numbers);
+
+const number_settled *numbers_settled(const numbers *numbers);
 
 /** What the window came to. */
 typedef struct {

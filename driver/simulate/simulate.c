@@ -245,6 +245,16 @@ static void remark_positions(const positions_watch *positions, simulate_result *
     add_remark(text, result);
 }
 
+/** Judge the window of the metrics. A run without a whole period in it did not deliver what the case requests. */
+static void check_window(const simulate_sink *sink, simulate_result *result)
+{
+    if (sink->numbers != NULL && result->end == SIMULATE_DONE) {
+        numbers_judge(sink->numbers);
+        numbers_explain(sink->numbers, result->message, DAE_MESSAGE_LENGTH);
+        result->end = result->message[0] != '\0' ? SIMULATE_FAILED : SIMULATE_DONE;
+    }
+}
+
 integrate_options simulate_options(const prepared_case *prepared)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
@@ -276,6 +286,9 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                     .positions = {.rule = positions_of(prepared)},
                     .t_given = -1.0,
                     .reason = result->message};
+    if (sink->numbers != NULL) {
+        numbers_start(sink->numbers, state, false);
+    }
     const integrate_options options = simulate_options(prepared);
     const description *description = case_description(prepared->file);
     contact_watch_init(&s.contact, sink->wanted, description->n_meshes);
@@ -306,6 +319,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
         remark_contact(&s, result);
         remark_growth(&result->counts.growth, result);
         remark_positions(&s.positions, result);
+        check_window(sink, result);
     } else {
         give_last(&s, &options, state);
     }

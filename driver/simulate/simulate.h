@@ -34,7 +34,7 @@ typedef struct {
 
 typedef enum {
     SIMULATE_DONE,
-    SIMULATE_FAILED,      /**< the integration or the model; the message says why */
+    SIMULATE_FAILED,      /**< the integration, the model, or a window without a whole period; the message says why */
     SIMULATE_INTERRUPTED, /**< by a signal, or by a sink that kept it */
     SIMULATE_MISSED, /**< an output that came late shows that an event was missed: simulate again without waiting */
     SIMULATE_SINK_FAILED

@@ -1,5 +1,6 @@
 !> What does not change of wheels and meshes: outputs that are told once, when the gearbox is built.
 module evl_constant_outputs
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank_deviation, only: relief_t
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, wheel_t
@@ -15,6 +16,8 @@ module evl_constant_outputs
    public :: tell_mesh_constants, tell_wheel_constants
    public :: active_radius, tell_mesh_teeth, tell_wheel_teeth
 
+   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
+
 contains
 
    subroutine tell_wheel_constants(teller, index, wheel)
@@ -25,8 +28,8 @@ contains
       call begin(teller, in_wheel_constants, dims_wheel, index, is_static=.true.)
       call tell(teller, "teeth", "1", "z", "number of teeth", wheel%teeth)
       call tell(teller, "pitch_radius", "m", "r", "pitch radius; of a real gear its reference radius", wheel%pitch_radius)
-      call tell(teller, "base_radius", "m", "r_b", "base radius", wheel%base_radius)
-      call tell(teller, "tip_radius", "m", "r_a", "tip radius", wheel%tip_radius)
+      call tell(teller, "base_radius", "m", "r_b", "base radius; NaN of a wheel without mesh", known(wheel%base_radius))
+      call tell(teller, "tip_radius", "m", "r_a", "tip radius; NaN of a wheel without mesh", known(wheel%tip_radius))
       call tell(teller, "mass", "kg", "m", "mass of the wheel", wheel%mass)
       call tell(teller, "inertia", "kg m2", "J", "moment of inertia about the axle", wheel%inertia)
       call tell(teller, "centre", "m", "O", "reference position of the axle", wheel%centre)
@@ -79,23 +82,31 @@ contains
       real(wp), intent(in) :: active   !! its active radius [m]
 
       call begin(teller, in_wheel_teeth, dims_wheel, index, is_static=.true.)
-      call tell(teller, "root_radius", "m", "r_f", "root radius; 0 if not known", gear%root_radius)
-      call tell(teller, "form_radius", "m", "r_Ff", "radius where the involute begins; 0 if not known", gear%form_radius)
+      call tell(teller, "root_radius", "m", "r_f", "root radius; NaN if not known", known(gear%root_radius))
+      call tell(teller, "form_radius", "m", "r_Ff", "radius where the involute begins; NaN if not known", &
+                known(gear%form_radius))
       call tell(teller, "tip_rounding", "m", "r_t", "radius of the arcs that round the tips; 0: sharp edges", gear%tip_rounding)
       call tell(teller, "active_radius", "m", "r_Nf", &
-                "radius where the active profile begins, the smallest over its meshes; 0 without", active)
-      call tell(teller, "tooth_angle", "rad", "psi", "angle that a tooth fills on the base circle; 0 if not known", &
-                gear%tooth_angle)
+                "radius where the active profile begins, the smallest over its meshes; NaN without a mesh", active)
+      call tell(teller, "tooth_angle", "rad", "psi", "angle that a tooth fills on the base circle; NaN if not known", &
+                known(gear%tooth_angle))
       associate (tip => wheel%deviation%tip, root => wheel%deviation%root)
          call tell(teller, "tip_relief", "m", "C_a", "tip relief at the tip circle", max(tip%amount, 0.0_wp))
-         call tell(teller, "tip_relief_start", "m", "", "radius where tip relief begins; 0 without", relief_start(wheel, tip))
+         call tell(teller, "tip_relief_start", "m", "", "radius where tip relief begins; NaN without", relief_start(wheel, tip))
          call tell(teller, "tip_relief_power", "1", "", "1 linear, 2 parabolic tip relief; 0 without", relief_power(tip))
          call tell(teller, "root_relief", "m", "C_f", "root relief at the start of the active profile", max(root%amount, 0.0_wp))
-         call tell(teller, "root_relief_start", "m", "", "radius where root relief begins; 0 without", relief_start(wheel, root))
+         call tell(teller, "root_relief_start", "m", "", "radius where root relief begins; NaN without", relief_start(wheel, root))
          call tell(teller, "root_relief_power", "1", "", "1 linear, 2 parabolic root relief; 0 without", relief_power(root))
       end associate
       call tell(teller, "profile_crowning", "m", "C_alpha", "crowning at both ends of the active profile", wheel%deviation%crowning)
    end subroutine tell_wheel_teeth
+
+   !> A length or an angle of a gear; NaN instead of the 0 that stands for an unknown one.
+   pure real(wp) function known(value)
+      real(wp), intent(in) :: value
+
+      known = merge(value, nan, abs(value) > 0)
+   end function known
 
    !> Constants of a mesh's teeth.
    subroutine tell_mesh_teeth(teller, index, contact, pair)
@@ -107,8 +118,8 @@ contains
 
       call begin(teller, in_mesh_teeth, dims_mesh, index, is_static=.true.)
       call tell(teller, "contact_ratio", "1", "eps_alpha", "path of contact over base pitch", pair%contact_ratio)
-      call tell(teller, "backlash", "m", "j_bn", "normal backlash; 0 without coast flanks", &
-                merge(pair%backlash, 0.0_wp, pair%has_coast))
+      call tell(teller, "backlash", "m", "j_bn", "normal backlash; NaN without coast flanks", &
+                merge(pair%backlash, nan, pair%has_coast))
       call tell(teller, "has_coast_flanks", "1", "", "1 if the flanks on the other side of the teeth can touch, else 0", &
                 pair%has_coast)
       root = 0
@@ -125,13 +136,13 @@ contains
                 position)
    end subroutine tell_mesh_teeth
 
-   !> Radius where the active profile of a wheel begins, the smallest over its meshes; 0 without a mesh [m].
+   !> Radius where the active profile of a wheel begins, the smallest over its meshes; NaN without a mesh [m].
    pure real(wp) function active_radius(gearbox, wheel) result(smallest)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: wheel
       integer :: m
 
-      smallest = 0
+      smallest = nan
       do m = 1, size(gearbox%pairs)
          associate (contact => gearbox%contacts(gearbox%first(m)), pair => gearbox%pairs(m))
             if (contact%wheel_a == wheel) call take_smallest(hypot(pair%base_radius_a, pair%rho - pair%rho_tip_b), smallest)
@@ -140,20 +151,20 @@ contains
       end do
    end function active_radius
 
-   !> The smaller of two radii, of which the one so far is 0 if there is none.
+   !> The smaller of two radii, of which the one so far is NaN if there is none.
    pure subroutine take_smallest(value, smallest)
       real(wp), intent(in) :: value
       real(wp), intent(inout) :: smallest
 
-      if (.not. smallest > 0 .or. value < smallest) smallest = value
+      if (.not. value >= smallest) smallest = value
    end subroutine take_smallest
 
-   !> Radius where a relief begins; 0 without [m].
+   !> Radius where a relief begins; NaN without [m].
    pure real(wp) function relief_start(wheel, relief) result(radius)
       type(wheel_t), intent(in) :: wheel
       type(relief_t), intent(in) :: relief
 
-      radius = 0
+      radius = nan
       if (relief%amount > 0) radius = hypot(wheel%base_radius, relief%border)
    end function relief_start
 

@@ -49,6 +49,7 @@ contains
       call start(mesh)
       first = gearbox%first(index)
       last = gearbox%first(index + 1) - 1
+      if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = ieee_value(mesh%coast, ieee_quiet_nan)
       mesh%leader = leading_contact(gearbox, index, integers)
       mesh%mode = slots(mesh%leader)%mode
       call find_lag(gearbox%contacts(mesh%leader), y, has_places, mesh%line, mesh%lag)

@@ -1,6 +1,7 @@
 !> What the meshes of a gearbox tell.
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
    use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, transmission_error
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
    use evl_contacts_at_state, only: flank_place, place_contact
@@ -22,6 +23,8 @@ module evl_mesh_outputs
 
    public :: mesh_points, mesh_sum, place_points, put_mesh, tell_coast, tell_mesh
 
+   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
+
    !> What the tooth contacts of a mesh add up to.
    type :: mesh_sum
       real(wp) :: normal = 0.0_wp, coast = 0.0_wp         !! F_n of all pairs, and of those on the coast flank [N]
@@ -38,9 +41,9 @@ module evl_mesh_outputs
 
    !> The points of the contact that speaks for its mesh, and how far tracked ones are from where they belong.
    type :: mesh_points
-      real(wp) :: driving(2) = 0.0_wp, driven(2) = 0.0_wp         !! housing frame [m]
-      real(wp) :: gradient_ratio = 0.0_wp                         !! lambda; as the rest NaN where points are not tracked
-      real(wp) :: residual(2) = 0.0_wp, line_distance(2) = 0.0_wp !! of the driving and of the driven flank [m]
+      real(wp) :: driving(2) = nan, driven(2) = nan               !! housing frame [m]
+      real(wp) :: gradient_ratio = nan                            !! lambda; as the rest NaN where points are not tracked
+      real(wp) :: residual(2) = nan, line_distance(2) = nan       !! of the driving and of the driven flank [m]
    end type mesh_points
 
 contains
@@ -258,7 +261,7 @@ contains
       driven = origin + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
    end subroutine place_points
 
-   !> The coast flanks of a mesh; without a pair on the path the gap between two perfect flanks, NaN if there are none.
+   !> The coast flanks of a mesh; without a pair on the path the gap between two perfect flanks. NaN if the mesh has none.
    subroutine put_coast(teller, gearbox, index, y, total)
       type(teller_t), intent(inout) :: teller
       type(gearbox_t), intent(in) :: gearbox
@@ -267,17 +270,17 @@ contains
       type(mesh_sum), intent(in) :: total
       real(wp) :: gap, q(n_local)
 
-      if (total%h(2) > -huge(1.0_wp)) then
+      associate (last => gearbox%contacts(gearbox%first(index + 1) - 1))
+         if (last%flank /= flank_coast) then
+            call tell_coast(teller, index, nan, nan)
+            return
+         end if
          gap = -total%h(2)
-      else
-         gap = ieee_value(gap, ieee_quiet_nan)
-         associate (last => gearbox%contacts(gearbox%first(index + 1) - 1))
-            if (last%flank == flank_coast) then
-               call gearbox_local(gearbox, last, y, q)
-               gap = closed_form_gap(last%pair, q)
-            end if
-         end associate
-      end if
+         if (.not. total%h(2) > -huge(1.0_wp)) then
+            call gearbox_local(gearbox, last, y, q)
+            gap = closed_form_gap(last%pair, q)
+         end if
+      end associate
       call tell_coast(teller, index, gap, total%coast)
    end subroutine put_coast
 

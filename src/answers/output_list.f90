@@ -1,6 +1,7 @@
 !> The table of outputs: all sections in their order, with empty objects, as a teller that lists asks for them; and what of it a
 !> gearbox has.
 module evl_output_list
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_constant_outputs, only: active_radius, tell_mesh_constants, tell_mesh_teeth, tell_wheel_constants, tell_wheel_teeth
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, section_t, wheel_t
@@ -107,7 +108,7 @@ contains
       gearbox%output_needs = table%needs
       allocate (gearbox%output_lanes(size(table)))
       call find_lanes(table, gearbox%output_lanes)
-      allocate (gearbox%constants(gearbox%n_values), source=0.0_wp)
+      allocate (gearbox%constants(gearbox%n_values), source=ieee_value(1.0_wp, ieee_quiet_nan))
       call tell_constants(gearbox, gearbox%constants)
    end subroutine place_outputs
 

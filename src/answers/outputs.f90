@@ -2,6 +2,7 @@
 !>
 !> `evl_teller` says how an output is told, `evl_output_list` holds the sections of the table in their order.
 module evl_outputs
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_housing, only: felt_acceleration, frame_t, housing_fixed, housing_frame, housing_t, mount_force, mount_loss
    use evl_housing_dynamics, only: coupled_rates, ground_energies
@@ -36,7 +37,7 @@ contains
       call needed_outputs(gearbox, t, y, integers, reals, needs_all, check, values, status)
    end subroutine gearbox_outputs
 
-   !> The values at a state that need no more than what is found; the others are of no meaning.
+   !> The values at a state that need no more than what is found; the others are NaN or undefined.
    subroutine needed_outputs(gearbox, t, y, integers, reals, wanted, check, values, status)
       type(gearbox_t), intent(in), target :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
@@ -47,6 +48,7 @@ contains
       type(status_t), intent(inout) :: status
       type(teller_t) :: teller
       real(wp) :: f(gearbox%n_states), reactions(6, size(gearbox%wheels)), carried(size(gearbox%shafts)), kinetic, potential
+      real(wp) :: of_meshes !! 0 to begin a sum over the meshes, NaN where they are not evaluated
       real(wp), dimension(size(gearbox%wheels)) :: torque, load_torque
       type(frame_t) :: frame
       type(contact_state) :: contacts(size(gearbox%contacts))
@@ -56,15 +58,16 @@ contains
       needed = ior(wanted, merge(needs_meshes, needs_nothing, check))
       call copy(gearbox%n_values, gearbox%constants, values)
       call fill(teller, gearbox%output_sections, values)
-      f = 0
+      f = merge(0.0_wp, ieee_value(f, ieee_quiet_nan), iand(needed, needs_rates) == needs_rates)
+      of_meshes = merge(0.0_wp, ieee_value(of_meshes, ieee_quiet_nan), iand(needed, needs_meshes) == needs_meshes)
       if (iand(needed, needs_rates) == needs_rates) call coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
       if (has_failed(status)) return
       call housing_frame(gearbox%housing, t, y, frame, f)
       kinetic = 0
-      potential = 0
-      torque = 0
-      load_torque = 0
-      reactions = 0
+      potential = of_meshes
+      torque = of_meshes
+      load_torque = of_meshes
+      reactions = of_meshes
       if (iand(needed, needs_meshes) == needs_meshes) then
          do i = 1, size(gearbox%pairs)
             call put_mesh(teller, needed, gearbox, i, t, y, integers, reals, contacts, torque, reactions, potential)
@@ -89,7 +92,7 @@ contains
          end do
       end if
       call tell_housing(teller, gearbox%housing, frame)
-      carried = 0
+      carried = of_meshes
       if (size(gearbox%shafts) > 0 .and. iand(needed, needs_meshes) == needs_meshes) &
          call shaft_torques(gearbox, y, f, frame, torque + load_torque, carried)
       do i = 1, size(gearbox%shafts)

@@ -86,7 +86,11 @@ def test_integers_are_whole_and_static_values_never_change(kernel: Kernel, track
                 assert np.isfinite(values[name]).all(), name
 
 
-def test_what_only_tracked_points_have_is_nan_in_the_closed_form(kernel: Kernel):
+OF_GEARS = ("root_radius", "form_radius", "tooth_angle", "backlash")
+
+
+def test_what_is_not_computed_is_nan_and_never_zero(kernel: Kernel):
+    """The paper's wheels have no basic rack, no relief, no coast flanks and no tracked points."""
     gearbox = paper_gearbox(kernel, tracking=CLOSED_FORM)
     values = gearbox.outputs(in_mode(gearbox, np.random.default_rng(2), (LOADED, 1)))
     nan = {name for name, some in values.items() if np.isnan(some).any()}
@@ -94,6 +98,8 @@ def test_what_only_tracked_points_have_is_nan_in_the_closed_form(kernel: Kernel)
         "gradient_ratio",
         *(f"tracking_residual_{w}" for w in ("driving", "driven")),
         *(f"line_distance_{w}" for w in ("driving", "driven")),
+        *(f"{end}_relief_start" for end in ("tip", "root")),
+        *OF_GEARS,
     }
 
 

@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 
 from designs import read_journal, seal, write_design
 
@@ -61,14 +62,17 @@ def test_a_window_that_cannot_be_is_refused_at_its_place(
         ),
     ],
 )
-def test_a_window_without_a_whole_period_is_told_and_gives_no_numbers(
+def test_a_run_without_a_whole_period_in_its_window_fails_with_the_reason(
     evolvent: Evolvent, case: Path, tmp_path: Path, numbers: str, told: str
 ) -> None:
     result = evolvent("run", case, *SHORT, "--set", f"simulation.numbers={numbers}", "-o", "n.h5")
-    assert result.returncode == 0
-    assert told in result.stderr
-    assert "begin earlier, or run longer" in result.stderr
-    with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
+    assert result.returncode == 4
+    assert result.stderr.count(told) == 1
+    assert "begin earlier, or run longer; the history up to there is in 'n.h5." in result.stderr
+    assert not (tmp_path / "n.h5").exists()
+    with xr.open_dataset(tmp_path / "n.h5.partial", engine="h5netcdf") as history:
+        assert history.attrs["status"] == "failed"
+        assert told in history.attrs["status_message"]
         assert int(history["window_periods"]) == 0
         names = [name for name in history if str(name).startswith("window_")]
         assert len(names) > 40
@@ -94,7 +98,7 @@ def test_a_mesh_that_does_not_turn_is_told(evolvent: Evolvent, examples: Path) -
     settings = ("wheels.0.loads=[]", "simulation.duration=0.01", "simulation.numbers={}")
     words = [word for setting in settings for word in ("--set", setting)]
     result = evolvent("run", examples / "paper.yaml", *words, "-o", "n.h5")
-    assert result.returncode == 0, result.stderr
+    assert result.returncode == 4, result.stderr
     assert "start of contact to the next: it went 0 pitches in it" in result.stderr
 
 
@@ -124,7 +128,7 @@ def test_a_batch_tells_the_numbers_that_its_design_names(
     every = rows_of(evolvent, folders[2], case, "all")
     harmonics = [f"normal_force_amplitude_{n}" for n in range(1, 11)]
     new = [name for name in some[0] if name not in usual[0]]
-    assert sorted(new) == sorted([*harmonics, "dynamic_factor"])
+    assert sorted(new) == sorted([*harmonics, "dynamic_factor", "window_settled"])
     for i in range(2):
         for name in usual[i]:
             if name not in ("at", "check", "cpu_time"):
@@ -155,11 +159,11 @@ def test_numbers_of_a_batch_are_those_of_the_history(
             len([key for key in rows[1] if key.startswith(str(name).removeprefix("window_"))])
             for name in history
             if str(name).startswith("window_")
-            and str(name) not in ("window_begin", "window_end", "window_periods")
+            and str(name) not in ("window_begin", "window_end", "window_periods", "window_settled")
         )
 
 
-def test_a_batch_says_where_a_case_has_no_whole_period(
+def test_a_case_of_a_batch_without_a_whole_period_is_recorded_as_failed(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
     base = case.read_text().replace("duration: 50 ms", "duration: 2 ms")
@@ -167,10 +171,53 @@ def test_a_batch_says_where_a_case_has_no_whole_period(
     with h5py.File(design, "a") as file:
         file.attrs["numbers"] = "dynamic_factor"
     seal(design)
-    assert evolvent("batch", design, "-o", "r").returncode == 0
+    assert evolvent("batch", design, "-o", "r").returncode == 1
     row = read_journal(tmp_path / JOURNAL).cases[0]
-    assert row["dynamic_factor"] is None
+    assert (row["status"], row["exit"], row["dynamic_factor"]) == ("failed", 4, None)
     assert "holds no whole pitch of mesh 'pinion-gear'" in row["message"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "settled"),
+    [
+        ({}, 1.0),
+        ({"simulation.initial.kind": "rest"}, 0.0),
+        ({"meshes.0.contact.law": "rigid", "meshes.0.damping.law": "none"}, None),
+    ],
+    ids=["settled", "unsettled", "missing"],
+)
+def test_a_row_says_whether_the_window_is_settled_as_the_history_does(
+    evolvent: Evolvent, case: Path, tmp_path: Path, settings: dict[str, str], settled: float | None
+) -> None:
+    shorter = yaml.safe_load(case.read_text())
+    shorter["simulation"] |= {"duration": 0.02, "numbers": {"from": 4e-3}}
+    for path, value in settings.items():
+        *folders, key = path.split(".")
+        at = shorter
+        for folder in folders:
+            at = at[int(folder)] if isinstance(at, list) else at[folder]
+        if key == "law":
+            at.clear()
+        at[key] = value
+    base = tmp_path / "base.yaml"
+    base.write_text(yaml.safe_dump(shorter))
+    column = {"wheels.pinion.loads.0.value": [-50.0]}
+    design = write_design(tmp_path / "d.h5", column, base.read_text(), window=(4e-3, 0.02))
+    with h5py.File(design, "a") as file:
+        file.attrs["numbers"] = "all"
+    seal(design)
+    done = evolvent("batch", design, "-o", "r")
+    assert done.returncode == 0, done.stderr
+    row = read_journal(tmp_path / JOURNAL).cases[0]
+    assert row["window_settled"] == settled
+    assert evolvent("run", base, "-o", "n.h5").returncode == 0
+    with xr.open_dataset(tmp_path / "n.h5", engine="h5netcdf") as history:
+        told = float(history["window_settled"])
+        assert (None if np.isnan(told) else told) == settled
+        reason = history.attrs["window_settled_reason"]
+    assert (reason == "") == (settled == 1)
+    assert reason in row["message"]
+    assert ("the window may not be settled" in row["message"]) == (settled != 1)
 
 
 def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:

@@ -286,6 +286,16 @@ def test_a_run_that_fails_gives_what_there_is(
         assert history.attrs["status_message"] == file.attrs["status_message"]
 
 
+def test_a_run_without_a_whole_period_in_its_window_raises_the_reason(examples: Path) -> None:
+    settings = {"simulation.numbers": {"turns_of": "gear"}, "simulation.duration": 0.01}
+    with pytest.raises(
+        package.AnalysisError, match="holds no whole turn of wheel 'gear'"
+    ) as failed:
+        package.run(examples / "tutorial-pair.yaml", settings)
+    assert failed.value.code == 4
+    assert int(failed.value.history["window_periods"]) == 0
+
+
 # --- what a call leaves alone
 
 

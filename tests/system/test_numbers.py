@@ -95,6 +95,18 @@ def test_rectangular_stiffness_has_the_deviation_of_an_independent_program(
         np.testing.assert_allclose(shares, [2 - RATIO, RATIO - 1, 0], atol=2e-6)
 
 
+def test_shares_and_energies_that_no_part_of_the_model_has_are_nan(runs):
+    """No coast flanks: no share of them. Both speeds prescribed: no mass, no energy of impacts."""
+    case = oscillator(1.0, -1e-5)
+    case["meshes"][0].pop("backlash")
+    case["simulation"]["duration"] /= 20
+    case["simulation"]["numbers"] = {"from": 0}
+    told = runs(case)
+    assert told.exit_code == 0, told.messages
+    assert np.isnan(number(told, "share_coast_flanks"))
+    assert number(told, "impact_energy") == 0
+
+
 # ---- backlash ----
 
 MASS, CONTACT, HALF_GAP = 0.23, 3.8e8, 1e-4

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from evolvent.history.recording import Recording
 
 PREFIX = "window_"
+SETTLED = "window_settled"
 MOST_HARMONICS = 5  # that are shown
 
 
@@ -31,7 +32,12 @@ def window_text(history: xr.Dataset | Recording) -> str:
     )
     if periods == 0:
         return "The window held no whole period."
-    return f"{periods:.0f} whole periods, from {begin:.6g} to {end:.6g} s."
+    text = f"{periods:.0f} whole periods, from {begin:.6g} to {end:.6g} s."
+    reason = str(history.attrs.get(f"{SETTLED}_reason", ""))  # older ones have none
+    if not reason:
+        return text
+    is_known = float(history[SETTLED]) == 0
+    return f"{text} The window {'is not' if is_known else 'may not be'} settled: {reason}."
 
 
 def steady_window(history: xr.Dataset | Recording) -> tuple[float, float] | None:

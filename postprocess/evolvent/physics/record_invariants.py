@@ -14,7 +14,7 @@ from evolvent.physics.numbers import is_number
 
 OF_REAL_GEARS = {  # constants of wheels and meshes that other pairs do not have
     *("root_radius", "form_radius", "tooth_angle", "backlash"),
-    *("tip_relief_start", "root_relief_start"),
+    *("tip_relief_start", "root_relief_start", "active_radius", "base_radius", "tip_radius"),
 }
 OF_VIBRATING_MESHES = frozenset(
     {
@@ -99,10 +99,10 @@ def finiteness(run: Recording) -> Deviation:
 
     What only tracked points have is missing on purpose where none are tracked, position,
     penetration and sliding velocity of a tooth pair off the path of contact, its pressure on a
-    hollow flank, the efficiency of a mesh without power, the gap of coast flanks of a mesh that has
-    none, what only real gears have, the vibration of a mesh whose contact is rigid, that has no
-    load or whose wheels both have prescribed speeds, and numbers over whole periods that do not
-    apply, as the crest factor of an axle that rests.
+    hollow flank, the efficiency of a mesh without power, gap and force of coast flanks of a mesh
+    that has none, what only real gears have, the vibration of a mesh whose contact is rigid, that
+    has no load or whose wheels both have prescribed speeds, and numbers over whole periods that do
+    not apply, as the crest factor of an axle that rests.
     """
     shares: dict[str, float] = {}
     for name, variable in run.variables.items():
@@ -148,7 +148,7 @@ def _excuse(run: Recording, name: str) -> Callable[[Part], Values]:
         return efficiency
     if name == "pair_contact_pressure":
         return pair_pressure
-    if name == "coast_gap":
-        has_coast = ever(run, lambda part: ~np.isnan(part[name]))
+    if name in {"coast_gap", "coast_force"}:
+        has_coast = ever(run, lambda part: ~np.isnan(part["coast_gap"]))
         return lambda part: np.broadcast_to(~has_coast, part[name].shape)
     return lambda _: np.zeros((), dtype=bool)

@@ -544,6 +544,21 @@ EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, double *y, i
 EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, const double *dy, double *arcs,
                                double *displacements, double *penetrations, double *transmission_errors);
 
+/** Distance of a start from the steady motion: start - motion = the sum of Re amplitude_k vector_k over all modes k, which decay as
+ *  exp(eigenvalue_k t). The modes are those of the mean of A over one pitch of the first mesh; the steady motion is the linear response
+ *  to the static path over this pitch. Modes of eigenvalue 0 have the amplitude 0.
+ *  @param start, start_integers  the start
+ *  @param[out] y, integers, reals  a steady state half a pitch from the start, at which outputs may be linearised
+ *  @param[out] n_modes, eigenvalues  as of evl_gearbox_modes
+ *  @param[out] vectors     [2 * n_states * n_states] as of evl_gearbox_modes; the largest entry of each is the scale of its state, theta
+ *                          takes no part
+ *  @param[out] amplitudes  [2 * n_states]
+ *  @return as evl_gearbox_modes of a mean */
+EVL_API int evl_gearbox_start_distance(const evl_gearbox *gearbox, double t, const double *start,
+                                       const int *start_integers, double *y, int *integers, double *reals,
+                                       int *n_modes, double *eigenvalues, double *vectors, double *amplitudes,
+                                       evl_status *status);
+
 /* ---- static analysis ------------------------------------------------------------------------------------------------------- */
 
 /** What the static analysis of a mesh comes to. */
