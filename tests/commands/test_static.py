@@ -363,8 +363,7 @@ def test_iso_stiffness_at_low_load_goes_by_the_tangential_load(
     """ISO 6336-1: below F_t K_A/b = 100 N/mm c' falls with the fourth root of that load."""
     words = ("static", case, "--json", "-o", tmp_path / "x.h5")
     told = json.loads(evolvent(*words, "--torque", "1:400:2").stdout)
-    wheels = json.loads(evolvent("show", case, "--json").stdout)["wheels"]
-    radius = wheels["pinion"]["reference_radius"]
+    radius = 0.003 * 19 / 2  # of the pinion's reference circle
     width = told["common_width"]
     low, high = told["iso_pair_stiffness_per_width"]
     assert 400 / radius / width > 1e5  # of the second torque
