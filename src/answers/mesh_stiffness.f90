@@ -132,15 +132,17 @@ contains
       end associate
    end function coupling
 
-   !> c' of ISO 6336-1 of a mesh of solid wheels [Pa].
+   !> c' of ISO 6336-1 of a mesh of solid wheels [Pa]. Its load is F_t K_A/b, tangential at the reference circle, with K_A = 1.
    pure real(wp) function iso_stiffness(gearbox, mesh, line_load) result(stiffness)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
-      real(wp), intent(in) :: line_load !! [N/m]
+      real(wp), intent(in) :: line_load !! normal to the flanks [N/m]
+      real(wp) :: tangential            !! [N/m]
 
       associate (contact => gearbox%contacts(gearbox%first(mesh)))
+         tangential = line_load*gearbox%pairs(mesh)%base_radius_a/gearbox%gears(contact%wheel_a)%reference_radius
          ! both moduli from E*, for Poisson's ratio of metals
-         stiffness = of_steel(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), line_load) &
+         stiffness = of_steel(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), tangential) &
                      *2*contact%e_star*(1 - usual_ratio**2)/steel
       end associate
    end function iso_stiffness
@@ -148,7 +150,7 @@ contains
    !> The same for steel [Pa].
    pure real(wp) function of_steel(a, b, line_load) result(stiffness)
       type(gear_t), intent(in) :: a, b
-      real(wp), intent(in) :: line_load !! [N/m]
+      real(wp), intent(in) :: line_load !! tangential [N/m]
       real(wp) :: flexibility, z1, z2
 
       z1 = a%teeth

@@ -12,7 +12,6 @@
 module evl_static_analysis
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_contact_point, only: contact_point
    use evl_flank, only: exactly_one
    use evl_flank_deviation, only: flank_deviation_t
    use evl_gearbox, only: gearbox_t, section_t
@@ -21,17 +20,18 @@ module evl_static_analysis
    use evl_mesh_at_rest, only: mesh_at_rest
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
-   use evl_pair_place, only: by_a, by_b, edge_of
    use evl_pressed_flank, only: find_pressed, lag_of, pressed_t
    use evl_rational, only: divisor_of
+   use evl_static_extremes, only: extremes_t, finish_extremes, n_before, take_position
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
+   use evl_static_node, only: touch
    use evl_static_outputs, only: n_harmonics, static_sections, static_sum, tell_static_harmonic, tell_static_mesh, &
                                  tell_static_pair, tell_static_position, tell_static_start, tell_static_torque, youngest
+   use evl_static_search, only: static_search
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
    use evl_teller, only: fill, teller_t
-   use evl_tooth_contact, only: contact_mode, no_mode, settle_zones, tooth_contact_t
-   use evl_touching_flanks, only: pressure_at, touching_curvature
+   use evl_tooth_contact, only: contact_mode, tooth_contact_t
    implicit none (type, external)
    private
 
@@ -143,7 +143,7 @@ contains
    !> All values at one torque, where the sections of evl_static_outputs have them.
    !> Errors: code_invalid_input for a torque that presses nothing; of evl_static_mesh where the mesh finds no rest.
    subroutine solve_static_mesh(gearbox, mesh, plan, torque, speed, values, status)
-      type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_t), intent(in), target :: gearbox
       integer, intent(in) :: mesh
       type(static_plan_t), intent(in) :: plan !! of this mesh
       real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
@@ -151,7 +151,8 @@ contains
       real(wp), intent(inout), target, contiguous :: values(:)
       type(status_t), intent(inout) :: status
       type(section_t), allocatable, target :: sections(:)
-      type(static_mesh_t) :: at_rest
+      type(static_mesh_t), target :: at_rest
+      type(static_search) :: search
       type(static_state) :: state
       type(static_sum) :: total
       type(teller_t) :: teller
@@ -169,21 +170,30 @@ contains
          call tell_static_mesh(teller, pair, at_rest%width, speed)
          call start_sum(gearbox, mesh, at_rest, abs(torque), total)
          harmonics = 0
-         do i = 0, plan%n_positions - 1
+         call start_search(search, contact, at_rest, flank, total%force)
+         do i = -n_before, plan%n_positions - 1
             associate (x => real(i, wp)/plan%points)
                call solve_static(at_rest, flank%rho_a + flank%turns*(x*pair%base_pitch), total%force, state, status)
+               if (.not. has_failed(status)) call take_position(search, x, state, status)
                if (has_failed(status)) then
-                  call name_place(torque, x, mesh, status)
+                  call name_place(torque, modulo(x, real(plan%n_pitches, wp)), mesh, status)
                   return
                end if
+               if (i < 0) cycle
                call tell_static_start(teller, i + 1, x*pair%base_pitch/pair%base_radius_a, lag_of(flank, state%h_0))
                call tell_static_position(teller, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
-               call tell_pairs(teller, contact, flank, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, state, total)
+               call tell_pairs(teller, contact, flank, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, state)
             end associate
             call add_position(state, lag_of(flank, state%h), plan%n_positions, total)
             call add_harmonics(i, plan, lag_of(flank, state%h), harmonics)
          end do
       end associate
+      call finish_extremes(search, total%extremes, status)
+      if (has_failed(status)) then
+         call name_place(torque, search%at, mesh, status)
+         return
+      end if
+      total%share = total%extremes%force/total%force
       total%per_width = total%secant/at_rest%width
       call tell_static_torque(teller, total)
       do i = 1, n_harmonics
@@ -191,10 +201,11 @@ contains
       end do
    end subroutine solve_static_mesh
 
-   !> The largest force of a tooth pair under a torque, in all positions of some pitches, or of all that differ if these are few.
+   !> The largest force of a tooth pair under a torque over some pitches, or over all that differ if these are few; found between
+   !> positions too.
    !> Errors: those of `plan_static` and `solve_static_mesh`.
    subroutine largest_pair_force(gearbox, mesh, first, pitches, torque, force, status)
-      type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_t), intent(in), target :: gearbox
       integer, intent(in) :: mesh
       integer, intent(in) :: first, pitches   !! the first pitch, and how many
       real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
@@ -202,11 +213,13 @@ contains
       type(status_t), intent(inout) :: status
       integer, parameter :: points = 100      ! a pitch
       type(static_plan_t) :: plan
-      type(static_mesh_t) :: at_rest
+      type(static_mesh_t), target :: at_rest
+      type(static_search) :: search
       type(static_state) :: state
+      type(extremes_t) :: extremes
       type(pressed_t) :: flank
       real(wp) :: x
-      integer :: i, k
+      integer :: i
 
       force = 0
       call measure_mesh(gearbox, mesh, plan, status)
@@ -215,20 +228,36 @@ contains
       associate (contact => gearbox%contacts(flank%contact), pair => gearbox%pairs(mesh))
          call mesh_at_rest(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
                            gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, 0.0_wp, at_rest)
-         do k = first, first + min(pitches, plan%n_pitches) - 1
-            do i = 0, points - 1
-               x = modulo(k, plan%n_pitches) + real(i, wp)/points
-               call solve_static(at_rest, flank%rho_a + flank%turns*(x*pair%base_pitch), abs(torque)/pair%base_radius_a, state, &
-                                 status)
-               if (has_failed(status)) then
-                  call name_place(torque, x, mesh, status)
-                  return
-               end if
-               force = max(force, maxval(state%potential%answer%force(:state%n))*at_rest%width)
-            end do
+         call start_search(search, contact, at_rest, flank, abs(torque)/pair%base_radius_a)
+         do i = -n_before, points*min(pitches, plan%n_pitches)
+            x = modulo(first, plan%n_pitches) + real(i, wp)/points
+            call solve_static(at_rest, flank%rho_a + flank%turns*(x*pair%base_pitch), search%force, state, status)
+            if (.not. has_failed(status)) call take_position(search, x, state, status)
+            if (has_failed(status)) then
+               call name_place(torque, modulo(x, real(plan%n_pitches, wp)), mesh, status)
+               return
+            end if
          end do
       end associate
+      call finish_extremes(search, extremes, status)
+      if (has_failed(status)) call name_place(torque, search%at, mesh, status)
+      force = extremes%force
    end subroutine largest_pair_force
+
+   !> Start the search for extremes.
+   subroutine start_search(search, contact, at_rest, flank, force)
+      type(static_search), intent(inout) :: search
+      type(tooth_contact_t), intent(in), target :: contact
+      type(static_mesh_t), intent(in), target :: at_rest
+      type(pressed_t), intent(in) :: flank
+      real(wp), intent(in) :: force !! of the teeth [N]
+
+      search%contact => contact
+      search%mesh => at_rest
+      search%rho_a = flank%rho_a
+      search%turns = flank%turns
+      search%force = force
+   end subroutine start_search
 
    !> What is known of a torque before any position: forces, and what one pair alone and ISO 6336-1 say.
    subroutine start_sum(gearbox, mesh, at_rest, torque, total)
@@ -243,8 +272,6 @@ contains
       associate (pair => gearbox%pairs(mesh))
          total%force = torque/pair%base_radius_a
          total%line_load = total%force/at_rest%width
-         total%lowest = huge(total%lowest)
-         total%highest = -huge(total%highest)
          associate (contact => gearbox%contacts(gearbox%first(mesh)))
             call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, total%force, h, code)
          end associate
@@ -269,7 +296,7 @@ contains
    end subroutine name_place
 
    !> The tooth pairs at a position.
-   subroutine tell_pairs(teller, contact, flank, at_rest, pitches, before, n_pairs, state, total)
+   subroutine tell_pairs(teller, contact, flank, at_rest, pitches, before, n_pairs, force_of_teeth, state)
       type(teller_t), intent(inout) :: teller
       type(tooth_contact_t), intent(in) :: contact
       type(pressed_t), intent(in) :: flank
@@ -277,8 +304,9 @@ contains
       integer, intent(in) :: pitches !! whole ones of the position
       integer, intent(in) :: before  !! places of the positions before it
       integer, intent(in) :: n_pairs
+      real(wp), intent(in) :: force_of_teeth !! [N]
       type(static_state), intent(in) :: state
-      type(static_sum), intent(inout) :: total
+      type(contact_mode) :: mode
       real(wp) :: force, share, pressure
       integer :: i, place
 
@@ -289,43 +317,12 @@ contains
          pressure = 0
          if (i > 0) then
             force = state%potential%answer%force(i)*at_rest%width
-            share = force/total%force
-            if (force > 0) pressure = pressure_of(contact, flank%turns*state%numbers(i), at_rest, state, i)
-            total%share = max(total%share, share)
-            if (pressure > total%pressure) total%pressure = pressure
-            if (is_on_edge(state, i)) total%edge_force = max(total%edge_force, force)
+            share = force/force_of_teeth
+            if (force > 0) call touch(contact, flank%turns*state%numbers(i), at_rest, state, i, mode, pressure)
          end if
          call tell_static_pair(teller, before + place, state, i, share, force, pressure)
       end do
    end subroutine tell_pairs
-
-   !> Whether a pair touches with a tip edge.
-   pure logical function is_on_edge(state, i)
-      type(static_state), intent(in) :: state
-      integer, intent(in) :: i
-
-      is_on_edge = state%feet(i)%zone >= edge_of(by_a)
-   end function is_on_edge
-
-   !> Largest contact pressure of a pair that carries; NaN on a sharp edge [Pa].
-   pure real(wp) function pressure_of(contact, number, at_rest, state, i) result(pressure)
-      type(tooth_contact_t), intent(in) :: contact
-      integer, intent(in) :: number !! of the tooth pair
-      type(static_mesh_t), intent(in) :: at_rest
-      type(static_state), intent(in) :: state
-      integer, intent(in) :: i
-      type(contact_point) :: point
-      type(contact_mode) :: mode
-
-      associate (feet => state%feet(i), force => state%potential%answer%force(i)*at_rest%width)
-         point%rho_a = feet%rho(by_a)
-         point%rho_b = feet%rho(by_b)
-         mode = no_mode
-         mode%tooth_pair = number
-         call settle_zones(contact, at_rest%line, point, mode)
-         pressure = pressure_at(contact, force, touching_curvature(contact, mode, point, feet%foot))
-      end associate
-   end function pressure_of
 
    !> What a position adds to the sums.
    pure subroutine add_position(state, lag, n, total)
@@ -335,8 +332,6 @@ contains
       type(static_sum), intent(inout) :: total
 
       total%mean = total%mean + lag/n
-      total%lowest = min(total%lowest, lag)
-      total%highest = max(total%highest, lag)
       total%secant = total%secant + total%force/(state%h - state%h_0)/n
       total%tangent = total%tangent + state%stiffness/n
       total%carrying = total%carrying + count(state%potential%answer%force(:state%n) > 0)/real(n, wp)

@@ -7,6 +7,7 @@ module evl_static_outputs
    use evl_mesh_geometry, only: spur_pair_t
    use evl_output, only: dims_harmonic, dims_none, dims_position, dims_position_pair, output_t
    use evl_pair_place, only: by_a, by_b, edge_of
+   use evl_static_extremes, only: extremes_t
    use evl_static_mesh, only: static_state
    use evl_teller, only: begin, take_rows, tell, teller_t
    implicit none (type, external)
@@ -25,11 +26,12 @@ module evl_static_outputs
    type :: static_sum
       real(wp) :: torque = 0.0_wp, force = 0.0_wp !! of the driving wheel; of the teeth [N m], [N]
       real(wp) :: line_load = 0.0_wp             !! force over the width [N/m]
-      real(wp) :: mean = 0.0_wp, lowest = 0.0_wp, highest = 0.0_wp !! transmission error [m]
+      real(wp) :: mean = 0.0_wp                  !! transmission error [m]
       real(wp) :: secant = 0.0_wp, tangent = 0.0_wp !! mean stiffnesses [N/m]
       real(wp) :: per_width = 0.0_wp             !! the mean secant stiffness over the width [Pa]
       real(wp) :: carrying = 0.0_wp              !! mean number of pairs that carry
-      real(wp) :: share = 0.0_wp, pressure = 0.0_wp, edge_force = 0.0_wp !! the largest [1], [Pa], [N]
+      type(extremes_t) :: extremes
+      real(wp) :: share = 0.0_wp                 !! the largest force of a pair over that of the teeth [1]
       real(wp) :: single = 0.0_wp                !! stiffness of one pair at the pitch point, per width [Pa]
       real(wp) :: iso_single = 0.0_wp, iso = 0.0_wp !! c' and c_gamma of ISO 6336-1 [Pa]
    end type static_sum
@@ -141,15 +143,18 @@ contains
       call tell(teller, "line_load", "N m-1", "w", "this force over the common width", total%line_load)
       call tell(teller, "mean_transmission_error", "m", "h_m", "mean transmission error over the positions", total%mean)
       call tell(teller, "peak_to_peak_transmission_error", "m", "h_pp", "largest less smallest transmission error", &
-                total%highest - total%lowest)
+                total%extremes%highest_h - total%extremes%lowest_h)
       call tell(teller, "mean_secant_stiffness", "N m-1", "k_s", "mean of F/(h - h_0), the transmission error that load adds", &
                 total%secant)
       call tell(teller, "mean_tangent_stiffness", "N m-1", "k_t", "mean of dF/dh at rest of the driving wheel", total%tangent)
       call tell(teller, "loaded_contact_ratio", "1", "eps_F", "mean number of tooth pairs that carry", total%carrying)
       call tell(teller, "largest_force_share", "1", "", "largest force share of a tooth pair", total%share)
       call tell(teller, "largest_contact_pressure", "Pa", "p_max", &
-                "largest contact pressure of all pairs that have one; on sharp tip edges there is none", total%pressure)
-      call tell(teller, "largest_edge_force", "N", "", "largest force that a tip edge carries", total%edge_force)
+                "largest contact pressure of all pairs that have one; on sharp tip edges there is none", &
+                total%extremes%pressure)
+      call tell(teller, "largest_edge_force", "N", "", "largest force that a tip edge carries", total%extremes%edge_force)
+      call tell(teller, "smallest_tangent_stiffness", "N m-1", "k_t,min", "smallest tangent stiffness", total%extremes%softest)
+      call tell(teller, "largest_tangent_stiffness", "N m-1", "k_t,max", "largest tangent stiffness", total%extremes%stiffest)
       call tell(teller, "mesh_stiffness_per_width", "Pa", "k_s/b", "mean secant stiffness over the common width", total%per_width)
       call tell(teller, "pair_stiffness_per_width", "Pa", "k_1/b", &
                 "secant stiffness of one pair alone at the pitch point, over the width", total%single)

@@ -15,7 +15,7 @@ module evl_root_kinds
 
    public :: past, root_of, root_row, root_rows
    public :: moves_flanks, moves_friction, moves_pair, moves_side, moves_zone_a, moves_zone_b
-   public :: n_discrete, n_held, n_root_kinds, n_sides, side_of_rate
+   public :: n_discrete, n_held, n_root_kinds, n_sides, side_of_rate, tie
    public :: live_bends_a, live_bends_b, live_loaded, live_on_path, live_one_sided, live_touching
    public :: measures_force, measures_nothing, measures_penetration, measures_rate, measures_sliding
    public :: settles_alone, settles_contact, settles_never, settles_sliding
@@ -23,7 +23,11 @@ module evl_root_kinds
    !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
    real(wp), parameter :: past = 1.0e-10_wp
 
-   !> The same for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing there, and
+   !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
+   !> less than roots lie past a change of mode.
+   real(wp), parameter :: tie = past/2
+
+   !> The same as `past` for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing there, and
    !> it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
    real(wp), parameter :: standstill = 1.0e-6_wp
 

@@ -5,7 +5,7 @@
 !> times the force: dU/drho_A = F, with what the friction of wheels that creep takes of it. h is the transmission error, by which
 !> the driven wheel lags along the line of action: rho_A + rho_B = rho + h.
 module evl_static_mesh
-   use evl_coupled_pairs, only: most_pairs
+   use evl_coupled_pairs, only: most_pairs, overlaps
    use evl_deviating_flanks, only: flank_value
    use evl_flank_deviation, only: flank_slope
    use evl_flank_potential, only: find_potential, flank_potential, force_changes_of_places, second_derivatives
@@ -74,6 +74,7 @@ module evl_static_mesh
       type(pair_place) :: places(most_pairs)
       type(flank_value) :: lacks(2, most_pairs)
       type(flank_potential) :: potential
+      real(wp) :: overlap(most_pairs) = 0.0_wp   !! penetration less what the other pairs open: > 0 of a pair that carries [m]
       real(wp) :: friction(most_pairs) = 0.0_wp  !! along t on A [N]
       real(wp) :: held = 0.0_wp                  !! torque about the driving axle over its base radius [N]
    end type static_state
@@ -81,12 +82,13 @@ module evl_static_mesh
 contains
 
    !> The mesh under a force.
-   subroutine solve_static(mesh, rho_a, force, state, status)
+   subroutine solve_static(mesh, rho_a, force, state, status, guess)
       type(static_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a !! of pair 0 [m]
       real(wp), intent(in) :: force !! torque about the driving axle over its base radius, > 0 [N]
       type(static_state), intent(out) :: state
       type(status_t), intent(inout) :: status
+      real(wp), intent(in), optional :: guess !! transmission error of a position nearby [m]
       real(wp) :: low, high, h, off, h_0
       integer :: turn
 
@@ -95,6 +97,7 @@ contains
       low = h_0
       high = h_0
       h = h_0 + 40*force/(mesh%e_star*mesh%width) ! about what two teeth yield
+      if (present(guess)) h = merge(guess, h, guess > h_0)
       do turn = 1, most_turns
          call look(mesh, rho_a, h, state, status)
          if (has_failed(status)) return
@@ -217,6 +220,7 @@ contains
                       //": the compliances of the wheels do not fit together")
             return
          end if
+         call overlaps(n, state%places(:n)%h, compliance%c, state%potential%answer, state%overlap)
          second = second_derivatives(n, state%places(:n), state%feet(:n), compliance, mesh%e_star, mesh%width, state%potential)
          state%stiffness = second(by_a, by_b)
          state%held = state%potential%gradient(by_a)

@@ -2,7 +2,7 @@
 module evl_contact_events
    use evl_closed_form, only: points_from_closed_form
    use evl_contact_modes, only: mode_at
-   use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides
+   use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides, is_past
    use evl_contacts_at_state, only: flank_place, look_at, place_contact
    use evl_damping_law, only: no_viscous
    use evl_discrete_state, only: gearbox_store_mode, pairs_with, take_mode
@@ -16,7 +16,7 @@ module evl_contact_events
    use evl_local_variables, only: n_local, n_track
    use evl_pair_place, only: by_a, by_b
    use evl_root_kinds, only: live_bends_a, live_bends_b, moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, &
-                             n_sides, root_of, root_rows
+                             n_sides, root_of, root_rows, tie
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: contact_mode, contact_state, edge_wheel, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
                                 flanks_unloaded, line_length, settle_friction, settle_zones, tooth_contact_t, touches, unclipped
@@ -108,7 +108,7 @@ contains
          end if
          if (changed) call change_pair(contact, forward, mode, now%log)
          if (contact%deviates) call change_zones(gearbox, m, changed, fired, now%y, now%integers, at, now%log)
-         if (changed .or. any(fired .and. moves_zone)) call place_contact(gearbox, m, now%y, now%integers, place, at)
+         if (changed .and. .not. contact%deviates) call place_contact(gearbox, m, now%y, now%integers, place, at)
          if (entered) then
             call enter(gearbox, m, first, last, now%integers, at, now%log, status)
             if (contact%has_edges .and. touches(mode)) call past_reach(gearbox, m, at(m), status)
@@ -214,29 +214,45 @@ contains
       end associate
    end subroutine enter
 
-   !> The contact passed the border of a relief, or lies on the flanks of another pair.
-   pure subroutine change_zones(gearbox, m, changed, fired, y, integers, at, log)
+   !> The contact passed the border of a zone, or lies on the flanks of another pair. A zone may be empty: a relief that is shorter
+   !> than its corner reaches ends where it begins. Then the contact is past the border behind it too, and crosses both here.
+   subroutine change_zones(gearbox, m, changed, fired, y, integers, at, log)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(gearbox%n_integers)
-      logical, intent(in) :: changed, fired(:)
+      logical, intent(in) :: changed, fired(n_root_kinds)
       real(wp), intent(in) :: y(gearbox%n_states)
       type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
       type(flank_place) :: place
-      integer :: event
+      logical, dimension(n_root_kinds) :: crossed, passed
+      real(wp) :: roots(n_root_kinds)
+      integer :: directions(n_root_kinds), event, i
 
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          if (changed) then
             call place_contact(gearbox, m, y, integers, place, at)
             call settle_zones(contact, line_length(contact, at(m)%q), at(m)%point, mode)
-         else if (any(fired .and. moves_zone)) then
-            event = event_at(contact, mode, findloc(fired .and. moves_zone, .true., dim=1, back=.true.))
-            call change_zone(contact%deviation_a, contact%tips(by_a), fired([root_of%tip_a, root_of%tip_corner_a]), &
-                             fired([root_of%root_a, root_of%root_corner_a]), fired(root_of%end_a:root_of%edge_a), mode%zone_a)
-            call change_zone(contact%deviation_b, contact%tips(by_b), fired([root_of%tip_b, root_of%tip_corner_b]), &
-                             fired([root_of%root_b, root_of%root_corner_b]), fired(root_of%end_b:root_of%edge_b), mode%zone_b)
-            call note(log, event, contact, mode%tooth_pair)
+            call place_contact(gearbox, m, y, integers, place, at)
+            return
          end if
+         crossed = .false.
+         passed = fired .and. moves_zone
+         do while (any(passed))
+            crossed = crossed .or. passed
+            event = event_at(contact, mode, findloc(passed, .true., dim=1, back=.true.))
+            call change_zone(contact%deviation_a, contact%tips(by_a), passed([root_of%tip_a, root_of%tip_corner_a]), &
+                             passed([root_of%root_a, root_of%root_corner_a]), passed(root_of%end_a:root_of%edge_a), mode%zone_a)
+            call change_zone(contact%deviation_b, contact%tips(by_b), passed([root_of%tip_b, root_of%tip_corner_b]), &
+                             passed([root_of%root_b, root_of%root_corner_b]), passed(root_of%end_b:root_of%edge_b), mode%zone_b)
+            call note(log, event, contact, mode%tooth_pair)
+            call place_contact(gearbox, m, y, integers, place, at)
+            call contact_roots(gearbox%flanks(contact%i_flank)%flank, contact, at(m), directions, roots)
+            passed = .false.
+            do i = 1, contact%n_roots
+               passed(contact%roots(i)) = is_past(directions(i), roots(i), -tie)
+            end do
+            passed = passed .and. moves_zone .and. .not. crossed
+         end do
       end associate
    end subroutine change_zones
 

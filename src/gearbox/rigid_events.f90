@@ -14,8 +14,8 @@ module evl_rigid_events
    use evl_local_variables, only: n_local
    use evl_rigid_contact, only: rigid_acceleration, rigid_constraint
    use evl_rigid_forces, only: impact, open_flank, set_multipliers
-   use evl_root_kinds, only: n_root_kinds, past, root_of
-   use evl_settle_modes, only: located, settle_modes, tie
+   use evl_root_kinds, only: n_root_kinds, past, root_of, tie
+   use evl_settle_modes, only: located, settle_modes
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
    use evl_tooth_contact, only: contact_state, flanks_open, tooth_contact_t
    implicit none (type, external)

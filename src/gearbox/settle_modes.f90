@@ -10,17 +10,14 @@ module evl_settle_modes
    use evl_event_log, only: moment_t
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
-   use evl_root_kinds, only: n_root_kinds, past, root_of, root_rows, settles_alone, settles_contact, settles_sliding
+   use evl_root_kinds, only: n_root_kinds, root_of, root_rows, settles_alone, settles_contact, settles_sliding, tie
    use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_mesh
    use evl_tooth_contact, only: contact_state, flanks_open, tooth_contact_t, touches, tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: located, most_settling, settle_modes, tie
+   public :: located, most_settling, settle_modes
 
-   !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
-   !> less than roots lie past a change of mode.
-   real(wp), parameter :: tie = past/2
    !> How far from zero a root function may be that was located there, in its own units.
    real(wp), parameter :: located = 1.0e-8_wp
    integer, parameter :: most_settling = 8 !! looks at all contacts; a jump of speeds needs three

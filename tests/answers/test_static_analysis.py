@@ -131,9 +131,7 @@ def test_curve_is_that_of_the_other_program(
     curve = curve_of(gearbox, load * 1e3, points=720)
     h = curve.transmission_error
     assert curve.mean_transmission_error * 1e6 == pytest.approx(known.mean, rel=2e-4)
-    assert curve.peak_to_peak_transmission_error * 1e6 == pytest.approx(
-        known.peak_to_peak, rel=5e-4
-    )
+    assert np.ptp(h) * 1e6 == pytest.approx(known.peak_to_peak, rel=5e-4)
     for values, expected in (
         (curve.secant_stiffness, known.secant),
         (curve.tangent_stiffness, known.tangent),
@@ -146,13 +144,19 @@ def test_curve_is_that_of_the_other_program(
         assert shares[place] == pytest.approx(share, rel=1.5e-3)
 
 
+def exceeds(extreme: float, of_positions: float, by: float = 0.02) -> bool:
+    """Whether an extreme, found between positions too, is a little beyond that of the positions."""
+    rounding = 1e-9 * abs(of_positions)
+    return -rounding <= extreme - of_positions <= by * abs(of_positions)
+
+
 def test_numbers_of_a_torque_are_those_of_its_curve(fifty: Gearbox):
     curve = curve_of(fifty, 150e3)
     geometry = fifty.mesh_geometry()
     h, force = curve.transmission_error, curve.tooth_force
     assert curve.line_load == pytest.approx(150e3, rel=1e-14)
     assert curve.mean_transmission_error == pytest.approx(h.mean(), rel=1e-13)
-    assert curve.peak_to_peak_transmission_error == pytest.approx(np.ptp(h), rel=1e-11)
+    assert exceeds(curve.peak_to_peak_transmission_error, np.ptp(h))
     np.testing.assert_allclose(curve.secant_stiffness, force / h, rtol=1e-14)
     loaded = force / (h - curve.free_transmission_error)
     np.testing.assert_allclose(curve.loaded_secant_stiffness, loaded, rtol=1e-13)
@@ -171,10 +175,12 @@ def test_numbers_of_a_torque_are_those_of_its_curve(fifty: Gearbox):
     np.testing.assert_array_equal(curve.loaded_pairs, carries.sum(1))
     np.testing.assert_array_equal(carries, curve.pair_contact_kind != NO_FORCE)
     assert curve.loaded_contact_ratio == pytest.approx(carries.sum(1).mean(), rel=1e-13)
-    assert curve.largest_force_share == curve.force_share.max()
-    assert curve.largest_contact_pressure == np.nanmax(curve.pair_contact_pressure)
+    assert exceeds(curve.largest_force_share, curve.force_share.max())
+    assert exceeds(curve.largest_contact_pressure, np.nanmax(curve.pair_contact_pressure))
     on_edge = curve.pair_contact_kind > ON_FLANKS
-    assert curve.largest_edge_force == curve.pair_normal_force[on_edge].max()
+    assert exceeds(curve.largest_edge_force, curve.pair_normal_force[on_edge].max())
+    assert exceeds(-curve.smallest_tangent_stiffness, -curve.tangent_stiffness.min())
+    assert exceeds(curve.largest_tangent_stiffness, curve.tangent_stiffness.max())
     np.testing.assert_array_equal(curve.force_share, curve.pair_normal_force / force)
     total = curve.pair_normal_force.sum(1)
     # but for the work of loads that move over teeth that yield, 1e-4 of it, and the shorter arm of
@@ -254,7 +260,7 @@ def test_rounded_edges_have_the_pressure_of_their_rounding(kernel: Kernel):
         line = force[on_edge] / geometry.common_width
         hertz = np.sqrt(line * geometry.effective_modulus / np.pi * curvature)
         np.testing.assert_allclose(curve.pair_contact_pressure[on_edge], hertz, rtol=1e-9)
-    assert curve.largest_contact_pressure == np.nanmax(curve.pair_contact_pressure)
+    assert exceeds(curve.largest_contact_pressure, np.nanmax(curve.pair_contact_pressure))
 
 
 # Meshes without compliance
@@ -407,7 +413,7 @@ def test_relief_lowers_the_peaks_at_its_load(kernel: Kernel):
     ease = [deviations(tip_relief=relief(8e-6, diameter=d)) for d in (0.0608, 0.1048)]
     plain = curve_of(pair(kernel), 150e3)
     eased = curve_of(pair(kernel, deviation=tuple(ease)), 150e3)
-    assert eased.largest_edge_force < 0.05 * plain.largest_edge_force
+    assert eased.largest_edge_force < 0.06 * plain.largest_edge_force
     assert eased.peak_to_peak_transmission_error < 0.3 * plain.peak_to_peak_transmission_error
 
 
@@ -477,12 +483,14 @@ def test_largest_force_of_a_pair_is_that_of_the_curve(
     torque = sense * 100.0
     curve = static_curve(gearbox, torque, points=100)
     forces = curve.pair_normal_force.max(axis=1).reshape(-1, 100).max(axis=1)
-    assert pair_force_at_rest(gearbox, torque) == pytest.approx(forces.max(), rel=1e-9)
+    assert exceeds(pair_force_at_rest(gearbox, torque), forces.max())
+    largest = curve.largest_force_share * curve.tooth_force
+    assert pair_force_at_rest(gearbox, torque) == pytest.approx(largest, rel=1e-5)
     assert curve.largest_force_share == pytest.approx(share, rel=0.1)
     n = len(forces)
     for first, pitches in [(3, 2), (-1, 1), (5 * n + 1, 2)]:
         some = forces[(first + np.arange(pitches)) % n].max()
-        assert pair_force_at_rest(gearbox, torque, first, pitches) == pytest.approx(some, rel=1e-9)
+        assert exceeds(pair_force_at_rest(gearbox, torque, first, pitches), some)
 
 
 def test_largest_force_is_known_however_many_pairs_meet(kernel: Kernel):
@@ -498,7 +506,8 @@ def test_largest_force_is_known_however_many_pairs_meet(kernel: Kernel):
     with pytest.raises(GearboxError, match="more than 500000 positions"):
         static_plan(gearbox, points=100)
     some = [pair_force_at_rest(gearbox, 100.0, first, 1) for first in range(-2, 2)]
-    assert pair_force_at_rest(gearbox, 100.0, -2, 4) == max(some) > min(some)
+    assert pair_force_at_rest(gearbox, 100.0, -2, 4) == pytest.approx(max(some), rel=1e-5)
+    assert max(some) > min(some)
 
 
 @pytest.mark.parametrize(("torque", "says"), [(0.0, "presses no flanks"), (np.nan, "presses no")])

@@ -99,8 +99,9 @@ def test_histories_and_stacks_tell_what_they_are(
 def test_values_are_those_of_the_summary(curves: xr.Dataset) -> None:
     h = curves["transmission_error"]
     np.testing.assert_allclose(curves["mean_transmission_error"], h.mean("position"), rtol=1e-12)
-    spread = h.max("position") - h.min("position")
-    np.testing.assert_allclose(curves["peak_to_peak_transmission_error"], spread, rtol=1e-9)
+    spread = h.max("position") - h.min("position")  # extremes lie between positions
+    np.testing.assert_allclose(curves["peak_to_peak_transmission_error"], spread, rtol=1e-2)
+    assert (curves["peak_to_peak_transmission_error"] >= spread * (1 - 1e-9)).all()
     spectrum = 2 * np.abs(np.fft.rfft(h, axis=1))[:, 1:11] / 200
     np.testing.assert_allclose(curves["harmonic_amplitude"], spectrum, rtol=1e-6)
     # an edge of the driving wheel has a shorter arm than its base radius
@@ -354,3 +355,16 @@ def test_mean_modes_pass_places_without_a_steady_state(evolvent: Evolvent, case:
     ]
     low, high = sorted(modes[-1]["natural_frequency"] for modes in near)
     assert low < json.loads(mean.stdout)["modes"][-1]["natural_frequency"] < high
+
+
+def test_iso_stiffness_at_low_load_goes_by_the_tangential_load(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    """ISO 6336-1: below F_t K_A/b = 100 N/mm c' falls with the fourth root of that load."""
+    words = ("static", case, "--json", "-o", tmp_path / "x.h5")
+    told = json.loads(evolvent(*words, "--torque", "1:400:2").stdout)
+    radius = 0.003 * 19 / 2  # of the pinion's reference circle
+    width = told["common_width"]
+    low, high = told["iso_pair_stiffness_per_width"]
+    assert 400 / radius / width > 1e5  # of the second torque
+    assert low / high == pytest.approx((1 / radius / width / 1e5) ** 0.25, rel=1e-9)

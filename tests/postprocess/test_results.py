@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 from real_gears import RealPair
 from scipy.integrate import trapezoid
 
+from evolvent.physics.extremes import extremes
 from evolvent.physics.pair_places import place_of_pair
-from evolvent.physics.results import Answer, results
+from evolvent.physics.results import Answer, _largest, results
 from evolvent.units import quantity
 
 
@@ -31,7 +33,24 @@ def test_the_largest_of_a_quantity_with_both_signs_is_the_farthest_from_0(fricti
     friction = friction_run.history["friction_force"].values[:, 0]
     farthest = friction[np.abs(friction).argmax()]
     told = texts(results(friction_run.history).largest, "largest friction force")
-    assert told == [quantity(float(farthest), "N", 4)]
+    assert told == [quantity(abs(float(farthest)), "N", 4)]
+
+
+def test_the_largest_sliding_velocity_is_that_of_a_pair_that_carries():
+    """Not of the leading pair alone, nor of a pair that waits off the path."""
+    pair = RealPair()
+    length = pair.path[1] - pair.path[0]
+    of_pairs = pair.history(np.linspace(0.0, length / pair.base[0], 41))
+    force = of_pairs["pair_normal_force"]
+    slides = xr.where(force > 0, 1.0, 9.0)
+    slides[20, 0, 0] = -3.0  # of pair 0
+    extreme = {"sliding_velocity": (("time", "mesh"), np.full((41, 1), -2.0))}
+    slides = slides.transpose(*force.dims).assign_attrs(units="m s-1")
+    history = of_pairs.assign(pair_sliding_velocity=slides, **extreme)
+    found = {answer.label: answer for answer in _largest(history, extremes(history))}
+    (cell,) = found["largest sliding velocity"].cells
+    assert cell.text == quantity(3.0, "m/s", 4)
+    assert cell.where.startswith(f"at {quantity(20.0, 's', 5)}, tooth pair 0")
 
 
 def test_without_a_window_means_and_factors_are_of_the_whole_run_and_say_so(friction_run):

@@ -37,9 +37,9 @@ class PairPlace:
 def place_of_pair(
     history: xr.Dataset, mesh: int, time: float, output: str = "pair_normal_force"
 ) -> PairPlace | None:
-    """Find the tooth pair of a mesh whose output is largest at a time, and where it touches.
+    """Find the carrying tooth pair of a mesh whose output is largest at a time, and its position.
 
-    The pair is that of the nearest output in which one has a value; its place is interpolated
+    The pair is that of the nearest output in which one has a value; its position is interpolated
     between two outputs that both have it. None where no pair has a value other than 0, or the
     history tells no pairs.
 
@@ -56,7 +56,8 @@ def place_of_pair(
     behind = int(np.clip(np.searchsorted(times, time), 1, max(times.size - 1, 1)))
     rows = sorted({behind - 1, min(behind, times.size - 1)}, key=lambda r: abs(times[r] - time))
     for row in rows:
-        size = np.nan_to_num(np.abs(history[output][row, mesh].values))
+        carries = history["pair_normal_force"][row, mesh].values > 0
+        size = np.where(carries, np.nan_to_num(np.abs(history[output][row, mesh].values)), 0.0)
         slot = int(np.argmax(size))
         if size[slot] > 0:
             break

@@ -39,8 +39,10 @@ LARGEST = {
     "penetration": "penetration of the flanks",
     "friction_force": "friction force",
     "sliding_velocity": "sliding velocity",
+    "pair_sliding_velocity": "sliding velocity",
 }
-
+OF_PAIRS = "pair_sliding_velocity"  # takes the place of that of a mesh where a history has it
+ABSOLUTE = (*SIGNED, OF_PAIRS)
 
 ONLY_IF_ANY = ("impacts", "rattle_index")
 SHARED = "pair_normal_force"  # that of the mesh where there is one pair
@@ -139,16 +141,42 @@ def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
     found: dict[str, list[Extreme]] = {}
     for extreme in told:
         found.setdefault(extreme.output, []).append(extreme)
+    if told and OF_PAIRS in history and SHARED in history:
+        found[OF_PAIRS] = [_largest_sliding(history), *found.pop("sliding_velocity", [])]
     for output, label in LARGEST.items():
         if output not in found or (output == SHARED and history.sizes["pair"] == 1):
             continue
         cells = []
         for mesh in range(history.sizes["mesh"]):
             ends = [(float(e.value[mesh]), float(e.time[mesh])) for e in found[output]]
-            cells.append(_extreme_cell(history, output, mesh, *max(ends, key=_size)))
+            value, time = max(ends, key=_size)
+            value = abs(value) if output in ABSOLUTE else value
+            cells.append(_extreme_cell(history, output, mesh, value, time))
         symbol = str(history[output].attrs.get("symbol", ""))
-        symbol = f"| {symbol} |" if output in SIGNED else symbol
+        symbol = f"| {symbol} |" if output in ABSOLUTE else symbol
         yield Answer(f"largest {label}", f"max {symbol}", tuple(cells))
+
+
+def _largest_sliding(history: xr.Dataset) -> Extreme:
+    """Find the largest sliding velocity of the tooth pairs that carry, of the outputs.
+
+    The output `sliding_velocity` of a mesh is that of its leading pair, another one may slide
+    faster.
+    """
+    import xarray as xr
+
+    run = recording_of(history)
+    n = history.sizes["mesh"]
+    best, when = np.zeros(n), np.full(n, float(run["time"][0]))
+    for part in run.parts():
+        size = np.where(part[SHARED] > 0, np.abs(part[OF_PAIRS]), 0.0)
+        size = np.fmax.reduce(np.nan_to_num(size), axis=2)
+        rows = size.argmax(axis=0)
+        found = size[rows, np.arange(n)]
+        is_new = found > best
+        best, when = np.where(is_new, found, best), np.where(is_new, part["time"][rows], when)
+    value, time = (xr.DataArray(one, dims="mesh") for one in (best, when))
+    return Extreme(OF_PAIRS, True, False, value, time)
 
 
 def _size(extreme: tuple[float, float]) -> float:

@@ -1,0 +1,245 @@
+!> The search for the extremes of a mesh at rest: what is found so far, and the candidates for more.
+!>
+!> A parabola through three neighbouring positions, between which no border lies, shows where an extreme may exceed those found so
+!> far. There the mesh is solved, until the extreme does not move.
+module evl_static_search
+   use evl_kinds, only: wp
+   use evl_static_mesh, only: solve_static, static_mesh_t, static_state
+   use evl_static_node, only: n_quantities, node_of, of_force, of_h, of_less_h, quantity_at, static_node
+   use evl_status, only: has_failed, status_t
+   use evl_tooth_contact, only: tooth_contact_t
+   implicit none (type, external)
+   private
+
+   public :: close, follow_candidates, list_candidates, record, rho_at, solve_at, static_search, vertex
+
+   real(wp), parameter :: close = 1.0e-9_wp   !! pitches between both sides of a border that is located
+   real(wp), parameter :: enough = 1.0e-6_wp  !! of an extreme, of the range of h: what it has to exceed another one by
+   integer, parameter :: most_steps = 12      !! to an extreme
+
+   !> Three neighbours between which a quantity may exceed its extreme.
+   type :: candidate_t
+      integer :: quantity = 0, pair = 0
+      type(static_node) :: nodes(3)
+      real(wp) :: most = 0.0_wp !! what it may reach
+   end type candidate_t
+
+   !> A search under way.
+   type :: static_search
+      type(tooth_contact_t), pointer :: contact => null()
+      type(static_mesh_t), pointer :: mesh => null()
+      real(wp) :: rho_a = 0.0_wp !! of pair 0 at position 0 [m]
+      integer :: turns = 1       !! sense in which it moves
+      real(wp) :: force = 0.0_wp !! of the teeth [N]
+      real(wp) :: at = 0.0_wp    !! position that was solved last [pitches]
+      real(wp) :: records(n_quantities) = -huge(1.0_wp)
+      type(static_node) :: piece(3) !! the last nodes of the present piece
+      integer :: n_in_piece = 0     !! how many of them there are, at most 3
+      integer :: n_candidates = 0
+      type(candidate_t), allocatable :: candidates(:)
+   end type static_search
+
+contains
+
+   !> rho_A of pair 0 at a position [m].
+   pure real(wp) function rho_at(self, x)
+      type(static_search), intent(in) :: self
+      real(wp), intent(in) :: x
+
+      rho_at = self%rho_a + self%turns*(x*self%mesh%base_pitch)
+   end function rho_at
+
+   !> The mesh at a position between two others.
+   subroutine solve_at(self, x, left, right, node, status)
+      type(static_search), intent(inout) :: self
+      real(wp), intent(in) :: x
+      type(static_node), intent(in) :: left, right
+      type(static_node), intent(out) :: node
+      type(status_t), intent(inout) :: status
+      type(static_state) :: state
+
+      self%at = x
+      if (self%mesh%reach > 0) then
+         call solve_static(self%mesh, rho_at(self, x), self%force, state, status, &
+                           left%h + (right%h - left%h)*(x - left%x)/(right%x - left%x))
+      else ! two states may be possible at an end of the path: the one that positions have
+         call solve_static(self%mesh, rho_at(self, x), self%force, state, status)
+      end if
+      if (.not. has_failed(status)) node = node_of(x, rho_at(self, x), self%turns, self%contact, self%mesh, state)
+   end subroutine solve_at
+
+   !> The vertex of a parabola that has a maximum.
+   pure subroutine vertex(x, f, at, most, interval)
+      real(wp), intent(in) :: x(3), f(3)
+      real(wp), intent(out) :: at, most
+      integer, intent(out) :: interval !! 1 or 2: between which it lies; 0: nowhere
+      real(wp) :: bend, slope
+
+      interval = 0
+      at = x(2)
+      most = maxval(f)
+      slope = (f(2) - f(1))/(x(2) - x(1))
+      bend = ((f(3) - f(2))/(x(3) - x(2)) - slope)/(x(3) - x(1))
+      if (.not. bend < 0) return
+      at = (x(1) + x(2))/2 - slope/(2*bend)
+      if (.not. (x(1) < at .and. at < x(3))) return
+      most = max(most, f(1) + (at - x(1))*(slope + bend*(at - x(2))))
+      interval = merge(1, 2, at < x(2))
+   end subroutine vertex
+
+   !> Follow the candidates, the most promising one first, until none may exceed an extreme.
+   subroutine follow_candidates(self, status)
+      type(static_search), intent(inout) :: self
+      type(status_t), intent(inout) :: status
+      type(candidate_t) :: candidate
+      integer :: i, best
+
+      do
+         best = 0
+         do i = 1, self%n_candidates
+            if (.not. may_exceed(self, self%candidates(i)%quantity, self%candidates(i)%most)) cycle
+            if (best > 0) then
+               if (gain(self, self%candidates(i)) <= gain(self, self%candidates(best))) cycle
+            end if
+            best = i
+         end do
+         if (best == 0) exit
+         candidate = self%candidates(best)
+         self%candidates(best) = self%candidates(self%n_candidates)
+         self%n_candidates = self%n_candidates - 1
+         call follow(self, candidate, status)
+         if (has_failed(status)) return
+      end do
+   end subroutine follow_candidates
+
+   !> What a node has of the extremes.
+   pure subroutine record(self, node)
+      type(static_search), intent(inout) :: self
+      type(static_node), intent(in) :: node
+      integer :: i, quantity
+
+      do quantity = 1, of_force - 1
+         self%records(quantity) = max(self%records(quantity), quantity_at(node, quantity, 0))
+      end do
+      do quantity = of_force, n_quantities
+         do i = 1, node%n
+            self%records(quantity) = max(self%records(quantity), quantity_at(node, quantity, node%numbers(i)))
+         end do
+      end do
+   end subroutine record
+
+   !> Whether a value would exceed an extreme by more than matters.
+   pure logical function may_exceed(self, quantity, value)
+      type(static_search), intent(in) :: self
+      integer, intent(in) :: quantity
+      real(wp), intent(in) :: value
+
+      may_exceed = value > self%records(quantity) + enough*scale_of(self, quantity)
+   end function may_exceed
+
+   !> What a part of an extreme is measured by: its value, of h the range.
+   pure real(wp) function scale_of(self, quantity) result(scale)
+      type(static_search), intent(in) :: self
+      integer, intent(in) :: quantity
+
+      scale = abs(self%records(quantity))
+      if (quantity <= of_less_h) scale = self%records(of_h) + self%records(of_less_h)
+   end function scale_of
+
+   !> By how much a candidate may exceed its extreme, over its scale.
+   pure real(wp) function gain(self, candidate)
+      type(static_search), intent(in) :: self
+      type(candidate_t), intent(in) :: candidate
+
+      associate (quantity => candidate%quantity)
+         gain = (candidate%most - self%records(quantity))/max(scale_of(self, quantity), tiny(gain))
+      end associate
+   end function gain
+
+   !> List what may exceed an extreme between three nodes of a piece.
+   subroutine list_candidates(self, nodes)
+      type(static_search), intent(inout) :: self
+      type(static_node), intent(in) :: nodes(3)
+      integer :: i, quantity
+
+      do quantity = 1, of_force - 1
+         call list_candidate(self, nodes, quantity, 0)
+      end do
+      do i = 1, nodes(2)%n
+         if (.not. nodes(2)%force(i) > 0) cycle
+         do quantity = of_force, n_quantities
+            call list_candidate(self, nodes, quantity, nodes(2)%numbers(i))
+         end do
+      end do
+   end subroutine list_candidates
+
+   !> List one of them.
+   subroutine list_candidate(self, nodes, quantity, pair)
+      type(static_search), intent(inout) :: self
+      type(static_node), intent(in) :: nodes(3)
+      integer, intent(in) :: quantity, pair
+      type(candidate_t), allocatable :: more(:)
+      type(candidate_t) :: found
+      real(wp) :: values(3), x
+      integer :: i, interval
+
+      values = [(quantity_at(nodes(i), quantity, pair), i=1, 3)]
+      call vertex(nodes%x, values, x, found%most, interval)
+      if (interval == 0) return
+      found%most = found%most + (found%most - maxval(values))
+      if (.not. may_exceed(self, quantity, found%most)) return
+      found%quantity = quantity
+      found%pair = pair
+      found%nodes = nodes
+      if (.not. allocated(self%candidates)) allocate (self%candidates(16))
+      if (self%n_candidates == size(self%candidates)) then
+         allocate (more(2*size(self%candidates)))
+         more(:self%n_candidates) = self%candidates
+         call move_alloc(more, self%candidates)
+      end if
+      self%n_candidates = self%n_candidates + 1
+      self%candidates(self%n_candidates) = found
+   end subroutine list_candidate
+
+   !> Go to the extreme between three nodes by the vertices of parabolas.
+   subroutine follow(self, candidate, status)
+      type(static_search), intent(inout) :: self
+      type(candidate_t), intent(in) :: candidate
+      type(status_t), intent(inout) :: status
+      type(static_node) :: nodes(3), node
+      real(wp) :: values(3), most, x
+      integer :: best, i, interval, step
+
+      nodes = candidate%nodes
+      do step = 1, most_steps
+         values = [(quantity_at(nodes(i), candidate%quantity, candidate%pair), i=1, 3)]
+         call vertex(nodes%x, values, x, most, interval)
+         if (interval == 0) return
+         most = most + (most - maxval(values))
+         if (.not. may_exceed(self, candidate%quantity, most)) return
+         if (minval(abs(x - nodes%x)) <= close) return
+         call solve_at(self, x, nodes(1), nodes(3), node, status)
+         if (has_failed(status)) return
+         call record(self, node)
+         best = maxloc(values, dim=1)
+         if (best /= 2 .or. quantity_at(node, candidate%quantity, candidate%pair) > values(2)) then ! between its neighbours
+            nodes = merge_three(nodes(interval), node, nodes(interval + 1))
+         else if (interval == 1) then
+            nodes = merge_three(node, nodes(2), nodes(3))
+         else
+            nodes = merge_three(nodes(1), nodes(2), node)
+         end if
+      end do
+   end subroutine follow
+
+   !> Three nodes as an array.
+   pure function merge_three(left, middle, right) result(nodes)
+      type(static_node), intent(in) :: left, middle, right
+      type(static_node) :: nodes(3)
+
+      nodes(1) = left
+      nodes(2) = middle
+      nodes(3) = right
+   end function merge_three
+
+end module evl_static_search
