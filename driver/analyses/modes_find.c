@@ -104,7 +104,7 @@ static bool linearise(const prepared_case *prepared, const dae_state *state, dou
 bool modes_read(const modes_request *request, modes_place *place, evl_error *error)
 {
     static const double most_pitches = 1e6;
-    *place = (modes_place){0.0, 0.0};
+    *place = (modes_place){0.0, NAN};
     return read_number("at", request->at, "s", HUGE_VAL, "the time must be a number of seconds, at least 0",
                        &place->time, error) &&
            read_number("mesh-position", request->mesh_position, NULL, most_pitches,

@@ -71,7 +71,6 @@ static void print_cell(FILE *stream, int width, int digits, double value)
 /** Which state it is. */
 static void print_what(FILE *stream, const modes_report *report)
 {
-    const char *first = case_description(report->file)->meshes[0];
     fprintf(stream, "Case %s, linearised ", case_path(report->file));
     switch (report->kind) {
     case MODES_AT:
@@ -81,10 +80,12 @@ static void print_what(FILE *stream, const modes_report *report)
         fputs("with the mean over one pitch of its steady states under load\n\n", stream);
         break;
     case MODES_STEADY:
-        fprintf(stream,
-                "at its steady state under load\n"
-                "A tooth pair of mesh %s would stand, unloaded, %.9g pitches from the start of contact\n\n",
-                first, report->mesh_position);
+        fputs("at its steady state under load\n", stream);
+        if (!isnan(report->mesh_position)) {
+            fprintf(stream, "The first mesh in the flow of power is %.9g pitches from the start of contact\n",
+                    report->mesh_position);
+        }
+        fputc('\n', stream);
         break;
     }
 }

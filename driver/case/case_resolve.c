@@ -7,6 +7,7 @@
 #include "case/case_check.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -205,6 +206,8 @@ static bool take_initial(const checker *checker, case_node *block, description *
             return false;
         }
     }
+    const case_node *position = node_get(block, "position");
+    initial->mesh_position = initial->kind != EVL_INITIAL_STEADY ? 0.0 : position == NULL ? NAN : node_number(position);
     if (initial->kind != EVL_INITIAL_STEADY) {
         double *values = pool_calloc(&description->pool, (size_t)description->n_meshes, sizeof *values);
         initial->gaps = values;

@@ -48,7 +48,8 @@ static const option_row rows[] = {
     {OPTION_TEXT, 0, "--at", "TIME", offsetof(modes_options, request.at),
      "integrate the case from its initial state to this time [s], or such as '20 ms', and linearise there"},
     {OPTION_TEXT, 0, "--mesh-position", "X", offsetof(modes_options, request.mesh_position),
-     "linearise where a tooth pair of the first mesh is X pitches from the start of contact; 0 if not given"},
+     "linearise where the first mesh in the flow of power is X pitches from the start of contact; inside a zone if not "
+     "given"},
     {OPTION_FLAG, 0, "--mean", NULL, offsetof(modes_options, request.mean),
      "linearise at all positions of the meshes and take the mean"},
     OPTION_ROW_SET(modes_options),

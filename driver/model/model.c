@@ -145,7 +145,9 @@ bool model_initial_state(const model *model, dae_state *state, model_message *er
 
 bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error)
 {
-    const evl_initial steady = {.kind = EVL_INITIAL_STEADY, .mesh_position = mesh_position};
+    const bool as_the_case = isnan(mesh_position) && model->initial.kind == EVL_INITIAL_STEADY;
+    const evl_initial steady = {.kind = EVL_INITIAL_STEADY,
+                                .mesh_position = as_the_case ? model->initial.mesh_position : mesh_position};
     return start(model, &steady, state, error);
 }
 

@@ -1,6 +1,6 @@
 !> The state at the start: rest, given speeds, or the steady state.
 module evl_gearbox_initial
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use evl_closed_form, only: closed_form_gap, points_from_closed_form
    use evl_contact_modes, only: mode_at, take_load
    use evl_contact_point, only: base_arc, contact_point
@@ -13,25 +13,30 @@ module evl_gearbox_initial
    use evl_knots, only: knots_passed
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, i_theta, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
-   use evl_row, only: row_t, type_choice, type_named
+   use evl_row, only: range_t, row_t, type_choice, type_named, type_number
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
-   use evl_steady_state, only: find_steady_state
+   use evl_steady_position, only: steady_place
+   use evl_steady_start, only: find_steady_start
+   use evl_steady_state, only: equilibrium_models, find_models, find_steady_state
    use evl_tooth_contact, only: contact_mode, contact_state, flank_coast, flanks_loaded, flanks_off, flanks_open, tooth_contact_t
    implicit none (type, external)
    private
 
    public :: initial_t, gearbox_start, gearbox_initial_speeds, settle_start
-   public :: initial_rest, initial_steady, initial_speeds
+   public :: initial_equilibrium, initial_rest, initial_steady, initial_speeds
 
    integer, parameter :: initial_rest = 0   !! nothing moves
-   integer, parameter :: initial_steady = 1 !! nothing accelerates
+   integer, parameter :: initial_steady = 1 !! steady motion under the loads
    integer, parameter :: initial_speeds = 2 !! given speeds
+   integer, parameter :: initial_equilibrium = -1 !! nothing accelerates at a position of the first mesh; not in a case
 
    real(wp), parameter :: rounding = 1.0e-14_wp  !! relative: speeds that differ less are the same
    real(wp), parameter :: touching = 1.0e-9_wp   !! gap over the penetration scale below which rigid flanks touch
    real(wp), parameter :: speed_agreement = 1.0e-12_wp !! relative: an initial and a prescribed speed that differ less agree
+
+   real(wp), parameter :: most_pitches = 1.0e6_wp !! position of a steady start
 
    ! what a case says of the start
    type(row_t), parameter, public :: initial_rows(*) = [ &
@@ -39,13 +44,15 @@ module evl_gearbox_initial
                                            words="rest steady speeds"), &
               row_t("speeds", type_named, "rad/s", "angular velocity of every wheel by name", required=.true., variants="speeds"), &
                  row_t("gaps", type_named, "m", "gap between the flanks of a mesh by name, 0 if not given; negative: penetration", &
-                                           default="{}", variants="rest speeds")]
+                                           default="{}", variants="rest speeds"), &
+                        row_t("position", type_number, "", "pitches of the first mesh from the start of contact; inside a zone if" &
+                                           //" not given", range=range_t(0.0_wp, most_pitches), variants="steady")]
 
    type :: initial_t
       integer :: kind = initial_rest       !! one of the kinds above
       real(wp), allocatable :: speeds(:)   !! of the wheels [rad/s], for initial_speeds; else size 0
       real(wp), allocatable :: gaps(:)     !! of the meshes [m]; size 0: all touch
-      real(wp) :: mesh_position = 0.0_wp   !! of a steady start: pitches of the first mesh from the start of contact
+      real(wp) :: mesh_position = 0.0_wp   !! of a steady start: pitches from the start of contact; NaN: a position inside a zone
    end type initial_t
 
 contains
@@ -76,6 +83,7 @@ contains
       integer, intent(out) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: reals(size(gearbox%contacts))
       type(status_t), intent(inout) :: status
+      type(equilibrium_models) :: models
       logical :: opened(size(gearbox%contacts))
       integer :: i
 
@@ -94,9 +102,15 @@ contains
       end associate
       call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
-      if (initial%kind == initial_steady) then
-         y(i_theta) = initial%mesh_position*gearbox%contacts(1)%base_pitch/gearbox%contacts(1)%pair%advance
-         call find_steady_state(gearbox, t, y, integers, reals, status)
+      if (initial%kind == initial_steady .and. ieee_is_nan(initial%mesh_position)) then
+         call find_steady_start(gearbox, t=t, y=y, integers=integers, reals=reals, status=status)
+      else if (initial%kind == initial_steady) then
+         call find_steady_start(gearbox, initial%mesh_position, t, y, integers, reals, status)
+      else if (initial%kind == initial_equilibrium) then
+         if (.not. ieee_is_nan(initial%mesh_position)) &
+            y(i_theta) = initial%mesh_position*gearbox%contacts(1)%base_pitch/gearbox%contacts(1)%pair%advance
+         call find_models(gearbox, models)
+         call find_steady_state(gearbox, models, steady_place(), t, y, integers, reals, status)
       else
          call set_speeds(gearbox, gearbox_initial_speeds(gearbox, initial), t, y, integers, status)
          if (has_failed(status)) return
@@ -108,7 +122,7 @@ contains
       call place_pairs(gearbox, y, integers)
       call settle_start(gearbox, t, y, integers, reals, status)
       if (has_failed(status)) return
-      if (initial%kind == initial_steady) reals = 0 ! it follows from no approach
+      if (any(initial%kind == [initial_steady, initial_equilibrium])) reals = 0 ! it follows from no approach
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
       if (has_failed(status)) return
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
@@ -120,7 +134,7 @@ contains
       type(initial_t), intent(in) :: initial
       type(status_t), intent(inout) :: status
 
-      if (all(initial%kind /= [initial_rest, initial_steady, initial_speeds])) then
+      if (all(initial%kind /= [initial_rest, initial_steady, initial_speeds, initial_equilibrium])) then
          call fail(status, code_invalid_input, "there is no such kind of start", subject_initial, field="kind")
       else if (initial%kind == initial_speeds .and. size(initial%speeds) /= size(gearbox%wheels)) then
          call fail(status, code_invalid_input, "a start with given speeds needs one for each wheel", subject_initial, &
@@ -132,6 +146,9 @@ contains
       else if (initial%kind == initial_steady .and. any(abs(initial%gaps) > 0)) then
          call fail(status, code_invalid_input, "a steady start has no gaps: its penetrations follow from the loads", &
                    subject_initial, field="gaps")
+      else if (initial%mesh_position < 0 .or. abs(initial%mesh_position) > most_pitches) then
+         call fail(status, code_invalid_input, "the position of a steady start is a number of pitches from 0 to 1e6", &
+                   subject_initial, field="position")
       end if
    end subroutine check_initial
 

@@ -6,12 +6,12 @@
 !> at as many places of its own pitch, evenly spread too.
 module evl_mean_modes
    use, intrinsic :: iso_fortran_env, only: int64
+   use evl_common_pitches, only: whole_pitches
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_initial, only: gearbox_start, initial_steady, initial_t
+   use evl_gearbox_initial, only: gearbox_start, initial_equilibrium, initial_t
    use evl_kinds, only: wp
    use evl_modes, only: linearised_matrix, modes_of_matrix
    use evl_outputs, only: gearbox_outputs
-   use evl_rational, only: divisor_of
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
    private
@@ -22,7 +22,6 @@ module evl_mean_modes
    !> have none.
    real(wp), parameter :: places(3) = [1/2.0_wp, 1/6.0_wp, 5/6.0_wp]
    integer, parameter :: primes(2) = [997, 1009]        !! positions; the second if the first divides the number of pitches
-   integer(int64), parameter :: most_pitches = 10000    !! of the first mesh; whole pitches of all meshes may need more
 
 contains
 
@@ -47,8 +46,8 @@ contains
       vectors = 0
       matrix = 0
       values = 0
-      span = real(whole_pitches(gearbox), wp)
-      n = primes(merge(2, 1, modulo(whole_pitches(gearbox), int(primes(1), int64)) == 0))
+      span = real(whole_pitches(gearbox, 1), wp)
+      n = primes(merge(2, 1, modulo(whole_pitches(gearbox, 1), int(primes(1), int64)) == 0))
       do i = 1, n
          do try = 1, size(places)
             call clear(status)
@@ -71,33 +70,10 @@ contains
       subroutine start_at(pitches)
          real(wp), intent(in) :: pitches
 
-         call gearbox_start(gearbox, initial_t(initial_steady, [real(wp) ::], [real(wp) ::], pitches), t, y, yp, integers, reals, &
-                            status)
+         call gearbox_start(gearbox, initial_t(initial_equilibrium, [real(wp) ::], [real(wp) ::], pitches), t, y, yp, integers, &
+                            reals, status)
       end subroutine start_at
 
    end subroutine gearbox_mean_modes
-
-   !> Pitches of the first mesh in which every mesh passes whole pitches, or most_pitches if that is less.
-   pure integer(int64) function whole_pitches(gearbox) result(pitches)
-      type(gearbox_t), intent(in) :: gearbox
-      integer(int64) :: above, below
-      integer :: m
-
-      pitches = 1
-      associate (first => gearbox%contacts(1)%pitches_per_turn)
-         do m = 2, size(gearbox%pairs)
-            associate (other => gearbox%contacts(gearbox%first(m))%pitches_per_turn)
-               ! the denominator of other/first in lowest terms, as two factors
-               above = abs(first%above)/divisor_of(first%above, other%above)
-               below = other%below/divisor_of(first%below, other%below)
-            end associate
-            if (real(above, wp)*real(below, wp) > real(most_pitches, wp)) then
-               pitches = most_pitches
-            else
-               pitches = min(most_pitches, pitches/divisor_of(pitches, above*below)*above*below)
-            end if
-         end do
-      end associate
-   end function whole_pitches
 
 end module evl_mean_modes

@@ -25,7 +25,7 @@ module evl_modes
    implicit none (type, external)
    private
 
-   public :: gearbox_modes, linearised_matrix, modes_of_matrix
+   public :: free_states, gearbox_modes, linearised_matrix, modes_of_matrix, still_matrix
    public :: gearbox_shape
 
    real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! of a number that went through a decomposition, times its order
@@ -134,7 +134,7 @@ contains
       real(wp), allocatable, intent(out) :: matrix(:, :)
       type(status_t), intent(inout) :: status
       type(gearbox_t) :: closed
-      real(wp), dimension(gearbox%n_states) :: yp, scale
+      real(wp) :: scale(gearbox%n_states)
       integer :: i, k, n
 
       k = findloc(gearbox%contacts(gearbox%first(:size(gearbox%pairs)))%rigid, .true., dim=1)
@@ -147,20 +147,35 @@ contains
       scale = state_scales(gearbox)
       closed = gearbox
       call hold_still(closed)
+      allocate (matrix(n, n))
+      call still_matrix(closed, t, y, integers, reals, matrix, status)
+      if (has_failed(status)) return
+      do i = 1, n
+         matrix(:, i) = matrix(:, i)*scale(i)/scale
+      end do
+   end subroutine linearised_matrix
+
+   !> The same of a gearbox that `hold_still` has made, in the units of the states.
+   subroutine still_matrix(closed, t, y, integers, reals, matrix, status)
+      type(gearbox_t), intent(in) :: closed
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(closed%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(out) :: matrix(closed%n_states, closed%n_states)
+      type(status_t), intent(inout) :: status
+      real(wp) :: yp(closed%n_states)
+
       yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
       if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
       if (has_failed(status)) return
-      allocate (matrix(n, n))
       call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
       if (has_failed(status)) return
       if (closed%housing%is_mounted) call explicit_matrix(closed, t, y, yp, matrix, status)
       if (has_failed(status)) return
-      do i = 1, n
-         matrix(:, i) = -matrix(:, i)*scale(i)/scale
-      end do
+      matrix = -matrix
       if (.not. all(ieee_is_finite(matrix))) &
          call fail(status, code_out_of_domain, "the forces have no finite derivatives at this state")
-   end subroutine linearised_matrix
+   end subroutine still_matrix
 
    !> Eigenvalues and right eigenvectors of a matrix.
    !>

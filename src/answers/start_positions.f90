@@ -17,14 +17,19 @@ module evl_start_positions
 
 contains
 
-   !> How many pitches, from 0 to 1, the tooth pair of a mesh that came last is, unloaded, from the start of contact.
-   pure real(wp) function mesh_position(gearbox, index, theta, turns) result(pitches)
+   !> Position of a mesh, from 0 to 1: pitches from the start of contact to its last tooth pair, by the angle of the driving wheel.
+   pure real(wp) function mesh_position(gearbox, index, y, turns) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index    !! of the mesh
-      real(wp), intent(in) :: theta   !! [rad]
+      real(wp), intent(in) :: y(:)
       integer, intent(in) :: turns
+      real(wp) :: theta
 
+      theta = y(i_theta)
       associate (contact => gearbox%contacts(gearbox%first(index)))
+         associate (driving => gearbox%wheels(contact%wheel_a))
+            if (driving%i_psi > 0) theta = theta + y(driving%i_psi)/driving%ratio
+         end associate
          pitches = (nominal_rho(contact, theta, turns, 0) - contact%rho_entry)/contact%base_pitch
       end associate
       pitches = pitches - floor(pitches + at_the_end)

@@ -7,6 +7,8 @@
 !>
 !> and the speeds are q' = omega dq/dtheta.
 !>
+!> Where the driving wheel of a mesh has a given angle, theta follows from its deviation: theta = target - psi/g.
+!>
 !> Source: docs/theory.md, section 9.
 module evl_steady_newton
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -22,7 +24,7 @@ module evl_steady_newton
    implicit none (type, external)
    private
 
-   public :: find_slopes, solve_steady, steady_system
+   public :: find_slopes, follow, relax_steady, solve_steady, steady_residual, steady_system
 
    integer, parameter :: max_newton = 60               !! corrections; a start from rest needs about five
    real(wp), parameter :: newton_tolerance = 1.0e-13_wp !! last correction, relative to the scales of the states
@@ -34,6 +36,9 @@ module evl_steady_newton
       integer, allocatable :: row(:)       !! rows that have to vanish, as many
       integer, allocatable :: speed(:)     !! index of the rate of each of q in the state; 0 if it has none
       real(wp), allocatable :: slopes(:)   !! dq/dtheta
+      integer :: i_anchor = 0              !! index of the deviation psi of the wheel whose angle is given; 0: theta is given
+      real(wp) :: anchor_ratio = 1.0_wp    !! g of that wheel
+      real(wp) :: target = 0.0_wp          !! its angle over g [rad]
    end type steady_system
 
 contains
@@ -168,6 +173,48 @@ contains
       is_balanced = .true.
    end function is_balanced
 
+   !> One implicit Euler step of the flow q' = a(q), whose rest is the equilibrium: (rate + M) dq = a, in units of the scales.
+   !> Errors: code_no_solution, code_out_of_domain.
+   subroutine relax_steady(gearbox, system, t, y, integers, reals, rate, force, distance, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+      real(wp), intent(inout) :: rate    !! inverse of the step; 0: the largest of M's diagonal [1/s]
+      real(wp), intent(out) :: force     !! norm of a before the step, in units of the scales
+      real(wp), intent(out) :: distance  !! length of the step, in units of the scales
+      type(status_t), intent(inout) :: status
+      real(wp), dimension(gearbox%n_states) :: f, scale, row_scale
+      real(wp) :: matrix(size(system%row), size(system%row)), step(size(system%row), 1)
+      integer :: pivots(size(system%row)), info, i
+
+      force = huge(force)
+      distance = huge(distance)
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
+      call follow(system, y)
+      call steady_residual(gearbox, t, y, integers, reals, f, status)
+      if (has_failed(status)) return
+      call steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
+      if (has_failed(status)) return
+      if (.not. rate > 0) rate = maxval([(abs(matrix(i, i)), i=1, size(system%row))])
+      do i = 1, size(system%row)
+         matrix(i, i) = matrix(i, i) + rate
+      end do
+      step(:, 1) = -f(system%row)/row_scale(system%row)
+      force = norm2(step)
+      call dgesv(size(step), 1, matrix, size(step), pivots, step, size(step), info)
+      if (info /= 0 .or. .not. all(ieee_is_finite(step))) then
+         call undetermined(gearbox, status)
+         return
+      end if
+      distance = norm2(step)
+      y(system%unknown) = y(system%unknown) + step(:, 1)*scale(system%unknown)
+      if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, y)
+      call follow(system, y)
+   end subroutine relax_steady
+
    !> How the equilibrium at y changes along theta: the slopes dq/dtheta.
    subroutine find_slopes(gearbox, system, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -201,7 +248,7 @@ contains
       end associate
    end subroutine find_slopes
 
-   !> The speeds that belong to omega.
+   !> The speeds that belong to omega, and the angle theta that belongs to the anchor.
    pure subroutine follow(system, y)
       type(steady_system), intent(in) :: system
       real(wp), intent(inout) :: y(:)
@@ -210,6 +257,7 @@ contains
       do i = 1, size(system%speed)
          if (system%speed(i) > 0) y(system%speed(i)) = system%slopes(i)*y(i_omega)
       end do
+      if (system%i_anchor > 0) y(i_theta) = system%target - y(system%i_anchor)/system%anchor_ratio
    end subroutine follow
 
    !> The matrix of Newton's method in units of the scales.
@@ -230,6 +278,9 @@ contains
          if (system%speed(i) > 0) &
             jacobian(:, i_omega) = jacobian(:, i_omega) + system%slopes(i)*jacobian(:, system%speed(i))
       end do
+      associate (anchor => system%i_anchor)
+         if (anchor > 0) jacobian(:, anchor) = jacobian(:, anchor) - jacobian(:, i_theta)/system%anchor_ratio
+      end associate
       if (gearbox%housing%is_mounted) call housing_turn_columns(gearbox%housing, y, jacobian)
       associate (row => system%row, unknown => system%unknown)
          do i = 1, size(row)

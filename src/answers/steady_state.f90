@@ -1,57 +1,90 @@
-!> The steady state of a gearbox: nothing accelerates, and where flanks deviate the wheels follow their slopes.
+!> The equilibrium of a gearbox at one position of its meshes: nothing accelerates, and the wheels follow the slopes of the
+!> equilibrium along the path.
+!>
+!> Source: docs/theory.md, section 9.
 module evl_steady_state
-   use evl_contact_modes, only: mode_at
-   use evl_discrete_state, only: flanks_of, gearbox_store_mode, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: at_omega, at_position, at_velocity
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_omega
+   use evl_local_variables, only: i_omega, i_theta
    use evl_no_damping, only: no_damping_t
+   use evl_no_friction, only: no_friction_t
    use evl_nominal_point, only: speed_in_balance
    use evl_places, only: places
-   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
-   use evl_status, only: clear, code_no_solution, code_out_of_domain, fail, has_failed, quantity, status_t, subject_initial
-   use evl_steady_newton, only: find_slopes, solve_steady, steady_system
+   use evl_start_positions, only: prescribed_speed
+   use evl_status, only: clear, code_out_of_domain, has_failed, status_t
+   use evl_steady_contacts, only: load_all, press_flanks
+   use evl_steady_newton, only: find_slopes, follow, relax_steady, solve_steady, steady_system
+   use evl_steady_position, only: steady_place
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
-   use evl_tooth_contact, only: contact_state, flank_drive, flanks_loaded, flanks_off, settle_friction
    use evl_wheel_loads, only: hold_still
    implicit none (type, external)
    private
 
-   public :: find_steady_state
+   public :: equilibrium_models, find_balance, find_models, find_static, find_steady_state, list_unknowns
 
-   integer, parameter :: max_modes = 30 !! sets of pairs in contact and friction branches that are tried
+   integer, parameter :: max_modes = 30     !! sets of pairs in contact and friction branches that are tried
+   integer, parameter :: max_relaxed = 400  !! steps of the relaxation
+   real(wp), parameter :: relaxed = 1.0e-6_wp !! a relaxation step below this has come to rest, in units of the scales
+   real(wp), parameter :: faster = 0.5_wp, slower = 4.0_wp !! change of the inverse step after a step that shrinks, and after others
+
+   !> The gearbox with constant loads and closed-form contacts, in three variants.
+   type :: equilibrium_models
+      type(gearbox_t) :: whole  !! with all laws
+      type(gearbox_t) :: static !! without damping of the contacts
+      type(gearbox_t) :: smooth !! without damping and friction of the contacts
+   end type equilibrium_models
 
 contains
 
-   !> Positions and speeds at which nothing accelerates, by Newton's method on the closed form. Approach speeds are 0. A speed that
-   !> is looked for is that of the loads to begin with, then none: at the first friction may hardly depend on it.
-   !> Errors: code_no_solution, code_out_of_domain.
-   subroutine find_steady_state(gearbox, t, y, integers, reals, status)
+   !> Make the variants.
+   subroutine find_models(gearbox, models)
       type(gearbox_t), intent(in) :: gearbox
+      type(equilibrium_models), intent(out) :: models
+      integer :: i
+
+      models%whole = gearbox
+      call hold_still(models%whole)
+      models%static = models%whole
+      do i = 1, size(gearbox%contacts)
+         models%static%contacts(i)%damping = no_damping_t()
+      end do
+      models%smooth = models%static
+      do i = 1, size(gearbox%contacts)
+         models%smooth%contacts(i)%friction = no_friction_t()
+      end do
+   end subroutine find_models
+
+   !> Positions and speeds at which nothing accelerates, by Newton's method on the closed form. Approach speeds are 0. A speed that
+   !> is not prescribed is unknown. Its first guess is the speed of the loads, then 0: at the first friction may hardly
+   !> depend on it.
+   !> Errors: code_no_solution, code_out_of_domain.
+   subroutine find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(equilibrium_models), intent(in) :: models
+      type(steady_place), intent(in) :: place
       real(wp), intent(in) :: t
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
-      type(gearbox_t) :: closed
+      type(steady_system) :: system
       type(status_t) :: refusal
       real(wp) :: y_begin(gearbox%n_states)
       integer :: begin(gearbox%n_integers)
 
       call check_steady(gearbox, integers, status)
       if (has_failed(status)) return
-      closed = gearbox
-      call hold_still(closed)
       y_begin = y
       begin = integers
       associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
+         call list_unknowns(gearbox, place, driver == 0, system)
          if (driver > 0) then
             y(i_omega) = prescribed_speed(gearbox, driver, t, integers)
          else
-            y(i_omega) = speed_in_balance(closed, t, integers)
+            y(i_omega) = speed_in_balance(models%whole, t, integers)
          end if
-         call find_from(gearbox, closed, t, y, integers, reals, status)
+         call find_from(gearbox, models, system, t, y, integers, reals, status)
          if (driver > 0 .or. .not. has_failed(status)) return
       end associate
       refusal = status
@@ -59,48 +92,72 @@ contains
       y = y_begin
       integers = begin
       y(i_omega) = 0
-      call find_from(gearbox, closed, t, y, integers, reals, status)
+      call find_from(gearbox, models, system, t, y, integers, reals, status)
       if (has_failed(status)) status = refusal
    end subroutine find_steady_state
 
    !> The same from a speed on.
-   !>
-   !> Where flanks deviate, the static equilibrium comes first: positions at which the forces balance without damping of the
-   !> contacts. How they change along theta gives the speeds, and then the dampers take part.
-   subroutine find_from(gearbox, still, t, y, integers, reals, status)
-      type(gearbox_t), intent(in) :: gearbox, still !! still: that holds still
+   subroutine find_from(gearbox, models, system, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(equilibrium_models), intent(in) :: models
+      type(steady_system), intent(inout) :: system
       real(wp), intent(in) :: t
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(:)
       real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
-      type(gearbox_t) :: closed
-      type(steady_system) :: system
-      integer :: i
 
-      closed = still
-      call list_unknowns(gearbox, system)
-      call press_flanks(gearbox, y, integers)
       reals = 0
-      if (any(gearbox%contacts%deviates)) then
-         do i = 1, size(closed%contacts)
-            closed%contacts(i)%damping = no_damping_t()
-         end do
-         call settle_steady(closed, system, t, y, integers, reals, status)
-         if (.not. has_failed(status)) call check_pressed(closed, t, y, integers, reals, status)
-         if (.not. has_failed(status)) call find_slopes(closed, system, t, y, integers, reals, status)
-         if (has_failed(status)) return
-         do i = 1, size(closed%contacts)
-            closed%contacts(i)%damping = gearbox%contacts(i)%damping
-         end do
-      end if
-      call settle_steady(closed, system, t, y, integers, reals, status)
-      if (.not. has_failed(status)) call check_pressed(closed, t, y, integers, reals, status)
+      system%slopes = 0
+      call follow(system, y)
+      call press_flanks(gearbox, y, integers)
+      call find_static(models, system, t, y, integers, reals, status)
+      if (.not. has_failed(status)) call check_pressed(models%static, t, y, integers, reals, status)
+      if (has_failed(status) .or. any(gearbox%contacts%rigid)) return
+      call find_slopes(models%smooth, system, t, y, integers, reals, status)
+      if (.not. has_failed(status)) call find_balance(models, system, t, y, integers, reals, status)
    end subroutine find_from
 
+   !> Static equilibrium from positions that are near to it. Damping of rigid contacts does not exist.
+   subroutine find_static(models, system, t, y, integers, reals, status)
+      type(equilibrium_models), intent(in) :: models
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(:), reals(:)
+      integer, intent(inout) :: integers(:)
+      type(status_t), intent(inout) :: status
+
+      call settle_steady(models%static, system, t, y, integers, reals, status)
+   end subroutine find_static
+
+   !> From the static equilibrium to the balance with all dampers, at the speeds of the system's slopes. Where these leave no
+   !> balance, the dampers of the contacts are left out.
+   subroutine find_balance(models, system, t, y, integers, reals, status)
+      type(equilibrium_models), intent(in) :: models
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(:), reals(:)
+      integer, intent(inout) :: integers(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: y_static(size(y))
+      integer :: static(size(integers))
+
+      y_static = y
+      static = integers
+      call settle_steady(models%whole, system, t, y, integers, reals, status)
+      if (.not. has_failed(status)) call check_pressed(models%whole, t, y, integers, reals, status)
+      if (.not. has_failed(status)) return
+      call clear(status)
+      y = y_static
+      integers = static
+      call settle_steady(models%static, system, t, y, integers, reals, status)
+   end subroutine find_balance
+
    !> What is looked for. A mounted housing has a pose to be found, but it rests.
-   subroutine list_unknowns(gearbox, system)
+   subroutine list_unknowns(gearbox, place, speed_is_unknown, system)
       type(gearbox_t), intent(in) :: gearbox
+      type(steady_place), intent(in) :: place
+      logical, intent(in) :: speed_is_unknown
       type(steady_system), intent(out) :: system
       integer, allocatable :: unknown(:), row(:), speed(:), leaders(:)
       integer :: i
@@ -125,7 +182,7 @@ contains
       speed = [speed, (0, i=1, count(gearbox%contacts%leads))]
       allocate (system%speed, source=speed)
       allocate (system%slopes(size(speed)), source=0.0_wp)
-      if (gearbox%wheels(gearbox%reference)%prescribed == 0) then
+      if (speed_is_unknown) then
          unknown = [unknown, i_omega]
          row = [row, i_omega]
       end if
@@ -136,33 +193,14 @@ contains
       end if
       allocate (system%unknown, source=unknown)
       allocate (system%row, source=row)
+      if (place%wheel == 0) return
+      system%i_anchor = gearbox%wheels(place%wheel)%i_psi
+      system%anchor_ratio = gearbox%wheels(place%wheel)%ratio
+      system%target = place%angle
    end subroutine list_unknowns
 
-   !> Positions to begin with: every mesh has about its static penetration, on the pair that is nearest to it.
-   subroutine press_flanks(gearbox, y, integers)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(inout) :: y(:)
-      integer, intent(inout) :: integers(:)
-      real(wp) :: penetrations(size(gearbox%pairs)), wanted(size(gearbox%pairs)), largest(size(gearbox%pairs))
-      type(contact_state) :: at(size(gearbox%contacts))
-      integer :: i
-
-      wanted = merge(0.0_wp, gearbox%contacts(gearbox%first(:size(wanted)))%h_scale, &
-                     gearbox%contacts(gearbox%first(:size(wanted)))%rigid)
-      penetrations = wanted
-      do i = 1, merge(2, 1, any(gearbox%contacts%deviates))
-         call set_gaps(gearbox, penetrations, y)
-         call look_at_pairs(gearbox, y, integers, at, largest)
-         where (largest > -huge(largest)) penetrations = penetrations + wanted - largest
-      end do
-      do i = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(i))
-            if (contact%leads .and. contact%flank == flank_drive) y(contact%i_normal) = contact%force_scale
-         end associate
-      end do
-   end subroutine press_flanks
-
-   !> Positions, speeds and modes that belong together: modes depend on positions and speeds, these on the modes.
+   !> Positions, speeds and modes that belong together: modes depend on positions and speeds, these on the modes. Where alternating
+   !> between them does not end, the flow to the equilibrium is followed, with the modes of every step.
    subroutine settle_steady(gearbox, system, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(in) :: system
@@ -170,108 +208,102 @@ contains
       real(wp), intent(inout) :: y(:), reals(:)
       integer, intent(inout) :: integers(:)
       type(status_t), intent(inout) :: status
-      integer :: before(gearbox%n_integers), turn
       type(status_t) :: refusal
+      real(wp) :: y_begin(size(y))
+      integer :: begin(size(integers))
       logical :: found
 
+      y_begin = y
+      begin = integers
+      call alternate(gearbox, system, t, y, integers, reals, found, refusal)
+      if (found) return
+      if (.not. any(gearbox%contacts%rigid)) then
+         y = y_begin
+         integers = begin
+         call relax(gearbox, system, t, y, integers, reals, found)
+         if (found) return
+      end if
+      status = refusal
+      if (.not. has_failed(status)) call refuse_slope(gearbox, y, integers, reals, status)
+   end subroutine settle_steady
+
+   !> Newton's method in the modes of the last solution, until these do not change.
+   subroutine alternate(gearbox, system, t, y, integers, reals, found, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(:), reals(:)
+      integer, intent(inout) :: integers(:)
+      logical, intent(out) :: found
+      type(status_t), intent(inout) :: status !! the cause, if it is known
+      integer :: before(gearbox%n_integers), turn
+      type(status_t) :: refusal
+      logical :: solved
+
       found = .false.
+      solved = .false.
       do turn = 1, max_modes
          before = integers
          call load_all(gearbox, y, integers, reals, status)
          if (has_failed(status)) exit
-         if (found .and. all(integers == before)) return
-         call solve_steady(gearbox, system, t, y, integers, reals, found, status)
+         found = solved .and. all(integers == before)
+         if (found) return
+         call solve_steady(gearbox, system, t, y, integers, reals, solved, status)
          if (status%code == code_out_of_domain) then ! as where a soft shaft twists by more than these pairs reach
             if (.not. has_failed(refusal)) refusal = status
             call clear(status)
          else if (has_failed(status)) then
             return
-         else if (.not. found) then
+         else if (.not. solved) then
             exit
          end if
       end do
-      if (.not. found .and. has_failed(refusal)) status = refusal
+      if (.not. solved .and. has_failed(refusal)) status = refusal
       if (has_failed(status)) return
-      if (found) call refuse_alternation(gearbox, before, integers, status)
-      if (.not. has_failed(status)) call refuse_slope(gearbox, y, integers, reals, status)
-   end subroutine settle_steady
+      if (solved) call refuse_alternation(gearbox, before, integers, status)
+   end subroutine alternate
 
-   !> The tooth pairs that carry load at y: those that overlap and push, and on every drive flank at least the nearest one; every
-   !> friction branch as the speeds say.
-   subroutine load_all(gearbox, y, integers, reals, status)
+   !> Follow the flow q' = a(q) to its rest, then end with Newton's method.
+   subroutine relax(gearbox, system, t, y, integers, reals, found)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:)
+      type(steady_system), intent(in) :: system
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(:), reals(:)
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
-      type(status_t), intent(inout) :: status
-      type(contact_state) :: at(size(gearbox%contacts))
-      real(wp) :: largest(size(gearbox%pairs))
-      logical :: carried(size(gearbox%pairs))
-      integer :: first, last, m, pass
+      logical, intent(out) :: found
+      type(status_t) :: status
+      real(wp) :: rate, force, distance, last, y_last(size(y))
+      integer :: step, before(size(integers))
 
-      call look_at_pairs(gearbox, y, integers, at, largest)
-      m = minloc(largest, dim=1)
-      if (.not. largest(m) > -huge(largest)) then
-         call fail(status, code_no_solution, "there is no steady state: under load no tooth pair of a mesh of contact ratio " &
-                   //quantity(gearbox%pairs(m)%contact_ratio, "")//" is on the path of contact at the start; start from rest or" &
-                   //" with given speeds", subject_initial, field="kind")
-         return
-      end if
-      do m = 1, size(gearbox%contacts)
-         call take_mode(gearbox, m, integers, reals, at(m)%mode)
+      found = .false.
+      rate = 0
+      last = huge(last)
+      do step = 1, max_relaxed
+         y_last = y
+         before = integers
+         call load_all(gearbox, y, integers, reals, status)
+         if (.not. has_failed(status)) call relax_steady(gearbox, system, t, y, integers, reals, rate, force, distance, status)
+         if (has_failed(status)) then
+            if (.not. rate > 0) return
+            call clear(status)
+            y = y_last
+            integers = before
+            rate = slower*rate
+            cycle
+         end if
+         if (distance < relaxed) then
+            call load_all(gearbox, y, integers, reals, status)
+            if (.not. has_failed(status)) call solve_steady(gearbox, system, t, y, integers, reals, found, status)
+            before = integers
+            if (found .and. .not. has_failed(status)) call load_all(gearbox, y, integers, reals, status)
+            found = found .and. .not. has_failed(status)
+            if (found) found = all(integers == before)
+            if (found) return
+            call clear(status)
+         end if
+         rate = merge(faster, slower, force <= last)*rate
+         last = force
       end do
-      do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
-         if (at(m)%mode%flanks == flanks_off) cycle
-         associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
-            call flank%company(m, first, last)
-            if (first < last) call mode_at(flank, gearbox%contacts, m, first, last, at, status)
-            if (has_failed(status)) return
-         end associate
-      end do
-      carried = .false.
-      do pass = 1, 2 ! first what overlaps and pushes, then the nearest pair where that is nothing
-         do m = 1, size(gearbox%contacts)
-            associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive, mode => at(m)%mode, &
-                       flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
-               call take_mode(gearbox, m, integers, reals, mode)
-               if (mode%flanks == flanks_off .or. (contact%rigid .and. .not. drives)) cycle
-               if (pass == 1) then
-                  call flank%company(m, first, last)
-                  call mode_at(flank, gearbox%contacts, m, first, last, at, status)
-                  if (has_failed(status)) return
-                  mode%sides = 0 ! as the rates say, which the solution still changes
-                  mode%v0 = 0    ! it follows from no approach
-                  if (contact%rigid) mode%flanks = flanks_loaded ! one on the path pushes
-                  if (drives .and. mode%flanks == flanks_loaded) carried(contact%mesh) = .true.
-               else if (drives .and. .not. carried(contact%mesh) .and. at(m)%point%h >= largest(contact%mesh)) then
-                  mode%flanks = flanks_loaded
-               end if
-               if (mode%flanks == flanks_loaded) mode%friction = settle_friction(contact, at(m)%point)
-               call gearbox_store_mode(gearbox, m, mode, integers, reals)
-            end associate
-         end do
-      end do
-   end subroutine load_all
-
-   !> Put the tooth pairs that are on the path into their slots, and find their contacts and the largest penetration of every
-   !> mesh's drive flank; -huge if none is on the path.
-   subroutine look_at_pairs(gearbox, y, integers, at, largest)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:)
-      integer, intent(inout) :: integers(:)
-      type(contact_state), intent(inout) :: at(*)
-      real(wp), intent(out) :: largest(:) !! [m]
-      integer :: m
-
-      call place_pairs(gearbox, y, integers)
-      largest = -huge(largest)
-      do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m))
-            if (flanks_of(contact, integers) == flanks_off) cycle
-            call closed_form_point(gearbox, m, y, 0, tooth_pair_of(contact, integers), at(m))
-            if (contact%flank == flank_drive) largest(contact%mesh) = max(largest(contact%mesh), at(m)%point%h)
-         end associate
-      end do
-   end subroutine look_at_pairs
+   end subroutine relax
 
 end module evl_steady_state

@@ -6,7 +6,6 @@ module evl_capi_modes
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_discrete_state, only: leading_contact, take_mode
    use evl_gearbox, only: gearbox_t, i_turns
-   use evl_local_variables, only: i_theta
    use evl_mean_modes, only: gearbox_mean_modes
    use evl_modes, only: gearbox_modes, gearbox_shape
    use evl_start_positions, only: mesh_position
@@ -37,7 +36,7 @@ contains
       g => gearbox_of(handle)
       call take_mode(g, leading_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
                      reals(:size(g%contacts)), m)
-      mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction, mesh_position(g, mesh + 1, y(i_theta), integers(i_turns)))
+      mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction, mesh_position(g, mesh + 1, y(:g%n_states), integers(i_turns)))
    end subroutine evl_gearbox_mesh_mode
 
    integer(c_int) function evl_gearbox_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, means, &

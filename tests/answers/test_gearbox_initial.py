@@ -15,6 +15,7 @@ from kernel.gearbox_description import (
     BEARING,
     CLOSED_FORM,
     DIFFERENTIAL,
+    EQUILIBRIUM,
     FIXED,
     REST,
     SLIDER,
@@ -178,7 +179,7 @@ def test_gaps_in_a_ring_have_to_close(kernel: Kernel, tracking: str):
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_the_paper_s_steady_state(kernel: Kernel, tracking: str, friction: float):
     gearbox = paper_gearbox(kernel, tracking=tracking, friction=friction)
-    state = gearbox.start(STEADY)
+    state = gearbox.start(EQUILIBRIUM)
     o = gearbox.outputs(state)
     assert worst_acceleration(gearbox, state) < 1e-9
     assert gearbox.mode(state)[1] == LOADED
@@ -234,7 +235,7 @@ def test_in_the_steady_state_of_a_train_nothing_accelerates_and_every_flank_push
     ]
     loads = [load(0, TORQUE, -7.0 * sigma), load(n - 1, VISCOUS, 5.0), load(0, VISCOUS, 0.1)]
     gearbox = Gearbox(kernel, wheels, loads, meshes)
-    state = gearbox.start(STEADY)
+    state = gearbox.start(EQUILIBRIUM)
     assert worst_acceleration(gearbox, state) < 1e-9
     o = gearbox.outputs(state)
     assert (o["penetration"] > 0).all()
@@ -255,7 +256,7 @@ def test_friction_alone_settles_the_steady_speed_of_torques_that_hardly_balance(
     law = kernel.law(FRICTION, "tanh", coefficient=mu, regularisation_velocity=delta)
     loads = [load(0, TORQUE, -7.0), load(1, TORQUE, -10.5 * 0.99)]
     gearbox = Gearbox(kernel, wheels, loads, [mesh(kernel, friction=law)])
-    o = gearbox.outputs(gearbox.start(STEADY))
+    o = gearbox.outputs(gearbox.start(EQUILIBRIUM))
     r, torque = o["base_radius"], o["load_torque"]
     arm_a, arm_b = (o[f"friction_arm_{side}"][0] for side in ("driving", "driven"))
     # M_A + F_n r_A + F_t l_A = 0 = M_B + F_n r_B + F_t l_B

@@ -27,7 +27,8 @@ BY_PITCH = {"per_pitch": 10, "mesh": "pinion-gear"}
 def content(examples: Path) -> dict[str, Any]:
     """The pair 19/34, short, with ten outputs a pitch."""
     case = yaml.safe_load((examples / "spur-pair.yaml").read_text(encoding="utf-8"))
-    case["simulation"] = {"duration": 0.01, "output": BY_PITCH, "initial": {"kind": "steady"}}
+    case["simulation"] = {"duration": 0.01, "output": BY_PITCH}
+    case["simulation"]["initial"] = {"kind": "steady", "position": 0.0}
     return dict(case)
 
 

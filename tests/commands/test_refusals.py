@@ -83,7 +83,7 @@ STARTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     ),
     "no tooth pair on the path": (
         "spur-pair.yaml",
-        ("meshes.0.centre_distance=0.0845",),
+        ("meshes.0.centre_distance=0.0845", "simulation.initial={kind: steady, position: 0.8}"),
         "under load no tooth pair of a mesh of contact ratio 0.542453 is on the path",
     ),
     "a rigid penetration": (

@@ -340,13 +340,16 @@ def test_mean_modes_have_the_mean_tangent_stiffness(
     assert modes[-1]["natural_frequency"] == pytest.approx(expected, rel=2e-3)
 
 
-def test_mean_modes_pass_places_without_a_steady_state(evolvent: Evolvent, case: Path) -> None:
-    """A damper's force jumps as flanks close: at one of 997 places here neither mode balances."""
+def test_mean_modes_pass_places_without_a_balance(evolvent: Evolvent, case: Path) -> None:
+    """A damper's force jumps as flanks close: at one of 997 places here neither mode balances.
+
+    There the contacts' damping is left out.
+    """
     model = "{model: analytic}"
     words = (case, "--set", f"wheels.0.compliance={model}", "--set", f"wheels.1.compliance={model}")
     words = (*words, "--set", "meshes.0.friction={law: none}")
     alone = evolvent("modes", *words, "--mesh-position", repr(948.5 / 997))
-    assert (alone.returncode, "no steady state" in alone.stderr) == (3, True)
+    assert alone.returncode == 0, alone.stderr
     mean = evolvent("modes", "--mean", *words, "--json")
     assert mean.returncode == 0, mean.stderr
     near = [

@@ -283,7 +283,7 @@ class Gearbox:
         speeds: ArrayLike | None = None,
         gaps: ArrayLike | None = None,
         t: float = 0.0,
-        mesh_position: float = 0.0,
+        mesh_position: float = math.nan,
     ) -> State:
         """State at the start; mesh_position: pitches past the start of contact, of a steady one."""
         sizes = self.sizes

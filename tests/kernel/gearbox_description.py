@@ -19,7 +19,7 @@ from kernel.kernel import FAMILIES, Kernel, LawChoice, _double, _int
 FIXED, SLIDER, BEARING = "fixed", "slider", "bearing"
 TORQUE, VISCOUS, TABLE, SPEED = "torque", "viscous", "table", "speed"
 CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL = "closed_form", "algebraic", "differential"
-REST, STEADY, SPEEDS = range(3)
+EQUILIBRIUM, REST, STEADY, SPEEDS = range(-1, 3)
 ROTATIONS: dict[int | str, str] = {-1: "clockwise", 1: "counterclockwise"}
 
 _bool = ctypes.c_bool

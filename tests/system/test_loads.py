@@ -111,7 +111,7 @@ def test_the_speed_of_free_wheels_under_a_torque_by_order_follows_from_their_ang
 
 @pytest.mark.parametrize("by", ["frequency", "order"])
 def test_a_steady_start_is_that_of_the_mean_torque(runs, by):
-    case = pair(0.0, duration=0.01, initial={"kind": "steady"})
+    case = pair(0.0, duration=0.01, initial={"kind": "steady", "position": 0.0})
     steady = runs(case)
     case["wheels"][0]["loads"] = [harmonic(mean=-1.0, amplitude=0.5, phase=90.0, **{by: 3.0})]
     run = runs(case)

@@ -80,9 +80,10 @@ typedef struct {
 
 /* How a case starts. */
 typedef enum {
-    EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
-    EVL_INITIAL_STEADY = 1, /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
-    EVL_INITIAL_SPEEDS = 2  /**< given speeds */
+    EVL_INITIAL_EQUILIBRIUM = -1, /**< nothing accelerates at a position of the first mesh; not in a case file */
+    EVL_INITIAL_REST = 0,         /**< every wheel and support at rest */
+    EVL_INITIAL_STEADY = 1,       /**< steady motion: slow modes at their mean, fast modes on the quasi-static path */
+    EVL_INITIAL_SPEEDS = 2        /**< given speeds */
 } evl_initial_kind;
 
 typedef struct {
@@ -90,7 +91,8 @@ typedef struct {
     const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
     /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
     const double *gaps;
-    /** of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
+    /** of EVL_INITIAL_STEADY, else 0: pitches of the first mesh in the flow of power from the start of contact, from 0 to 1e6;
+     *  NaN: a position inside a zone */
     double mesh_position;
 } evl_initial;
 

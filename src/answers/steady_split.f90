@@ -1,0 +1,84 @@
+!> Split of a motion by the natural modes: slow modes do not follow the meshes, fast modes do.
+!>
+!> With B = -M^-1 K, whose eigenvalues are -omega_k^2, a vector v = sum c_k v_k becomes sum w_k c_k v_k. The weight w is 0 for modes
+!> with a frequency below half the mesh frequency, 1 above twice, and between
+!>
+!>    w = s^3 (10 - 15 s + 6 s^2),   s = log2(2 omega/Omega)/2.
+!>
+!> An overdamped mode counts with the slower of its two rates.
+!>
+!> Source: docs/theory.md, section 9.
+module evl_steady_split
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use evl_kinds, only: wp
+   use evl_lapack, only: dgeevx, dgesv
+   implicit none (type, external)
+   private
+
+   public :: keep_fast_modes, mode_weight
+
+   real(wp), parameter :: slow = 0.5_wp, fast = 2.0_wp !! ratios of modal to mesh frequency at which the weight is 0 and 1
+   real(wp), parameter :: tiny_part = 1.0e-13_wp        !! of the largest eigenvalue: a smaller one is 0
+
+contains
+
+   !> Weight of a mode by the ratio of its frequency to the mesh frequency; its first two derivatives are continuous.
+   elemental real(wp) function mode_weight(ratio) result(weight)
+      real(wp), intent(in) :: ratio
+      real(wp) :: s
+
+      s = 0
+      if (ratio > slow) s = min(log(ratio/slow)/log(fast/slow), 1.0_wp)
+      weight = s**3*(10 - 15*s + 6*s**2)
+   end function mode_weight
+
+   !> Multiply the modal components of vectors by their weights. If there is no complete set of modes, the vectors stay.
+   subroutine keep_fast_modes(stiffness, damping, mesh_frequency, vectors)
+      real(wp), intent(in) :: stiffness(:, :)    !! B [1/s^2]
+      real(wp), intent(in) :: damping(:, :)      !! -M^-1 C [1/s]
+      real(wp), intent(in) :: mesh_frequency     !! Omega, the highest of all meshes [rad/s]
+      real(wp), intent(inout) :: vectors(:, :)
+      real(wp), dimension(size(stiffness, 1)) :: re, im, balance, condition, condition_vectors, weight
+      real(wp), dimension(size(stiffness, 1), size(stiffness, 1)) :: a, left, right, factors
+      real(wp) :: right_hand(size(stiffness, 1), size(stiffness, 1) + size(vectors, 2))
+      real(wp) :: norm, work(size(stiffness, 1)*(size(stiffness, 1) + 6))
+      integer :: n, m, low, high, info, unused(1), pivots(size(stiffness, 1))
+
+      n = size(stiffness, 1)
+      m = size(vectors, 2)
+      if (n == 0) return
+      a = stiffness
+      call dgeevx("B", "N", "V", "N", n, a, n, re, im, left, n, right, n, low, high, balance, norm, condition, condition_vectors, &
+                  work, size(work), unused, info)
+      if (info /= 0) return
+      ! real and imaginary part of a complex pair stand in its two columns; their weights are equal
+      factors = right
+      right_hand(:, :n) = matmul(damping, right)
+      right_hand(:, n + 1:) = vectors
+      call dgesv(n, n + m, factors, n, pivots, right_hand, n, info)
+      if (info /= 0 .or. .not. all(ieee_is_finite(right_hand))) return
+      weight = mode_weight(rates(hypot(re, im), right_hand(:, :n), im)/max(mesh_frequency, tiny(mesh_frequency)))
+      if (all(weight >= 1)) return
+      right_hand(:, n + 1:) = right_hand(:, n + 1:)*spread(weight, 2, m)
+      vectors = matmul(right, right_hand(:, n + 1:))
+   end subroutine keep_fast_modes
+
+   !> Frequency of every mode, or the slower rate of an overdamped one [1/s].
+   pure function rates(squares, damping, im) result(rate)
+      real(wp), intent(in) :: squares(:)     !! omega^2
+      real(wp), intent(in) :: damping(:, :)  !! of the modes
+      real(wp), intent(in) :: im(:)          !! not 0 for a complex pair
+      real(wp) :: rate(size(squares)), half
+      integer :: k
+
+      do k = 1, size(squares)
+         rate(k) = 0
+         if (.not. squares(k) > tiny_part*maxval(squares)) cycle
+         rate(k) = sqrt(squares(k))
+         half = -damping(k, k)/2
+         if (abs(im(k)) > 0 .or. .not. half > rate(k)) cycle
+         rate(k) = squares(k)/(half + sqrt((half - rate(k))*(half + rate(k))))
+      end do
+   end function rates
+
+end module evl_steady_split

@@ -1,0 +1,391 @@
+!> The steady start: slow modes have the mean of the quasi-static path, fast modes follow it.
+!>
+!> Source: docs/theory.md, section 9.
+module evl_steady_start
+   use, intrinsic :: iso_fortran_env, only: int64
+   use evl_common_pitches, only: whole_pitches
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_scaling, only: gearbox_state_scales
+   use evl_housing, only: at_orientation, housing_renormalise, small_turns
+   use evl_kinds, only: pi, wp
+   use evl_local_variables, only: i_omega, i_theta
+   use evl_modes, only: free_states, still_matrix
+   use evl_status, only: clear, has_failed, status_t
+   use evl_steady_newton, only: find_slopes, follow, steady_residual, steady_system
+   use evl_steady_position, only: default_position, first_mesh, place_at, steady_place
+   use evl_steady_split, only: keep_fast_modes
+   use evl_steady_state, only: equilibrium_models, find_balance, find_models, find_static, find_steady_state, list_unknowns
+   implicit none (type, external)
+   private
+
+   public :: find_steady_start
+
+   integer, parameter :: sample_numbers(5) = [61, 31, 17, 11, 7] !! positions of the path; primes
+   integer, parameter :: sample_sizes(5) = [24, 48, 96, 192, huge(1)] !! most states with so many positions
+   integer, parameter :: other_positions = 8            !! in a pitch, tried if the default position has no equilibrium
+   integer, parameter :: most_passes = 8                !! corrections of the mean speed
+   real(wp), parameter :: agreement = 1.0e-14_wp        !! relative: a correction of the speed that is small enough
+   real(wp), parameter :: speed_step = 1.0e-4_wp        !! relative change of the speed for the derivative of the mean acceleration
+
+   !> States of the quasi-static path over the common period.
+   type :: path_t
+      real(wp), allocatable :: positions(:)             !! of the first mesh [pitches]
+      real(wp), allocatable :: y(:, :)                  !! states
+      integer, allocatable :: integers(:, :)
+      logical, allocatable :: found(:)                  !! positions with an equilibrium
+      real(wp) :: acceleration = 0.0_wp                 !! mean of omega' [rad/s^2]
+   end type path_t
+
+contains
+
+   !> The state at a position of the first mesh. Errors: code_no_solution, code_out_of_domain.
+   subroutine find_steady_start(gearbox, position, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(status_t), intent(inout) :: status
+      type(equilibrium_models) :: models
+      type(steady_place) :: place
+      type(path_t) :: path
+      real(wp) :: x
+
+      call find_models(gearbox, models)
+      x = default_position(gearbox)
+      if (present(position)) x = position
+      call find_place(gearbox, models, present(position), t, y, integers, reals, x, place, status)
+      if (has_failed(status) .or. any(gearbox%contacts%rigid)) return
+      call find_path(gearbox, models, x, place, t, y, integers, reals, path)
+      if (2*count(path%found) <= size(path%found)) return
+      call split(gearbox, models, place, path, t, y, integers, reals, status)
+   end subroutine find_steady_start
+
+   !> The equilibrium at the position of the start, with the speed that balances there.
+   subroutine find_place(gearbox, models, is_given, t, y, integers, reals, position, place, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(equilibrium_models), intent(in) :: models
+      logical, intent(in) :: is_given          !! the position stays
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: position      !! [pitches]
+      type(steady_place), intent(out) :: place
+      type(status_t), intent(inout) :: status
+      type(status_t) :: refusal
+      real(wp) :: y_begin(gearbox%n_states), better
+      integer :: begin(size(integers)), k
+
+      y_begin = y
+      begin = integers
+      place = place_at(gearbox, position)
+      y(i_theta) = place%angle
+      call find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+      if (is_given) return
+      refusal = status
+      do k = 1, other_positions ! where no equilibrium exists at the default
+         if (.not. has_failed(status)) exit
+         call clear(status)
+         position = (k - 0.5_wp)/other_positions
+         place = place_at(gearbox, position)
+         y = y_begin
+         integers = begin
+         y(i_theta) = place%angle
+         call find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+      end do
+      if (has_failed(status)) status = refusal
+      if (has_failed(status)) return
+      better = default_position(gearbox, y)
+      if (has_failed(refusal) .or. .not. abs(better - position) > 0) return
+      position = better
+      place = place_at(gearbox, better)
+      y = y_begin
+      integers = begin
+      y(i_theta) = place%angle
+      call find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+   end subroutine find_place
+
+   !> The static equilibria over the common period, at the speed at which the mean acceleration is 0. y is the first guess, and has
+   !> this speed afterwards.
+   subroutine find_path(gearbox, models, position, place, t, y, integers, reals, path)
+      type(gearbox_t), intent(in) :: gearbox
+      type(equilibrium_models), intent(in) :: models
+      real(wp), intent(in) :: position !! of the start [pitches]
+      type(steady_place), intent(in) :: place
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      type(path_t), intent(out) :: path
+      real(wp) :: slope, speed, last_speed, last_acceleration, change
+      integer(int64) :: pitches
+      integer :: k, n, pass
+
+      pitches = whole_pitches(gearbox, first_mesh(gearbox))
+      n = sample_numbers(findloc(gearbox%n_states <= sample_sizes, .true., dim=1))
+      if (modulo(pitches, int(n, int64)) == 0) n = n - 2
+      path%positions = aint(position) + [((k - 0.5_wp)/n*real(pitches, wp), k=1, n)]
+      allocate (path%y(gearbox%n_states, n), path%integers(size(integers), n), path%found(n))
+      path%found = .false.
+      speed = y(i_omega)
+      call walk(gearbox, models, t, speed, y, integers, reals, path)
+      if (gearbox%wheels(gearbox%reference)%prescribed > 0 .or. .not. any(path%found)) return
+      slope = speed_slope(models, place, t, y, integers, reals)
+      do pass = 1, most_passes
+         if (.not. slope < 0) exit
+         change = -path%acceleration/slope
+         if (abs(change) <= agreement*abs(speed)) exit
+         last_speed = speed
+         last_acceleration = path%acceleration
+         speed = speed + change
+         call walk(gearbox, models, t, speed, y, integers, reals, path)
+         if (abs(speed - last_speed) > 1.0e-8_wp*abs(speed)) &
+            slope = (path%acceleration - last_acceleration)/(speed - last_speed)
+      end do
+      y(i_omega) = speed
+   end subroutine find_path
+
+   !> All equilibria of the path at a speed, each from the one before, or from its own at another speed.
+   subroutine walk(gearbox, models, t, speed, y_guess, guess, reals, path)
+      type(gearbox_t), intent(in) :: gearbox
+      type(equilibrium_models), intent(in) :: models
+      real(wp), intent(in) :: t, speed
+      real(wp), intent(in) :: y_guess(:)
+      integer, intent(in) :: guess(:)
+      real(wp), intent(inout) :: reals(:)
+      type(path_t), intent(inout) :: path
+      type(steady_system) :: system
+      type(steady_place) :: there
+      type(status_t) :: status
+      real(wp) :: y(size(y_guess))
+      integer :: integers(size(guess)), k
+
+      y = y_guess
+      integers = guess
+      path%acceleration = 0
+      do k = 1, size(path%positions)
+         if (path%found(k)) then
+            y = path%y(:, k)
+            integers = path%integers(:, k)
+         end if
+         there = place_at(gearbox, path%positions(k))
+         call list_unknowns(gearbox, there, .false., system)
+         y(i_theta) = there%angle
+         y(i_omega) = speed
+         call follow(system, y)
+         reals = 0
+         call clear(status)
+         call find_static(models, system, t, y, integers, reals, status)
+         path%found(k) = .not. has_failed(status)
+         if (.not. path%found(k)) then
+            y = y_guess
+            integers = guess
+            cycle
+         end if
+         path%y(:, k) = y
+         path%integers(:, k) = integers
+         path%acceleration = path%acceleration + acceleration(models%static, t, y, integers, reals)
+      end do
+      path%acceleration = path%acceleration/max(count(path%found), 1)
+   end subroutine walk
+
+   !> Acceleration of the reference wheel at an equilibrium of all deviations [rad/s^2].
+   real(wp) function acceleration(gearbox, t, y, integers, reals)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
+      integer, intent(in) :: integers(:)
+      real(wp) :: residual(gearbox%n_states)
+      type(status_t) :: status
+
+      call steady_residual(gearbox, t, y, integers, reals, residual, status)
+      acceleration = merge(0.0_wp, -residual(i_omega), has_failed(status))
+   end function acceleration
+
+   !> Derivative of the acceleration by the speed at the position of the start [1/s]; 0 if it is not known.
+   real(wp) function speed_slope(models, place, t, y_start, start, reals) result(slope)
+      type(equilibrium_models), intent(in) :: models
+      type(steady_place), intent(in) :: place
+      real(wp), intent(in) :: t, y_start(:)
+      real(wp), intent(inout) :: reals(:)
+      integer, intent(in) :: start(:)
+      type(steady_system) :: system
+      type(status_t) :: status
+      real(wp) :: y(size(y_start)), at(2)
+      integer :: integers(size(start)), i
+
+      slope = 0
+      call list_unknowns(models%static, place, .false., system)
+      do i = 1, 2
+         y = y_start
+         integers = start
+         y(i_omega) = y_start(i_omega)*(1 + (i - 1)*speed_step)
+         call find_static(models, system, t, y, integers, reals, status)
+         if (has_failed(status)) return
+         at(i) = acceleration(models%static, t, y, integers, reals)
+      end do
+      if (abs(y_start(i_omega)) > 0) slope = (at(2) - at(1))/(speed_step*y_start(i_omega))
+   end function speed_slope
+
+   !> From the equilibrium at the place to the start: mean of the path in slow modes, the place and its slopes in fast ones.
+   subroutine split(gearbox, models, place, path, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(equilibrium_models), intent(in) :: models
+      type(steady_place), intent(in) :: place
+      type(path_t), intent(in) :: path
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
+      integer, intent(inout) :: integers(:)
+      type(status_t), intent(inout) :: status
+      integer, allocatable :: speeds(:), positions(:)
+      real(wp), allocatable :: vectors(:, :), mean(:), stiffness(:, :), damping(:, :)
+      real(wp) :: matrix(gearbox%n_states, gearbox%n_states), slopes(gearbox%n_states), y_place(gearbox%n_states)
+      real(wp) :: mean_speed
+      type(steady_system) :: system
+      type(status_t) :: refusal
+      integer :: k, n
+
+      call list_unknowns(gearbox, place, .false., system)
+      call find_static(models, system, t, y, integers, reals, status)
+      if (.not. has_failed(status)) call find_slopes(models%smooth, system, t, y, integers, reals, status)
+      if (has_failed(status)) return
+      mean_speed = y(i_omega)
+      slopes = 0
+      slopes(system%unknown(:size(system%slopes))) = system%slopes
+      y(i_omega) = mean_speed/(1 + whole_turn(gearbox, slopes))
+      call find_balance(models, system, t, y, integers, reals, status)
+      if (has_failed(status)) return
+      y_place = y
+      call free_states(gearbox, speeds, positions)
+      speeds = pack(speeds, speeds /= i_omega)
+      n = size(positions)
+      allocate (vectors(n, 2), mean(n), stiffness(n, n), damping(n, n))
+      mean = 0
+      stiffness = 0
+      do k = 1, size(path%found)
+         if (.not. path%found(k)) cycle
+         mean = mean + coordinates(gearbox, positions, path%y(:, k), y_place)
+         call still_matrix(models%smooth, t, path%y(:, k), path%integers(:, k), reals, matrix, refusal)
+         if (has_failed(refusal)) return
+         call hold_anchor(gearbox, system, matrix)
+         stiffness = stiffness + matrix(speeds, positions)
+      end do
+      mean = mean/count(path%found)
+      stiffness = stiffness/count(path%found)
+      call still_matrix(models%whole, t, y_place, integers, reals, matrix, refusal)
+      if (has_failed(refusal)) return
+      call hold_anchor(gearbox, system, matrix)
+      damping = matrix(speeds, speeds)
+      vectors(:, 1) = coordinates(gearbox, positions, y_place, y_place) - mean
+      vectors(:, 2) = slopes(positions)/(1 + whole_turn(gearbox, slopes))
+      call scale_and_keep(gearbox, positions, stiffness, damping, mesh_frequency(gearbox, mean_speed), vectors)
+      slopes = 0
+      slopes(positions) = vectors(:, 2)
+      y(i_omega) = mean_speed*(1 - whole_turn(gearbox, slopes))
+      y(speeds) = vectors(:, 2)*mean_speed
+      call put(gearbox, system, positions, mean + vectors(:, 1), y)
+   end subroutine split
+
+   !> Derivatives at a constant angle of the driving wheel of the first mesh instead of the reference wheel, so that they do not
+   !> depend on the choice of the latter. A wheel with a prescribed speed is the reference wheel in any case.
+   subroutine hold_anchor(gearbox, system, matrix)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      real(wp), intent(inout) :: matrix(:, :) !! of `still_matrix`
+
+      associate (anchor => system%i_anchor)
+         if (anchor == 0 .or. gearbox%wheels(gearbox%reference)%prescribed > 0) return
+         matrix(:, anchor) = matrix(:, anchor) - matrix(:, i_theta)/system%anchor_ratio
+         matrix(:, anchor + 1) = matrix(:, anchor + 1) - matrix(:, i_omega)/system%anchor_ratio
+      end associate
+   end subroutine hold_anchor
+
+   !> Keep the fast modes, in the units of the positions.
+   subroutine scale_and_keep(gearbox, positions, stiffness, damping, frequency, vectors)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: positions(:)
+      real(wp), intent(inout) :: stiffness(:, :), damping(:, :), vectors(:, :)
+      real(wp), intent(in) :: frequency
+      real(wp), dimension(gearbox%n_states) :: scale, row_scale
+      real(wp) :: unit(size(positions)), kept(size(vectors, 1), size(vectors, 2))
+      integer :: i
+
+      call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
+      unit = scale(positions)
+      do i = 1, size(unit)
+         stiffness(:, i) = stiffness(:, i)*unit(i)/unit
+         damping(:, i) = damping(:, i)*unit(i)/unit
+      end do
+      kept = vectors/spread(unit, 2, size(vectors, 2))
+      call keep_fast_modes(stiffness, damping, frequency, kept)
+      vectors = kept*spread(unit, 2, size(vectors, 2))
+   end subroutine scale_and_keep
+
+   !> The highest mesh frequency [rad/s].
+   pure real(wp) function mesh_frequency(gearbox, speed) result(frequency)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: speed !! of the reference wheel [rad/s]
+
+      associate (contact => gearbox%contacts(gearbox%first(first_mesh(gearbox))))
+         frequency = 2*pi*abs(contact%pair%advance/contact%base_pitch*speed)
+      end associate
+   end function mesh_frequency
+
+   !> Deviations of a state: its positions, a housing's orientation as small turns from that of another state.
+   function coordinates(gearbox, positions, y, y_reference) result(values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: positions(:)
+      real(wp), intent(in) :: y(:), y_reference(:)
+      real(wp) :: values(size(positions))
+      integer :: p, n
+
+      values = y(positions)
+      if (.not. gearbox%housing%is_mounted) return
+      p = gearbox%housing%i_state + at_orientation
+      n = size(positions)
+      values(n - 2:) = 4*matmul(y(p:p + 3) - y_reference(p:p + 3), small_turns(y_reference(p:p + 3)))
+   end function coordinates
+
+   !> Part of slopes along theta that turns the whole gearbox: sum of J_i g_i psi_i over sum of J_i g_i^2; 0 if a speed is
+   !> prescribed. The inertias turn with the mean speed, so this part is taken off the speed of the reference wheel.
+   pure real(wp) function whole_turn(gearbox, slopes) result(part)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: slopes(:) !! of the states
+      real(wp) :: turned, inertia
+      integer :: i
+
+      part = 0
+      if (gearbox%wheels(gearbox%reference)%prescribed > 0) return
+      turned = 0
+      inertia = 0
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (wheel%leader /= i) cycle
+            inertia = inertia + wheel%rotor_inertia*wheel%ratio**2
+            if (wheel%i_psi > 0) turned = turned + wheel%rotor_inertia*wheel%ratio*slopes(wheel%i_psi)
+         end associate
+      end do
+      part = turned/inertia
+   end function whole_turn
+
+   !> Put positions into the state. The driving wheel of the first mesh keeps its angle.
+   subroutine put(gearbox, system, positions, values, y)
+      type(gearbox_t), intent(in) :: gearbox
+      type(steady_system), intent(in) :: system
+      integer, intent(in) :: positions(:)
+      real(wp), intent(in) :: values(:)
+      real(wp), intent(inout) :: y(:) !! the equilibrium at the place
+      integer :: n, p
+
+      n = size(positions)
+      if (gearbox%housing%is_mounted) then
+         p = gearbox%housing%i_state + at_orientation
+         y(p:p + 3) = y(p:p + 3) + matmul(small_turns(y(p:p + 3)), values(n - 2:))
+         y(positions(:n - 3)) = values(:n - 3)
+         call housing_renormalise(gearbox%housing, y)
+      else
+         y(positions) = values
+      end if
+      if (system%i_anchor > 0) y(i_theta) = system%target - y(system%i_anchor)/system%anchor_ratio
+   end subroutine put
+
+end module evl_steady_start
