@@ -10,12 +10,10 @@ from pathlib import Path
 
 import pytest
 
+import machine
 from kernel.kernel import Kernel
-from leftovers import (  # noqa: F401 - hooks
-    pytest_runtest_call,
-    pytest_runtest_teardown,
-    pytest_sessionstart,
-)
+
+pytest_plugins = ("leftovers", "helper_programs")
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none
@@ -99,7 +97,9 @@ def kernel_library() -> Path:
 def _layer(executable: Path, name: str) -> Path:
     path = executable.resolve().parent / "tests" / name
     if not path.is_file():
-        pytest.skip(f"this build has no {name}: only Linux has it, and no build with sanitizers")
+        machine.unavailable(
+            f"this build has no {name}: only Linux has it, and no build with sanitizers"
+        )
     return path
 
 

@@ -123,16 +123,29 @@ setup_tools() {
   find_python >/dev/null || die "no Python 3.11 or newer with the modules venv and ensurepip found; name one with PYTHON=..."
 }
 
-# What only tests need: a Slurm to be started for job arrays, a browser that opens pages, a compiler with libFuzzer. Without one of
-# them its tests are skipped and say so in the summary of pytest.
+# missing_test_packages: the Debian packages of tests/machine.txt whose programs are missing here.
+SYSTEM_FOLDERS=/usr/sbin:/usr/local/sbin:/sbin # not in the PATH of ordinary users
+missing_test_packages() {
+  local PATH=$PATH:$SYSTEM_FOLDERS list=${BASH_SOURCE[0]%/*}/../tests/machine.txt names packages
+  while IFS=';' read -r names packages _; do
+    [[ $names =~ ^[[:space:]]*(#|$) ]] && continue
+    # shellcheck disable=SC2086  # one word a program
+    [ -n "$(type -P ${names//|/ })" ] || printf '%s\n' $packages
+  done <"$list"
+}
+
+# Everything else that the tests need. Without the right to install it, tests are skipped that lack a program.
 setup_test_tools() {
-  local missing=() PATH=$PATH:/usr/sbin
-  command -v slurmctld >/dev/null || missing+=(slurm-wlm)
-  command -v munged >/dev/null || missing+=(munge)
-  command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || missing+=(chromium)
-  command -v chromedriver >/dev/null || missing+=(chromium-driver)
-  command -v clang >/dev/null || missing+=(clang libclang-rt-dev)
-  if [ ${#missing[@]} -gt 0 ] && can_install; then need "${missing[@]}"; fi
+  local missing
+  mapfile -t missing < <(missing_test_packages | sort -u)
+  if [ ${#missing[@]} -gt 0 ]; then
+    can_install || {
+      say "Missing, so that tests will be skipped: ${missing[*]}"
+      return
+    }
+    need "${missing[@]}"
+  fi
+  export EVOLVENT_TESTS_COMPLETE=1
 }
 
 # configure PRESET: CMake finds the libraries, and it names the Debian packages of those that are missing.

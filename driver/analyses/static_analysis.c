@@ -238,7 +238,7 @@ static bool find_torques(static_analysis *a, const char *asked, evl_error *error
     }
     a->n_torques = 1;
     a->torques[0] = a->plan.torque;
-    return a->plan.torque > 0.0 ||
+    return fabs(a->plan.torque) > 0.0 ||
            evl_error_set(error, EVL_EXIT_CASE, case_path(a->prepared->file),
                          "its loads put no torque on mesh %s: give one with --torque, such as --torque 50",
                          case_description(a->prepared->file)->meshes[a->plan.mesh]);

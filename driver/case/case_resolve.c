@@ -193,11 +193,15 @@ static bool take_gaps(const checker *checker, case_node *gaps, const description
 
 static bool take_initial(const checker *checker, case_node *block, description *description)
 {
-    static const char *const kinds[] = {
-        [EVL_INITIAL_REST] = "rest", [EVL_INITIAL_STEADY] = "steady", [EVL_INITIAL_SPEEDS] = "speeds"};
+    static const char *const kinds[] = {[EVL_INITIAL_REST] = "rest",
+                                        [EVL_INITIAL_STEADY] = "steady",
+                                        [EVL_INITIAL_SPEEDS] = "speeds",
+                                        [EVL_INITIAL_PERIODIC] = "periodic"};
+    static const double periodic_position = 0.25; /* pitches: at 0 a tooth pair begins its path */
     evl_initial *initial = &description->simulation.initial;
     const struct checker of_speeds = checker_at(checker, "speeds"), of_gaps = checker_at(checker, "gaps");
-    initial->kind = words_index(node_get_text(block, "kind"), 3, kinds);
+    initial->kind = words_index(node_get_text(block, "kind"), sizeof kinds / sizeof *kinds, kinds);
+    initial->mesh_position = initial->kind == EVL_INITIAL_PERIODIC ? periodic_position : 0;
     if (initial->kind == EVL_INITIAL_SPEEDS) {
         double *values = pool_calloc(&description->pool, (size_t)description->n_wheels, sizeof *values);
         initial->speeds = values;
@@ -205,7 +209,7 @@ static bool take_initial(const checker *checker, case_node *block, description *
             return false;
         }
     }
-    if (initial->kind != EVL_INITIAL_STEADY) {
+    if (initial->kind == EVL_INITIAL_REST || initial->kind == EVL_INITIAL_SPEEDS) {
         double *values = pool_calloc(&description->pool, (size_t)description->n_meshes, sizeof *values);
         initial->gaps = values;
         if (!take_gaps(&of_gaps, node_get(block, "gaps"), description, values)) {

@@ -11,7 +11,7 @@ typedef struct {
     int n_pairs,
         first_pair;  /**< places for tooth pairs, by how many pitches they are ahead of the one that came last */
     int n_harmonics; /**< numbered from 1 */
-    double torque;   /**< that the loads suggest [N m]; 0: none */
+    double torque;   /**< at the nominal operating point, < 0 on the coast flanks [N m]; 0: no load */
     double speed;    /**< of the driving wheel, for friction: the caller's [rad/s] */
     int n_values, n_outputs;
     const model_output *outputs; /**< [n_outputs] dims: words of "position", "pair", "harmonic" */

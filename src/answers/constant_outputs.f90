@@ -58,7 +58,7 @@ contains
       call tell(teller, "effective_modulus", "Pa", "E_star", "effective modulus of elasticity", contact%e_star)
       call tell(teller, "elastic_share_driving", "1", "w_A", "share of the driving wheel in the elastic compliance", &
                 contact%pair%share_a)
-      call tell(teller, "reference_force", "N", "F_0", "normal force that the loads suggest", contact%force_scale)
+      call tell(teller, "reference_force", "N", "F_0", "normal force at the nominal operating point", contact%force_scale)
       call tell(teller, "reference_penetration", "m", "h_0", "penetration under the reference force", contact%h_scale)
       call tell(teller, "rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", contact%rigid)
       call tell(teller, "tooth_coupling", "1", "", "1 if tooth pairs yield to each other's loads, else 0", couples)

@@ -41,7 +41,8 @@ contains
       case (of_wheel)
          call tell_wheel(gearbox, index, to)
       case (of_mesh)
-         call tell_mesh(gearbox%contacts(gearbox%first(index)), gearbox%pairs(index), gearbox%references(index), to)
+         call tell_mesh(gearbox%contacts(gearbox%first(index)), gearbox%pairs(index), gearbox%nominal%force(index), &
+                        gearbox%references(index), to)
          call tell(to, "gives_way", "1", "", "1: its wheels give way, 0: they could, given a compliance", &
                    gives_way(gearbox, index))
       case (of_gear)
@@ -74,12 +75,15 @@ contains
          call tell(to, "inertia", "kg m2", "J", "moment of inertia about the axle", wheel%inertia)
          call tell(to, "centre", "m", "O", "reference position of the axle", wheel%centre)
          call tell(to, "speed_ratio", "1", "g", "nominal speed over that of the reference wheel", wheel%ratio)
+         call tell(to, "nominal_speed", "rad/s", "", "speed at the nominal operating point, counterclockwise positive", &
+                   wheel%ratio*gearbox%nominal%speed)
       end associate
    end subroutine tell_wheel
 
-   subroutine tell_mesh(contact, pair, at, to)
+   subroutine tell_mesh(contact, pair, nominal_force, at, to)
       type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
       type(spur_pair_t), intent(in) :: pair
+      real(wp), intent(in) :: nominal_force        !! [N]
       type(mesh_reference_t), intent(in) :: at     !! at the nominal load
       type(teller_t), intent(inout) :: to
 
@@ -105,7 +109,9 @@ contains
       call tell(to, "common_width", "m", "b", "common face width", contact%width)
       call tell(to, "effective_modulus", "Pa", "E*", "effective modulus of elasticity", contact%e_star)
       call tell(to, "elastic_share_driving", "1", "w_A", "share of the driving wheel in the compliance", contact%pair%share_a)
-      call tell(to, "reference_force", "N", "F_0", "normal force that the loads suggest", contact%force_scale)
+      call tell(to, "nominal_force", "N", "F_N", "normal force at the nominal operating point; below 0 on the coast flanks", &
+                nominal_force)
+      call tell(to, "reference_force", "N", "F_0", "its magnitude; of an unloaded mesh what others carry", contact%force_scale)
       call tell(to, "reference_penetration", "m", "h_0", "its penetration", contact%h_scale)
       call tell(to, "reference_stiffness", "N/m", "k", "stiffness of one tooth pair there", at%stiffness)
       call tell(to, "reference_mass", "kg", "m", "mass of the wheels along the line of action", at%mass)

@@ -3,7 +3,6 @@ module evl_gearbox_references
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: choice_of
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_scaling, only: gearbox_likely_speed, mesh_load
    use evl_kinds, only: wp
    use evl_mesh_reference, only: reference_damping, reference_of
    use evl_row, only: short_length
@@ -30,7 +29,7 @@ contains
       do m = 1, size(gearbox%pairs)
          associate (contact => gearbox%contacts(gearbox%first(m)), reference => gearbox%references(m), &
                     flank => gearbox%flanks(gearbox%contacts(gearbox%first(m))%i_flank)%flank)
-            has_load = mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)) > 0
+            has_load = gearbox%nominal%mesh_scale(m) > 0
             reference = reference_of(flank, contact, has_load, free_mobility(gearbox, contact))
             if (contact%damping%left_to_mesh() /= "") call complete(gearbox, m, status)
             if (has_failed(status)) return

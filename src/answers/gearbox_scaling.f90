@@ -8,29 +8,28 @@ module evl_gearbox_scaling
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: at_omega, at_orientation, at_position, at_velocity, n_housing_states
    use evl_kinds, only: pi, wp
-   use evl_load, only: load_point
    use evl_local_variables, only: i_omega, i_theta, n_track
+   use evl_nominal_point, only: loads_at_start
    use evl_shaft, only: shaft_t
    use evl_status, only: code_invalid_input, code_ok, fail, status_t, subject_mesh
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: gearbox_set_scales, gearbox_state_scales, gearbox_likely_speed, mesh_load
+   public :: gearbox_set_scales, gearbox_state_scales
 
    real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the pitches that a turn makes: 1e-2 rad at 20 teeth
    real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
    real(wp), parameter :: multiplier_factor = 1.0e3_wp !! scale of a multiplier over the force: it follows from the rest
    real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
    real(wp), parameter :: smallest_twist = 1.0e-9_wp !! of an unloaded shaft [rad]
-   real(wp), parameter :: spin_up = 1.0_wp         !! time in which torques alone would give the speed scale [s]
 
    real(wp), parameter :: free_time = 1.0_wp !! in which a free housing moves [s]
    real(wp), parameter :: share = 0.01_wp    !! of that motion: what the gears do to a housing is small beside its weight's sag
 
 contains
 
-   !> Force and penetration scales of all meshes from the loads alone. Errors: code_invalid_input where there are none.
+   !> Force and penetration scales of all meshes at the nominal operating point. Errors: code_invalid_input where there are none.
    subroutine gearbox_set_scales(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
@@ -38,7 +37,7 @@ contains
 
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
-            contact%force_scale = max(mesh_load(gearbox, contact, gearbox_likely_speed(gearbox)), &
+            contact%force_scale = max(gearbox%nominal%mesh_scale(contact%mesh), &
                                       smallest_load*pi*contact%e_star*contact%pair%rho_0*contact%width)
             call static_penetration(gearbox, contact, contact%force_scale, contact%h_scale)
             if (.not. contact%h_scale > 0) then
@@ -50,66 +49,6 @@ contains
          end associate
       end do
    end subroutine gearbox_set_scales
-
-   !> Speed of the reference wheel that the loads suggest [rad/s], at least 0: the prescribed one, that at which loads that follow
-   !> the speed balance the others, or that after a second under the torques.
-   pure real(wp) function gearbox_likely_speed(gearbox) result(speed)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, parameter :: most_newton = 50
-      real(wp), parameter :: agreement = 1.0e-6_wp
-      real(wp) :: torque, swing, against, damping, inertia
-      integer :: i
-
-      speed = 0
-      torque = 0
-      swing = 0
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            associate (g => abs(gearbox%wheels(load%wheel)%ratio))
-               if (load%prescribes) speed = max(speed, load%fastest/g)
-               torque = torque + g*load%largest(g, 0.0_wp)
-               swing = swing + g*abs(load%swing)
-            end associate
-         end associate
-      end do
-      if (.not. torque > 0) torque = swing
-      if (speed > 0 .or. .not. torque > 0) return
-      inertia = sum(gearbox%wheels%inertia*gearbox%wheels%ratio**2)
-      call resistance(gearbox, 0.0_wp, against, damping)
-      if (damping > 0) then
-         speed = torque/damping
-      else
-         speed = torque/inertia*spin_up
-      end if
-      do i = 1, most_newton ! of torques that are not linear in the speed
-         call resistance(gearbox, speed, against, damping)
-         if (.not. damping > 0 .or. abs(torque - against) <= agreement*torque) exit
-         speed = max(speed + (torque - against)/damping, speed/2)
-      end do
-   end function gearbox_likely_speed
-
-   !> How much less torque the loads bring when the reference wheel turns at `speed`, and how it grows with the speed.
-   pure subroutine resistance(gearbox, speed, torque, damping)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: speed          !! [rad/s]
-      real(wp), intent(out) :: torque, damping !! at the reference wheel [N m], [N m s]
-      real(wp) :: at_rest, there, slope, stiffness
-      integer :: i
-
-      torque = 0
-      damping = 0
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            if (.not. load%by_speed) cycle
-            associate (g => gearbox%wheels(load%wheel)%ratio)
-               call load%ask(load_point(), at_rest, slope, stiffness)
-               call load%ask(load_point(omega=g*speed), there, slope, stiffness)
-               torque = torque + g*(at_rest - there)
-               damping = damping + slope*g**2
-            end associate
-         end associate
-      end do
-   end subroutine resistance
 
    !> Scale of theta: a share of the pitch of the mesh whose teeth pass fastest.
    pure real(wp) function angle_scale(gearbox) result(scale)
@@ -125,44 +64,6 @@ contains
          end associate
       end do
    end function angle_scale
-
-   !> Largest normal force that the load of one wheel can put on a mesh when the reference wheel turns at `speed` [N].
-   pure real(wp) function mesh_load(gearbox, contact, speed) result(force)
-      type(gearbox_t), intent(in) :: gearbox
-      type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: speed !! [rad/s]
-
-      force = largest_torque(gearbox, abs(contact%pair%ratio_a), speed, contact%pair%r_ba)
-   end function mesh_load
-
-   !> Largest torque that the load of one wheel can put on what turns at `ratio` times the speed of the reference wheel, over an
-   !> arm [N m], or its force [N].
-   pure real(wp) function largest_torque(gearbox, ratio, speed, arm) result(force)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: ratio
-      real(wp), intent(in) :: speed !! of the reference wheel [rad/s]
-      real(wp), intent(in) :: arm   !! [m]; 1 for the torque itself
-      real(wp) :: torque, swing, swinging
-      integer :: i, j
-
-      force = 0
-      swinging = 0
-      do i = 1, size(gearbox%wheels)
-         associate (g => abs(gearbox%wheels(i)%ratio))
-            torque = 0
-            swing = 0
-            do j = 1, size(gearbox%wheels(i)%loads)
-               associate (load => gearbox%loads(gearbox%wheels(i)%loads(j))%load)
-                  torque = torque + load%largest(g, speed)
-                  swing = swing + abs(load%swing)
-               end associate
-            end do
-            force = max(force, torque*g/(ratio*arm))
-            swinging = max(swinging, swing*g/(ratio*arm))
-         end associate
-      end do
-      if (.not. force > 0) force = swinging
-   end function largest_torque
 
    !> Penetration under a force; a force beyond the law is halved until the law carries it. 0 if it carries none.
    subroutine static_penetration(gearbox, contact, force, h)
@@ -187,19 +88,25 @@ contains
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
       real(wp), intent(in), optional :: duration !! of the run, if it is one [s]
       real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
+      real(wp) :: start_force(size(gearbox%pairs)), start_torque(size(gearbox%shafts))
       real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
       real(wp) :: energy, housing_energy, time
       real(wp), dimension(n_housing_states) :: housing_state, housing_row
       integer :: i, j
 
-      speed = gearbox_likely_speed(gearbox)
-      if (size(speeds) > 0) speed = max(speed, maxval(abs(speeds/gearbox%wheels%ratio)))
+      speed = gearbox%nominal%speed_scale
+      start_force = 0
+      start_torque = 0
+      if (size(speeds) > 0) then
+         speed = max(speed, maxval(abs(speeds/gearbox%wheels%ratio)))
+         call loads_at_start(gearbox, speeds, start_force, start_torque)
+      end if
       energy = 0
       do i = 1, size(gearbox%contacts)
-         call mesh_scales(gearbox, gearbox%contacts(i), speed, speeds, h(i), frequency, energy)
+         call mesh_scales(gearbox, gearbox%contacts(i), start_force(gearbox%contacts(i)%mesh), speeds, h(i), frequency, energy)
          rate(i) = h(i)*frequency
       end do
-      call wheel_scales(gearbox, speed, speeds, h, rate, arc, turn, energy)
+      call wheel_scales(gearbox, start_torque, speeds, h, rate, arc, turn, energy)
       state(i_theta) = angle_scale(gearbox)
       state(i_omega) = merge(speed, 1.0_wp, speed > 0)
       do i = 1, size(gearbox%wheels)
@@ -239,11 +146,13 @@ contains
       end do
    end subroutine gearbox_state_scales
 
-   !> Penetration, natural frequency and energy scale of a mesh under its loads, or under the impact of the initial speeds.
-   subroutine mesh_scales(gearbox, contact, speed, speeds, h, frequency, energy)
+   !> Penetration, natural frequency and energy scale of a mesh under its nominal load, that of the start, or the impact of the
+   !> initial speeds.
+   subroutine mesh_scales(gearbox, contact, start_force, speeds, h, frequency, energy)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: speed, speeds(:) !! of the reference wheel; of the wheels at the start [rad/s]
+      real(wp), intent(in) :: start_force      !! normal force at the start [N]; 0 if the start is not given
+      real(wp), intent(in) :: speeds(:)        !! of the wheels at the start [rad/s]
       real(wp), intent(out) :: h               !! [m]
       real(wp), intent(out) :: frequency       !! [rad/s]
       real(wp), intent(inout) :: energy        !! raised to the mesh's own, if that is larger [J]
@@ -251,7 +160,7 @@ contains
       real(wp) :: force, approach
       integer :: code
 
-      force = mesh_load(gearbox, contact, speed)
+      force = max(gearbox%nominal%mesh_scale(contact%mesh), start_force)
       energy = max(energy, angle_scale(gearbox)*force*abs(contact%pair%advance))
       force = max(force, contact%force_scale)
       call static_penetration(gearbox, contact, force, h)
@@ -265,9 +174,10 @@ contains
 
    !> Scales of what moves with a wheel, value and rate: arcs [m], [m/s], the smallest among its meshes; angles of its rotor [rad],
    !> [rad/s], the smallest among the meshes and shafts of the rotor's wheels, in the place of the leader. 1 where there are none.
-   pure subroutine wheel_scales(gearbox, speed, speeds, h, rate, arc, turn, energy)
+   pure subroutine wheel_scales(gearbox, start_torque, speeds, h, rate, arc, turn, energy)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: speed, speeds(:)   !! of the reference wheel; of the wheels at the start [rad/s]
+      real(wp), intent(in) :: start_torque(:)    !! of the shafts at the start [N m]
+      real(wp), intent(in) :: speeds(:)          !! of the wheels at the start [rad/s]
       real(wp), intent(in) :: h(:), rate(:)      !! of the meshes [m], [m/s]
       real(wp), intent(out) :: arc(:, :), turn(:, :)
       real(wp), intent(inout) :: energy          !! raised to those of the shafts, if they are larger [J]
@@ -289,7 +199,7 @@ contains
       end do
       do i = 1, size(gearbox%shafts)
          if (gearbox%shafts(i)%rigid) cycle
-         call shaft_scales(gearbox, gearbox%shafts(i), speed, speeds, twist, energy)
+         call shaft_scales(gearbox, gearbox%shafts(i), max(gearbox%nominal%shaft_scale(i), start_torque(i)), speeds, twist, energy)
          associate (a => gearbox%wheels(gearbox%shafts(i)%wheel_a)%leader, b => gearbox%wheels(gearbox%shafts(i)%wheel_b)%leader)
             turn(:, a) = min(turn(:, a), twist)
             turn(:, b) = min(turn(:, b), twist)
@@ -300,16 +210,17 @@ contains
    end subroutine wheel_scales
 
    !> Twist of an elastic shaft and its rate under the loads, or under the difference of the initial speeds of its wheels.
-   pure subroutine shaft_scales(gearbox, shaft, speed, speeds, twist, energy)
+   pure subroutine shaft_scales(gearbox, shaft, torque, speeds, twist, energy)
       type(gearbox_t), intent(in) :: gearbox
       type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: speed, speeds(:) !! as in wheel_scales
+      real(wp), intent(in) :: torque           !! that it carries [N m]
+      real(wp), intent(in) :: speeds(:)        !! as in wheel_scales
       real(wp), intent(out) :: twist(2)        !! [rad], [rad/s]
       real(wp), intent(inout) :: energy        !! raised to the shaft's own, if that is larger [J]
       real(wp) :: angle, mobility, frequency, difference
 
       associate (a => gearbox%wheels(shaft%wheel_a), b => gearbox%wheels(shaft%wheel_b))
-         angle = largest_torque(gearbox, abs(a%ratio), speed, 1.0_wp)/shaft%stiffness
+         angle = torque/shaft%stiffness
          mobility = 1/a%rotor_inertia + 1/b%rotor_inertia
       end associate
       if (.not. angle > 0) angle = smallest_twist

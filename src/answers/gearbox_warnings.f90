@@ -2,7 +2,6 @@
 !> they may be right, but more likely a unit is wrong.
 module evl_gearbox_warnings
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_scaling, only: gearbox_likely_speed
    use evl_kinds, only: pi, wp
    use evl_mesh_geometry, only: spur_pair_least_radius
    use evl_status, only: message_length, quantity, status_t, subject_mesh, subject_wheel, warn
@@ -87,7 +86,7 @@ contains
       if (size(initial) > 0) speeds = abs(initial)
       ! torques alone give no speed, only one that grows
       is_known = [(gearbox%loads(i)%load%prescribes .or. gearbox%loads(i)%load%by_speed, i=1, size(gearbox%loads))]
-      if (any(is_known)) speeds = max(speeds, gearbox_likely_speed(gearbox)*abs(gearbox%wheels%ratio))
+      if (any(is_known)) speeds = max(speeds, gearbox%nominal%speed_scale*abs(gearbox%wheels%ratio))
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
             if (load%prescribes) speeds(load%wheel) = max(speeds(load%wheel), load%fastest)

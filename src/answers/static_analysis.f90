@@ -16,7 +16,6 @@ module evl_static_analysis
    use evl_flank, only: exactly_one
    use evl_flank_deviation, only: flank_deviation_t
    use evl_gearbox, only: gearbox_t, section_t
-   use evl_gearbox_scaling, only: gearbox_likely_speed, mesh_load
    use evl_johnson, only: johnson_t
    use evl_kinds, only: pi, wp
    use evl_mesh_at_rest, only: mesh_at_rest
@@ -49,7 +48,7 @@ module evl_static_analysis
       integer :: n_pairs = 0     !! places for tooth pairs
       integer :: n_values = 0
       real(wp) :: reach = 0.0_wp !! [m]
-      real(wp) :: torque = 0.0_wp !! of the driving wheel that the loads suggest, >= 0 [N m]
+      real(wp) :: torque = 0.0_wp !! of the driving wheel at the nominal operating point, < 0 on the coast flanks [N m]
    end type static_plan_t
 
 contains
@@ -77,8 +76,7 @@ contains
       if (has_failed(status)) return
       plan%points = points
       plan%n_positions = points*plan%n_pitches
-      plan%torque = mesh_load(gearbox, gearbox%contacts(gearbox%first(mesh)), gearbox_likely_speed(gearbox)) &
-                    *gearbox%pairs(mesh)%base_radius_a
+      plan%torque = sign(gearbox%nominal%mesh_load(mesh), gearbox%nominal%force(mesh))*gearbox%pairs(mesh)%base_radius_a
       call static_sections(plan%n_positions, plan%n_pairs, sections, plan%n_values)
    end subroutine plan_static
 

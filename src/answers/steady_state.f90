@@ -3,19 +3,18 @@ module evl_steady_state
    use evl_contact_modes, only: mode_at
    use evl_discrete_state, only: flanks_of, gearbox_store_mode, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_scaling, only: gearbox_likely_speed
    use evl_housing, only: at_omega, at_position, at_velocity
    use evl_kinds, only: wp
-   use evl_load, only: load_point
    use evl_local_variables, only: i_omega
    use evl_no_damping, only: no_damping_t
+   use evl_nominal_point, only: speed_in_balance
    use evl_places, only: places
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: clear, code_no_solution, code_out_of_domain, fail, has_failed, quantity, status_t, subject_initial
    use evl_steady_newton, only: find_slopes, solve_steady, steady_system
    use evl_steady_refusals, only: check_pressed, check_steady, refuse_alternation, refuse_slope
    use evl_tooth_contact, only: contact_state, flank_drive, flanks_loaded, flanks_off, settle_friction
-   use evl_wheel_loads, only: hold_still, segment_of
+   use evl_wheel_loads, only: hold_still
    implicit none (type, external)
    private
 
@@ -50,7 +49,7 @@ contains
          if (driver > 0) then
             y(i_omega) = prescribed_speed(gearbox, driver, t, integers)
          else
-            y(i_omega) = free_speed(closed, t, integers)
+            y(i_omega) = speed_in_balance(closed, t, integers)
          end if
          call find_from(gearbox, closed, t, y, integers, reals, status)
          if (driver > 0 .or. .not. has_failed(status)) return
@@ -196,29 +195,6 @@ contains
       if (found) call refuse_alternation(gearbox, before, integers, status)
       if (.not. has_failed(status)) call refuse_slope(gearbox, y, integers, reals, status)
    end subroutine settle_steady
-
-   !> Speed at which the loads balance without friction [rad/s].
-   pure real(wp) function free_speed(gearbox, t, integers) result(speed)
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
-      integer, intent(in) :: integers(:)
-      real(wp) :: torque, damping, mine, slope, stiffness
-      integer :: i
-
-      torque = 0
-      damping = 0
-      do i = 1, size(gearbox%loads)
-         associate (load => gearbox%loads(i)%load)
-            associate (g => gearbox%wheels(load%wheel)%ratio)
-               call load%ask(load_point(t=t, segment=segment_of(load, integers)), mine, slope, stiffness)
-               torque = torque + g*mine
-               damping = damping + g**2*slope
-            end associate
-         end associate
-      end do
-      speed = gearbox_likely_speed(gearbox)
-      if (damping > 0) speed = torque/damping
-   end function free_speed
 
    !> The tooth pairs that carry load at y: those that overlap and push, and on every drive flank at least the nearest one; every
    !> friction branch as the speeds say.

@@ -1,7 +1,6 @@
 !> How far wheels have turned: the positions by which outputs may go. They are linear in the state while its integers stay.
 module evl_turned
    use evl_gearbox, only: gearbox_t, i_turns, wheel_speed
-   use evl_gearbox_scaling, only: gearbox_likely_speed
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_theta
    use evl_tooth_contact, only: nominal_start
@@ -54,7 +53,7 @@ contains
       integer :: i
 
       associate (prescribed => gearbox%wheels(index)%prescribed)
-         may = gearbox%housing%acts .or. gearbox_likely_speed(gearbox) > 0
+         may = gearbox%housing%acts .or. gearbox%nominal%torque_scale > 0 .or. gearbox%nominal%speed_scale > 0
          if (prescribed > 0) may = gearbox%loads(prescribed)%load%fastest > 0
          if (prescribed > 0 .or. may) return
       end associate

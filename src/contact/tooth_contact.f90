@@ -75,7 +75,7 @@ module evl_tooth_contact
       real(wp) :: t_0(2) = 0.0_wp, e_0(2) = 0.0_wp !! nominal basis in the housing frame
       real(wp) :: axial_position = 0.0_wp !! z of the middle of the common width [m]
       real(wp) :: k_a0(2) = 0.0_wp        !! K_A at the reference centre distance [m]
-      real(wp) :: force_scale = 0.0_wp    !! normal force that the loads suggest [N]
+      real(wp) :: force_scale = 0.0_wp    !! normal force at the nominal operating point, or a fallback > 0 [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
       real(wp) :: rate_scale = 0.0_wp     !! its rate, if the contact vibrates that far [m/s]
       logical :: deviates = .false.       !! whether a flank deviates from the involute

@@ -21,6 +21,7 @@ module evl_gearbox_build
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_omega, n_track
    use evl_mesh_geometry, only: spur_pair_derive
+   use evl_nominal_point, only: gearbox_set_nominal
    use evl_output_list, only: place_outputs
    use evl_parts_build, only: loads_build, support_build
    use evl_rational, only: rational_value
@@ -101,6 +102,7 @@ contains
       call number_modes(gearbox)
       call find_dependents(gearbox, status)
       if (has_failed(status)) return
+      call gearbox_set_nominal(gearbox)
       call gearbox_set_scales(gearbox, status)
       if (has_failed(status)) return
       call gearbox_set_references(gearbox, status)

@@ -39,7 +39,7 @@ module evl_gearbox
    private
 
    public :: add_turn, of_angle, of_speed
-   public :: gearbox_t, load_slot, section_t, wheel_t
+   public :: gearbox_t, load_slot, nominal_point_t, section_t, wheel_t
    public :: axle_acceleration, carried_acceleration, gearbox_local, wheel_position, wheel_reference, wheel_speed
    public :: i_turns
 
@@ -78,6 +78,18 @@ module evl_gearbox
       integer :: elements = 0
    end type section_t
 
+   !> Nominal operating point, see evl_nominal_point.
+   type :: nominal_point_t
+      logical :: is_balanced = .true.       !! whether the loads balance at some speed; if not, they accelerate the wheels
+      real(wp) :: speed = 0.0_wp            !! of the reference wheel, counterclockwise positive [rad/s]
+      real(wp) :: speed_scale = 0.0_wp      !! its magnitude, or after 1 s under harmonic torques; 0: rest [rad/s]
+      real(wp), allocatable :: force(:)     !! of each mesh: normal force, > 0 on the drive flanks, < 0 on the coast flanks [N]
+      real(wp), allocatable :: torque(:)    !! of each shaft, on its second wheel [N m]; 0 of a rigid one
+      real(wp) :: torque_scale = 0.0_wp     !! torque that the loads put through the train, at the reference wheel [N m]
+      real(wp), allocatable :: mesh_load(:) !! of each mesh: |force|, or the amplitude under harmonic torques; 0: unloaded [N]
+      real(wp), allocatable :: mesh_scale(:), shaft_scale(:) !! |force| and |torque|, or torque_scale referred to mesh and shaft
+   end type nominal_point_t
+
    type :: gearbox_t
       type(wheel_t), allocatable :: wheels(:)
       type(load_slot), allocatable :: loads(:)
@@ -90,6 +102,7 @@ module evl_gearbox
       type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
       type(wheel_compliance_t), allocatable :: compliances(:) !! of each wheel
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
+      type(nominal_point_t) :: nominal            !! nominal operating point
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing
       integer, allocatable :: output_offsets(:), output_counts(:) !! indices of what it tells among the values, offsets from 0

@@ -16,7 +16,6 @@ module evl_constant_load
       procedure :: take
       procedure :: feed
       procedure :: ask
-      procedure :: largest
       procedure :: add_in_lanes
    end type constant_load
 
@@ -69,12 +68,5 @@ contains
          torque(l) = torque(l) + value
       end do
    end subroutine add_in_lanes
-
-   pure real(wp) function largest(self, ratio, speed)
-      class(constant_load), intent(in) :: self
-      real(wp), intent(in) :: ratio, speed
-
-      largest = abs(self%value)
-   end function largest
 
 end module evl_constant_load

@@ -21,7 +21,6 @@ module evl_drive_load
       procedure, nopass :: refusal
       procedure :: take
       procedure :: ask
-      procedure :: largest
       procedure :: add_in_lanes
       procedure :: spin_torque
    end type drive_load
@@ -62,6 +61,7 @@ contains
 
       self%at_speed = given%number("speed")
       self%torque = given%number("torque")
+      self%rated = abs(self%torque)
       self%slope = given%number("slope")
       self%by_speed = self%slope < 0
       self%sense = "speed"
@@ -100,13 +100,5 @@ contains
 
       torque = self%slope*spin
    end function spin_torque
-
-   !> Of a wheel that turns as the torque at rest turns it; at least that of the operating point.
-   pure real(wp) function largest(self, ratio, speed)
-      class(drive_load), intent(in) :: self
-      real(wp), intent(in) :: ratio, speed
-
-      largest = max(abs(self%torque), abs(abs(self%torque - self%slope*self%at_speed) + self%slope*ratio*speed))
-   end function largest
 
 end module evl_drive_load

@@ -24,7 +24,6 @@ module evl_harmonic_load
       procedure, nopass :: refusal
       procedure :: take
       procedure :: ask
-      procedure :: largest
       procedure :: add_in_lanes
    end type harmonic_load
 
@@ -124,12 +123,5 @@ contains
          torque(l) = torque(l) + (mean + amplitude*sine)
       end do
    end subroutine add_in_lanes
-
-   pure real(wp) function largest(self, ratio, speed)
-      class(harmonic_load), intent(in) :: self
-      real(wp), intent(in) :: ratio, speed
-
-      largest = abs(self%mean)
-   end function largest
 
 end module evl_harmonic_load

@@ -40,13 +40,13 @@ module evl_load
       logical :: may_feed = .false.         !! its torque may grow with the speed: it can feed a vibration
       real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; a steady state sets it to 0
       real(wp) :: cycle = huge(1.0_wp)      !! of the swing: of time [s], or by_angle of the wheel's angle [rad]; huge: none
+      real(wp) :: rated = 0.0_wp            !! its torque at the operating point that it states, if it states one [N m]
       real(wp) :: fastest = 0.0_wp          !! largest magnitude of the prescribed speed [rad/s]
       logical :: is_input = .false.         !! its torque or speed is one number, which may be given anew: `feed`
       character(len=short_length) :: sense = "value" !! parameter that gives its torque or speed its sense
    contains
       procedure(take_numbers), deferred :: take
       procedure(torque_there), deferred :: ask
-      procedure(largest_torque), deferred :: largest
       procedure, nopass :: refusal => no_refusal
       procedure :: add_in_lanes => ask_one_by_one
       procedure :: spin_torque
@@ -75,15 +75,6 @@ module evl_load
          real(wp), intent(out) :: damping   !! -dM/domega [N m s]; 0 without by_speed
          real(wp), intent(out) :: stiffness !! -dM/dphi [N m]; 0 without by_angle
       end subroutine torque_there
-
-      !> The largest magnitude of the torque but for its swing, as a scale of forces, of a wheel that turns at ratio*speed [N m].
-      pure real(wp) function largest_torque(self, ratio, speed)
-         import :: load_t, wp
-         implicit none (type, external)
-         class(load_t), intent(in) :: self
-         real(wp), intent(in) :: ratio !! >= 0
-         real(wp), intent(in) :: speed !! of the reference wheel [rad/s] >= 0
-      end function largest_torque
 
    end interface
 

@@ -19,7 +19,6 @@ module evl_speed_load
       procedure :: take
       procedure :: feed
       procedure :: ask
-      procedure :: largest
       procedure :: speed
       procedure :: acceleration
    end type speed_load
@@ -85,13 +84,6 @@ contains
       damping = 0
       stiffness = 0
    end subroutine ask
-
-   pure real(wp) function largest(self, ratio, speed)
-      class(speed_load), intent(in) :: self
-      real(wp), intent(in) :: ratio, speed
-
-      largest = 0
-   end function largest
 
    pure real(wp) function speed(self, t, segment)
       class(speed_load), intent(in) :: self

@@ -15,7 +15,6 @@ module evl_table_load
       procedure :: describe
       procedure :: take
       procedure :: ask
-      procedure :: largest
       procedure :: add_in_lanes
    end type table_load
 
@@ -73,12 +72,5 @@ contains
          torque(l) = torque(l) + between_knots(at%t(l), t_1, t_2, value_1, value_2)
       end do
    end subroutine add_in_lanes
-
-   pure real(wp) function largest(self, ratio, speed)
-      class(table_load), intent(in) :: self
-      real(wp), intent(in) :: ratio, speed
-
-      largest = maxval(abs(self%knots%values))
-   end function largest
 
 end module evl_table_load

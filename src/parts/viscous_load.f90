@@ -15,7 +15,6 @@ module evl_viscous_load
       procedure :: describe
       procedure :: take
       procedure :: ask
-      procedure :: largest
       procedure :: add_in_lanes
       procedure :: spin_torque
    end type viscous_load
@@ -73,12 +72,5 @@ contains
 
       torque = -self%coefficient*spin
    end function spin_torque
-
-   pure real(wp) function largest(self, ratio, speed)
-      class(viscous_load), intent(in) :: self
-      real(wp), intent(in) :: ratio, speed
-
-      largest = self%coefficient*ratio*speed
-   end function largest
 
 end module evl_viscous_load

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import machine
 from zsh import zsh
 
 SHELLS = ("bash", "zsh", "fish")
@@ -184,8 +185,7 @@ def test_names_of_a_case_are_quoted_and_nothing_in_them_is_run(
 def test_zsh_completes_and_runs_nothing_that_names_say(
     executable: Path, examples: Path, tmp_path: Path
 ) -> None:
-    if shutil.which("zsh") is None:
-        pytest.skip("no zsh here")
+    machine.program("zsh")
     folder = tmp_path / "work"
     folder.mkdir()
     write_odd_cases(folder, examples)
@@ -225,11 +225,11 @@ def test_an_unknown_shell_is_named(executable: Path) -> None:
 def test_the_shell_reads_its_script_and_finds_no_fault(
     executable: Path, tmp_path: Path, shell: str
 ) -> None:
-    if shutil.which(shell) is None:
-        pytest.skip(f"no {shell} here")
     path = tmp_path / "script"
     path.write_text(script(executable, shell))
-    done = subprocess.run([shell, "-n", path], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [machine.program(shell), "-n", path], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
@@ -248,8 +248,7 @@ def test_scripts_name_every_command_and_option(
 def test_fish_completes_commands_options_and_settings(
     executable: Path, examples: Path, tmp_path: Path
 ) -> None:
-    if shutil.which("fish") is None:
-        pytest.skip("no fish here")
+    fish = machine.program("fish")
     (tmp_path / "evolvent.fish").write_text(script(executable, "fish"))
     (tmp_path / "evolvent").symlink_to(executable)
     shutil.copyfile(examples / "spur-pair.yaml", tmp_path / "case.yaml")
@@ -257,7 +256,7 @@ def test_fish_completes_commands_options_and_settings(
     def offered(line: str) -> list[str]:
         lines = f"set PATH {tmp_path} $PATH; source evolvent.fish; complete -C '{line}'"
         done = subprocess.run(
-            ["fish", "-c", lines],
+            [fish, "-c", lines],
             **{"cwd": tmp_path, "capture_output": True, "text": True, "timeout": 60},
             env={**os.environ, "HOME": str(tmp_path), "XDG_CONFIG_HOME": str(tmp_path)},
             check=True,

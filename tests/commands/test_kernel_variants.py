@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import machine
 from histories import contents
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
@@ -38,11 +39,11 @@ def with_kernel(executable: Path, tmp_path: Path) -> Callable[[str], dict[str, s
     """Environment in which the program finds the kernel of one processor, and no other."""
     folder = executable.resolve().parent
     if not (folder / "glibc-hwcaps").is_dir():
-        pytest.skip("this build has one kernel only (EVOLVENT_VARIANTS=OFF)")
+        machine.unavailable("this build has one kernel only (EVOLVENT_VARIANTS=OFF)")
 
     def environment(processor: str) -> dict[str, str]:
         if processor != BASELINE and not has_flag(PROCESSORS[processor]):
-            pytest.skip(f"this processor is no {processor}")
+            machine.unavailable(f"this processor is no {processor}")
         place = folder if processor == BASELINE else folder / "glibc-hwcaps" / processor
         alone = tmp_path / processor  # without folders of variants beside it
         alone.mkdir()
@@ -93,7 +94,7 @@ def test_the_kernel_of_a_newer_processor_writes_the_same_history_to_the_bit(
 
     newer = [processor for processor, flag in PROCESSORS.items() if has_flag(flag)]
     if not newer:
-        pytest.skip("this processor runs one kernel only")
+        machine.unavailable("this processor runs one kernel only")
     assert len({outcome(processor) for processor in (BASELINE, *newer)}) == 1
 
 
@@ -103,7 +104,7 @@ def test_no_kernel_holds_a_fused_product_and_sum(executable: Path) -> None:
     assert kernels
     for kernel in kernels:
         text = subprocess.run(
-            ["objdump", "-d", "--no-show-raw-insn", kernel],
+            [machine.program("objdump"), "-d", "--no-show-raw-insn", kernel],
             capture_output=True,
             text=True,
             check=True,

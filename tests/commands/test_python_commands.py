@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import machine
 from evolvent.commands.post.app import COMMANDS as POST
 from evolvent.commands.post.app import main as post
 from evolvent.commands.sweep.app import COMMANDS as SWEEP
@@ -46,7 +46,11 @@ def in_bash(tmp_path: Path) -> Callable[[str, str], str]:
         script.chmod(0o755)
         lines = f"PATH='{tmp_path}':$PATH\n{lines}\n:"  # `:`, or bash would become the last command
         done = subprocess.run(
-            ["bash", "-c", lines], capture_output=True, text=True, check=True, timeout=60
+            [machine.program("bash"), "-c", lines],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=60,
         )
         assert done.stderr == ""
         return done.stdout
@@ -54,7 +58,6 @@ def in_bash(tmp_path: Path) -> Callable[[str, str], str]:
     return run
 
 
-@pytest.mark.skipif(not shutil.which("bash"), reason="no bash here")
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_what_show_completion_prints_completes_commands_in_bash(
     in_bash: Callable[[str, str], str], program: str

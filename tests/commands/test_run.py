@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import pty
 import re
-import shutil
 import signal
 import subprocess
 import time
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import machine
 from processes import running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
@@ -358,23 +358,9 @@ def test_a_write_that_fails_exits_with_74_and_keeps_the_older_history(
 
 
 def in_own_mount(options: str, folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
-    """Run a command where `folder` is a file system of its own; skip if that is forbidden here."""
-    unshare = (
-        ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--mount", "--map-root-user"]
-    )
+    """Run a command where `folder` is a file system of its own, and list that folder."""
     script = f'mount -t tmpfs -o {options} none "$0" || exit 99; "$@"; code=$?; ls "$0"; exit $code'
-    if shutil.which("unshare") is None:
-        pytest.skip("needs unshare (util-linux) for a file system of its own")
-    result = subprocess.run(
-        [*unshare, "bash", "-c", script, str(folder), *command],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    if result.returncode in (1, 99) and ("unshare:" in result.stderr or "mount:" in result.stderr):
-        pytest.skip(f"this system mounts nothing for a test: {result.stderr.splitlines()[0]}")
-    return result
+    return machine.with_mounts([script, folder, *command], folder)
 
 
 def test_a_full_disk_exits_with_74_and_leaves_no_history(

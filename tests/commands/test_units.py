@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+import machine
 from example_cases import CASES
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
@@ -181,7 +182,7 @@ def test_a_long_unit_is_cut_between_characters(
 def test_a_history_holds_the_case_in_the_keys_units(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
-    h5py = pytest.importorskip("h5py")
+    h5py = machine.module("h5py")
     words = ("--set", "simulation.duration=0.2 ms", "--set", "simulation.output_interval=20 us")
     result = evolvent("run", examples / "spur-pair.yaml", "-o", "a.h5", "-q", *words, cwd=tmp_path)
     assert result.returncode == 0, result.stderr

@@ -84,7 +84,11 @@ def test_a_contact_strip_is_measured_by_the_smallest_radius_of_either_flank(
     description = mesh(kernel, backlash=1e-4)
     description.pop("pressure_angle")
     torque = (1 if pinion else -1) * 3000.0  # of the pinion
-    gearbox = Gearbox(kernel, wheels, [load(pinion, TORQUE, torque)], [description])
+    against = (
+        torque * teeth[1 - pinion] / teeth[pinion]
+    )  # balances it: both turn against each other
+    loads = [load(pinion, TORQUE, torque), load(1 - pinion, TORQUE, against)]
+    gearbox = Gearbox(kernel, wheels, loads, [description])
     (warned,) = (w for w in gearbox.warnings() if "contact strip" in w.message)
     geometry = gearbox.mesh_geometry()
     wheel_b = gearbox.wheel_geometry(1)

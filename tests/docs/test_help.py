@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import machine
 from designs import write_design
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -107,7 +108,7 @@ def test_every_example_of_every_help_text_runs(
     program: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     if name == "evolvent-sweep":
-        pytest.importorskip("pyarrow")
+        machine.module("pyarrow")
     examples = list(dict.fromkeys(examples_of(program, name)))
     assert len(examples) >= 7
     (tmp_path / "examples").symlink_to(ROOT / "examples")
@@ -120,7 +121,7 @@ def test_every_example_of_every_help_text_runs(
         for path in made:
             (shutil.copytree if path.is_dir() else shutil.copyfile)(path, folder / path.name)
         monkeypatch.chdir(folder)
-        if not shutil.which("ffmpeg"):
-            example = example.replace(".mp4", ".gif")
+        if ".mp4" in example:
+            machine.program("ffmpeg")
         code, _, err = program(*shlex.split(example))
         assert code == 0, f"{example}: {err}"

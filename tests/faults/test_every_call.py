@@ -10,7 +10,7 @@ import pytest
 
 from faults.commands import FILES, commands
 from faults.every_call import try_all
-from faults.trial import KINDS, Fault, Workshop
+from faults.trial import HALF_THEN_FULL, KINDS, NOT_WRITTEN, Fault, Workshop
 from faults.warm import starter
 
 NAMES = tuple(commands(Path()))
@@ -122,3 +122,33 @@ def test_who_is_refused_a_lock_stays_out_unless_there_are_none(
     assert workshop.last.code == code
     if code != 0:
         assert workshop.last.said.count("another run is ") == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("run", "No space left on device; free some space"),
+        ("batch", "cannot be written: No space left on device"),
+    ],
+)
+def test_a_full_disk_ends_a_command_with_74_and_room_lets_it_end(
+    executable: Path, faults_layer: Path, tmp_path: Path, name: str, said: str
+) -> None:
+    """Without a file system of its own, which few containers allow."""
+    workshop = Workshop(commands(executable)[name], faults_layer, tmp_path / "trials")
+    middle = workshop.whole.calls[0]["write"] // 2
+    assert workshop.judge(Fault("write", 0, middle, HALF_THEN_FULL)) == []
+    assert workshop.last.code == NOT_WRITTEN
+    assert said in workshop.last.said
+
+
+def test_a_read_only_folder_ends_a_run_with_74(
+    executable: Path, faults_layer: Path, tmp_path: Path
+) -> None:
+    workshop = Workshop(commands(executable)["run"], faults_layer, tmp_path / "trials")
+    said = []
+    for at in range(1, workshop.whole.calls[0]["open"] + 1):
+        assert workshop.judge(Fault("open", 0, at, errno.EROFS, lasts=True)) == []
+        said.append(workshop.last.said)
+        assert workshop.last.code == NOT_WRITTEN or "h.h5" not in workshop.last.said
+    assert any("Read-only file system; write to a folder" in line for line in said)

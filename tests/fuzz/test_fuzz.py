@@ -18,6 +18,8 @@ from pathlib import Path
 
 import pytest
 
+import machine
+
 ROOT = Path(__file__).resolve().parents[2]
 LARGEST = 16384  # bytes of an input
 # What ends it with a report: an input that takes so long [s], or so much memory [MB].
@@ -100,7 +102,7 @@ def has_tried(report: str) -> int:
 def test_no_bytes_break_the_reader_of_cases(seconds: int, executable: Path, tmp_path: Path) -> None:
     build = executable.parent
     if not (build / "tests/fuzz/fuzz_case").exists():
-        pytest.skip("no fuzzer in this build: it needs clang")
+        machine.missing("no fuzzer in this build", "apt install clang libclang-rt-dev")
     ended = fuzz(build, tmp_path, f"-max_total_time={seconds}")
     assert ended.returncode == 0, ended.stderr[-5000:]
     assert has_tried(ended.stderr) > 1000  # it did try

@@ -12,7 +12,7 @@ module evl_test_geometry_calls
 
    !> WheelGeometry
    type, bind(c) :: c_wheel_geometry
-      real(c_double) :: pitch_radius, base_radius, tip_radius, angular_pitch, mass, inertia, centre(2), speed_ratio
+      real(c_double) :: pitch_radius, base_radius, tip_radius, angular_pitch, mass, inertia, centre(2), speed_ratio, nominal_speed
       logical(c_bool) :: is_reference
    end type c_wheel_geometry
 
@@ -23,7 +23,8 @@ module evl_test_geometry_calls
       real(c_double) :: base_pitch, contact_ratio, line_of_action_length
       real(c_double), dimension(2) :: point_k_a, point_k_b, point_a, point_b, pitch_point
       real(c_double) :: tip_radius_driving, tip_radius_driven, rho_start_driving, rho_start_driven
-      real(c_double) :: common_width, effective_modulus, elastic_share_driving, reference_force, reference_penetration
+      real(c_double) :: common_width, effective_modulus, elastic_share_driving, nominal_force, reference_force
+      real(c_double) :: reference_penetration
       real(c_double) :: reference_stiffness, reference_mass, natural_frequency, damping_coefficient, damping_ratio
    end type c_mesh_geometry
 
@@ -41,7 +42,8 @@ contains
          pitch = 0
          if (wheel%teeth > 0) pitch = 2*pi/wheel%teeth
          geometry = c_wheel_geometry(wheel%pitch_radius, wheel%base_radius, wheel%tip_radius, pitch, wheel%mass, wheel%inertia, &
-                                     wheel%centre, wheel%ratio, logical(index + 1 == g%reference, c_bool))
+                                     wheel%centre, wheel%ratio, wheel%ratio*g%nominal%speed, &
+                                     logical(index + 1 == g%reference, c_bool))
       end associate
    end subroutine test_wheel_geometry
 
@@ -62,7 +64,8 @@ contains
                     pitch_point=pair%pitch_point, tip_radius_driving=pair%tip_radius_a, &
                     tip_radius_driven=pair%tip_radius_b, rho_start_driving=pair%rho_start_a, &
                     rho_start_driven=pair%rho_start_b, common_width=contact%width, effective_modulus=contact%e_star, &
-                    elastic_share_driving=contact%pair%share_a, reference_force=contact%force_scale, &
+                    elastic_share_driving=contact%pair%share_a, nominal_force=g%nominal%force(index + 1), &
+                    reference_force=contact%force_scale, &
                     reference_penetration=contact%h_scale, reference_stiffness=at%stiffness, reference_mass=at%mass, &
                     natural_frequency=at%frequency, damping_coefficient=at%damping, damping_ratio=at%ratio)
       end associate

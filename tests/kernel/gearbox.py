@@ -50,7 +50,7 @@ class WheelGeometry(ctypes.Structure):
         *((name, _double) for name in ("pitch_radius", "base_radius", "tip_radius")),
         *((name, _double) for name in ("angular_pitch", "mass", "inertia")),
         ("centre", _pair),
-        ("speed_ratio", _double),
+        *((name, _double) for name in ("speed_ratio", "nominal_speed")),
         ("is_reference", _bool),
     ]
 
@@ -69,7 +69,10 @@ class MeshGeometry(ctypes.Structure):
         *((name, _double) for name in ("tip_radius_driving", "tip_radius_driven")),
         *((name, _double) for name in ("rho_start_driving", "rho_start_driven")),
         *((name, _double) for name in ("common_width", "effective_modulus")),
-        *((name, _double) for name in ("elastic_share_driving", "reference_force")),
+        *(
+            (name, _double)
+            for name in ("elastic_share_driving", "nominal_force", "reference_force")
+        ),
         ("reference_penetration", _double),
         *((name, _double) for name in ("reference_stiffness", "reference_mass")),
         *((name, _double) for name in ("natural_frequency", "damping_coefficient")),

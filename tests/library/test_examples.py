@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import evolvent as package
+import machine
 
 NUMBER = r"(-?\d+\.\d+)"
 Run = Callable[..., str]
@@ -51,7 +52,7 @@ def run(root: Path, executable: Path, tmp_path: Path) -> Run:
 
 def test_relief_that_is_found_serves_the_band_better_than_none(run: Run, examples: Path) -> None:
     """Its figure is that of an analysis by itself."""
-    pytest.importorskip("optuna")
+    machine.module("optuna")
     case = examples / "compliant-pair.yaml"
     printed = run(examples / "python" / "relief_for_torques.py", case, 12)
     (none,) = re.findall(rf"without relief {NUMBER} um", printed)
@@ -76,7 +77,7 @@ def test_relief_that_is_found_serves_the_band_better_than_none(run: Run, example
 
 def test_friction_decides_about_the_dynamic_factor_of_stiff_gears(run: Run, examples: Path) -> None:
     """Of 2048 runs 0.61; torque and damping act through each other, with nothing of first order."""
-    pytest.importorskip("SALib")
+    machine.module("SALib")
     printed = run(examples / "python" / "sobol_indices.py", examples / "spur-pair.yaml", 64)
     found = re.findall(rf"(\w+) +first order {NUMBER}, total {NUMBER}", printed)
     first = {name: float(index) for name, index, _ in found}
@@ -87,7 +88,7 @@ def test_friction_decides_about_the_dynamic_factor_of_stiff_gears(run: Run, exam
 
 
 def test_workers_of_dask_give_the_bits_of_this_process(run: Run, examples: Path) -> None:
-    pytest.importorskip("distributed")
+    machine.module("distributed")
     printed = run(examples / "python" / "dask_torques.py", examples / "paper.yaml")
     forces = re.findall(rf"(\d) N m: {NUMBER} N", printed)
     assert [torque for torque, _ in forces] == ["1", "2", "3", "4"]
@@ -103,7 +104,7 @@ def largest_force(case: Path, torque: int) -> float:
 def test_snakemake_runs_what_is_missing_and_nothing_else(
     run: Run, examples: Path, tmp_path: Path
 ) -> None:
-    pytest.importorskip("snakemake")
+    machine.module("snakemake")
     case = tmp_path / "case.yaml"
     case.write_text((examples / "paper.yaml").read_text())
     recipe = ("-s", examples / "python" / "Snakefile", "--cores", 2, "--config", f"case={case}")

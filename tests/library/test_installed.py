@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
+import machine
 from documents import blocks
 
 PROJECT = """
@@ -80,8 +80,7 @@ def test_find_package_gives_both_libraries_to_c_and_fortran(
 def test_pkg_config_gives_each_library(
     prefix: Path, sources: Path, examples: Path, tmp_path: Path, module: str, source: str
 ) -> None:
-    if shutil.which("pkg-config") is None:
-        pytest.skip("there is no pkg-config")
+    machine.program("pkg-config")
     [folder] = prefix.rglob("pkgconfig")
     environment = {**os.environ, "PKG_CONFIG_PATH": str(folder)}
     assert run("pkg-config", "--modversion", module, env=environment).startswith("0.")
@@ -94,9 +93,7 @@ def test_pkg_config_gives_each_library(
 
 
 def test_the_headers_are_c_plus_plus_too(prefix: Path, tmp_path: Path) -> None:
-    compiler = shutil.which("c++")
-    if compiler is None:
-        pytest.skip("there is no C++ compiler")
+    compiler = machine.program("c++")
     source = tmp_path / "x.cpp"
     source.write_text(
         "#include <evolvent/evolvent.h>\n#include <evolvent/kernel.h>\nint main() {}\n"

@@ -161,4 +161,5 @@ def test_ctrl_c_ends_a_response_and_leaves_nothing(tmp_path: Path) -> None:
         check=False,
     )
     assert (done.stdout, done.stderr) == ("interrupted True\ndone 4\n", "")
+    assert done.returncode == 0
     assert list(tmp_path.iterdir()) == [case]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +12,7 @@ import mpmath
 import numpy as np
 import pytest
 
+import machine
 from kernel.kernel import Floats, Kernel, _at
 
 
@@ -112,9 +112,7 @@ def test_sine_and_cosine_are_right_to_rounding_in_all_quadrants(kernel: Kernel):
 
 def test_the_kernel_leaves_the_vector_functions_of_the_c_library_alone(kernel_library: Path):
     """gfortran puts them into loops unasked; they give other bits than the scalar ones."""
-    if not shutil.which("nm"):
-        pytest.skip("no nm here")
-    words = [shutil.which("nm"), "--dynamic", "--undefined-only", kernel_library]
+    words = [machine.program("nm"), "--dynamic", "--undefined-only", kernel_library]
     listed = subprocess.run(words, capture_output=True, text=True, check=True).stdout
     assert "dgesv" in listed  # the list is there
     assert "_ZGV" not in listed

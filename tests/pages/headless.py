@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import time
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,8 @@ from typing import Any
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
+
+import machine
 
 OPTIONS = (
     "--headless=new",
@@ -26,12 +27,9 @@ OPTIONS = (
 PATIENCE = 30.0  # longest that a page may take [s]
 
 
-def programs() -> tuple[str, str] | None:
-    """Chromium and its driver; None if one of them is not installed."""
-    names = ("chromium", "chromium-browser", "google-chrome")
-    browser = next((path for name in names if (path := shutil.which(name))), None)
-    driver = shutil.which("chromedriver")
-    return (browser, driver) if browser and driver else None
+def programs() -> tuple[str, str]:
+    """Chromium and its driver."""
+    return machine.program("chromium"), machine.program("chromedriver")
 
 
 class Browser:

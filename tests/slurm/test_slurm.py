@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import time
@@ -15,6 +14,7 @@ from pathlib import Path
 import h5py
 import pytest
 
+import machine
 from documents import NOT_RUN, ROOT, blocks
 from evolvent.sweep.folder import Shard, is_locked
 from processes import awaits
@@ -29,10 +29,8 @@ NEEDED = ("munged", "slurmctld", "slurmd", "sbatch")
 @pytest.fixture(scope="module")
 def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Folder of a Slurm that runs; with its configuration in the environment."""
-    path = os.pathsep.join([os.environ["PATH"], "/usr/sbin", "/usr/local/sbin"])
-    missing = [program for program in NEEDED if not shutil.which(program, path=path)]
-    if missing:
-        pytest.skip(f"no {', '.join(missing)} here; ./runtests installs slurm-wlm and munge")
+    for program in NEEDED:
+        machine.program(program)
     folder = tmp_path_factory.mktemp("slurm")
     with (folder / "start.log").open("w+") as log:  # daemons would hold a pipe open
         started = subprocess.run(
@@ -47,11 +45,11 @@ def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         output = log.read()
     try:
         if started.returncode != 0 and os.getuid() != 0:
-            pytest.skip(f"Slurm does not start without root: {output.splitlines()[-1:]}")
+            machine.unavailable(f"Slurm does not start without root: {output.splitlines()[-1:]}")
         assert started.returncode == 0, output
         yield folder
     finally:
-        subprocess.run([HERE / "private-slurm", "stop", folder], timeout=PATIENCE, check=False)
+        subprocess.run([HERE / "private-slurm", "stop", folder], timeout=PATIENCE, check=True)
 
 
 @pytest.fixture

@@ -22,6 +22,7 @@ from sweeps import (
     write_journal,
 )
 
+import machine
 from evolvent.errors import SweepError
 from evolvent.seals import seal_end
 from evolvent.sweep.collect import collect
@@ -202,7 +203,7 @@ def test_histories_of_two_splits_come_from_the_shard_whose_record_counts(tmp_pat
 
 
 def test_a_parquet_copy_has_all_that_has_one_value_a_case(tmp_path):
-    pytest.importorskip("pyarrow")
+    machine.module("pyarrow")
     design = make_design(3)
     write_journal(tmp_path / "d", design, [row(0), failed(1)])
     collect(tmp_path / "d", design, tmp_path / "s.h5", parquet=tmp_path / "s.parquet")

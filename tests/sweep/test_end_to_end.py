@@ -17,6 +17,7 @@ import pytest
 import xarray as xr
 from sweeps import PAPER
 
+import machine
 from evolvent.errors import SweepError
 from evolvent.sweep.accuracy import ACCURACY
 from evolvent.sweep.design import read_design
@@ -107,7 +108,7 @@ def test_four_shards_give_the_summary_of_one(sweep, design, reference, summary):
 
 
 def test_dask_gives_the_summary_of_one_worker(sweep, design, reference, summary):
-    pytest.importorskip("distributed")
+    machine.module("distributed")
     command = ("run", design, "-o", "dask", "--executor", "dask", "--shards", "4", "--jobs", "2")
     with evolvent_sweep(*command, stdout=subprocess.PIPE) as process:
         out, _ = process.communicate(timeout=120)
@@ -140,7 +141,7 @@ class DyingExecutor(ProcessPoolExecutor):
 
 
 def test_a_batch_whose_dask_worker_was_killed_is_run_again(sweep, executable, summary, tmp_path):
-    distributed = pytest.importorskip("distributed")
+    distributed = machine.module("distributed")
     (tmp_path / "long.yaml").write_text(PLAN.replace("value: 0.02", "value: 2"))
     assert sweep("plan", "long.yaml", "-o", "long.h5")[0] == 0
     todo = prepared(tmp_path / "long.h5", executable, "dask", 2)
@@ -219,7 +220,7 @@ def test_a_run_that_is_interrupted_goes_on(sweep, design, reference, summary):
     xr.testing.assert_identical(summary("d"), reference)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="nothing tells a process of its parent's end")
+@machine.on_linux
 def test_a_run_that_is_killed_leaves_nobody_and_the_same_command_goes_on(sweep, tmp_path):
     Path("slow.yaml").write_text(PLAN.replace("value: 0.02}", "value: 1}"))
     assert sweep("plan", "slow.yaml", "-o", "slow.h5")[0] == 0

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from sweeps import PAPER
 
+import machine
 from evolvent.errors import SweepError
 from evolvent.sweep import check
 from evolvent.sweep.accuracy import with_accuracy
@@ -129,7 +130,7 @@ parameters: [{{path: x, from: 0, to: 1}}]
 def test_saltelli_makes_groups_that_differ_from_their_first_in_one_parameter(
     sampled, second_order, group
 ):
-    pytest.importorskip("SALib")
+    machine.module("SALib")
     got = sampled(f"""
 method: saltelli
 samples: 8
@@ -162,7 +163,7 @@ def test_a_table_gives_its_rows_in_their_order(tmp_path, sampled, kind):
     if kind == "csv":
         table.to_csv(tmp_path / "cases.csv", index=False)
     else:
-        pytest.importorskip("pyarrow")
+        machine.module("pyarrow")
         table.to_parquet(tmp_path / "cases.parquet")
     got = sampled(f"""
 method: table

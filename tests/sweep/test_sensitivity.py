@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from sweeps import make_design, row, write_journal
 
+import machine
 from evolvent.errors import SweepError
 from evolvent.sweep.collect import collect, open_summary
 from evolvent.sweep.design import Design
@@ -14,7 +15,7 @@ from evolvent.sweep.sampling import columns
 from evolvent.sweep.sensitivity import sobol_indices
 from evolvent.sweep.spec import read_spec
 
-pytest.importorskip("SALib")
+machine.module("SALib")
 
 # Ishigami and Homma 1990: sin x + 7 sin^2 y + 0.1 z^4 sin x on [-pi, pi]^3.
 A, B = 7.0, 0.1

@@ -12,16 +12,22 @@ from pathlib import Path
 
 import pytest
 
+import machine
+
 SCRIPT = Path(__file__).resolve().parents[2] / "tools" / "carry_libraries.py"
 # Quadruple precision has a library that no bare system has; the program gets it through a library
 # of its own, which has a variant where the loader looks first.
 OWN = "#include <quadmath.h>\nint half(void) { return (int)(2*(double)sqrtq(%s.0/16)); }"
 PROGRAM = '#include <stdio.h>\nint half(void); int main(void) { printf("%d\\n", half()); }'
 SEARCH = "-Wl,-rpath,$ORIGIN/../libexec/evolvent:/nowhere"
-pytestmark = pytest.mark.skipif(
-    platform.machine() != "x86_64" or not Path("/usr/bin/dpkg").exists(),
-    reason="wheels are built on x86-64 Debian",
-)
+
+
+@pytest.fixture(autouse=True)
+def on_debian() -> None:
+    """Wheels are built on x86-64 Debian."""
+    machine.program("dpkg")
+    if platform.machine() != "x86_64":
+        machine.unavailable("wheels are built on x86-64")
 
 
 def compiled(target: Path, source: str, *options: str | Path) -> Path:

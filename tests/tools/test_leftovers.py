@@ -44,6 +44,7 @@ def test_what_a_test_leaves_behind_is_named_and_ended(
         cwd=tmp_path, env={**os.environ, "PYTHONPATH": path},
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
+    assert done.returncode == (0 if passed else 1)
     assert ("2 passed" if passed else "2 passed, 1 error") in done.stdout
     if not passed:
         pid = int((tmp_path / "pid").read_text())

@@ -258,7 +258,7 @@ def test_a_trial_tells_which_test_noticed_and_ends_what_is_left(
         env={**os.environ, "PYTHONPATH": str(tools)},
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
-    assert done.stdout.strip() == told, done.stderr
+    assert (done.returncode, done.stdout.strip()) == (0, told), done.stderr
 
 
 STOPPED = """

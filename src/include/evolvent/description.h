@@ -80,17 +80,18 @@ typedef struct {
 
 /* How a case starts. */
 typedef enum {
-    EVL_INITIAL_REST = 0,   /**< every wheel and support at rest */
-    EVL_INITIAL_STEADY = 1, /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
-    EVL_INITIAL_SPEEDS = 2  /**< given speeds */
+    EVL_INITIAL_REST = 0,    /**< every wheel and support at rest */
+    EVL_INITIAL_STEADY = 1,  /**< nothing accelerates; speeds are kinematic, or follow deviating flanks */
+    EVL_INITIAL_SPEEDS = 2,  /**< given speeds */
+    EVL_INITIAL_PERIODIC = 3 /**< on a periodic orbit: evl_gearbox_periodic_start, not evl_gearbox_initial_state */
 } evl_initial_kind;
 
 typedef struct {
     int kind;             /**< evl_initial_kind */
     const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
-    /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
+    /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. For rest and speeds */
     const double *gaps;
-    /** of EVL_INITIAL_STEADY, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
+    /** of EVL_INITIAL_STEADY and EVL_INITIAL_PERIODIC, else 0: how many pitches from the start of contact a tooth pair of the first mesh is */
     double mesh_position;
 } evl_initial;
 

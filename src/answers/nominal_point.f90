@@ -1,0 +1,368 @@
+!> The nominal operating point of a gearbox: the speed at which its loads balance, and the load of every mesh and shaft there.
+!>
+!> The wheels turn as one, without friction, by their speed ratios g. Each load acts with its mean: tables at a knot, harmonic
+!> torques without their swing. A prescribed speed is that of the point; otherwise the sum of g M(g omega) over all loads vanishes
+!> there. No kind of load has a torque that rises with the speed, so there is one such speed or none. If there is none, the loads
+!> accelerate the wheels: the speed is that after a second from rest, and the inertia of the wheels is part of the balance. Where
+!> tables change the loads, the speed, and the load of each mesh and shaft, is that of the knot where its magnitude is largest.
+!> Source: docs/theory.md, "Nominal operating point".
+module evl_nominal_point
+   use evl_gearbox, only: gearbox_t, nominal_point_t
+   use evl_kinds, only: wp
+   use evl_load, only: load_point, load_t
+   use evl_load_instants, only: first_instant, instant_t, next_instant
+   use evl_train_statics, only: lay_out_train, train_carries, train_t
+   use evl_wheel_loads, only: segment_of
+   implicit none (type, external)
+   private
+
+   public :: gearbox_set_nominal, loads_at_start, speed_in_balance
+
+   real(wp), parameter :: spin_up = 1.0_wp        !! time after which the speed of an unbalanced gearbox is taken [s]
+   real(wp), parameter :: rounding = 8*epsilon(1.0_wp) !! sum of torques over the sum of their magnitudes: they balance
+   real(wp), parameter :: nothing = 1.0e-12_wp    !! share of the loads below which a mesh or shaft counts as unloaded
+
+contains
+
+   !> Compute the nominal operating point.
+   subroutine gearbox_set_nominal(gearbox)
+      type(gearbox_t), intent(inout) :: gearbox !! with its contacts
+      type(train_t) :: train
+      type(nominal_point_t) :: point
+      type(instant_t) :: now
+      real(wp), dimension(size(gearbox%pairs) + size(gearbox%shafts)) :: nominal, swing, scale, there
+      real(wp) :: speed, acceleration, swing_speed, swing_torque
+      logical :: is_balanced, is_next
+
+      call lay_out_train(gearbox, train)
+      nominal = 0
+      now = first_instant(gearbox)
+      do
+         call operating_speed(gearbox, now, speed, is_balanced)
+         point%is_balanced = point%is_balanced .and. is_balanced
+         if (abs(speed) > abs(point%speed)) point%speed = speed
+         acceleration = 0
+         if (.not. is_balanced) acceleration = speed/spin_up
+         if (.not. is_balanced) speed = 0
+         call carried_loads(gearbox, train, now, speed*gearbox%wheels%ratio, acceleration, there)
+         where (abs(there) > abs(nominal)) nominal = there
+         point%torque_scale = max(point%torque_scale, torque_through(gearbox, now, speed))
+         call next_instant(gearbox, now, is_next)
+         if (.not. is_next) exit
+      end do
+      call swinging_loads(gearbox, train, swing, swing_speed, swing_torque)
+      if (.not. point%torque_scale > 0) point%torque_scale = swing_torque
+      if (.not. point%torque_scale > 0) point%torque_scale = rated_torque(gearbox)
+      point%speed_scale = abs(point%speed)
+      if (.not. point%speed_scale > 0) point%speed_scale = swing_speed
+      scale = abs(nominal)
+      where (.not. scale > 0) scale = point%torque_scale/advances(train, gearbox)
+      associate (n => size(gearbox%pairs))
+         point%force = nominal(:n)
+         point%torque = nominal(n + 1:)
+         point%mesh_load = abs(point%force)
+         where (.not. point%mesh_load > 0) point%mesh_load = swing(:n)
+         point%mesh_scale = scale(:n)
+         point%shaft_scale = scale(n + 1:)
+      end associate
+      gearbox%nominal = point
+   end subroutine gearbox_set_nominal
+
+   !> Largest load of each mesh [N] and shaft [N m] while wheels that turn at these speeds accelerate under their loads.
+   subroutine loads_at_start(gearbox, speeds, force, torque)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: speeds(:) !! of the wheels [rad/s]
+      real(wp), intent(out) :: force(:), torque(:)
+      type(train_t) :: train
+      type(instant_t) :: now
+      real(wp) :: there(size(force) + size(torque))
+      logical :: is_next
+
+      call lay_out_train(gearbox, train)
+      force = 0
+      torque = 0
+      now = first_instant(gearbox)
+      do
+         call carried_loads(gearbox, train, now, speeds, acceleration_at(gearbox, now, speeds), there)
+         force = max(force, abs(there(:size(force))))
+         torque = max(torque, abs(there(size(force) + 1:)))
+         call next_instant(gearbox, now, is_next)
+         if (.not. is_next) exit
+      end do
+   end subroutine loads_at_start
+
+   !> Speed of the reference wheel at which the loads of one time balance; without a balance after a second from rest [rad/s].
+   pure real(wp) function speed_in_balance(gearbox, t, integers) result(speed)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t
+      integer, intent(in) :: integers(:)
+      type(instant_t) :: now
+      logical :: is_balanced
+      integer :: i
+
+      now%t = t
+      now%segments = [(segment_of(gearbox%loads(i)%load, integers), i=1, size(gearbox%loads))]
+      call operating_speed(gearbox, now, speed, is_balanced)
+   end function speed_in_balance
+
+   !> Whether a load prescribes the speed of a wheel.
+   pure logical function prescribes_speed(gearbox)
+      type(gearbox_t), intent(in) :: gearbox
+
+      prescribes_speed = any(gearbox%wheels%prescribed > 0)
+   end function prescribes_speed
+
+   !> Speed of the reference wheel: the largest that is prescribed, that of the balance, or that after a second from rest [rad/s].
+   pure subroutine operating_speed(gearbox, now, speed, is_balanced)
+      type(gearbox_t), intent(in) :: gearbox
+      type(instant_t), intent(in) :: now
+      real(wp), intent(out) :: speed
+      logical, intent(out) :: is_balanced
+      real(wp) :: prescribed
+      integer :: i
+
+      is_balanced = .true.
+      if (.not. prescribes_speed(gearbox)) then
+         call find_balance(gearbox, now, speed, is_balanced)
+         if (.not. is_balanced) speed = acceleration_at(gearbox, now, 0*gearbox%wheels%ratio)*spin_up
+         return
+      end if
+      speed = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i)%load)
+            if (.not. load%prescribes) cycle
+            prescribed = load%speed(now%t, now%segments(i))/gearbox%wheels(load%wheel)%ratio
+            if (abs(prescribed) > abs(speed)) speed = prescribed
+         end associate
+      end do
+   end subroutine operating_speed
+
+   !> The speed at which the torques balance, by Newton's method within a bracket from rest on.
+   pure subroutine find_balance(gearbox, now, speed, exists)
+      type(gearbox_t), intent(in) :: gearbox
+      type(instant_t), intent(in) :: now
+      real(wp), intent(out) :: speed !! of the reference wheel [rad/s]; 0 without a balance
+      logical, intent(out) :: exists
+      integer, parameter :: most_newton = 200
+      real(wp), parameter :: first = 1.0_wp !! of the speeds that are tried where the torque does not depend on them [rad/s]
+      real(wp), parameter :: never = huge(1.0_wp)
+      real(wp) :: sense, torque, damping, gross, low, high, x, next
+      integer :: i
+
+      speed = 0
+      call sum_torques(gearbox, now, 0.0_wp, torque, damping, gross)
+      exists = abs(torque) <= rounding*gross
+      if (exists .or. .not. any([(gearbox%loads(i)%load%by_speed, i=1, size(gearbox%loads))])) return
+      sense = sign(1.0_wp, torque)
+      low = 0
+      high = never
+      x = 0
+      do i = 1, most_newton
+         next = never
+         if (damping > 0) next = x + sense*torque/damping
+         if (.not. (next > low .and. next < high)) next = merge(max(2*low, first), low + (high - low)/2, high >= never)
+         call sum_torques(gearbox, now, sense*next, torque, damping, gross)
+         exists = abs(torque) <= rounding*gross .or. abs(next - x) <= epsilon(x)*next
+         x = next
+         if (exists) exit
+         if (sense*torque > 0) then
+            low = x
+         else
+            high = x
+         end if
+      end do
+      if (exists) speed = sense*x
+   end subroutine find_balance
+
+   !> All torques at a speed of the reference wheel, referred to it.
+   pure subroutine sum_torques(gearbox, now, speed, torque, damping, gross)
+      type(gearbox_t), intent(in) :: gearbox
+      type(instant_t), intent(in) :: now
+      real(wp), intent(in) :: speed    !! [rad/s]
+      real(wp), intent(out) :: torque  !! their sum [N m]
+      real(wp), intent(out) :: damping !! minus its derivative [N m s]
+      real(wp), intent(out) :: gross   !! sum of their magnitudes [N m]
+      real(wp) :: mine, slope
+      integer :: i
+
+      torque = 0
+      damping = 0
+      gross = 0
+      do i = 1, size(gearbox%loads)
+         associate (g => gearbox%wheels(gearbox%loads(i)%load%wheel)%ratio)
+            call mean_torque(gearbox%loads(i)%load, now%t, now%segments(i), g*speed, mine, slope)
+            torque = torque + g*mine
+            damping = damping + g**2*slope
+            gross = gross + abs(g*mine)
+         end associate
+      end do
+   end subroutine sum_torques
+
+   !> Torque of a load without its swing.
+   pure subroutine mean_torque(load, t, segment, omega, torque, damping)
+      class(load_t), intent(in) :: load
+      real(wp), intent(in) :: t      !! [s]
+      integer, intent(in) :: segment !! knots passed
+      real(wp), intent(in) :: omega  !! speed of its wheel [rad/s]
+      real(wp), intent(out) :: torque, damping !! [N m], [N m s]
+      class(load_t), allocatable :: still
+      real(wp) :: stiffness
+
+      if (abs(load%swing) > 0) then
+         allocate (still, source=load)
+         still%swing = 0
+         call still%ask(load_point(t=t, omega=omega, segment=segment), torque, damping, stiffness)
+      else
+         call load%ask(load_point(t=t, omega=omega, segment=segment), torque, damping, stiffness)
+      end if
+   end subroutine mean_torque
+
+   !> Torque that the loads put through the train at a speed of the reference wheel, and referred to it: half of the sum of all
+   !> magnitudes, that of a prescribed speed or of the inertia included; 0 if it is rounding of the torques at rest [N m].
+   pure real(wp) function torque_through(gearbox, now, speed) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      type(instant_t), intent(in) :: now
+      real(wp), intent(in) :: speed !! [rad/s]
+      real(wp) :: remainder, damping, gross, gross_at_rest
+
+      call sum_torques(gearbox, now, 0.0_wp, remainder, damping, gross_at_rest)
+      call sum_torques(gearbox, now, speed, remainder, damping, gross)
+      torque = 0
+      if (gross > nothing*gross_at_rest) torque = (gross + abs(remainder))/2
+   end function torque_through
+
+   !> Sum of the torques at the operating points that loads state, referred to the reference wheel [N m].
+   pure real(wp) function rated_torque(gearbox) result(torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer :: i
+
+      torque = sum([(abs(gearbox%wheels(gearbox%loads(i)%load%wheel)%ratio*gearbox%loads(i)%load%rated), &
+                     i=1, size(gearbox%loads))])
+   end function rated_torque
+
+   !> Acceleration of the reference wheel at speeds of all wheels: the prescribed one, or that of the loads [rad/s^2].
+   pure real(wp) function acceleration_at(gearbox, now, speeds) result(acceleration)
+      type(gearbox_t), intent(in) :: gearbox
+      type(instant_t), intent(in) :: now
+      real(wp), intent(in) :: speeds(:) !! [rad/s]
+      real(wp) :: torque, gross, mine, damping
+      integer :: i
+
+      associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
+         if (driver > 0) then ! of the reference wheel's rotor, whose ratio is 1
+            acceleration = gearbox%loads(driver)%load%acceleration(now%segments(driver))
+            return
+         end if
+      end associate
+      torque = 0
+      gross = 0
+      do i = 1, size(gearbox%loads)
+         associate (wheel => gearbox%loads(i)%load%wheel)
+            call mean_torque(gearbox%loads(i)%load, now%t, now%segments(i), speeds(wheel), mine, damping)
+            torque = torque + gearbox%wheels(wheel)%ratio*mine
+            gross = gross + abs(gearbox%wheels(wheel)%ratio*mine)
+         end associate
+      end do
+      acceleration = 0
+      if (abs(torque) > rounding*gross) acceleration = torque/train_inertia(gearbox)
+   end function acceleration_at
+
+   !> Inertia of all wheels, referred to the reference wheel [kg m^2].
+   pure real(wp) function train_inertia(gearbox) result(inertia)
+      type(gearbox_t), intent(in) :: gearbox
+
+      inertia = sum(gearbox%wheels%inertia*gearbox%wheels%ratio**2)
+   end function train_inertia
+
+   !> What each mesh [N] and shaft [N m] carries at one instant.
+   subroutine carried_loads(gearbox, train, now, speeds, acceleration, carried)
+      type(gearbox_t), intent(in) :: gearbox
+      type(train_t), intent(in) :: train
+      type(instant_t), intent(in) :: now
+      real(wp), intent(in) :: speeds(:)     !! of the wheels [rad/s]
+      real(wp), intent(in) :: acceleration  !! of the reference wheel [rad/s^2]
+      real(wp), intent(out) :: carried(:)
+      real(wp) :: torque(size(gearbox%wheels) + 1), mine, damping, gross, gross_at_rest
+      integer :: i
+
+      torque = 0
+      gross = 0
+      do i = 1, size(gearbox%loads)
+         associate (wheel => gearbox%wheels(gearbox%loads(i)%load%wheel), omega => speeds(gearbox%loads(i)%load%wheel))
+            call mean_torque(gearbox%loads(i)%load, now%t, now%segments(i), omega, mine, damping)
+            torque(wheel%leader) = torque(wheel%leader) + mine
+            gross = gross + abs(mine*wheel%ratio)
+         end associate
+      end do
+      call sum_torques(gearbox, now, 0.0_wp, mine, damping, gross_at_rest)
+      gross = max(gross, gross_at_rest)
+      call carry(gearbox, train, torque, acceleration, gross, carried)
+   end subroutine carried_loads
+
+   !> The same from the torques on the rotors, which are replaced.
+   subroutine carry(gearbox, train, torque, acceleration, gross, carried)
+      type(gearbox_t), intent(in) :: gearbox
+      type(train_t), intent(in) :: train
+      real(wp), intent(inout) :: torque(:)  !! on the leading wheel of each rotor [N m]
+      real(wp), intent(in) :: acceleration  !! of the reference wheel [rad/s^2]
+      real(wp), intent(in) :: gross         !! magnitudes of all torques, referred to the reference wheel [N m]
+      real(wp), intent(out) :: carried(:)
+      real(wp) :: all(size(train%ends, 2)), total
+      integer :: i
+
+      total = gross
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            torque(wheel%leader) = torque(wheel%leader) - wheel%inertia*wheel%ratio*acceleration
+            total = total + abs(wheel%inertia*wheel%ratio**2*acceleration)
+         end associate
+      end do
+      call train_carries(train, torque, all)
+      carried = all(:size(carried))
+      where (abs(carried)*advances(train, gearbox) <= nothing*total) carried = 0
+   end subroutine carry
+
+   !> Amplitudes of the loads of meshes [N] and shafts [N m] under the swings of all loads: their phases are left open, so they add.
+   subroutine swinging_loads(gearbox, train, carried, speed, total)
+      type(gearbox_t), intent(in) :: gearbox
+      type(train_t), intent(in) :: train
+      real(wp), intent(out) :: carried(:)
+      real(wp), intent(out) :: speed !! of the reference wheel, after a second under the amplitudes [rad/s]
+      real(wp), intent(out) :: total !! of the amplitudes, referred to the reference wheel [N m]
+      real(wp) :: torque(size(gearbox%wheels) + 1), there(size(carried)), acceleration
+      integer :: i
+
+      carried = 0
+      speed = 0
+      total = 0
+      do i = 1, size(gearbox%loads)
+         associate (load => gearbox%loads(i)%load)
+            if (.not. abs(load%swing) > 0) cycle
+            associate (wheel => gearbox%wheels(load%wheel))
+               torque = 0
+               torque(wheel%leader) = abs(load%swing)
+               acceleration = 0
+               if (.not. prescribes_speed(gearbox)) acceleration = wheel%ratio*abs(load%swing)/train_inertia(gearbox)
+               call carry(gearbox, train, torque, acceleration, abs(wheel%ratio*load%swing), there)
+               carried = carried + abs(there)
+               speed = speed + abs(acceleration)*spin_up
+               total = total + abs(wheel%ratio*load%swing)
+            end associate
+         end associate
+      end do
+   end subroutine swinging_loads
+
+   !> Of each mesh and shaft: torque at the reference wheel, over what it carries [m], or 1; 1 of a rigid shaft.
+   pure function advances(train, gearbox) result(advance)
+      type(train_t), intent(in) :: train
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp) :: advance(train%n_meshes + train%n_shafts)
+      integer :: i
+
+      advance = 1
+      do i = 1, size(advance)
+         if (abs(train%arms(1, i)) > 0) advance(i) = abs(train%arms(1, i)*gearbox%wheels(train%ends(1, i))%ratio)
+      end do
+   end function advances
+
+end module evl_nominal_point
