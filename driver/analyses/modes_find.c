@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "case/unit.h"
 #include "integrate/integrate.h"
+#include "model/model_start.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -86,7 +87,7 @@ static bool find_state_at(const prepared_case *prepared, const modes_request *re
         return evl_error_set(error, EVL_EXIT_CASE, place,
                              "the case ends at %.9g s; --set simulation.duration=%.9g makes it longer", duration, time);
     }
-    return prepare_start(prepared, state, error) &&
+    return prepare_start_unless(prepared, request->interrupt, state, error) &&
            (time <= state->t || move_to(prepared, request, time, state, error));
 }
 

@@ -3,6 +3,7 @@
 #include "analyses/versions.h"
 #include "base/memory.h"
 #include "integrate/integrate.h"
+#include "model/model_start.h"
 #include "model/output_groups.h"
 #include "simulate/number_channel.h"
 #include "simulate/positions.h"
@@ -101,13 +102,20 @@ void run_history_watch(run_history *self)
     self->extremes = extremes_create(model, description->n_meshes, -INFINITY, INFINITY);
 }
 
+static void add_attributes(history_attribute *all, int *n, size_t n_more, const history_attribute *more)
+{
+    memcpy(all + *n, more, n_more * sizeof *more);
+    *n += (int)n_more;
+}
+
 bool run_history_open(run_history *self, const char *path, evl_error *error)
 {
     const prepared_case *prepared = self->prepared;
     const positions_rule rule = positions_of(prepared);
     OWNED char *warnings = prepare_warnings(prepared, "\n");
     OWNED char *versions = result_versions();
-    const history_attribute attributes[] = {
+    const model_start_orbit *orbit = model_orbit_of_start(prepared->model);
+    const history_attribute always[] = {
         {"title", .text = case_description(prepared->file)->title},
         {"case", .text = case_text(prepared->file)},
         {"versions", .text = versions},
@@ -115,13 +123,27 @@ bool run_history_open(run_history *self, const char *path, evl_error *error)
         {"status", .text = "running"},
         {"status_message", .text = ""},
         {"integrator_tolerance", .number = simulate_options(prepared).tolerance},
+    };
+    const history_attribute of_positions[] = {
         {"output_per", .text = rule.per},
         {"output_number", .integer = rule.number},
         {"output_of", .text = rule.of},
     };
+    const history_attribute of_orbit[] = {
+        {"start_period", .number = orbit == NULL ? 0 : orbit->time},
+        {"start_pitches", .integer = orbit == NULL ? 0 : orbit->pitches},
+        {"start_residual", .number = orbit == NULL ? 0 : orbit->residual},
+        {"start_multiplier", .number = orbit == NULL ? 0 : model_start_multiplier(orbit)},
+    };
+    history_attribute attributes[sizeof always / sizeof *always + sizeof of_positions / sizeof *of_positions +
+                                 sizeof of_orbit / sizeof *of_orbit];
+    int n = 0;
+    add_attributes(attributes, &n, sizeof always / sizeof *always, always);
+    add_attributes(attributes, &n, rule.per == NULL ? 0 : sizeof of_positions / sizeof *of_positions, of_positions);
+    add_attributes(attributes, &n, orbit == NULL ? 0 : sizeof of_orbit / sizeof *of_orbit, of_orbit);
     history_layout layout = self->layout;
     layout.path = path;
-    layout.n_attributes = (int)(sizeof attributes / sizeof *attributes) - (rule.per == NULL ? 3 : 0);
+    layout.n_attributes = n;
     layout.attributes = attributes;
     self->history = history_create(&layout, error);
     if (self->history != NULL) {

@@ -13,6 +13,12 @@
 #include <string.h>
 #include <time.h>
 
+/** How a case begins. */
+typedef struct {
+    dae_state state; /**< at t = 0; to be freed */
+    number_window window;
+} batch_start;
+
 typedef struct {
     const batch_plan *plan;
     memory_pool pool;
@@ -328,15 +334,35 @@ static bool simulate_prepared(batch_keeper *keeper, const batch_start *start, ba
     return good;
 }
 
-bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
-                        evl_error *refusal)
+/** Make a case of a simulation and check all but its start. */
+static bool prepare_simulation(const batch_plan *plan, long index, prepared_case *prepared, number_window *window,
+                               evl_error *refusal)
 {
-    *start = (batch_start){.window = {.wheel = -1}};
-    if (plan->design->respond_over[0] != '\0') {
-        return batch_response_check(plan, index, refusal);
+    *window = (number_window){.wheel = -1};
+    return batch_prepare(plan, index, prepared, refusal) && check_case(plan, prepared, window, refusal);
+}
+
+bool batch_case_check(const batch_plan *plan, long index, prepared_case *prepared, evl_error *refusal)
+{
+    number_window window;
+    return plan->design->respond_over[0] != '\0'
+               ? batch_response_check(plan, index, refusal)
+               : prepare_simulation(plan, index, prepared, &window, refusal) && prepare_check_start(prepared, refusal);
+}
+
+/** The row of a case that does not begin. @return false with the reason in `error` if a file of a wheel is no good */
+static bool refuse_case(const batch_plan *plan, long index, const evl_error *refusal, batch_row *row, evl_error *error)
+{
+    if (wheel_store_error(plan->wheels)->code != EVL_EXIT_OK) {
+        *error = *wheel_store_error(plan->wheels);
+        return false;
     }
-    return batch_prepare(plan, index, prepared, refusal) && check_case(plan, prepared, &start->window, refusal) &&
-           prepare_start(prepared, &start->state, refusal);
+    if (refusal->code != EVL_EXIT_INTERRUPTED) {
+        OWNED char *message = evl_error_text(refusal);
+        const bool is_failed = refusal->code == EVL_EXIT_INTEGRATION;
+        batch_row_write(plan, index, is_failed ? JOURNAL_FAILED : JOURNAL_REFUSED, message, NULL, NULL, row);
+    }
+    return true;
 }
 
 bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index, prepared_case *prepared,
@@ -346,17 +372,13 @@ bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index
     batch_start start;
     batch_keeper keeper;
     *row = (batch_row){.line = NULL};
-    if (!batch_case_prepare(plan, index, prepared, &start, &refusal)) {
-        if (wheel_store_error(plan->wheels)->code != EVL_EXIT_OK) {
-            *error = *wheel_store_error(plan->wheels);
-            return false;
-        }
-        OWNED char *message = evl_error_text(&refusal);
-        batch_row_write(plan, index, JOURNAL_REFUSED, message, NULL, NULL, row);
-        return true;
-    }
     if (plan->design->respond_over[0] != '\0') {
-        return batch_response_run(plan, queue, index, row, error);
+        return batch_response_check(plan, index, &refusal) ? batch_response_run(plan, queue, index, row, error)
+                                                           : refuse_case(plan, index, &refusal, row, error);
+    }
+    if (!prepare_simulation(plan, index, prepared, &start.window, &refusal) ||
+        !prepare_start_unless(prepared, batch_queue_stop_word(queue), &start.state, &refusal)) {
+        return refuse_case(plan, index, &refusal, row, error);
     }
     batch_keeper_begin(&keeper, plan, queue, index, prepared, error);
     const bool good = simulate_prepared(&keeper, &start, row, error);

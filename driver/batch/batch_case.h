@@ -4,16 +4,10 @@
 #include "batch/batch_queue.h"
 #include "batch/batch_row.h"
 
-/** How a case begins. */
-typedef struct {
-    dae_state state; /**< at t = 0; to be freed */
-    number_window window;
-} batch_start;
-
-/** Make a case and check all that can be refused. @param[in,out] prepared  as for batch_case_run
+/** Make a case and check all that can be refused, without the search for a periodic start.
+ *  @param[in,out] prepared  as for batch_case_run
  *  @return false with the reason in `refusal` */
-bool batch_case_prepare(const batch_plan *plan, long index, prepared_case *prepared, batch_start *start,
-                        evl_error *refusal);
+bool batch_case_check(const batch_plan *plan, long index, prepared_case *prepared, evl_error *refusal);
 /** Run a case, or go on with it where it was. What is wrong with it is told in its row.
  *  @param queue  which says when the batch is to end: then the row has no line
  *  @param[in,out] prepared  zeros before the first case, to be freed after the last one

@@ -40,13 +40,11 @@ bool batch_check(const batch_plan *plan, evl_error *error)
     prepared_case prepared = {0};
     for (long i = plan->first_case; i < plan->design->n_cases && interrupt_signal == 0; i += plan->stride) {
         evl_error refusal;
-        batch_start start;
         found.checked++;
-        if (batch_case_prepare(plan, i, &prepared, &start, &refusal)) {
+        if (batch_case_check(plan, i, &prepared, &refusal)) {
             if (prepared.file != NULL) { /* a response has no duration */
                 found.shortest = fmin(found.shortest, case_description(prepared.file)->simulation.duration);
             }
-            dae_state_free(&start.state);
         } else {
             found.refused++;
             write_refusal(i, &refusal);

@@ -194,11 +194,13 @@ static bool take_gaps(const checker *checker, case_node *gaps, const description
 
 static bool take_initial(const checker *checker, case_node *block, description *description)
 {
-    static const char *const kinds[] = {
-        [EVL_INITIAL_REST] = "rest", [EVL_INITIAL_STEADY] = "steady", [EVL_INITIAL_SPEEDS] = "speeds"};
+    static const char *const kinds[] = {[EVL_INITIAL_REST] = "rest",
+                                        [EVL_INITIAL_STEADY] = "steady",
+                                        [EVL_INITIAL_SPEEDS] = "speeds",
+                                        [EVL_INITIAL_PERIODIC] = "periodic"};
     evl_initial *initial = &description->simulation.initial;
     const struct checker of_speeds = checker_at(checker, "speeds"), of_gaps = checker_at(checker, "gaps");
-    initial->kind = words_index(node_get_text(block, "kind"), 3, kinds);
+    initial->kind = words_index(node_get_text(block, "kind"), sizeof kinds / sizeof *kinds, kinds);
     if (initial->kind == EVL_INITIAL_SPEEDS) {
         double *values = pool_calloc(&description->pool, (size_t)description->n_wheels, sizeof *values);
         initial->speeds = values;
@@ -207,8 +209,9 @@ static bool take_initial(const checker *checker, case_node *block, description *
         }
     }
     const case_node *position = node_get(block, "position");
-    initial->mesh_position = initial->kind != EVL_INITIAL_STEADY ? 0.0 : position == NULL ? NAN : node_number(position);
-    if (initial->kind != EVL_INITIAL_STEADY) {
+    const bool has_path = initial->kind == EVL_INITIAL_STEADY || initial->kind == EVL_INITIAL_PERIODIC;
+    initial->mesh_position = !has_path ? 0.0 : position == NULL ? NAN : node_number(position);
+    if (!has_path) {
         double *values = pool_calloc(&description->pool, (size_t)description->n_meshes, sizeof *values);
         initial->gaps = values;
         if (!take_gaps(&of_gaps, node_get(block, "gaps"), description, values)) {

@@ -11,6 +11,7 @@
 #include "commands/run_numbers.h"
 #include "commands/warn.h"
 #include "integrate/integrate_types.h"
+#include "model/model_start.h"
 #include "simulate/extremes.h"
 #include "simulate/simulate.h"
 
@@ -106,6 +107,26 @@ static void tell_vibrations(const run *run)
     if (note[0] != '\0') {
         log_note("%s", note);
     }
+}
+
+/** The orbit on which a periodic start begins. */
+static void tell_orbit(const run *run)
+{
+    const model_start_orbit *orbit = model_orbit_of_start(run->prepared.model);
+    if (orbit == NULL) {
+        return;
+    }
+    OWNED char *length = orbit->pitches == 1 ? xstrdup("")
+                                             : xasprintf(" of %d pitches of mesh %s", orbit->pitches,
+                                                         case_description(run->prepared.file)->meshes[0]);
+    OWNED char *constant =
+        orbit->time_constant > 0 ? xasprintf(", slowest time constant %.4g s", orbit->time_constant) : xstrdup("");
+    const double size = model_start_multiplier(orbit);
+    OWNED char *multiplier = size > 0                ? xasprintf("largest Floquet multiplier %.4g", size)
+                             : orbit->has_multiplier ? xstrdup("largest Floquet multiplier below 1e-10")
+                                                     : xstrdup("no Floquet multiplier");
+    log_note("start on a periodic orbit%s, period %.6g s: %s%s%s; search of %d flows", length, orbit->time, multiplier,
+             orbit->ties > 0 ? " (approximate: events coincide)" : "", constant, orbit->flows);
 }
 
 static void summarise(const integrate_counts *counts, const char *path)
@@ -283,6 +304,7 @@ static void run_prepared(run *run, const char *file, const run_options *options,
     }
     warn_of_case(&run->prepared);
     tell_vibrations(run);
+    tell_orbit(run);
     if (open_checkpoints(run, file, options, path)) {
         const double t = run->checkpoints == NULL ? state.t : checkpoints_time(run->checkpoints);
         progress_start(&run->progress, !options->quiet, t, case_description(run->prepared.file)->simulation.duration);

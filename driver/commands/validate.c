@@ -41,6 +41,7 @@ const command validate_command = {
         "Reads each case, makes its gearbox and finds the state that it starts from, as 'evolvent run' does before it\n"
         "writes anything. Of a case that 'run' takes it prints 'CASE.yaml: ok', of others the line of 'run', on "
         "stderr.\n"
+        "The orbit of a periodic start is not searched for.\n"
         "The exit code is the highest of those that 'run' would end with. CASE.yaml may be -, standard input.\n"
         "\n"
         "Examples:\n"

@@ -64,7 +64,7 @@ static void simulate_case(void *with)
     run *run = with;
     dae_state start;
     simulate_result result;
-    if (!prepare_start(run->prepared, &start, &run->error)) {
+    if (!prepare_start_unless(run->prepared, run->stop, &start, &run->error)) {
         return;
     }
     run_history_init(&run->history, run->prepared);

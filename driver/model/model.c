@@ -1,6 +1,5 @@
 #include "model/model_kernel.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -125,42 +124,26 @@ void model_explain_start(const model *model, const evl_status *status, model_mes
     }
 }
 
-static bool start(const model *model, const evl_initial *initial, dae_state *state, model_message *error)
-{
-    *state = dae_state_create(&model->about.dae, NULL);
-    evl_status status = {.index = -1};
-    const int code = evl_gearbox_initial_state(model->gearbox, initial, state->t, state->y, state->yp, state->integers,
-                                               state->reals, &status);
-    if (code != EVL_OK) {
-        model_explain_start(model, &status, error);
-        dae_state_free(state);
-    }
-    return code == EVL_OK;
-}
-
-bool model_initial_state(const model *model, dae_state *state, model_message *error)
-{
-    return start(model, &model->initial, state, error);
-}
-
-bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error)
-{
-    const bool as_the_case = isnan(mesh_position) && model->initial.kind == EVL_INITIAL_STEADY;
-    const evl_initial steady = {.kind = EVL_INITIAL_STEADY,
-                                .mesh_position = as_the_case ? model->initial.mesh_position : mesh_position};
-    return start(model, &steady, state, error);
-}
-
-int model_n_warnings(const model *model)
+/** Warnings of the kernel: of the gearbox, then of speeds. */
+static int n_kernel_warnings(const model *model)
 {
     evl_status status;
     const int n = model->sizes.n_warnings;
     return n + evl_gearbox_warning(model->gearbox, &model->initial, n, &status);
 }
 
+int model_n_warnings(const model *model)
+{
+    model_message warning;
+    return n_kernel_warnings(model) + model_warns_of_orbit(model, 0, &warning);
+}
+
 void model_warning(const model *model, int index, model_message *warning)
 {
     evl_status status;
+    if (model_warns_of_orbit(model, index - n_kernel_warnings(model), warning)) {
+        return;
+    }
     (void)evl_gearbox_warning(model->gearbox, &model->initial, index, &status);
     model_explain(model, &status, warning);
 }

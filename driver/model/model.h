@@ -55,12 +55,6 @@ const model_facts *model_about(const model *model);
 /** Why it does not, if so. */
 void model_explain_no_stepper(const model *model, model_message *error);
 
-/** State at t = 0; its arrays belong to the caller, who frees them with dae_state_free. @return false with the reason in `error`. */
-bool model_initial_state(const model *model, dae_state *state, model_message *error);
-/** The same for the steady state under the loads at t = 0, whatever initial state the description gives.
- *  @param mesh_position  pitches of the first mesh in the flow of power; NAN: as the case, or inside a zone */
-bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error);
-
 /** Which of the dae's positions are the pitches of a mesh or, if that is -1, the turns of a wheel. */
 int model_position_of(const model *model, int wheel, int mesh);
 /** Whether anything turns the wheel by which a position goes, or may. */

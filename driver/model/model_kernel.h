@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "model/model.h"
+#include "model/model_start.h"
 
 #include <evolvent/kernel.h>
 
@@ -13,6 +14,8 @@ struct model {
     model_facts about;
     evl_sizes sizes;
     evl_initial initial; /**< its arrays are those of the case's description */
+    bool has_orbit;      /**< the last start is on a periodic orbit */
+    model_start_orbit orbit;
 };
 
 /** What the kernel says at run time, with the name of the mesh that it is about; a dae_code. */
@@ -27,6 +30,8 @@ const dae_stepper *model_radau(const model *model);
 void model_explain(const model *model, const evl_status *status, model_message *error);
 /** Why there is no state to start from; what is about nothing else is about the case's initial state. */
 void model_explain_start(const model *model, const evl_status *status, model_message *error);
+/** Write a warning of the orbit of the start, by index from 0. @return whether there is one */
+bool model_warns_of_orbit(const model *model, int index, model_message *warning);
 /** The outputs of one of the kernel's tables, without places, and their texts, which have to outlive them: new arrays. @return how many */
 int model_take_outputs(int of, evl_output **texts, model_output **outputs);
 /** Fill the table of outputs. */

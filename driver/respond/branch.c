@@ -54,7 +54,7 @@ static bool start(branch *b, const model_period *period, carried *state, char *m
     const dae *dae = &model_about(b->prepared.model)->dae;
     if (!state->exists) {
         *state = (carried){.sizes = *dae, .phase = SECTION_USUAL_PHASE};
-        state->exists = prepare_start(&b->prepared, &state->state, error);
+        state->exists = prepare_start_unless(&b->prepared, b->interrupt, &state->state, error);
         return state->exists;
     }
     carried next = {.exists = true, .sizes = *dae, .phase = state->phase};

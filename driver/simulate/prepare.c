@@ -1,7 +1,9 @@
 #include "simulate/prepare.h"
 
+#include "base/interrupt.h"
 #include "base/memory.h"
 #include "base/words.h"
+#include "model/model_start.h"
 #include "model/output_groups.h"
 #include "simulate/accuracy.h"
 #include "simulate/positions.h"
@@ -101,12 +103,9 @@ bool prepare_text(prepared_case *prepared, const char *name, const char *text, i
     return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
 }
 
-bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
+/** A state that the case's outputs allow. @return false with the reason in `error`; then it is freed */
+static bool accept_start(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
-    model_message refusal;
-    if (!model_initial_state(prepared->model, state, &refusal)) {
-        return prepare_refuse(prepared, &refusal, error);
-    }
     const bool good = positions_check_start(prepared, state, error);
     if (!good) {
         dae_state_free(state);
@@ -114,11 +113,37 @@ bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *e
     return good;
 }
 
+bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error)
+{
+    return prepare_start_unless(prepared, &interrupt_signal, state, error);
+}
+
+bool prepare_start_unless(const prepared_case *prepared, const volatile sig_atomic_t *interrupt, dae_state *state,
+                          evl_error *error)
+{
+    static const evl_exit codes[] = {[MODEL_START_FOUND] = EVL_EXIT_OK,
+                                     [MODEL_START_REFUSED] = EVL_EXIT_CASE,
+                                     [MODEL_START_NOT_FOUND] = EVL_EXIT_INTEGRATION,
+                                     [MODEL_START_INTERRUPTED] = EVL_EXIT_INTERRUPTED};
+    model_message refusal;
+    const model_start_end end = model_initial_state(prepared->model, interrupt, state, &refusal);
+    if (end != MODEL_START_FOUND) {
+        (void)prepare_refuse(prepared, &refusal, error);
+        error->code = codes[end];
+        return false;
+    }
+    return accept_start(prepared, state, error);
+}
+
 bool prepare_check_start(const prepared_case *prepared, evl_error *error)
 {
     dae_state state;
-    const bool good = prepare_start(prepared, &state, error);
-    dae_state_free(&state);
+    model_message refusal;
+    const bool good = model_check_start(prepared->model, &state, &refusal) ? accept_start(prepared, &state, error)
+                                                                           : prepare_refuse(prepared, &refusal, error);
+    if (good) {
+        dae_state_free(&state);
+    }
     return good;
 }
 

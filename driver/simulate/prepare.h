@@ -4,6 +4,8 @@
 #include "case/case.h"
 #include "model/model.h"
 
+#include <signal.h>
+
 typedef struct {
     case_file *file;
     model *model;
@@ -21,9 +23,14 @@ bool prepare_text(prepared_case *prepared, const char *name, const char *text, i
  *  @return false with the reason in `error`; then it serves for the next call only. In any case it is to be freed */
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,
                     const evl_wheel_store *wheels, evl_error *error);
-/** The state that the case starts from, the last thing that can be refused. @return false with the reason in `error` */
+/** The state that the case starts from, the last thing that can be refused. A signal to the process ends the search for a periodic
+ *  start. @return false with the reason in `error`: EVL_EXIT_CASE; EVL_EXIT_INTEGRATION, EVL_EXIT_INTERRUPTED of a periodic start */
 bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *error);
-/** Whether there is such a state: then `evolvent run` would begin. @return false with the reason in `error` */
+/** The same with another word that ends the search when it is not 0. */
+bool prepare_start_unless(const prepared_case *prepared, const volatile sig_atomic_t *interrupt, dae_state *state,
+                          evl_error *error);
+/** Whether there is such a state: then `evolvent run` would begin. A periodic orbit is not searched for. @return false with the reason
+ *  in `error` */
 bool prepare_check_start(const prepared_case *prepared, evl_error *error);
 /** Turn a refusal by the model into one of the case file. @return false */
 bool prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);

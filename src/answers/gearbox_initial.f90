@@ -40,13 +40,13 @@ module evl_gearbox_initial
 
    ! what a case says of the start
    type(row_t), parameter, public :: initial_rows(*) = [ &
-                    row_t("kind", type_choice, "", "at rest; in steady motion under the loads; with given speeds", default="rest", &
-                                           words="rest steady speeds"), &
+                      row_t("kind", type_choice, "", "at rest; in steady motion under the loads; with given speeds; on a periodic" &
+                                           //" orbit", default="rest", words="rest steady speeds periodic"), &
               row_t("speeds", type_named, "rad/s", "angular velocity of every wheel by name", required=.true., variants="speeds"), &
                  row_t("gaps", type_named, "m", "gap between the flanks of a mesh by name, 0 if not given; negative: penetration", &
                                            default="{}", variants="rest speeds"), &
                         row_t("position", type_number, "", "pitches of the first mesh from the start of contact; inside a zone if" &
-                                           //" not given", range=range_t(0.0_wp, most_pitches), variants="steady")]
+                                           //" not given", range=range_t(0.0_wp, most_pitches), variants="steady periodic")]
 
    type :: initial_t
       integer :: kind = initial_rest       !! one of the kinds above

@@ -69,26 +69,31 @@ module evl_gearbox_ode
 contains
 
    !> Refuse a gearbox that is no y' = f(t, y) of differential states alone.
-   pure subroutine gearbox_ode_serves(gearbox, status)
+   pure subroutine gearbox_ode_serves(gearbox, status, remedy)
       type(gearbox_t), intent(in) :: gearbox
       type(status_t), intent(inout) :: status !! `code_invalid_input`: it says why, and the place is what stands in the way
+      character(len=*), intent(in), optional :: remedy !! the first one of the message; default: take integrator ida
+      character(len=:), allocatable :: first
       integer :: i
+
+      first = "take integrator ida"
+      if (present(remedy)) first = remedy
 
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
             if (contact%rigid) then
-               call fail(status, code_invalid_input, "a rigid contact is a constraint, which radau does not integrate: take" &
-                         //" integrator ida, or another contact law", subject_mesh, contact%mesh, "contact")
+               call fail(status, code_invalid_input, "a rigid contact is a constraint, which radau does not integrate: "// &
+                         first//", or another contact law", subject_mesh, contact%mesh, "contact")
             else if (contact%tracking /= tracking_closed_form) then
                call fail(status, code_invalid_input, "tracked contact points are algebraic states, which radau does not" &
-                         //" integrate: take integrator ida, or tracking closed_form", subject_mesh, contact%mesh, "tracking")
+                         //" integrate: "//first//", or tracking closed_form", subject_mesh, contact%mesh, "tracking")
             end if
          end associate
          if (has_failed(status)) return
       end do
       if (gearbox%housing%is_mounted) &
          call fail(status, code_invalid_input, "the accelerations of a mounted housing are coupled, which radau does not" &
-                   //" integrate: take integrator ida", subject_housing, field="kind")
+                   //" integrate: "//first, subject_housing, field="kind")
    end subroutine gearbox_ode_serves
 
    !> Make the model of a gearbox that is served; the gearbox has to outlive it.

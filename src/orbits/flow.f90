@@ -53,7 +53,8 @@ contains
       integer :: outcome, i
 
       start = y
-      call radau_create(solver, model, radau_options(tolerance=tolerance), status)
+      call model%begin_flow(status)
+      if (.not. has_failed(status)) call radau_create(solver, model, radau_options(tolerance=tolerance), status)
       if (.not. has_failed(status)) call model%settle(model%phase, start, status)
       if (has_failed(status)) return
       modes = model%modes

@@ -27,6 +27,7 @@ module evl_orbit_model
       procedure(settle_interface), deferred :: settle
       procedure(root_gradient_interface), deferred :: root_gradient
       procedure(apply_event_interface), deferred :: apply_event
+      procedure :: begin_flow => allow_flow
       procedure :: next_time_event => no_time_event
       procedure :: come_back => nothing_to_bring
    end type orbit_model
@@ -80,6 +81,12 @@ module evl_orbit_model
    end interface
 
 contains
+
+   !> Called before each flow. An extension that fails here ends the search, for instance after too many flows.
+   subroutine allow_flow(self, status)
+      class(orbit_model), intent(inout) :: self
+      type(status_t), intent(inout) :: status
+   end subroutine allow_flow
 
    !> Time of the next event that time alone brings, after those that the modes say are over; huge if there is none.
    pure real(wp) function no_time_event(self, t) result(time)

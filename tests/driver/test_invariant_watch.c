@@ -1,5 +1,6 @@
 /* A run whose outputs are right keeps its invariants; one value that is wrong breaks the one that it belongs to. */
 #include "base/memory.h"
+#include "model/model_start.h"
 #include "simulate/invariant_watch.h"
 #include "simulate/prepare.h"
 
@@ -40,7 +41,7 @@ static int set_up(void **state)
     dae_state start;
     char message[DAE_MESSAGE_LENGTH];
     assert_true(prepare_case(&f->prepared, "examples/paper.yaml", 2, set, &error));
-    assert_true(model_initial_state(f->prepared.model, &start, &refusal));
+    assert_int_equal(model_initial_state(f->prepared.model, NULL, &start, &refusal), MODEL_START_FOUND);
     f->values = xcalloc((size_t)model_about(f->prepared.model)->n_values, sizeof *f->values);
     f->block = xcalloc((size_t)model_about(f->prepared.model)->n_values * DAE_LANES, sizeof *f->block);
     assert_int_equal(model_outputs(f->prepared.model, &start, f->values, message), DAE_OK);

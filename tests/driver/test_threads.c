@@ -2,6 +2,7 @@
  * matter of HDF5, which has its own locks. */
 #include "base/memory.h"
 #include "integrate/integrate.h"
+#include "model/model_start.h"
 #include "simulate/prepare.h"
 
 #include <pthread.h>
@@ -93,7 +94,7 @@ static void integrate_alone(case_run *run)
         return;
     }
     run->values = xcalloc((size_t)model_about(run->prepared.model)->n_values, sizeof *run->values);
-    if (!model_initial_state(run->prepared.model, &run->state, &refusal)) {
+    if (model_initial_state(run->prepared.model, NULL, &run->state, &refusal) != MODEL_START_FOUND) {
         (void)snprintf(run->reason, sizeof run->reason, "%s", refusal.message);
         return;
     }

@@ -83,16 +83,17 @@ typedef enum {
     EVL_INITIAL_EQUILIBRIUM = -1, /**< nothing accelerates at a position of the first mesh; not in a case file */
     EVL_INITIAL_REST = 0,         /**< every wheel and support at rest */
     EVL_INITIAL_STEADY = 1,       /**< steady motion: slow modes at their mean, fast modes on the quasi-static path */
-    EVL_INITIAL_SPEEDS = 2        /**< given speeds */
+    EVL_INITIAL_SPEEDS = 2,       /**< given speeds */
+    EVL_INITIAL_PERIODIC = 3      /**< on a periodic orbit: evl_gearbox_periodic_start, not evl_gearbox_initial_state */
 } evl_initial_kind;
 
 typedef struct {
     int kind;             /**< evl_initial_kind */
     const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
-    /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. Not for steady */
+    /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. For rest and speeds */
     const double *gaps;
-    /** of EVL_INITIAL_STEADY, else 0: pitches of the first mesh in the flow of power from the start of contact, from 0 to 1e6;
-     *  NaN: a position inside a zone */
+    /** of EVL_INITIAL_STEADY and EVL_INITIAL_PERIODIC, else 0: pitches of the first mesh in the flow of power from the start of contact,
+     *  from 0 to 1e6; NaN: a position inside a zone */
     double mesh_position;
 } evl_initial;
 

@@ -509,6 +509,41 @@ EVL_API void evl_orbits_point(const evl_orbits *orbits, int branch, int point, e
 EVL_API int evl_orbits_state(evl_orbits *orbits, int branch, int point, double *t, double *y, int *integers,
                              double *reals, evl_status *status);
 
+/* ---- the periodic start ------------------------------------------------------------------------------------------------------ */
+
+/** Search setup. Callers end a search between two flows by `is_over`. */
+typedef struct {
+    void *self;
+    bool (*is_over)(void *self); /**< NULL: it is not interrupted */
+    int most_flows;              /**< integrations over the common period or a part of it, >= 1 */
+} evl_periodic_setup;
+/** The periodic orbit of a start. */
+typedef struct {
+    int pitches;     /**< of the first mesh in the common period; 0: there is none */
+    int flows;       /**< of the search */
+    int periods;     /**< common periods for which the motion settled */
+    int ties;        /**< events of the orbit that coincide: the multipliers are those of one order of these events */
+    double time;     /**< period [s] */
+    double residual; /**< largest difference after a period, in units of the scales */
+    double multiplier[2]; /**< the largest Floquet multiplier in size, real and imaginary part; 0: below 1e-10 */
+    double time_constant; /**< of the slowest decay [s]; 0: there is none */
+    bool has_multiplier;  /**< `multiplier` is known */
+    bool is_stable;       /**< all multipliers are smaller than 1 in size */
+    bool is_reached;      /**< the motion from the steady start converges to the orbit */
+    bool is_interrupted;
+    bool has_searched; /**< the case was not refused before the first flow */
+} evl_periodic;
+/** Find the periodic orbit that the motion from the steady start leads to, and fill y, yp, integers and reals with its state at
+ *  t = 0, at the mesh position of the steady start. docs/orbits.md.
+ *  @return EVL_OK; EVL_INVALID_INPUT (no periodic start is possible, or the search needs more flows), EVL_NO_SOLUTION (no steady
+ *          state, no orbit was found, or the search was interrupted), EVL_OUT_OF_DOMAIN */
+EVL_API int evl_gearbox_periodic_start(const evl_gearbox *gearbox, const evl_initial *initial,
+                                       const evl_periodic_setup *setup, evl_periodic *found, double *y, double *yp,
+                                       int *integers, double *reals, evl_status *status);
+/** The same without the search: y, yp, integers and reals become the steady start. `pitches`, `time` are found. */
+EVL_API int evl_gearbox_periodic_check(const evl_gearbox *gearbox, const evl_initial *initial, evl_periodic *found,
+                                       double *y, double *yp, int *integers, double *reals, evl_status *status);
+
 /* ---- natural modes --------------------------------------------------------------------------------------------------------- */
 
 /** Discrete state of the tooth pair that has been longest on the path of a mesh's drive flank. */

@@ -1,0 +1,143 @@
+#include "model/model_start.h"
+
+#include "model/model_kernel.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { MOST_FLOWS = 200 }; /* of a search; docs/orbits.md */
+
+static void refuse(const model *model, const evl_status *status, dae_state *state, model_message *error)
+{
+    model_explain_start(model, status, error);
+    dae_state_free(state);
+}
+
+static bool start(const model *model, const evl_initial *initial, dae_state *state, model_message *error)
+{
+    *state = dae_state_create(&model->about.dae, NULL);
+    evl_status status = {.index = -1};
+    const int code = evl_gearbox_initial_state(model->gearbox, initial, state->t, state->y, state->yp, state->integers,
+                                               state->reals, &status);
+    if (code != EVL_OK) {
+        refuse(model, &status, state, error);
+    }
+    return code == EVL_OK;
+}
+
+static bool is_over(void *interrupt)
+{
+    const volatile sig_atomic_t *number = interrupt;
+    return *number != 0;
+}
+
+static void take_orbit(model *model, const evl_periodic *found)
+{
+    model->has_orbit = true;
+    model->orbit = (model_start_orbit){.pitches = found->pitches,
+                                       .flows = found->flows,
+                                       .periods = found->periods,
+                                       .ties = found->ties,
+                                       .time = found->time,
+                                       .residual = found->residual,
+                                       .multiplier = {found->multiplier[0], found->multiplier[1]},
+                                       .time_constant = found->time_constant,
+                                       .has_multiplier = found->has_multiplier,
+                                       .is_stable = found->is_stable,
+                                       .is_reached = found->is_reached};
+}
+
+static model_start_end start_periodic(model *model, const volatile sig_atomic_t *interrupt, dae_state *state,
+                                      model_message *error)
+{
+    const evl_periodic_setup setup = {
+        .self = (void *)interrupt, .is_over = interrupt != NULL ? is_over : NULL, .most_flows = MOST_FLOWS};
+    *state = dae_state_create(&model->about.dae, NULL);
+    evl_status status = {.index = -1};
+    evl_periodic found;
+    const int code = evl_gearbox_periodic_start(model->gearbox, &model->initial, &setup, &found, state->y, state->yp,
+                                                state->integers, state->reals, &status);
+    if (code == EVL_OK) {
+        take_orbit(model, &found);
+        return MODEL_START_FOUND;
+    }
+    refuse(model, &status, state, error);
+    return found.is_interrupted                              ? MODEL_START_INTERRUPTED
+           : found.has_searched && code != EVL_INVALID_INPUT ? MODEL_START_NOT_FOUND
+                                                             : MODEL_START_REFUSED;
+}
+
+model_start_end model_initial_state(model *model, const volatile sig_atomic_t *interrupt, dae_state *state,
+                                    model_message *error)
+{
+    model->has_orbit = false;
+    if (model->initial.kind == EVL_INITIAL_PERIODIC) {
+        return start_periodic(model, interrupt, state, error);
+    }
+    return start(model, &model->initial, state, error) ? MODEL_START_FOUND : MODEL_START_REFUSED;
+}
+
+bool model_check_start(const model *model, dae_state *state, model_message *error)
+{
+    if (model->initial.kind != EVL_INITIAL_PERIODIC) {
+        return start(model, &model->initial, state, error);
+    }
+    *state = dae_state_create(&model->about.dae, NULL);
+    evl_status status = {.index = -1};
+    evl_periodic found;
+    const int code = evl_gearbox_periodic_check(model->gearbox, &model->initial, &found, state->y, state->yp,
+                                                state->integers, state->reals, &status);
+    if (code != EVL_OK) {
+        refuse(model, &status, state, error);
+    }
+    return code == EVL_OK;
+}
+
+bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error)
+{
+    const bool as_the_case = isnan(mesh_position) && (model->initial.kind == EVL_INITIAL_STEADY ||
+                                                      model->initial.kind == EVL_INITIAL_PERIODIC);
+    const evl_initial steady = {.kind = EVL_INITIAL_STEADY,
+                                .mesh_position = as_the_case ? model->initial.mesh_position : mesh_position};
+    return start(model, &steady, state, error);
+}
+
+const model_start_orbit *model_orbit_of_start(const model *model)
+{
+    return model->has_orbit ? &model->orbit : NULL;
+}
+
+double model_start_multiplier(const model_start_orbit *orbit)
+{
+    return orbit->has_multiplier ? hypot(orbit->multiplier[0], orbit->multiplier[1]) : NAN;
+}
+
+/** A warning of the orbit by its index: an unstable one, and one that the motion does not lead to. @return whether there is one */
+bool model_warns_of_orbit(const model *model, int index, model_message *warning)
+{
+    const model_start_orbit *orbit = model_orbit_of_start(model);
+    const bool is_doubtful = orbit != NULL && (!orbit->is_stable || !orbit->is_reached);
+    if (!is_doubtful || index != 0) {
+        return false;
+    }
+    (void)snprintf(warning->field, sizeof warning->field, "%s.kind", MODEL_START);
+    const double size = model_start_multiplier(orbit), border = 1 + 1e-6; /* what a multiplier is known to */
+    if (!orbit->is_stable && size > border) {
+        (void)snprintf(
+            warning->message, sizeof warning->message,
+            "the periodic orbit is unstable, its largest Floquet multiplier is %.4g in size: the motion leaves "
+            "it; kind: steady with a longer duration leads to a stable motion",
+            size);
+    } else if (!orbit->is_stable) {
+        (void)snprintf(warning->message, sizeof warning->message,
+                       "disturbances of the periodic orbit do not decay, its largest Floquet multiplier is 1 in size; "
+                       "give its undamped parts damping");
+    } else {
+        (void)snprintf(
+            warning->message, sizeof warning->message,
+            "the motion from the steady start did not come near the periodic orbit within %d common periods: "
+            "it may lead to another motion; kind: steady with a longer duration shows it",
+            orbit->periods);
+    }
+    return true;
+}

@@ -1,0 +1,115 @@
+!> C interface of the start on a periodic orbit.
+!>
+!> The header's section "the periodic start" documents each procedure; here is only the passage from C to Fortran.
+module evl_capi_periodic
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_procpointer, c_funptr, c_int, c_null_ptr, c_ptr
+   use evl_capi_description, only: c_initial, initial_from_c
+   use evl_capi_types, only: answer, c_status, gearbox_of
+   use evl_gearbox, only: gearbox_t
+   use evl_periodic_search, only: periodic_search, periodic_start_t
+   use evl_periodic_start, only: begin_periodic_start, periodic_start
+   use evl_status, only: status_t
+   implicit none (type, external)
+   private
+
+   public :: evl_gearbox_periodic_check, evl_gearbox_periodic_start
+
+   abstract interface
+      logical(c_bool) function c_is_over(self) bind(c)
+         import :: c_bool, c_ptr
+         implicit none (type, external)
+         type(c_ptr), value :: self
+      end function c_is_over
+   end interface
+
+   !> evl_periodic_setup
+   type, bind(c) :: c_setup
+      type(c_ptr) :: self
+      type(c_funptr) :: is_over
+      integer(c_int) :: most_flows
+   end type c_setup
+
+   !> evl_periodic
+   type, bind(c) :: c_periodic
+      integer(c_int) :: pitches, flows, periods, ties
+      real(c_double) :: time, residual, multiplier(2), time_constant
+      logical(c_bool) :: has_multiplier, is_stable, is_reached, is_interrupted, has_searched
+   end type c_periodic
+
+   type, extends(periodic_search) :: callers_search
+      type(c_ptr) :: self = c_null_ptr
+      procedure(c_is_over), pointer, nopass :: is_over => null()
+   contains
+      procedure :: is_interrupted
+   end type callers_search
+
+contains
+
+   logical function is_interrupted(self)
+      class(callers_search), intent(in) :: self
+
+      is_interrupted = .false.
+      if (associated(self%is_over)) is_interrupted = logical(self%is_over(self%self))
+   end function is_interrupted
+
+   integer(c_int) function evl_gearbox_periodic_start(handle, initial, setup, found, y, yp, integers, reals, status) &
+      result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in) :: initial
+      type(c_setup), intent(in) :: setup
+      type(c_periodic), intent(out) :: found
+      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(c_status), intent(inout), optional :: status
+      type(callers_search) :: search
+      type(periodic_start_t) :: orbit
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      search%self = setup%self
+      search%most_flows = setup%most_flows
+      if (c_associated(setup%is_over)) call c_f_procpointer(setup%is_over, search%is_over)
+      call periodic_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), search, orbit, y(:g%n_states), &
+                          yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      found = to_c(orbit)
+      code = answer(s, status)
+   end function evl_gearbox_periodic_start
+
+   integer(c_int) function evl_gearbox_periodic_check(handle, initial, found, y, yp, integers, reals, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_initial), intent(in) :: initial
+      type(c_periodic), intent(out) :: found
+      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+      type(c_status), intent(inout), optional :: status
+      type(periodic_start_t) :: orbit
+      type(status_t) :: s
+      type(gearbox_t), pointer :: g
+
+      g => gearbox_of(handle)
+      call begin_periodic_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), orbit, y(:g%n_states), &
+                                yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      found = to_c(orbit)
+      code = answer(s, status)
+   end function evl_gearbox_periodic_check
+
+   pure type(c_periodic) function to_c(found)
+      type(periodic_start_t), intent(in) :: found
+
+      to_c%pitches = found%pitches
+      to_c%flows = found%flows
+      to_c%periods = found%periods
+      to_c%ties = found%ties
+      to_c%time = found%time
+      to_c%residual = found%residual
+      to_c%multiplier = [found%multiplier%re, found%multiplier%im]
+      to_c%time_constant = found%time_constant
+      to_c%has_multiplier = found%has_multiplier
+      to_c%is_stable = found%is_stable
+      to_c%is_reached = found%is_reached
+      to_c%is_interrupted = found%is_interrupted
+      to_c%has_searched = found%has_searched
+   end function to_c
+
+end module evl_capi_periodic
