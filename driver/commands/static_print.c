@@ -60,6 +60,23 @@ static void print_row(FILE *stream, const static_report *report, int torque)
     fputc('\n', stream);
 }
 
+/** Compare the mean stiffness at the last torque with ISO 6336-1, where teeth and bodies yield. */
+static void print_softness(FILE *stream, const static_report *report)
+{
+    static const double low = 0.8; /* of c_gamma */
+    const int last = report->n_torques - 1;
+    const double ratio =
+        number_of(report, last, "mesh_stiffness_per_width") / number_of(report, last, "iso_mesh_stiffness_per_width");
+    if (report->gives_way && ratio < low) {
+        fprintf(
+            stream,
+            "The mean stiffness is %.2g of c_gamma: the bodies yield down to hub_diameter, which is the bore unless "
+            "given;\ngive both wheels the diameter up to which the shaft or the hub is stiff, "
+            "docs/compliance.md.\n",
+            ratio);
+    }
+}
+
 void static_print_text(FILE *stream, const static_report *report)
 {
     const static_plan *plan = report->plan;
@@ -87,6 +104,7 @@ void static_print_text(FILE *stream, const static_report *report)
     fprintf(stream, "ISO 6336-1, from measured pairs without body, not the same: c' %.4g, c_gamma %.4g N/(mm um).\n",
             number_of(report, last, "iso_pair_stiffness_per_width") * to_usual,
             number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
+    print_softness(stream, report);
 }
 
 /* ---- for scripts ---- */

@@ -371,3 +371,18 @@ def test_iso_stiffness_at_low_load_goes_by_the_tangential_load(
     low, high = told["iso_pair_stiffness_per_width"]
     assert 400 / radius / width > 1e5  # of the second torque
     assert low / high == pytest.approx((1 / radius / width / 1e5) ** 0.25, rel=1e-9)
+
+
+def test_a_mesh_far_softer_than_iso_says_why(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    """Below 0.8 of c_gamma: the bodies yield down to the bore where no hub is given."""
+
+    def text(hub: str) -> str:
+        soft = [("--set", f"wheels.{i}.compliance={{{hub}}}") for i in (0, 1)]
+        thin = ("--set", "wheels.1.bore=10e-3")
+        words = ("static", case, *soft[0], *soft[1], *thin, "-o", tmp_path / "x.h5")
+        return evolvent(*words, "--torque", "100").stdout
+
+    assert "of c_gamma: the bodies yield down to hub_diameter" in text("")
+    assert "of c_gamma: the bodies" not in text("hub_diameter: 40e-3")
