@@ -37,10 +37,13 @@ static double *pitch_errors_of(const model *model, int wheel, int *n)
 
 /* ---- for reading ---- */
 
-/** Each in a line. */
+/** Each in a line; nothing where there are none. */
 static void print_rows(FILE *stream, const char *title, const column *column)
 {
     int name_width = 0, symbol_width = 0;
+    if (column->n == 0) {
+        return;
+    }
     for (int i = 0; i < column->n; i++) {
         name_width = words_width(name_width, column->rows[i].long_name);
         symbol_width = words_width(symbol_width, column->rows[i].symbol);

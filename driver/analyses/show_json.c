@@ -21,12 +21,28 @@ static void write_model(json_writer *writer, const prepared_case *prepared)
     json_number(writer, "tolerance", simulation->tolerance);
     json_close(writer, '}');
     write_geometry(writer, case_description(prepared->file), model);
+}
+
+static void write_warnings(json_writer *writer, const prepared_case *prepared)
+{
+    POOLED memory_pool pool = {NULL};
+    int n = 0;
+    const char **warnings = prepare_warning_list(prepared, &pool, &n);
     json_open(writer, "warnings", '[');
-    for (int i = 0; i < model_n_warnings(model); i++) {
-        OWNED char *text = prepare_warning(prepared, i);
-        json_text(writer, NULL, text);
+    for (int i = 0; i < n; i++) {
+        json_text(writer, NULL, warnings[i]);
     }
     json_close(writer, ']');
+}
+
+/** What geometry a refused case has. */
+static void write_sketch(json_writer *writer, const prepared_case *prepared)
+{
+    model *sketch = model_sketch(case_description(prepared->file));
+    if (sketch != NULL) {
+        write_geometry(writer, case_description(prepared->file), sketch);
+    }
+    model_delete(&sketch);
 }
 
 void show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
@@ -37,7 +53,10 @@ void show_json(FILE *stream, const prepared_case *prepared, const evl_error *ref
     tree_write_json(&writer, "case", case_root(prepared->file));
     if (prepared->model != NULL) {
         write_model(&writer, prepared);
+    } else {
+        write_sketch(&writer, prepared);
     }
+    write_warnings(&writer, prepared);
     OWNED char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
     json_text(&writer, "refusal", line);
     json_close(&writer, '}');

@@ -10,6 +10,7 @@
 #include "batch/batch_pool.h"
 #include "batch/batch_response.h"
 #include "batch/batch_todo.h"
+#include "batch/batch_warnings.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -262,6 +263,7 @@ evl_exit batch(const char *design, const batch_options *options, evl_error *erro
         (run.design = design_read(design, error)) != NULL && batch_plan_init(&run.plan, run.design, error)) {
         run.plan.first_case = run.share.shard - 1;
         run.plan.stride = run.share.n_shards;
+        batch_warn(&run.plan);
         is_partial = options->check ? batch_check(&run.plan, error) : run_shard(&run, error);
         batch_plan_free(&run.plan);
     }

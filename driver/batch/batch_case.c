@@ -212,10 +212,10 @@ static void start_history(batch_sink *sink)
 
 /* ---- the case ---- */
 
-/** What `evolvent run` would warn of. */
+/** What `evolvent run` would warn of, less what the base case's own numbers cause: that is printed once. */
 static char *remarks(const prepared_case *prepared, const char *remark)
 {
-    OWNED char *warnings = prepare_warnings(prepared, "; ");
+    OWNED char *warnings = prepare_own_warnings(prepared, "; ");
     return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 

@@ -54,6 +54,16 @@ case_file *case_parse(const char *name, const char *text, int n_set, const char 
 /** Free a case and set the pointer to NULL. Nothing happens if it is NULL already. */
 void case_delete(case_file **file);
 
+/** A number outside the plausible range of its key. */
+typedef struct {
+    const char *text;   /**< location, path, value, range and the likely value, one line */
+    const char *option; /**< "PATH=VALUE" of the --set option that gave it; NULL: the file */
+} case_warning;
+
+/** Numbers outside the plausible ranges of their keys: a warning for each key, and another one for each key and option.
+ *  @param pool  of all that is returned */
+case_warning *case_warnings(const case_file *file, memory_pool *pool, int *n);
+
 /** The case as plain data; lives as long as the case. */
 const description *case_description(const case_file *file);
 /** The file as it was given to case_read; "stdin" for standard input. */

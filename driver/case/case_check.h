@@ -18,6 +18,8 @@ typedef struct checker {
 
 /** One step down the tree, for as long as both arguments live. */
 checker checker_at(const checker *above, const char *step);
+/** Write where it is, such as "wheels.gear.support", behind a text of length 0. @return its length */
+size_t checker_label(const checker *checker, char label[LABEL_LENGTH]);
 
 /* All of these return false with the error filled in if they refuse. */
 

@@ -9,14 +9,16 @@
 
 /* ---- a key ---- */
 
-/** "what it means [unit], range": editors show nothing else. */
+/** "what it means [unit], range; plausible range": editors show nothing else. */
 static void write_description(json_writer *json, const evl_row *row)
 {
-    char range[128];
+    char range[128], plausible[128];
     row_range_text(row, range);
+    row_plausible_text(row, plausible);
     const bool has_unit = row->unit[0] != '\0', has_range = range[0] != '\0' && row->type < EVL_BLOCK;
-    OWNED char *text = xasprintf("%s%s%s%s%s%s", row->text, has_unit ? " [" : "", row->unit, has_unit ? "]" : "",
-                                 has_range ? ", " : "", has_range ? range : "");
+    OWNED char *text = xasprintf("%s%s%s%s%s%s%s%s", row->text, has_unit ? " [" : "", row->unit, has_unit ? "]" : "",
+                                 has_range ? ", " : "", has_range ? range : "",
+                                 plausible[0] == '\0' ? "" : "; plausible: ", plausible);
     json_text(json, "description", text);
 }
 

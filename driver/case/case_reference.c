@@ -37,8 +37,9 @@ static void print_words(FILE *stream, const char *words, const char *before)
 
 static void print_key(FILE *stream, const evl_row *key)
 {
-    char range[128];
+    char range[128], plausible[128];
     row_range_text(key, range);
+    row_plausible_text(key, plausible);
     fprintf(stream, "| `%s` |", key->key);
     if (row_excludes(key) != NULL) {
         print_words(stream, row_excludes(key), " not ");
@@ -50,7 +51,7 @@ static void print_key(FILE *stream, const evl_row *key)
     if (key->type >= EVL_BLOCK) {
         print_words(stream, key->holds, " ");
     }
-    fprintf(stream, " | %s | %s | ", key->unit, range);
+    fprintf(stream, " | %s | %s | %s | ", key->unit, range, plausible);
     if (key->required) {
         fputs("required", stream);
     } else if (key->default_text[0] != '\0') {
@@ -80,8 +81,8 @@ void schema_print(FILE *stream, const case_schema *schema)
         if (strcmp(key->block, block) != 0) {
             block = key->block;
             fprintf(stream, "%s### %s\n\n", i == 0 ? "" : "\n", block);
-            fputs("| key | only with | type | unit | range | default | meaning |\n", stream);
-            fputs("|---|---|---|---|---|---|---|\n", stream);
+            fputs("| key | only with | type | unit | range | plausible | default | meaning |\n", stream);
+            fputs("|---|---|---|---|---|---|---|---|\n", stream);
         }
         print_key(stream, key);
     }

@@ -37,6 +37,8 @@ bool row_is_series(const evl_row *row);
 
 /** "greater than 0", "from 3 to 10000": the range in words, "" if unbounded. */
 void row_range_text(const evl_row *row, char text[128]);
+/** "1 um to 20 mm", "up to 300 m/s": the plausible range of magnitudes, "" if the row states none. */
+void row_plausible_text(const evl_row *row, char text[128]);
 
 /** The variant of a checked block, as schema_find takes it. */
 const char *schema_variant(const case_schema *schema, const char *block, const case_node *node);

@@ -20,10 +20,9 @@ checker checker_at(const checker *above, const char *step)
     return inner;
 }
 
-/** "wheels.gear.support" @return its length */
-static size_t write_label(const checker *checker, char label[LABEL_LENGTH])
+size_t checker_label(const checker *checker, char label[LABEL_LENGTH])
 {
-    size_t length = checker->above == NULL ? 0 : write_label(checker->above, label);
+    size_t length = checker->above == NULL ? 0 : checker_label(checker->above, label);
     if (checker->step != NULL) {
         (void)snprintf(label + length, LABEL_LENGTH - length, "%s%s", length == 0 ? "" : ".", checker->step);
         length += strlen(label + length);
@@ -39,7 +38,7 @@ bool checker_refuse(const checker *checker, case_place place, const char *format
     (void)vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
     place_text(checker->path, place, where);
-    (void)write_label(checker, label);
+    (void)checker_label(checker, label);
     return evl_error_set(checker->error, EVL_EXIT_CASE, where, "%s%s%s", label, label[0] == '\0' ? "" : ": ", message);
 }
 

@@ -65,21 +65,32 @@ static void show_accuracy(FILE *stream, const simulation_description *simulation
     }
 }
 
+/** The geometry that a refused case has. */
+static void show_sketch(FILE *stream, const prepared_case *prepared)
+{
+    model *sketch = model_sketch(case_description(prepared->file));
+    if (sketch != NULL) {
+        show_geometry(stream, case_description(prepared->file), sketch);
+    }
+    model_delete(&sketch);
+}
+
 /** The resolved case, the derived geometry of every wheel and mesh, and the warnings, for reading. Of a case without a model the
- *  case alone. */
+ *  case and the geometry of its gears. */
 static void show_text(FILE *stream, const prepared_case *prepared)
 {
     fprintf(stream, "Case %s, with all defaults\n\n", case_path(prepared->file));
     OWNED char *text = case_text_for_reading(prepared->file, model_schema());
     print_indented(stream, text);
     if (prepared->model == NULL) {
-        return;
-    }
-    show_accuracy(stream, &case_description(prepared->file)->simulation);
-    show_geometry(stream, case_description(prepared->file), prepared->model);
-    OWNED char *note = stiffness_note(case_description(prepared->file), prepared->model);
-    if (note[0] != '\0') {
-        fprintf(stream, "\nNote\n  %s\n", note);
+        show_sketch(stream, prepared);
+    } else {
+        show_accuracy(stream, &case_description(prepared->file)->simulation);
+        show_geometry(stream, case_description(prepared->file), prepared->model);
+        OWNED char *note = stiffness_note(case_description(prepared->file), prepared->model);
+        if (note[0] != '\0') {
+            fprintf(stream, "\nNote\n  %s\n", note);
+        }
     }
     OWNED char *warnings = prepare_warnings(prepared, "\n  ");
     if (warnings[0] != '\0') {
@@ -91,13 +102,14 @@ static void show_text(FILE *stream, const prepared_case *prepared)
 
 static void print_row(FILE *stream, const evl_row *row)
 {
-    char range_text[128];
+    char range_text[128], plausible[128];
     row_range_text(row, range_text);
+    row_plausible_text(row, plausible);
     const char *value = row->default_text[0] == '\0' ? "from the mesh" : row->default_text;
     fprintf(stream, "      %s%s%s%s: %s\n", row->key, row->unit[0] == '\0' ? "" : " [", row->unit,
             row->unit[0] == '\0' ? "" : "]", row->text);
-    fprintf(stream, "        %s%s%s%s\n", row->required ? "required" : "default ", row->required ? "" : value,
-            range_text[0] == '\0' ? "" : ", ", range_text);
+    fprintf(stream, "        %s%s%s%s%s%s\n", row->required ? "required" : "default ", row->required ? "" : value,
+            range_text[0] == '\0' ? "" : ", ", range_text, plausible[0] == '\0' ? "" : "; plausible: ", plausible);
 }
 
 static void show_laws(FILE *stream)

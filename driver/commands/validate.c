@@ -1,6 +1,7 @@
 #include "base/memory.h"
 #include "case/case.h"
 #include "commands/command.h"
+#include "commands/warn.h"
 #include "simulate/prepare.h"
 
 typedef struct {
@@ -20,8 +21,12 @@ static evl_exit validate(const char *file, const void *given, evl_error *error)
     if (!good) {
         (void)fflush(stdout); /* the lines come in the order of the cases */
         evl_error_print(stderr, &refusal);
-    } else if (!options->quiet) {
-        printf("%s: ok\n", case_path(prepared.file));
+    } else {
+        if (!options->quiet) {
+            printf("%s: ok\n", case_path(prepared.file));
+        }
+        (void)fflush(stdout);
+        warn_of_file(&prepared);
     }
     prepared_case_free(&prepared);
     return refusal.code;
@@ -42,6 +47,7 @@ const command validate_command = {
         "writes anything. Of a case that 'run' takes it prints 'CASE.yaml: ok', of others the line of 'run', on "
         "stderr.\n"
         "The orbit of a periodic start is not searched for.\n"
+        "Warnings go to stderr, too: also of numbers outside the plausible ranges of their keys.\n"
         "The exit code is the highest of those that 'run' would end with. CASE.yaml may be -, standard input.\n"
         "\n"
         "Examples:\n"

@@ -5,8 +5,22 @@
 
 void warn_of_case(const prepared_case *prepared)
 {
-    for (int i = 0; i < model_n_warnings(prepared->model); i++) {
-        OWNED char *text = prepare_warning(prepared, i);
-        log_warning("%s", text);
+    POOLED memory_pool pool = {NULL};
+    int n = 0;
+    const char **warnings = prepare_warning_list(prepared, &pool, &n);
+    for (int i = 0; i < n; i++) {
+        log_warning("%s", warnings[i]);
+    }
+}
+
+void warn_of_file(const prepared_case *prepared)
+{
+    POOLED memory_pool pool = {NULL};
+    const char *path = case_path(prepared->file);
+    int n = 0, n_located = 0;
+    const char **warnings = prepare_warning_list(prepared, &pool, &n);
+    (void)case_warnings(prepared->file, &pool, &n_located);
+    for (int i = 0; i < n; i++) {
+        log_warning("%s%s%s", i < n_located ? "" : path, i < n_located ? "" : ": ", warnings[i]);
     }
 }

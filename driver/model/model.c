@@ -66,9 +66,21 @@ int model_support_directions(const model *model, int wheel, double directions[2]
     return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);
 }
 
+model *model_sketch(const description *description)
+{
+    evl_status ignored = {.index = -1};
+    model *model = xcalloc(1, sizeof *model);
+    model->description = describe(description, NULL, &ignored);
+    if (model->description == NULL) {
+        model_delete(&model);
+    }
+    return model;
+}
+
 int model_geometry(const model *model, evl_of of, int index, evl_output quantities[EVL_MOST_QUANTITIES])
 {
-    return evl_gearbox_geometry(model->gearbox, (int)of, index, quantities);
+    return model->gearbox == NULL ? evl_description_geometry(model->description, (int)of, index, quantities)
+                                  : evl_gearbox_geometry(model->gearbox, (int)of, index, quantities);
 }
 
 double model_quantity(const model *model, evl_of of, int index, const char *name)
@@ -83,7 +95,7 @@ double model_quantity(const model *model, evl_of of, int index, const char *name
 
 int model_pitch_errors(const model *model, int wheel, int most, double *errors)
 {
-    return evl_gearbox_pitch_errors(model->gearbox, wheel, most, errors);
+    return model->gearbox == NULL ? 0 : evl_gearbox_pitch_errors(model->gearbox, wheel, most, errors);
 }
 
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS])

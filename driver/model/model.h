@@ -130,6 +130,10 @@ void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PA
 /** Directions in which the support of a wheel lets its axle move, unit vectors. @return how many */
 int model_support_directions(const model *model, int wheel, double directions[2][2]);
 
+/** Of a case that model_create refuses: its gears and their meshes, for model_geometry and model_pitch_errors alone.
+ *  @return NULL if the case has none */
+model *model_sketch(const description *description);
+
 /** The geometry that follows from the case. @return how many quantities there are, 0 where it is not what they are of */
 int model_geometry(const model *model, evl_of of, int index, evl_output quantities[EVL_MOST_QUANTITIES]);
 /** One of these by its name, NaN if there is none such. */

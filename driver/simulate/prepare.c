@@ -16,23 +16,48 @@ bool prepare_refuse(const prepared_case *prepared, const model_message *refusal,
     return case_refuse(prepared->file, refusal->field, refusal->message, error);
 }
 
-char *prepare_warning(const prepared_case *prepared, int index)
+static const char **list_warnings(const prepared_case *prepared, bool with_file, memory_pool *pool, int *n)
 {
-    model_message warning;
-    model_warning(prepared->model, index, &warning);
-    return case_message(warning.field, warning.message);
+    int n_of_case = 0;
+    const int n_of_model = prepared->model == NULL ? 0 : model_n_warnings(prepared->model);
+    const case_warning *of_case = case_warnings(prepared->file, pool, &n_of_case);
+    const char **warnings = pool_calloc(pool, (size_t)n_of_case + (size_t)n_of_model, sizeof *warnings);
+    *n = 0;
+    for (int i = 0; i < n_of_case; i++) {
+        if (with_file || of_case[i].option != NULL) {
+            warnings[(*n)++] = of_case[i].text;
+        }
+    }
+    for (int i = 0; i < n_of_model; i++) {
+        model_message warning;
+        model_warning(prepared->model, i, &warning);
+        OWNED char *text = case_message(warning.field, warning.message);
+        warnings[(*n)++] = pool_copy(pool, text);
+    }
+    return warnings;
+}
+
+const char **prepare_warning_list(const prepared_case *prepared, memory_pool *pool, int *n)
+{
+    return list_warnings(prepared, true, pool, n);
+}
+
+static char *join_warnings(const prepared_case *prepared, bool with_file, const char *separator)
+{
+    POOLED memory_pool pool = {NULL};
+    int n = 0;
+    const char **warnings = list_warnings(prepared, with_file, &pool, &n);
+    return words_join(n, warnings, separator);
 }
 
 char *prepare_warnings(const prepared_case *prepared, const char *separator)
 {
-    const int n = model_n_warnings(prepared->model);
-    POOLED memory_pool pool = {NULL};
-    const char **warnings = pool_calloc(&pool, (size_t)n, sizeof *warnings);
-    for (int i = 0; i < n; i++) {
-        OWNED char *warning = prepare_warning(prepared, i);
-        warnings[i] = pool_copy(&pool, warning);
-    }
-    return words_join(n, warnings, separator);
+    return join_warnings(prepared, true, separator);
+}
+
+char *prepare_own_warnings(const prepared_case *prepared, const char *separator)
+{
+    return join_warnings(prepared, false, separator);
 }
 
 /** The case's integrator, or the one that suits the model, and its tolerance. @return false if it asks for one that does not serve */

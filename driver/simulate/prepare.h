@@ -34,8 +34,11 @@ bool prepare_start_unless(const prepared_case *prepared, const volatile sig_atom
 bool prepare_check_start(const prepared_case *prepared, evl_error *error);
 /** Turn a refusal by the model into one of the case file. @return false */
 bool prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);
-/** Warning `index` of the model, with the name of what it is about in front as in a refusal: a new string. */
-char *prepare_warning(const prepared_case *prepared, int index);
-/** All of them in one new string, "" if there are none. */
+/** All warnings: of numbers outside the plausible ranges of their keys, with their locations, and of the model, with what each is
+ *  about in front as in a refusal; of a refused case without a model the former. @param pool  of all that is returned */
+const char **prepare_warning_list(const prepared_case *prepared, memory_pool *pool, int *n);
+/** The same in one new string, "" if there are none. */
 char *prepare_warnings(const prepared_case *prepared, const char *separator);
+/** The same, less those of numbers of the file itself, which all cases of a batch share. */
+char *prepare_own_warnings(const prepared_case *prepared, const char *separator);
 void prepared_case_free(prepared_case *prepared);

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from evolvent.errors import AnalysisError, HistoryError
+    from evolvent.errors import AnalysisError, CaseWarning, HistoryError
     from evolvent.history import open_events, open_history, run_warning
     from evolvent.library.calls import modes, parameters, respond, run, show, static
     from evolvent.physics.compare import compare_histories
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AnalysisError",
+    "CaseWarning",
     "HistoryError",
     "__version__",
     "check_history",
@@ -32,6 +33,7 @@ __all__ = [
 # Where the names are. They are imported when they are first used: a command needs few of them.
 _HOMES = {
     "AnalysisError": "errors",
+    "CaseWarning": "errors",
     "HistoryError": "errors",
     "__version__": "version",
     "check_history": "physics.invariants",

@@ -58,6 +58,10 @@ class AnalysisError(EvolventError):
         return type(self), (self.code, self.place, self.reason)
 
 
+class CaseWarning(UserWarning):
+    """What the program accepts in a case but warns of, such as a number of an implausible size."""
+
+
 class SweepError(EvolventError):
     """What evolvent-sweep cannot do."""
 

@@ -130,7 +130,9 @@ contains
       associate (contact => gearbox%contacts(gearbox%first(index)))
          call contact%elastic%describe(law)
          if (law%name /= "johnson" .or. contact%tracking /= tracking_closed_form) return
-         if (.not. gearbox%gear_meshes(index)%exists) return
+         associate (mesh => gearbox%gear_meshes(index)) ! undercut in the active profile takes no compliance
+            if (.not. mesh%exists .or. mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b) return
+         end associate
          gives_way = merge(1, 0, gearbox%flanks(contact%i_flank)%flank%bends)
       end associate
    end function gives_way

@@ -13,7 +13,7 @@ module evl_gearbox_initial
    use evl_knots, only: knots_passed
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, i_theta, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
-   use evl_row, only: range_t, row_t, type_choice, type_named, type_number
+   use evl_row, only: range_t, row_t, span_t, type_choice, type_named, type_number
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
@@ -42,9 +42,11 @@ module evl_gearbox_initial
    type(row_t), parameter, public :: initial_rows(*) = [ &
                       row_t("kind", type_choice, "", "at rest; in steady motion under the loads; with given speeds; on a periodic" &
                                            //" orbit", default="rest", words="rest steady speeds periodic"), &
-              row_t("speeds", type_named, "rad/s", "angular velocity of every wheel by name", required=.true., variants="speeds"), &
+               row_t("speeds", type_named, "rad/s", "angular velocity of every wheel by name", required=.true., variants="speeds", &
+                                           plausible=span_t(0.0_wp, 15000.0_wp)), &
                  row_t("gaps", type_named, "m", "gap between the flanks of a mesh by name, 0 if not given; negative: penetration", &
-                                           default="{}", variants="rest speeds"), &
+                                           default="{}", variants="rest speeds", &
+                                           plausible=span_t(0.0_wp, 0.01_wp)), &
                         row_t("position", type_number, "", "pitches of the first mesh from the start of contact; inside a zone if" &
                                            //" not given", range=range_t(0.0_wp, most_pitches), variants="steady periodic")]
 

@@ -8,14 +8,11 @@ module evl_gearbox_warnings
    implicit none (type, external)
    private
 
-   public :: check_contact_width, check_face_width, warn_of_sizes, warn_of_speeds
+   public :: check_contact_width, warn_of_speeds, warn_of_tooth_errors
 
    real(wp), parameter :: narrow = 0.1_wp    !! half width of the contact strip over a radius of curvature: warn above
-   real(wp), parameter :: heavy = 1.0e3_wp   !! mass of a wheel [kg]
-   real(wp), parameter :: large = 1.0_wp     !! its pitch radius [m]
-   real(wp), parameter :: coarse = 0.1_wp    !! its module [m]
-   real(wp), parameter :: wide = 1.0_wp      !! common face width of a mesh [m]
-   real(wp), parameter :: fast = 1.0e5_wp    !! its speed [rad/s]
+   real(wp), parameter :: large_error = 0.1_wp !! runout and thickness allowance in modules
+   real(wp), parameter :: fast = 1.0e5_wp    !! speed of a wheel [rad/s]
 
 contains
 
@@ -39,37 +36,31 @@ contains
       end associate
    end subroutine check_contact_width
 
-   !> A face width above a metre: millimetres were given as metres.
-   subroutine check_face_width(gearbox, index)
-      type(gearbox_t), intent(inout) :: gearbox
-      integer, intent(in) :: index
-
-      associate (width => gearbox%contacts(gearbox%first(index))%width)
-         if (width > wide) call warn(gearbox%warnings, "its common face width is "//quantity(width, "m") &
-                                     //": are millimetres given as metres?", subject_mesh, index)
-      end associate
-   end subroutine check_face_width
-
-   !> One warning of wheels above a tonne, above a radius of a metre, or of modules above 100 mm: millimetres were given as metres.
-   pure subroutine warn_of_sizes(gearbox)
+   !> Runouts and thickness allowances of more than a tenth of a module: lengths of that size are hardly meant.
+   subroutine warn_of_tooth_errors(gearbox)
       type(gearbox_t), intent(inout) :: gearbox !! its warnings grow
-      logical :: unlikely(size(gearbox%wheels))
-      character(len=message_length) :: text
       integer :: i
 
-      associate (mass => gearbox%wheels%mass, radius => gearbox%wheels%pitch_radius, module => gearbox%gears%normal_module)
-         unlikely = mass > heavy .or. radius > large .or. module > coarse
-         i = findloc(unlikely, .true., dim=1)
-         if (i == 0) return
-         text = ""
-         if (mass(i) > heavy) text = trim(text)//", its mass is "//quantity(mass(i), "kg")
-         if (radius(i) > large) text = trim(text)//", its pitch radius is "//quantity(radius(i), "m")
-         if (module(i) > coarse) text = trim(text)//", its module is "//quantity(module(i), "m")
-      end associate
-      call add_others(text, count(unlikely) - 1)
-      text = trim(text)//": are millimetres given as metres?"
-      call warn(gearbox%warnings, trim(text(3:)), subject_wheel, i)
-   end subroutine warn_of_sizes
+      do i = 1, size(gearbox%wheels)
+         associate (gear => gearbox%gears(i), runout => gearbox%wheels(i)%deviation%eccentricity)
+            if (gear%teeth == 0) cycle
+            if (runout > large_error*gear%normal_module) call warn_of_one("runout.amount", "eccentricity", runout)
+            if (-gear%thickness_allowance > large_error*gear%normal_module) &
+               call warn_of_one("thickness_allowance", "thickness allowance", gear%thickness_allowance)
+         end associate
+      end do
+
+   contains
+
+      subroutine warn_of_one(field, name, length)
+         character(len=*), intent(in) :: field, name
+         real(wp), intent(in) :: length !! [m]
+
+         call warn(gearbox%warnings, "the "//name//" of "//quantity(length, "m")//" is more than 0.1 modules, " &
+                   //quantity(large_error*gearbox%gears(i)%normal_module, "m")//": is its unit right?", subject_wheel, i, field)
+      end subroutine warn_of_one
+
+   end subroutine warn_of_tooth_errors
 
    !> One warning of wheels that turn faster than 100,000 rad/s: as prescribed, where viscous loads or drives balance the torques,
    !> or at the start.

@@ -22,7 +22,7 @@ module evl_capi_description
       character(kind=c_char), dimension(short_length + 1) :: block, key
       integer(c_int) :: type
       character(kind=c_char) :: unit(short_length + 1), text(text_length + 1)
-      real(c_double) :: minimum, maximum
+      real(c_double) :: minimum, maximum, plausible_least, plausible_most
       logical(c_bool) :: minimum_open, maximum_open, required
       character(kind=c_char) :: default_text(2*short_length + 2), words(text_length + 1), holds(short_length + 1), &
                                 variants(text_length + 1)
@@ -75,6 +75,8 @@ contains
                                from%range%minimum > -huge(1.0_c_double))
             to%maximum = merge(from%range%maximum, ieee_value(1.0_c_double, ieee_positive_inf), &
                                from%range%maximum < huge(1.0_c_double))
+            to%plausible_least = from%plausible%least
+            to%plausible_most = from%plausible%most
             to%minimum_open = logical(from%range%minimum_open, c_bool)
             to%maximum_open = logical(from%range%maximum_open, c_bool)
             to%required = logical(from%required, c_bool)

@@ -1,16 +1,19 @@
 !> C interface of what follows from a description: geometry, directions of supports, damping. The header documents each procedure.
 module evl_capi_geometry
-   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_outputs, only: c_output, output_to_c
    use evl_capi_types, only: gearbox_of
-   use evl_derived_geometry, only: pitch_errors_of, quantities_of
+   use evl_derived_geometry, only: of_gear, of_gear_mesh, pitch_errors_of, quantities_of
    use evl_force_law, only: max_law_parameters
+   use evl_gear_build, only: gearbox_sketch
    use evl_gearbox, only: gearbox_t
+   use evl_given, only: description_t
    use evl_output, only: output_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_damping, evl_gearbox_geometry, evl_gearbox_pitch_errors, evl_gearbox_support_directions
+   public :: evl_description_geometry, evl_gearbox_damping, evl_gearbox_geometry, evl_gearbox_pitch_errors, &
+             evl_gearbox_support_directions
 
 contains
 
@@ -24,6 +27,23 @@ contains
       n = size(table)
       call output_to_c(table, quantities(:n))
    end function evl_gearbox_geometry
+
+   integer(c_int) function evl_description_geometry(handle, of, index, quantities) result(n) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: of, index
+      type(c_output), intent(inout) :: quantities(*)
+      type(description_t), pointer :: description
+      type(gearbox_t) :: sketch
+      type(output_t), allocatable :: table(:)
+
+      n = 0
+      if (of /= of_gear .and. of /= of_gear_mesh) return
+      call c_f_pointer(handle, description)
+      call gearbox_sketch(description, sketch)
+      call quantities_of(sketch, int(of), index + 1, table)
+      n = size(table)
+      call output_to_c(table, quantities(:n))
+   end function evl_description_geometry
 
    integer(c_int) function evl_gearbox_pitch_errors(handle, wheel, most, errors) result(n) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -17,8 +17,8 @@ module evl_case_table
    use evl_law_table, only: damping_law, elastic_law, friction_law
    use evl_load, only: load_t
    use evl_load_kinds, only: load_of_kind
-   use evl_row, only: join_words, kind_t, not_negative, positive, range_t, read_default, row_t, type_block, type_choice, &
-                      type_integer, type_list, type_map, type_number, type_reference, type_text, type_triple
+   use evl_row, only: join_words, kind_t, not_negative, positive, range_t, read_default, row_t, span_t, type_block, &
+                      type_choice, type_integer, type_list, type_map, type_number, type_reference, type_text, type_triple
    use evl_shaft, only: shaft_rows
    use evl_support, only: support_kind_t
    use evl_support_kinds, only: support_of_kind
@@ -40,14 +40,17 @@ module evl_case_table
                                    holds="mesh"), &
           row_t("shafts", type_list, "", "which wheels on one axis turn together", range=range_t(0.0_wp, 1000.0_wp), default="[]", &
                                    holds="shaft"), &
-                             row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]"), &
+                             row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]", &
+                                   plausible=span_t(0.0_wp, 100.0_wp)), &
                              row_t("housing", type_block, "", "how the housing moves", default="{kind: fixed}", holds="housing"), &
                              row_t("simulation", type_block, "", "what to compute", required=.true., holds="simulation")]
 
    type(row_t), parameter :: simulation_rows(*) = [ &
-                            row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true.), &
+                             row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true., &
+                                   plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
              row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration; or else `output`", &
-                                   range=positive), &
+                                   range=positive, &
+                                   plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
                   row_t("output", type_block, "", "where outputs stand: one of interval, per_pitch and per_turn", holds="output"), &
                              row_t("outputs", type_text, "", "which variables over time a history has: names of variables and of" &
                                    //" groups, with commas between them; all if not given"), &
@@ -63,13 +66,15 @@ module evl_case_table
                                    //" not mounted, where it is taken unless this says ida", &
                                    words="ida radau"), &
                              row_t("max_step", type_number, "s", "longest step of the integrator, or none: as long as the errors" &
-                                   //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none"), &
+                                   //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none", &
+                                   plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
                              row_t("max_steps", type_number, "", "steps after which a run gives up, and a thousandth of them, at" &
                                    //" least 1e6, within a millionth of the run; 1e9 if not given, or none: no such limit", &
                                    range=range_t(1.0_wp, 1.0e15_wp), words="none")]
 
    type(row_t), parameter :: output_rows(*) = [ &
-                             row_t("interval", type_number, "s", "the same as `output_interval`", range=positive), &
+                             row_t("interval", type_number, "s", "the same as `output_interval`", range=positive, &
+                                   plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
                              row_t("per_pitch", type_integer, "", "outputs in a pitch of a mesh", range=some_outputs), &
                              row_t("mesh", type_reference, "", "the mesh by whose driving wheel the pitches go", holds="meshes", &
                                    variants="+per_pitch"), &
@@ -78,9 +83,11 @@ module evl_case_table
 
    type(row_t), parameter :: numbers_rows(*) = [ &
                              row_t("from", type_number, "s", "the window begins with the first whole period from here on; half of" &
-                                   //" the duration if not given", range=not_negative), &
+                                   //" the duration if not given", range=not_negative, &
+                                   plausible=span_t(0.0_wp, 1.0e5_wp)), &
                              row_t("to", type_number, "s", "and ends with the last one before; the end of the case if not given", &
-                                   range=positive), &
+                                   range=positive, &
+                                   plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
                              row_t("pitches_of", type_reference, "", "mesh whose pitches are the periods; the first one if" &
                                    //" nothing else is said", holds="meshes"), &
                              row_t("turns_of", type_reference, "", "wheel whose turns are the periods instead", holds="wheels")]
@@ -116,8 +123,8 @@ contains
       call put("mesh", mesh_rows)
       call put("shaft", shaft_rows)
       call put("housing", housing_rows)
-      call put("translation", motion_rows("m", "displacement", "m/s", "velocity"))
-      call put("rotation", motion_rows("deg", "angle", "rad/s", "rate of the angle"))
+      call put("translation", motion_rows("m", "displacement", "m/s", "velocity", 1000.0_wp, 300.0_wp))
+      call put("rotation", motion_rows("deg", "angle", "rad/s", "rate of the angle", 3600.0_wp, 1000.0_wp))
       call put("mount", mount_rows)
       call put("accelerometer", accelerometer_rows)
       call put("simulation", simulation_rows)

@@ -7,7 +7,7 @@ module evl_compliance_description
    use evl_influence_store, only: influence_by_store, influence_store_t
    use evl_kinds, only: wp
    use evl_plane_element, only: elasticity_t, plane_strain, plane_stress
-   use evl_row, only: not_negative, positive, range_t, row_t, type_at_knots, type_choice, type_integer, type_knots, type_number
+use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots, type_choice, type_integer, type_knots, type_number
    use evl_sector_mesh, only: depth_of_rings, least_ring
    use evl_status, only: code_invalid_input, degrees, fail, has_failed, quantity, status_t, subject_wheel, warn
    use evl_tooth_outline, only: outline_of_gear, tooth_outline_t
@@ -26,7 +26,8 @@ module evl_compliance_description
                                            default="finite_elements", words="finite_elements analytic table none"), &
                                      row_t("hub_diameter", type_number, "m", &
                                          "diameter at which the wheel is held, solid from there to its teeth; otherwise its bore", &
-                                           range=positive, variants="finite_elements analytic"), &
+                                           range=positive, variants="finite_elements analytic", &
+                                           plausible=span_t(1.0e-5_wp, 5.0_wp)), &
                                      row_t("state", type_choice, "", &
                            "plane strain for wide teeth, plane stress for a width of less than 2 modules", default="plane_strain", &
                                            words="plane_strain plane_stress", variants="finite_elements analytic"), &
@@ -34,13 +35,16 @@ module evl_compliance_description
                                            range=range_t(4.0_wp, 16.0_wp), default="8", variants="finite_elements"), &
                                      row_t("rho", type_knots, "m", &
                                            "radii of curvature of the flank, strictly increasing, at least two", required=.true., &
-                                           variants="table"), &
+                                           variants="table", &
+                                           plausible=span_t(0.0_wp, 2.5_wp)), &
                                      row_t("c", type_at_knots, "1/Pa", &
                                          "c there: displacement of the loaded flank a line load, less that of Johnson's cylinder", &
-                                           required=.true., variants="table"), &
+                                           required=.true., variants="table", &
+                                           plausible=span_t(0.0_wp, 1.0e-7_wp)), &
                                      row_t("c_1", type_at_knots, "1/Pa", &
                          "c_1 there: displacement of the flank next to one that is loaded at the same rho; otherwise no coupling", &
-                                           range=not_negative, variants="table")]
+                                           range=not_negative, variants="table", &
+                                           plausible=span_t(0.0_wp, 1.0e-7_wp))]
 
 contains
 

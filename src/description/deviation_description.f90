@@ -4,7 +4,7 @@ module evl_deviation_description
    use evl_given, only: given_t
    use evl_kinds, only: wp
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
-   use evl_row, only: not_negative, positive, range_t, row_t, type_block, type_choice, type_integer, type_number, type_series
+  use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_choice, type_integer, type_number, type_series
    use evl_status, only: code_invalid_input, degrees, fail, has_failed, quantity, status_t, subject_wheel
    implicit none (type, external)
    private
@@ -18,19 +18,24 @@ module evl_deviation_description
                                            variants="+module"), &
                                      row_t("profile_crowning", type_number, "m", &
                 "material taken off at both ends of the active profile, C_alpha; a parabola, 0 in the middle", range=not_negative, &
-                                           default="0", variants="+module"), &
+                                           default="0", variants="+module", &
+                                           plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
                                      row_t("pitch_errors", type_series, "m", &
                             "cumulative position deviation of each tooth, arc on the reference circle, counterclockwise positive", &
-                                           variants="+module"), &
+                                           variants="+module", &
+                                           plausible=span_t(0.0_wp, 1.0e-3_wp)), &
          row_t("accuracy", type_block, "", "pitch errors from a flank tolerance class, instead of pitch_errors", holds="accuracy", &
                                            variants="+module"), &
                         row_t("runout", type_block, "", "the teeth's centre lies off the axle", holds="runout", variants="+module")]
 
    type(row_t), parameter, public :: relief_rows(*) = [ &
            row_t("amount", type_number, "m", "material taken off at the end of the profile, along the normal", range=not_negative, &
-                                           required=.true.), &
-                                     row_t("diameter", type_number, "m", "diameter at which it starts", range=positive), &
-                row_t("roll_angle", type_number, "deg", "roll angle at which it starts; either this or diameter", range=positive), &
+                                           required=.true., &
+                                           plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
+                                     row_t("diameter", type_number, "m", "diameter at which it starts", range=positive, &
+                                           plausible=span_t(1.0e-4_wp, 5.0_wp)), &
+                 row_t("roll_angle", type_number, "deg", "roll angle at which it starts; either this or diameter", range=positive, &
+                                           plausible=span_t(0.1_wp, 90.0_wp)), &
                   row_t("shape", type_choice, "", "over the roll angle; parabolic: without a kink at its start", default="linear", &
                                            words="linear parabolic")]
 
@@ -42,9 +47,13 @@ module evl_deviation_description
 
    type(row_t), parameter, public :: runout_rows(*) = [ &
                row_t("amount", type_number, "m", "eccentricity e_c: about half of the measured radial runout", range=not_negative, &
-                                           required=.true.), &
+                                           required=.true., &
+                                           plausible=span_t(1.0e-8_wp, 2.0e-3_wp)), &
                                   row_t("phase", type_number, "deg", "its direction from the middle of tooth 0, counterclockwise", &
-                                           range=range_t(-360.0_wp, 360.0_wp), default="0")]
+                                           range=range_t(-360.0_wp, 360.0_wp), default="0", &
+                                           plausible=span_t(0.0_wp, 360.0_wp))]
+
+   real(wp), parameter :: largest = 0.1_wp !! deviations in modules: more is refused
 
    !> The profile that deviates.
    type :: profile_t
@@ -100,6 +109,7 @@ contains
          return
       end if
       deviation%crowning = wheel%number("profile_crowning")
+      call check_size(deviation%crowning, "profile_crowning", profile, status)
       deviation%middle = (profile%rho_start + profile%rho_tip)/2
       deviation%half_length = (profile%rho_tip - profile%rho_start)/2
       call wheel%inner("runout", runout)
@@ -136,6 +146,8 @@ contains
          write (text, "(i0, a, i0, a)") size(pitch), " pitch errors are given for ", profile%teeth, &
             " teeth; give one for each tooth"
          call refuse(trim(text), "pitch_errors", status)
+      else if (size(pitch) > 0) then
+         call check_size(pitch(maxloc(abs(pitch), dim=1)), "pitch_errors", profile, status)
       end if
       if (has_failed(status)) return
       allocate (deviation%pitch(0:profile%teeth - 1))
@@ -180,11 +192,32 @@ contains
          return
       end if
       relief%amount = given%number("amount")
+      call check_size(relief%amount, field//".amount", profile, status)
       relief%border = rho
       relief%taken = rho
       relief%length = rho_end - rho
       relief%parabolic = given%word("shape") == "parabolic"
    end subroutine take_relief
+
+   !> No flank deviates by more than a tenth of a module: first-order geometry does not hold there, and a unit is probably wrong.
+   subroutine check_size(length, field, profile, status)
+      real(wp), intent(in) :: length !! [m]
+      character(len=*), intent(in) :: field
+      type(profile_t), intent(in) :: profile
+      type(status_t), intent(inout) :: status
+      real(wp), parameter :: um = 1.0e-6_wp, mm = 1.0e-3_wp
+      real(wp) :: most
+
+      most = largest*2*profile%reference_radius/profile%teeth
+      if (.not. abs(length) > most) return
+      if (abs(length)*um <= most .and. abs(length) > mm) then
+         call refuse(quantity(length, "m")//" is more than 0.1 modules, "//quantity(most/um, "um")//"; did you mean " &
+                     //quantity(length/merge(mm, 1.0_wp, abs(length) <= 1), "um")//"?", field, status)
+      else
+         call refuse(quantity(length/um, "um")//" is more than 0.1 modules, "//quantity(most/um, "um") &
+                     //"; give less, or another unit", field, status)
+      end if
+   end subroutine check_size
 
    !> Write the first refusal down.
    subroutine refuse(message, field, status)

@@ -1,15 +1,16 @@
 !> The real gears of a gearbox and their meshes, from its description.
 module evl_gear_build
    use evl_gear, only: agreement, gear_derive, gear_t, thin_tip
-   use evl_gearbox_description, only: mesh_input, wheel_input
-   use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
-   use evl_given, only: given_t
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_description, only: mesh_input, read_description, wheel_input
+   use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
+   use evl_given, only: description_t, given_t
    use evl_kinds, only: wp
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
    private
 
-   public :: gears_build
+   public :: gearbox_sketch, gears_build
 
    real(wp), parameter :: rounded_data = 0.5e-6_wp !! overlap of teeth that rounded numbers of a catalogue explain [m]
 
@@ -59,8 +60,102 @@ contains
          if (gear_meshes(i)%exists .and. gear_meshes(i)%contact_ratio < 1) &
             call warn(warnings, "its contact ratio is "//quantity(gear_meshes(i)%contact_ratio, "")//", less than 1: contact is" &
                       //" lost in every pitch", subject_mesh, i)
+         if (is_shortened(gear_meshes(i))) call warn_of_undercut(gears, meshes(i), gear_meshes(i), i, warnings)
       end do
    end subroutine gears_build
+
+   !> The gears and their meshes alone, of a description that may be refused: nothing else of the gearbox is there.
+   subroutine gearbox_sketch(description, gearbox)
+      type(description_t), target, intent(in) :: description !! checked
+      type(gearbox_t), intent(out) :: gearbox
+      type(given_t) :: root
+      type(wheel_input), allocatable :: wheels(:)
+      type(mesh_input), allocatable :: meshes(:)
+      type(status_t) :: status
+
+      call root%all_of(description)
+      call read_description(root, wheels, meshes, gearbox%shafts, status)
+      allocate (gearbox%gears(size(wheels)), gearbox%gear_meshes(size(meshes)))
+      if (.not. has_failed(status)) call gears_sketch(wheels, meshes, gearbox%gears, gearbox%gear_meshes)
+   end subroutine gearbox_sketch
+
+   !> The geometry of all gears that can be made and of all meshes that have a working pressure angle, whether they can mesh or not.
+   !> Others get initial values.
+   subroutine gears_sketch(wheels, meshes, gears, gear_meshes)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: meshes(:)
+      type(gear_t), intent(out) :: gears(size(wheels))
+      type(gear_mesh_t), intent(out) :: gear_meshes(size(meshes))
+      type(status_t) :: ignored
+      integer :: i
+
+      do i = 1, size(wheels)
+         if (wheels(i)%is_gear .and. wheels(i)%teeth > 0) call gear_derive(wheels(i)%given_t, gears(i), ignored)
+      end do
+      do i = 1, size(meshes)
+         associate (a => meshes(i)%driving, b => meshes(i)%driven)
+            if (all(gears([a, b])%teeth > 0)) call gear_mesh_geometry(gears(a), gears(b), distances_of(meshes(i)), gear_meshes(i), &
+                                                                      ignored)
+         end associate
+      end do
+   end subroutine gears_sketch
+
+   !> Whether undercut shortens the path of contact of a mesh.
+   pure logical function is_shortened(mesh)
+      type(gear_mesh_t), intent(in) :: mesh
+
+      is_shortened = mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b
+   end function is_shortened
+
+   !> By how much undercut shortens the path of contact.
+   subroutine warn_of_undercut(gears, given, mesh, index, warnings)
+      type(gear_t), intent(in) :: gears(:)
+      type(mesh_input), intent(in) :: given
+      type(gear_mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(status_t), allocatable, intent(inout) :: warnings(:)
+      character(len=:), allocatable :: which
+      real(wp) :: full
+
+      full = mesh%rho_tip_a + mesh%rho_tip_b - mesh%line_of_action
+      which = "both wheels"
+      if (.not. mesh%rho_end_a < mesh%rho_tip_a) which = "the driving wheel"
+      if (.not. mesh%rho_end_b < mesh%rho_tip_b) which = "the driven wheel"
+      associate (a => gears(given%driving), b => gears(given%driven))
+         call warn(warnings, "undercut of "//which//" shortens its path of contact from "//quantity(full, "m")//" to " &
+                   //quantity(mesh%path_of_contact, "m")//", the contact ratio from "//quantity(full/mesh%base_pitch, "")//" to " &
+                   //quantity(mesh%contact_ratio, "")//": the involutes begin at the form diameters " &
+                   //quantity(2*a%form_radius, "m")//" and "//quantity(2*b%form_radius, "m"), subject_mesh, index)
+      end associate
+   end subroutine warn_of_undercut
+
+   !> The corner of an undercut tooth at its form circle is not modelled: compliant teeth and tip edges would touch it.
+   subroutine check_undercut(wheels, given, mesh, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: given
+      type(gear_mesh_t), intent(in) :: mesh
+      type(status_t), intent(inout) :: status
+      character(len=*), parameter :: why = "undercut shortens the path of contact, and the corner that it leaves on the form" &
+                                     //" circle, which the mate's flank would touch, is not modelled: "
+
+      if (has_failed(status) .or. .not. is_shortened(mesh)) return
+      if (given%word("edge_contact") == "true") then
+         call refuse(status, "edge_contact", why//"give false, or larger profile shifts")
+      else if (any([is_compliant(wheels(given%driving)), is_compliant(wheels(given%driven))])) then
+         call refuse(status, "", why//"leave 'compliance' out of its wheels, or give larger profile shifts")
+      end if
+   end subroutine check_undercut
+
+   !> Whether a wheel has a compliance.
+   logical function is_compliant(wheel)
+      type(wheel_input), intent(in) :: wheel
+      type(given_t) :: block
+
+      is_compliant = wheel%has("compliance")
+      if (.not. is_compliant) return
+      call wheel%inner("compliance", block)
+      is_compliant = block%word("model") /= "none"
+   end function is_compliant
 
    !> Where the teeth of a mesh overlap by no more than rounded data explain, thinner teeth of its driven gear. Its other meshes
    !> get the backlash of these.
@@ -142,13 +237,21 @@ contains
             call refuse(status, "pressure_angle", "is missing (working pressure angle [deg] or paper_rule), or else the 'module'" &
                         //" of both wheels")
          else if (wheels(a)%is_gear) then
-            distances = gear_mesh_input(given%has("centre_distance"), given%has("backlash"), given%number("centre_distance"), &
-                                        given%number("backlash"))
+            distances = distances_of(given)
             call gear_mesh_derive(gears(a), gears(b), distances, mesh, status)
             if (has_failed(status)) call name_remedy(wheels(b), gears(a), gears(b), distances, status)
+            call check_undercut(wheels, given, mesh, status)
          end if
       end associate
    end subroutine build_mesh
+
+   !> What a mesh says of its centre distance and backlash.
+   type(gear_mesh_input) function distances_of(mesh) result(distances)
+      type(mesh_input), intent(in) :: mesh
+
+      distances = gear_mesh_input(mesh%has("centre_distance"), mesh%has("backlash"), mesh%number("centre_distance"), &
+                                  mesh%number("backlash"))
+   end function distances_of
 
    !> A pitch radius that is given beside a module is the reference radius.
    subroutine check_pitch_radius(wheel, gear, status)

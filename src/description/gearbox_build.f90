@@ -12,7 +12,7 @@ module evl_gearbox_build
    use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
    use evl_gearbox_references, only: gearbox_set_references
    use evl_gearbox_scaling, only: gearbox_set_scales
-   use evl_gearbox_warnings, only: check_contact_width, check_face_width, warn_of_sizes
+   use evl_gearbox_warnings, only: check_contact_width, warn_of_tooth_errors
    use evl_gears_in_mesh, only: gear_pair_derive
    use evl_given, only: description_t, given_t
    use evl_housing, only: n_housing_states
@@ -109,10 +109,9 @@ contains
       if (has_failed(status)) return
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)
-         call check_face_width(gearbox, i)
          call check_second_order(gearbox, i)
       end do
-      call warn_of_sizes(gearbox)
+      call warn_of_tooth_errors(gearbox)
       call place_outputs(gearbox)
    end subroutine gearbox_create
 

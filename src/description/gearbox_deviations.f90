@@ -1,6 +1,7 @@
 !> Gives the wheels of a gearbox the deviations of their flanks, and refuses meshes that cannot have any.
 module evl_gearbox_deviations
    use evl_deviation_description, only: deviation_create, has_deviation, profile_t
+   use evl_gear, only: gear_tip_curvature
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_given, only: given_t
@@ -67,14 +68,13 @@ contains
          profile%tooth_angle = gear%tooth_angle
       end associate
       profile%rho_start = huge(1.0_wp)
+      profile%rho_tip = gear_tip_curvature(gearbox%gears(index))
       do i = 1, size(meshes)
          associate (pair => gearbox%pairs(i))
             if (meshes(i)%driving == index) then
                profile%rho_start = min(profile%rho_start, pair%rho - pair%rho_tip_b)
-               profile%rho_tip = max(profile%rho_tip, pair%rho_tip_a)
             else if (meshes(i)%driven == index) then
                profile%rho_start = min(profile%rho_start, pair%rho - pair%rho_tip_a)
-               profile%rho_tip = max(profile%rho_tip, pair%rho_tip_b)
             end if
          end associate
       end do

@@ -20,7 +20,7 @@ module evl_gear
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
    use evl_rack_generation, only: involute_start
-   use evl_row, only: not_negative, positive, range_t, row_t, type_block, type_number
+   use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_number
    use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_wheel
    implicit none (type, external)
    private
@@ -35,24 +35,30 @@ module evl_gear
    type(row_t), parameter, public :: gear_rows(*) = [ &
                                      row_t("module", type_number, "m", &
                         "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius", &
-                                           range=positive), &
+                                           range=positive, &
+                                           plausible=span_t(1.0e-5_wp, 0.1_wp)), &
            row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
-                                           default="20", variants="+module"), &
+                                           default="20", variants="+module", &
+                                           plausible=span_t(10.0_wp, 35.0_wp)), &
                 row_t("profile_shift", type_number, "", "profile shift coefficient x, in modules", range=range_t(-5.0_wp, 5.0_wp), &
                                            default="0", variants="+module"), &
                               row_t("rack", type_block, "", "basic rack, ISO 53", default="{}", holds="rack", variants="+module"), &
                                      row_t("tip_diameter", type_number, "m", &
                                 "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration", range=positive, &
-                                           variants="+module"), &
+                                           variants="+module", &
+                                           plausible=span_t(1.0e-4_wp, 5.0_wp)), &
                               row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
                                            range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
                                      row_t("tip_rounding", type_number, "m", &
                                            "radius r_t of the arcs that round the tips; 0: sharp edges", &
-                                           range=not_negative, default="0", variants="+module"), &
+                                           range=not_negative, default="0", variants="+module", &
+                                           plausible=span_t(1.0e-7_wp, 0.02_wp)), &
                                      row_t("thickness_allowance", type_number, "m", &
                                        "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
-                                           range=range_t(maximum=0.0_wp), default="0", variants="+module"), &
-                       row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module")]
+                                           range=range_t(maximum=0.0_wp), default="0", variants="+module", &
+                                           plausible=span_t(1.0e-8_wp, 0.01_wp)), &
+                      row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module", &
+                                           plausible=span_t(1.0e-5_wp, 5.0_wp))]
 
    type(row_t), parameter, public :: rack_rows(*) = [ &
                                      row_t("addendum", type_number, "", "addendum h_aP, in modules", range=positive, default="1"), &
@@ -88,6 +94,8 @@ module evl_gear
       real(c_double) :: thickness_allowance = 0.0_wp   !! A_s [m]
       real(c_double) :: tip_thickness = 0.0_wp         !! s_a [m]
       real(c_double) :: tooth_angle = 0.0_wp           !! psi [rad]
+      real(c_double) :: tool_depth = 0.0_wp            !! of the centre of the rack's tip rounding below the rolling line [m]
+      real(c_double) :: tool_rounding = 0.0_wp         !! radius of that rounding [m]
       logical(c_bool) :: is_undercut = .false.   !! whether the rack's tip cuts away a part of the involute
    end type gear_t
 
@@ -130,8 +138,9 @@ contains
          g%tooth_angle = g%thickness/g%reference_radius + 2*involute_of_tangent(tan(alpha))
          call derive_tip(given, rack, g, status)
          if (has_failed(status)) return
-         call involute_start(g%reference_radius, alpha, m*(rack%dedendum - rack%root_radius - g%generating_shift), &
-                             m*rack%root_radius, g%form_radius, is_undercut)
+         g%tool_depth = m*(rack%dedendum - rack%root_radius - g%generating_shift)
+         g%tool_rounding = m*rack%root_radius
+         call involute_start(g%reference_radius, alpha, g%tool_depth, g%tool_rounding, g%form_radius, is_undercut)
          g%is_undercut = is_undercut
          g%form_radius = hypot(g%base_radius, g%form_radius)
          g%undercut_shift = rack%dedendum - rack%root_radius*(1 - sin(alpha)) - g%teeth*sin(alpha)**2/2

@@ -8,19 +8,23 @@
 !> With the same module and pressure angle, and without allowances, j_bn = 0 is inv alpha_w = inv alpha + 2 tan alpha
 !> (x_A + x_B)/(z_A + z_B).
 !>
+!> Undercut that leaves less involute than the mate's tip needs shortens the path of contact: it begins at the form circle of A, or
+!> ends at that of B. Each rho_a above is then T1T2 - rho_Ff of the other gear, if that is less.
+!>
 !> Source: ISO 21771:2007, section 5.
 module evl_gears_in_mesh
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_bool, c_double
-   use evl_gear, only: agreement, gear_t, gear_tip_curvature
+   use evl_gear, only: agreement, gear_radius_of_curvature, gear_t, gear_tip_curvature
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_kinds, only: pi, wp
    use evl_mesh_geometry, only: spur_pair_place, spur_pair_t
    use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh
+   use evl_tip_interference, only: tip_gap
    implicit none (type, external)
    private
 
-   public :: gear_mesh_derive, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
+   public :: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
    public :: gear_pair_derive
 
    real(wp), parameter :: vanishing = 16*epsilon(1.0_wp) !! backlash over the centre distance that is rounding
@@ -49,6 +53,8 @@ module evl_gears_in_mesh
       real(c_double) :: contact_ratio = 0.0_wp          !! eps_alpha
       real(c_double) :: rho_tip_a = 0.0_wp              !! radius of curvature where the involute of A ends [m]
       real(c_double) :: rho_tip_b = 0.0_wp              !! the same of B [m]
+      real(c_double) :: rho_end_a = 0.0_wp              !! radius of curvature of A where the path ends: rho_tip_a or less [m]
+      real(c_double) :: rho_end_b = 0.0_wp              !! that of B where the path begins: rho_tip_b or less [m]
       real(c_double) :: active_radius_a = 0.0_wp        !! r_Nf, where the active profile of A begins [m]
       real(c_double) :: active_radius_b = 0.0_wp        !! the same of B [m]
       real(c_double) :: clearance_a = 0.0_wp            !! c, from the tip of B to the root circle of A [m]
@@ -61,13 +67,28 @@ module evl_gears_in_mesh
 
 contains
 
-   !> Derive the geometry of a mesh.
+   !> Derive the geometry of a mesh and check it.
    !>
    !> The centre distance is the given one, or that of the given backlash, or that of the profile shifts without backlash (where
    !> allowances of the thickness leave one).
    !> Errors: code_invalid_input with subject_mesh, without index; field centre_distance, backlash or none.
    pure subroutine gear_mesh_derive(a, b, given, mesh, status)
       type(gear_t), intent(in) :: a, b        !! the driving and the driven gear
+      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_t), intent(out) :: mesh  !! initial values on error
+      type(status_t), intent(inout) :: status !! filled on error, else cleared
+      type(gear_mesh_t) :: m
+
+      call gear_mesh_geometry(a, b, given, m, status)
+      if (.not. has_failed(status) .and. given%has_centre_distance) call check_backlash(given, m, status)
+      if (.not. has_failed(status)) call check_path(a, b, m, status)
+      if (.not. has_failed(status)) mesh = m
+   end subroutine gear_mesh_derive
+
+   !> The geometry alone: also that of gears that cannot mesh, whose teeth overlap or whose path of contact is none.
+   !> Errors: as above, where there is no working pressure angle.
+   pure subroutine gear_mesh_geometry(a, b, given, mesh, status)
+      type(gear_t), intent(in) :: a, b
       type(gear_mesh_input), intent(in) :: given
       type(gear_mesh_t), intent(out) :: mesh  !! initial values on error
       type(status_t), intent(inout) :: status !! filled on error, else cleared
@@ -91,17 +112,32 @@ contains
       m%radial_backlash = m%circumferential_backlash/(2*tangent)
       m%rho_tip_a = gear_tip_curvature(a)
       m%rho_tip_b = gear_tip_curvature(b)
-      m%path_of_contact = m%rho_tip_a + m%rho_tip_b - m%line_of_action
-      m%recess = m%rho_tip_a - a%base_radius*tangent
-      m%approach = m%rho_tip_b - b%base_radius*tangent
+      m%rho_end_a = path_end(b, m%line_of_action, m%rho_tip_a)
+      m%rho_end_b = path_end(a, m%line_of_action, m%rho_tip_b)
+      m%path_of_contact = m%rho_end_a + m%rho_end_b - m%line_of_action
+      m%recess = m%rho_end_a - a%base_radius*tangent
+      m%approach = m%rho_end_b - b%base_radius*tangent
       m%contact_ratio = m%path_of_contact/m%base_pitch
-      m%active_radius_a = hypot(a%base_radius, m%line_of_action - m%rho_tip_b)
-      m%active_radius_b = hypot(b%base_radius, m%line_of_action - m%rho_tip_a)
+      m%active_radius_a = hypot(a%base_radius, m%line_of_action - m%rho_end_b)
+      m%active_radius_b = hypot(b%base_radius, m%line_of_action - m%rho_end_a)
       m%clearance_a = m%centre_distance - b%tip_radius - a%root_radius
       m%clearance_b = m%centre_distance - a%tip_radius - b%root_radius
-      call check_path(a, b, m, status)
-      if (.not. has_failed(status)) mesh = m
-   end subroutine gear_mesh_derive
+      mesh = m
+   end subroutine gear_mesh_geometry
+
+   !> Radius of curvature of a mate where the path of contact ends: at its tip, or where undercut ends the involute of the gear [m].
+   pure real(wp) function path_end(gear, line_of_action, rho_tip) result(rho)
+      type(gear_t), intent(in) :: gear
+      real(wp), intent(in) :: line_of_action !! T1T2 [m]
+      real(wp), intent(in) :: rho_tip        !! of the mate [m]
+
+      rho = rho_tip
+      if (.not. gear%is_undercut) return
+      ! a tip that reaches past T1 needs more than all of the involute
+      if (rho_tip <= line_of_action .and. &
+          hypot(gear%base_radius, line_of_action - rho_tip) >= gear%form_radius*(1 - agreement)) return
+      rho = line_of_action - gear_radius_of_curvature(gear, gear%form_radius)
+   end function path_end
 
    !> Centre distance, backlash and tan alpha_w.
    pure subroutine find_distance(a, b, given, mesh, tangent, status)
@@ -125,7 +161,8 @@ contains
          end if
          tangent = tangent_at(mesh%base_radius_sum, mesh%centre_distance)
          mesh%backlash = backlash_at(a, b, tangent)
-         call check_backlash(given, mesh, status)
+         if (mesh%backlash >= -agreement*mesh%centre_distance .and. mesh%backlash < vanishing*mesh%centre_distance) &
+            mesh%backlash = 0
          return
       end if
       mesh%backlash = allowances
@@ -200,7 +237,7 @@ contains
    !> numbers is forgiven.
    pure subroutine check_backlash(given, mesh, status)
       type(gear_mesh_input), intent(in) :: given
-      type(gear_mesh_t), intent(inout) :: mesh !! a backlash that is negative, or not 0, by rounding becomes 0
+      type(gear_mesh_t), intent(in) :: mesh
       type(status_t), intent(inout) :: status
 
       associate (rounding => agreement*mesh%centre_distance)
@@ -212,7 +249,6 @@ contains
             call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" does not agree with " &
                         //quantity(mesh%backlash, "m")//", which follows from the centre distance: give one of the two")
          end if
-         if (mesh%backlash < vanishing*mesh%centre_distance) mesh%backlash = 0
       end associate
    end subroutine check_backlash
 
@@ -233,45 +269,51 @@ contains
       type(gear_mesh_t), intent(in) :: mesh
       type(status_t), intent(inout) :: status
 
-      if (.not. mesh%path_of_contact > 0) then
+      if (.not. mesh%rho_tip_a + mesh%rho_tip_b > mesh%line_of_action) then
          call refuse(status, "", "its teeth do not reach each other: the path of contact would be " &
-                     //quantity(mesh%path_of_contact, "m")//" long at the centre distance "//quantity(mesh%centre_distance, "m"))
+                     //quantity(mesh%rho_tip_a + mesh%rho_tip_b - mesh%line_of_action, "m")//" long at the centre distance " &
+                     //quantity(mesh%centre_distance, "m"))
          return
       end if
-      call check_foot(a, b, mesh%rho_tip_b, mesh%active_radius_a, mesh%clearance_a, mesh%line_of_action, "driving", "driven", &
-                      status)
-      call check_foot(b, a, mesh%rho_tip_a, mesh%active_radius_b, mesh%clearance_b, mesh%line_of_action, "driven", "driving", &
-                      status)
+      call check_foot(a, b, mesh, mesh%rho_tip_b, mesh%rho_end_b, mesh%clearance_a, "driving", "driven", status)
+      call check_foot(b, a, mesh, mesh%rho_tip_a, mesh%rho_end_a, mesh%clearance_b, "driven", "driving", status)
+      if (has_failed(status) .or. mesh%contact_ratio >= 1) return
+      if (mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b) &
+         call refuse(status, "", "undercut leaves it a contact ratio of "//quantity(mesh%contact_ratio, "")//", which must be at" &
+                     //" least 1: larger profile shifts leave more of the involute")
    end subroutine check_path
 
-   !> The tip of a mate meets involute on a gear, not its fillet, nothing below its base circle, and not its root circle.
-   pure subroutine check_foot(gear, mate, rho_tip, active_radius, clearance, line_of_action, name, mate_name, status)
+   !> The tip of a mate meets involute on a gear, or what undercut has cut free; not its fillet and not its root circle.
+   pure subroutine check_foot(gear, mate, mesh, rho_tip, rho_end, clearance, name, mate_name, status)
       type(gear_t), intent(in) :: gear, mate
+      type(gear_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_tip        !! radius of curvature at the mate's tip [m]
-      real(wp), intent(in) :: active_radius  !! where the mate's tip meets the gear [m]
+      real(wp), intent(in) :: rho_end        !! that where the path of contact ends on the mate [m]
       real(wp), intent(in) :: clearance      !! from the mate's tip to the gear's root circle [m]
-      real(wp), intent(in) :: line_of_action !! T1T2 [m]
       character(len=*), intent(in) :: name, mate_name
       type(status_t), intent(inout) :: status !! an earlier error stays
+      real(wp) :: active_radius, gap
 
       if (has_failed(status)) return
-      if (rho_tip > line_of_action*(1 + agreement)) then
+      active_radius = hypot(gear%base_radius, mesh%line_of_action - rho_tip)
+      if (rho_tip > mesh%line_of_action*(1 + agreement) .and. .not. gear%is_undercut) then
          call refuse(status, "", "the path of contact leaves the line of action: the tip of the "//mate_name//" wheel, diameter " &
                      //quantity(2*mate%tip_radius, "m")//", reaches past the point where that line touches the base circle of" &
                      //" the "//name//" wheel; a tip diameter of at most " &
-                     //quantity(2*hypot(mate%base_radius, line_of_action), "m")//" avoids it")
-      else if (active_radius < gear%form_radius*(1 - agreement) .and. gear%is_undercut) then
-         call refuse(status, "", "undercut cuts the active profile of the "//name//" wheel: it leaves involute from the diameter " &
-                     //quantity(2*gear%form_radius, "m")//" on, but the mate's tip needs it from "//quantity(2*active_radius, "m") &
-                     //" on; the generating profile shift "//quantity(gear%generating_shift, "")//" is below "// &
-                     quantity(gear%undercut_shift, "")//", where undercut begins")
-      else if (active_radius < gear%form_radius*(1 - agreement)) then
+                     //quantity(2*hypot(mate%base_radius, mesh%line_of_action), "m")//" avoids it")
+      else if (active_radius < gear%form_radius*(1 - agreement) .and. .not. gear%is_undercut) then
          call refuse(status, "", "tip interference: the tip of the "//mate_name//" wheel meets the "//name//" wheel at the" &
                      //" diameter "//quantity(2*active_radius, "m")//", in the fillet below its form diameter " &
                      //quantity(2*gear%form_radius, "m")//", where the involute begins")
       else if (.not. clearance > 0) then
          call refuse(status, "", "the tip of the "//mate_name//" wheel runs into the root circle of the "//name//" wheel: the tip" &
                      //" clearance would be "//quantity(clearance, "m"))
+      else if (rho_end < rho_tip) then
+         gap = tip_gap(gear, mate, mesh%centre_distance, mesh%working_pressure_angle, rho_tip)
+         if (gap < -agreement*mesh%centre_distance) &
+          call refuse(status, "", "tip interference: the tip of the "//mate_name//" wheel enters the undercut tooth of the "//name &
+                        //" wheel by "//quantity(-gap, "m")//"; a smaller tip diameter of the "//mate_name//" wheel, or a larger" &
+                        //" centre distance, avoids it")
       end if
    end subroutine check_foot
 
@@ -285,7 +327,8 @@ contains
 
    !> Fill a pair: lengths from the gears and their mesh, points from its place.
    !>
-   !> The path of contact goes from the tip of B to the tip of A.   Valid: what gear_derive and gear_mesh_derive accepted
+   !> The path of contact goes from the tip of B to the tip of A, less what undercut takes.
+   !> Valid: what gear_derive and gear_mesh_derive accepted
    pure subroutine gear_pair_derive(gear_a, gear_b, mesh, chi, sigma, centre_a, pair)
       type(gear_t), intent(in) :: gear_a, gear_b !! the driving and the driven gear
       type(gear_mesh_t), intent(in) :: mesh      !! of the two
@@ -312,10 +355,10 @@ contains
       pair%base_pitch = mesh%base_pitch
       pair%tip_radius_a = gear_a%tip_radius
       pair%tip_radius_b = gear_b%tip_radius
-      pair%rho_tip_a = mesh%rho_tip_a
-      pair%rho_tip_b = mesh%rho_tip_b
-      pair%rho_start_a = mesh%line_of_action - mesh%rho_tip_b
-      pair%rho_start_b = mesh%rho_tip_b
+      pair%rho_tip_a = mesh%rho_end_a
+      pair%rho_tip_b = mesh%rho_end_b
+      pair%rho_start_a = mesh%line_of_action - mesh%rho_end_b
+      pair%rho_start_b = mesh%rho_end_b
       pair%contains_pitch_point = mesh%approach >= 0 .and. mesh%recess >= 0
       pair%handover = .false.
       pair%contact_ratio = mesh%contact_ratio

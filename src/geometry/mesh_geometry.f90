@@ -53,8 +53,8 @@ module evl_mesh_geometry
       logical :: contains_pitch_point = .false. !! whether a-b does
       logical :: handover = .true.             !! contact ratio exactly 1: a pair hands its load to the next one pitch on
       real(wp) :: contact_ratio = 1.0_wp       !! path of contact over base pitch
-      real(wp) :: rho_tip_a = 0.0_wp           !! radius of curvature at A's tip, sqrt(r_aA^2 - r_bA^2) [m]
-      real(wp) :: rho_tip_b = 0.0_wp           !! the same of B [m]
+      real(wp) :: rho_tip_a = 0.0_wp           !! that of A at the end of the path: its tip, or undercut of B [m]
+      real(wp) :: rho_tip_b = 0.0_wp           !! that of B at its start: its tip, or undercut of A [m]
       logical :: has_coast = .false.           !! whether the flanks on the other side can touch
       real(wp) :: backlash = 0.0_wp            !! normal backlash j_bn at the reference centre distance [m]
       real(wp) :: tooth_angle_a = 0.0_wp       !! angle that a tooth of A fills on the base circle [rad]; 0 if not known

@@ -17,7 +17,7 @@ module evl_rack_generation
    implicit none (type, external)
    private
 
-   public :: involute_start
+   public :: fillet_at_radius, involute_start
 
 contains
 
@@ -29,12 +29,12 @@ contains
       real(wp), intent(in) :: rounding         !! radius of the rack's tip [m], >= 0
       real(wp), intent(out) :: curvature       !! radius of curvature [m], >= 0
       logical, intent(out) :: is_undercut
-      real(wp) :: base_radius, flank_end, low, high, middle, radius, excess
+      real(wp) :: base_radius, end_of_flank, low, high, middle, radius, angle, excess
 
       base_radius = reference_radius*cos(pressure_angle)
-      flank_end = reference_radius*sin(pressure_angle) - (depth/sin(pressure_angle) + rounding)
-      is_undercut = flank_end < 0
-      curvature = max(flank_end, 0.0_wp)
+      end_of_flank = flank_end(reference_radius, pressure_angle, depth, rounding)
+      is_undercut = end_of_flank < 0
+      curvature = max(end_of_flank, 0.0_wp)
       if (.not. is_undercut .or. .not. depth > 0) return
       ! M below P cuts the root, which lies inside the base circle; at u_F the fillet leaves the tooth
       low = 0
@@ -42,35 +42,62 @@ contains
       do
          middle = 0.5_wp*(low + high)
          if (.not. (middle > low .and. middle < high)) exit
-         call fillet_point(middle, radius, excess)
+         call fillet_point(reference_radius, pressure_angle, depth, rounding, middle, radius, angle)
+         ! the angle by which the fillet lies within the tooth that the involute alone would bound
+         excess = 0
+         if (radius > base_radius) excess = angle - involute_of_tangent(sqrt((radius - base_radius)*(radius + base_radius)) &
+                                                                        /base_radius)
          if (radius <= base_radius .or. excess > 0) then
             low = middle
          else
             high = middle
          end if
       end do
-      call fillet_point(high, radius, excess)
+      call fillet_point(reference_radius, pressure_angle, depth, rounding, high, radius, angle)
       curvature = sqrt(max((radius - base_radius)*(radius + base_radius), 0.0_wp))
-
-   contains
-
-      !> A point of the fillet: its radius, and the angle by which it lies within the tooth that the involute alone would bound.
-      pure subroutine fillet_point(u, radius, excess)
-         real(wp), intent(in) :: u       !! of M along the rolling line [m]
-         real(wp), intent(out) :: radius !! [m]
-         real(wp), intent(out) :: excess !! [rad]; 0 inside the base circle
-         real(wp) :: stretch, along, height
-
-         stretch = 1 + rounding/hypot(u, depth)
-         along = stretch*u
-         height = reference_radius - stretch*depth
-         radius = hypot(along, height)
-         excess = 0
-         if (radius <= base_radius) return
-         excess = atan2(along, height) - (u - depth/tan(pressure_angle))/reference_radius - pressure_angle &
-                  + flank_end/base_radius - involute_of_tangent(sqrt((radius - base_radius)*(radius + base_radius))/base_radius)
-      end subroutine fillet_point
-
    end subroutine involute_start
+
+   !> rho_F, where the rack's straight flank ends; negative: undercut [m].
+   pure real(wp) function flank_end(reference_radius, pressure_angle, depth, rounding)
+      real(wp), intent(in) :: reference_radius, pressure_angle, depth, rounding !! as above
+
+      flank_end = reference_radius*sin(pressure_angle) - (depth/sin(pressure_angle) + rounding)
+   end function flank_end
+
+   !> A point of the fillet: its radius, and its angle from the root of the involute on the base circle into the tooth.
+   pure subroutine fillet_point(reference_radius, pressure_angle, depth, rounding, u, radius, angle)
+      real(wp), intent(in) :: reference_radius, pressure_angle, depth, rounding !! as above
+      real(wp), intent(in) :: u       !! of M along the rolling line [m]
+      real(wp), intent(out) :: radius !! [m]
+      real(wp), intent(out) :: angle  !! [rad]
+      real(wp) :: stretch, along, height
+
+      stretch = 1 + rounding/hypot(u, depth)
+      along = stretch*u
+      height = reference_radius - stretch*depth
+      radius = hypot(along, height)
+      angle = atan2(along, height) - (u - depth/tan(pressure_angle))/reference_radius - pressure_angle &
+              + flank_end(reference_radius, pressure_angle, depth, rounding)/(reference_radius*cos(pressure_angle))
+   end subroutine fillet_point
+
+   !> The same angle, of the point at a radius; that of the deepest point below it [rad].   Valid: depth > 0, radius <= form radius
+   pure real(wp) function fillet_at_radius(reference_radius, pressure_angle, depth, rounding, at_radius) result(angle)
+      real(wp), intent(in) :: reference_radius, pressure_angle, depth, rounding !! as above
+      real(wp), intent(in) :: at_radius !! [m]
+      real(wp) :: low, high, middle, radius
+
+      low = 0
+      high = depth/tan(pressure_angle)
+      do ! the radius increases with u
+         middle = 0.5_wp*(low + high)
+         call fillet_point(reference_radius, pressure_angle, depth, rounding, middle, radius, angle)
+         if (.not. (middle > low .and. middle < high)) exit
+         if (radius < at_radius) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+   end function fillet_at_radius
 
 end module evl_rack_generation

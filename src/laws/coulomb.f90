@@ -4,7 +4,7 @@
 module evl_coulomb
    use evl_friction_law, only: friction_law_t, regularisation
    use evl_kinds, only: lanes, wp
-   use evl_row, only: kind_t, not_negative, parameter_row
+   use evl_row, only: kind_t, not_negative, parameter_row, span_t
    implicit none (type, external)
    private
 
@@ -28,7 +28,8 @@ contains
       info%name = "coulomb"
       info%text = "Coulomb's law, linear in the sliding velocity below the regularisation velocity"
       info%source = "Kosenko & Gusev 2011, section 7.2"
-      info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative), &
+      info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative, &
+                                 plausible=span_t(0.0_wp, 1.0_wp)), &
                    regularisation("sliding velocity at which friction is fully developed")]
    end subroutine describe
 

@@ -7,7 +7,7 @@
 module evl_friction_law
    use evl_force_law, only: force_law_t
    use evl_kinds, only: lanes, wp
-   use evl_row, only: parameter_row, positive, row_t
+   use evl_row, only: parameter_row, positive, row_t, span_t
    implicit none (type, external)
    private
 
@@ -90,7 +90,8 @@ contains
    pure type(row_t) function regularisation(text) result(row)
       character(len=*), intent(in) :: text !! what it means in the law
 
-      row = parameter_row("regularisation_velocity", "m/s", text, range=positive, default="0.0001")
+      row = parameter_row("regularisation_velocity", "m/s", text, range=positive, default="0.0001", &
+                          plausible=span_t(1.0e-9_wp, 1.0_wp))
    end function regularisation
 
 end module evl_friction_law

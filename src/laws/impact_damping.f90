@@ -16,7 +16,7 @@ module evl_impact_damping
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_force_law, only: yes
    use evl_kinds, only: lanes, wp
-   use evl_row, only: kind_t, parameter_row, positive, range_t
+   use evl_row, only: kind_t, parameter_row, positive, range_t, span_t
    implicit none (type, external)
    private
 
@@ -65,7 +65,8 @@ contains
       info%rows = [parameter_row("restitution", "", "nominal coefficient of restitution e", &
                                  range=range_t(minimum=0.0_wp, maximum=1.0_wp, minimum_open=factor%over)), &
                    parameter_row("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
-                                 range=positive, left_open=.true.)]
+                                 range=positive, left_open=.true., &
+                                 plausible=span_t(1.0e-12_wp, 10.0_wp))]
    end subroutine describe
 
    !> chi/v0 [s/m].

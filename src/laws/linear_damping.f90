@@ -3,7 +3,7 @@ module evl_linear_damping
    use evl_contact_context, only: contact_context, lane_context
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_kinds, only: lanes, wp
-   use evl_row, only: kind_t, not_negative, parameter_row
+   use evl_row, only: kind_t, not_negative, parameter_row, span_t
    implicit none (type, external)
    private
 
@@ -26,7 +26,8 @@ contains
       info%name = "linear"
       info%text = "proportional to the rate of penetration"
       info%source = "Kosenko & Gusev 2011, section 4"
-      info%rows = [parameter_row("coefficient", "N s/m", "force per rate of penetration", range=not_negative)]
+      info%rows = [parameter_row("coefficient", "N s/m", "force per rate of penetration", range=not_negative, &
+                                 plausible=span_t(1.0e-3_wp, 1.0e8_wp))]
    end subroutine describe
 
    !> The force.

@@ -5,7 +5,7 @@ module evl_linear_spring
    use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_kinds, only: lanes, wp
-   use evl_row, only: kind_t, parameter_row, positive
+   use evl_row, only: kind_t, parameter_row, positive, span_t
    use evl_status, only: code_ok
    implicit none (type, external)
    private
@@ -32,7 +32,8 @@ contains
       info%name = "linear"
       info%text = "proportional to the penetration"
       info%source = "Hooke's law"
-      info%rows = [parameter_row("stiffness", "N/m", "force per penetration, over the whole width", range=positive)]
+      info%rows = [parameter_row("stiffness", "N/m", "force per penetration, over the whole width", range=positive, &
+                                 plausible=span_t(1.0e3_wp, 1.0e12_wp))]
    end subroutine describe
 
    !> k [N/m].

@@ -7,7 +7,7 @@ module evl_one_sided_damping
    use evl_damping_law, only: damping_law_t, viscous_result
    use evl_force_law, only: yes
    use evl_kinds, only: lanes, wp
-   use evl_row, only: kind_t, not_negative, parameter_row
+   use evl_row, only: kind_t, not_negative, parameter_row, span_t
    implicit none (type, external)
    private
 
@@ -31,7 +31,8 @@ contains
       info%name = "one_sided"
       info%text = "proportional to penetration and its rate on approach, zero on separation"
       info%source = "the Modelica library of Kosenko's group: damp |kappa| |h'|"
-      info%rows = [parameter_row("coefficient", "N s/m2", "force per penetration and rate of penetration", range=not_negative)]
+      info%rows = [parameter_row("coefficient", "N s/m2", "force per penetration and rate of penetration", range=not_negative, &
+                                 plausible=span_t(1.0_wp, 1.0e15_wp))]
    end subroutine describe
 
    !> The force.

@@ -9,7 +9,7 @@ module evl_power_spring
    use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_kinds, only: lanes, wp
-   use evl_row, only: at_least, kind_t, parameter_row, positive
+   use evl_row, only: at_least, kind_t, parameter_row, positive, span_t
    use evl_status, only: code_ok
    implicit none (type, external)
    private
@@ -41,7 +41,8 @@ contains
       info%text = "proportional to a power of the penetration"
       info%source = "Hunt & Crossley 1975, J. Appl. Mech. 42, 440"
       info%rows = [parameter_row("coefficient", "N/m^exponent", "force per power of the penetration, over the width", &
-                                 range=positive), &
+                                 range=positive, &
+                                 plausible=span_t(1.0_wp, 1.0e20_wp)), &
                    parameter_row("exponent", "", "power of the penetration", range=at_least(1.0_wp))]
    end subroutine describe
 

@@ -5,7 +5,7 @@ module evl_rigid
    use evl_force_law, only: yes
    use evl_johnson, only: johnson_t
    use evl_kinds, only: wp
-   use evl_row, only: between, kind_t, parameter_row, positive
+   use evl_row, only: between, kind_t, parameter_row, positive, span_t
    use evl_status, only: code_out_of_domain
    implicit none (type, external)
    private
@@ -38,7 +38,8 @@ contains
       info%rows = [parameter_row("restitution", "", "rebound speed over approach speed of an impact", &
                                  range=between(0.0_wp, 1.0_wp), default="0"), &
                    parameter_row("rest_velocity", "m/s", "approach speed below which an impact does not rebound", range=positive, &
-                                 default="1.0e-06")]
+                                 default="1.0e-06", &
+                                 plausible=span_t(1.0e-9_wp, 1.0_wp))]
    end subroutine describe
 
    !> No force at any penetration.

@@ -7,7 +7,7 @@ module evl_stribeck
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_friction_law, only: friction_law_t, regularisation
    use evl_kinds, only: lanes, wp
-   use evl_row, only: kind_t, not_negative, parameter_row, positive
+   use evl_row, only: kind_t, not_negative, parameter_row, positive, span_t
    use evl_status, only: quantity
    implicit none (type, external)
    private
@@ -39,11 +39,14 @@ contains
       info%text = "falling from static to kinetic friction over the Stribeck velocity, smooth"
       info%source = "Armstrong-Helouvry et al. 1994, Automatica 30, 1083; Andersson et al. 2007"
       info%rows = [parameter_row("static_coefficient", "", "coefficient of friction as sliding begins, >= kinetic", &
-                                 range=not_negative), &
+                                 range=not_negative, &
+                                 plausible=span_t(0.0_wp, 1.0_wp)), &
                    parameter_row("kinetic_coefficient", "", "coefficient of friction at high sliding velocity", &
-                                 range=not_negative), &
+                                 range=not_negative, &
+                                 plausible=span_t(0.0_wp, 1.0_wp)), &
                    parameter_row("stribeck_velocity", "m/s", &
-                                 "sliding velocity at which 1/e of the excess of static friction is left", range=positive), &
+                                 "sliding velocity at which 1/e of the excess of static friction is left", range=positive, &
+                                 plausible=span_t(1.0e-6_wp, 10.0_wp)), &
                    regularisation("sliding velocity at which friction is developed to 76 %")]
    end subroutine describe
 

@@ -6,7 +6,7 @@ module evl_tanh_friction
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_friction_law, only: friction_law_t, regularisation
    use evl_kinds, only: lanes, wp
-   use evl_row, only: kind_t, not_negative, parameter_row
+   use evl_row, only: kind_t, not_negative, parameter_row, span_t
    implicit none (type, external)
    private
 
@@ -33,7 +33,8 @@ contains
       info%name = "tanh"
       info%text = "Coulomb's law, smoothed by the hyperbolic tangent of the sliding velocity"
       info%source = "Andersson, Soederberg & Bjoerklund 2007, Tribology International 40, 580"
-      info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative), &
+      info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative, &
+                                 plausible=span_t(0.0_wp, 1.0_wp)), &
                    regularisation("sliding velocity at which friction is developed to 76 %")]
    end subroutine describe
 

@@ -1,7 +1,8 @@
 !> How a thing describes itself: the rows of what a case can say of it, and whether a number is accepted.
 !>
-!> A row is a key of a block of the case file: its type, unit, range, default and text. Each range stands here only: the case file's
-!> schema, its errors, `evolvent show --keys` and the tables of the documentation are made from the rows.
+!> A row is a key of a block of the case file: its type, unit, range, plausible range, default and text. Each range stands here
+!> only: the case file's schema, its errors and warnings, `evolvent show --keys` and the tables of the documentation are made
+!> from the rows.
 module evl_row
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
@@ -11,7 +12,7 @@ module evl_row
 
    public :: at_least, between, has_default, is_left_open, join_words, kind_t, not_negative, &
              parameter_row, positive, read_default
-   public :: range_error, range_t, row_t, short_length, text_length
+   public :: range_error, range_t, row_t, short_length, span_t, text_length
    public :: type_at_knots, type_block, type_choice, type_integer, type_knots, type_list, type_map, type_name, type_named
    public :: type_number, type_pair, type_quaternion, type_reference, type_references, type_series, type_text, type_triple
    public :: type_size
@@ -46,6 +47,13 @@ module evl_row
       logical :: maximum_open = .false.
    end type range_t
 
+   !> Plausible magnitudes of a number: from least to most, or 0. Others are accepted with a warning: a unit is probably wrong.
+   !> A lower end of 0 is no lower limit; an upper end of 0: the row states no plausible range.
+   type :: span_t
+      real(wp) :: least = 0.0_wp
+      real(wp) :: most = 0.0_wp
+   end type span_t
+
    type(range_t), parameter :: positive = range_t(minimum=0.0_wp, minimum_open=.true.)
    type(range_t), parameter :: not_negative = range_t(minimum=0.0_wp)
 
@@ -62,6 +70,7 @@ module evl_row
       character(len=short_length) :: holds = ""        !! block of a block, list or map; block that a reference is to
       character(len=text_length) :: variants = ""      !! values of the block's first key with which it may stand; "" for all;
                                                        !! "+KEY": it may stand beside that key only; "-KEY": not beside it
+      type(span_t) :: plausible = span_t()             !! in `unit`; every row with a unit states it
       ! filled in where all rows are put together
       character(len=short_length) :: block = ""        !! the block that has it
       integer :: first_held = 0                        !! which row is the first of the block that it holds; 0: it holds none
@@ -93,12 +102,13 @@ contains
    end function between
 
    !> A number of a law, load or support: required unless it has a default or may be left open.
-   pure type(row_t) function parameter_row(key, unit, text, range, default, left_open, type) result(row)
+   pure type(row_t) function parameter_row(key, unit, text, range, default, left_open, type, plausible) result(row)
       character(len=*), intent(in) :: key, unit, text
       type(range_t), intent(in), optional :: range       !! any number if not given
       character(len=*), intent(in), optional :: default
       logical, intent(in), optional :: left_open         !! it may be missing, without a default
       integer, intent(in), optional :: type              !! a number if not given
+      type(span_t), intent(in), optional :: plausible    !! none if not given
 
       row%key = key
       row%unit = unit
@@ -108,6 +118,7 @@ contains
       if (present(default)) row%default = default
       if (present(left_open)) row%required = row%required .and. .not. left_open
       if (present(type)) row%type = type
+      if (present(plausible)) row%plausible = plausible
    end function parameter_row
 
    !> Read the numbers of a default, such as 20 or [1, 0, 0, 0].

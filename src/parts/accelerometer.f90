@@ -2,7 +2,7 @@
 module evl_accelerometer
    use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_row, only: row_t, type_name, type_triple
+   use evl_row, only: row_t, span_t, type_name, type_triple
    implicit none (type, external)
    private
 
@@ -16,7 +16,8 @@ module evl_accelerometer
    ! what a case says of an accelerometer
    type(row_t), parameter, public :: accelerometer_rows(*) = [ &
                                      row_t("name", type_name, "", "name in paths and the history", required=.true.), &
-                                     row_t("point", type_triple, "m", "where it is, housing frame", required=.true.), &
+                                     row_t("point", type_triple, "m", "where it is, housing frame", required=.true., &
+                                           plausible=span_t(0.0_wp, 20.0_wp)), &
                                      row_t("direction", type_triple, "", &
                                            "along which it feels, of any length but 0, housing frame", required=.true.)]
 

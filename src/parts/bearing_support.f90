@@ -1,7 +1,8 @@
 !> An axle that moves in x and y, each on a spring and a damper.
 module evl_bearing_support
    use evl_given, only: given_t
-   use evl_row, only: kind_t, not_negative, parameter_row, type_pair
+   use evl_kinds, only: wp
+   use evl_row, only: kind_t, not_negative, parameter_row, span_t, type_pair
    use evl_support, only: support_kind_t, support_t
    implicit none (type, external)
    private
@@ -24,10 +25,13 @@ contains
       info%text = "bearing: moves in x and y"
       allocate (info%rows, &
                 source=[parameter_row("mass", "kg", "mass that moves with the axle, beside the wheel's own", range=not_negative, &
-                                      default="0"), &
-                        parameter_row("stiffness", "N/m", "stiffness in x and y", range=not_negative, type=type_pair), &
+                                      default="0", &
+                                      plausible=span_t(1.0e-7_wp, 1.0e4_wp)), &
+                        parameter_row("stiffness", "N/m", "stiffness in x and y", range=not_negative, type=type_pair, &
+                                      plausible=span_t(1.0_wp, 1.0e12_wp)), &
                         parameter_row("damping", "N s/m", "damping in x and y", range=not_negative, default="[0, 0]", &
-                                      type=type_pair)])
+                                      type=type_pair, &
+                                      plausible=span_t(1.0e-3_wp, 1.0e9_wp))])
    end subroutine describe
 
    subroutine take(self, given, support)

@@ -3,7 +3,7 @@ module evl_constant_load
    use evl_given, only: given_t
    use evl_kinds, only: lanes, wp
    use evl_load, only: lane_points, load_point, load_t
-   use evl_row, only: kind_t, parameter_row
+   use evl_row, only: kind_t, parameter_row, span_t
    implicit none (type, external)
    private
 
@@ -27,7 +27,8 @@ contains
 
       info%name = "torque"
       info%text = "constant torque"
-      allocate (info%rows, source=[parameter_row("value", "N m", "torque, counterclockwise positive")])
+      allocate (info%rows, source=[parameter_row("value", "N m", "torque, counterclockwise positive", &
+                                                 plausible=span_t(1.0e-9_wp, 1.0e7_wp))])
    end subroutine describe
 
    subroutine take(self, given)

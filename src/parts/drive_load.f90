@@ -5,7 +5,7 @@ module evl_drive_load
    use evl_given, only: given_t
    use evl_kinds, only: lanes, wp
    use evl_load, only: lane_points, load_point, load_t
-   use evl_row, only: kind_t, parameter_row
+   use evl_row, only: kind_t, parameter_row, span_t
    use evl_status, only: quantity
    implicit none (type, external)
    private
@@ -33,11 +33,14 @@ contains
 
       info%name = "drive"
       info%text = "torque that falls as the speed rises, as a motor's"
-      allocate (info%rows, source=[parameter_row("speed", "rad/s", "angular velocity of the operating point"), &
-                                   parameter_row("torque", "N m", "torque at that speed, counterclockwise positive", default="0"), &
+      allocate (info%rows, source=[parameter_row("speed", "rad/s", "angular velocity of the operating point", &
+                                                 plausible=span_t(0.0_wp, 15000.0_wp)), &
+                                   parameter_row("torque", "N m", "torque at that speed, counterclockwise positive", default="0", &
+                                                 plausible=span_t(0.0_wp, 1.0e7_wp)), &
                                    parameter_row("slope", "N m s/rad", &
                                                  "the torque is torque + slope (omega - speed); at most 0: minus the stiffness of" &
-                                                 //" the motor's curve")])
+                                                 //" the motor's curve", &
+                                                 plausible=span_t(1.0e-12_wp, 1.0e6_wp))])
    end subroutine describe
 
    !> A torque that rises with the speed feeds itself: nothing would hold the operating point.

@@ -8,7 +8,7 @@ module evl_harmonic_load
    use evl_given, only: given_t
    use evl_kinds, only: lanes, pi, wp
    use evl_load, only: lane_points, load_point, load_t
-   use evl_row, only: kind_t, parameter_row, positive
+   use evl_row, only: kind_t, parameter_row, positive, span_t
    implicit none (type, external)
    private
 
@@ -37,13 +37,17 @@ contains
 
       info%name = "harmonic"
       info%text = "torque that oscillates over time or with the wheel's angle"
-      allocate (info%rows, source=[parameter_row("mean", "N m", "mean torque, counterclockwise positive", default="0"), &
-                                   parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)"), &
+      allocate (info%rows, source=[parameter_row("mean", "N m", "mean torque, counterclockwise positive", default="0", &
+                                                 plausible=span_t(0.0_wp, 1.0e7_wp)), &
+                                   parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)", &
+                                                 plausible=span_t(1.0e-9_wp, 1.0e7_wp)), &
                                   parameter_row("frequency", "Hz", "sin(2 pi frequency t + phase); or else order", range=positive, &
-                                                 left_open=.true.), &
+                                                 left_open=.true., &
+                                                 plausible=span_t(1.0e-3_wp, 1.0e6_wp)), &
                                   parameter_row("order", "", "sin(order phi + phase), phi the angle of the wheel since the start", &
                                                  range=positive, left_open=.true.), &
-                                   parameter_row("phase", "deg", "phase at time 0, or at angle 0", default="0")])
+                                   parameter_row("phase", "deg", "phase at time 0, or at angle 0", default="0", &
+                                                 plausible=span_t(0.0_wp, 360.0_wp))])
    end subroutine describe
 
    pure subroutine refusal(given, message, field)

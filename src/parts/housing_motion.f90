@@ -3,7 +3,7 @@ module evl_housing_motion
    use evl_given, only: given_t
    use evl_kinds, only: pi, wp
    use evl_rotation, only: turn_from_vector
-   use evl_row, only: not_negative, row_t, type_at_knots, type_choice, type_knots, type_number
+   use evl_row, only: not_negative, row_t, span_t, type_at_knots, type_choice, type_knots, type_number
    implicit none (type, external)
    private
 
@@ -38,23 +38,29 @@ module evl_housing_motion
 contains
 
    !> What a case says of a term: of a translation, or of a rotation.
-   pure function motion_rows(unit, of, rate_unit, rate) result(rows)
+   pure function motion_rows(unit, of, rate_unit, rate, most, rate_most) result(rows)
       character(len=*), intent(in) :: unit, of        !! of the coordinate
       character(len=*), intent(in) :: rate_unit, rate !! of its rate
+      real(wp), intent(in) :: most, rate_most         !! largest plausible magnitudes of both
       type(row_t) :: rows(9)
 
       rows(1) = row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
                       required=.true., words="constant rate harmonic table")
       rows(2) = row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z")
-      rows(3) = row_t("value", type_number, unit, of, required=.true., variants="constant")
-      rows(4) = row_t("value", type_number, rate_unit, rate, required=.true., variants="rate")
-      rows(5) = row_t("amplitude", type_number, unit, "amplitude", required=.true., variants="harmonic")
-      rows(6) = row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic")
-      rows(7) = row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic")
+      rows(3) = row_t("value", type_number, unit, of, required=.true., variants="constant", &
+                      plausible=span_t(0.0_wp, most))
+      rows(4) = row_t("value", type_number, rate_unit, rate, required=.true., variants="rate", &
+                      plausible=span_t(0.0_wp, rate_most))
+      rows(5) = row_t("amplitude", type_number, unit, "amplitude", required=.true., variants="harmonic", &
+                      plausible=span_t(0.0_wp, most))
+      rows(6) = row_t("frequency", type_number, "Hz", "frequency", range=not_negative, required=.true., variants="harmonic", &
+                      plausible=span_t(1.0e-4_wp, 1.0e6_wp))
+      rows(7) = row_t("phase", type_number, "deg", "phase at time 0", default="0", variants="harmonic", &
+                      plausible=span_t(0.0_wp, 360.0_wp))
       rows(8) = row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
-                      variants="table")
+                      variants="table", plausible=span_t(0.0_wp, 1.0e5_wp))
       rows(9) = row_t("value", type_at_knots, unit, of//" at the knots; natural cubic spline, straight outside", &
-                      required=.true., variants="table")
+                      required=.true., variants="table", plausible=span_t(0.0_wp, most))
    end function motion_rows
 
    !> A term from its checked description.

@@ -5,7 +5,7 @@
 !> wheels are one rotor, and share one deviation.
 module evl_shaft
    use evl_kinds, only: wp
-   use evl_row, only: not_negative, positive, row_t, type_choice, type_name, type_number, type_references
+   use evl_row, only: not_negative, positive, row_t, span_t, type_choice, type_name, type_number, type_references
    use evl_springs_and_dampers, only: damper_power, spring_damper
    implicit none (type, external)
    private
@@ -19,8 +19,10 @@ module evl_shaft
                                      row_t("name", type_name, "", "name in paths and the history", required=.true.), &
                        row_t("wheels", type_references, "", "names of the two wheels that it joins, on one axis", required=.true., &
                                            holds="wheels"), &
-           row_t("stiffness", type_number, "N m/rad", "torsional stiffness", range=positive, required=.true., variants="elastic"), &
-               row_t("damping", type_number, "N m s/rad", "torsional damping", range=not_negative, default="0", variants="elastic")]
+            row_t("stiffness", type_number, "N m/rad", "torsional stiffness", range=positive, required=.true., variants="elastic", &
+                                           plausible=span_t(1.0e-3_wp, 1.0e10_wp)), &
+              row_t("damping", type_number, "N m s/rad", "torsional damping", range=not_negative, default="0", variants="elastic", &
+                                           plausible=span_t(1.0e-9_wp, 1.0e7_wp))]
 
    type :: shaft_t
       integer :: wheel_a = 0, wheel_b = 0    !! its wheels

@@ -2,7 +2,7 @@
 module evl_slider_support
    use evl_given, only: given_t
    use evl_kinds, only: wp
-   use evl_row, only: between, kind_t, not_negative, parameter_row
+   use evl_row, only: between, kind_t, not_negative, parameter_row, span_t
    use evl_support, only: support_kind_t, support_t
    implicit none (type, external)
    private
@@ -26,12 +26,16 @@ contains
       allocate (info%rows, &
                 source=[parameter_row("direction", "deg", "angle of the direction to the x axis", &
                                       range=between(-360.0_wp, 360.0_wp), &
-                                      default="0"), &
+                                      default="0", &
+                                      plausible=span_t(0.0_wp, 360.0_wp)), &
                         parameter_row("mass", "kg", "mass that moves with the axle, beside the wheel's own", &
                                       range=not_negative, &
-                                      default="0"), &
-                        parameter_row("stiffness", "N/m", "stiffness of the spring", range=not_negative), &
-                        parameter_row("damping", "N s/m", "coefficient of the damper", range=not_negative, default="0")])
+                                      default="0", &
+                                      plausible=span_t(1.0e-7_wp, 1.0e4_wp)), &
+                        parameter_row("stiffness", "N/m", "stiffness of the spring", range=not_negative, &
+                                      plausible=span_t(1.0_wp, 1.0e12_wp)), &
+                        parameter_row("damping", "N s/m", "coefficient of the damper", range=not_negative, default="0", &
+                                      plausible=span_t(1.0e-3_wp, 1.0e9_wp))])
    end subroutine describe
 
    subroutine take(self, given, support)

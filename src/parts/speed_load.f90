@@ -4,7 +4,7 @@ module evl_speed_load
    use evl_kinds, only: wp
    use evl_knots, only: knot_slope, knot_value, knots_t
    use evl_load, only: load_point, load_t
-   use evl_row, only: kind_t, parameter_row, type_at_knots, type_knots
+   use evl_row, only: kind_t, parameter_row, span_t, type_at_knots, type_knots
    implicit none (type, external)
    private
 
@@ -32,13 +32,16 @@ contains
       info%name = "speed"
       info%text = "prescribed speed"
       allocate (info%rows, &
-                source=[parameter_row("value", "rad/s", "constant angular velocity; or else time and speed", left_open=.true.), &
+                source=[parameter_row("value", "rad/s", "constant angular velocity; or else time and speed", left_open=.true., &
+                                      plausible=span_t(0.0_wp, 15000.0_wp)), &
                         parameter_row("time", "s", "knots of the table, strictly increasing, at least two", &
                                       left_open=.true., &
-                                      type=type_knots), &
+                                      type=type_knots, &
+                                      plausible=span_t(0.0_wp, 1.0e5_wp)), &
                         parameter_row("speed", "rad/s", &
                                       "angular velocity at the knots; linear between them, constant outside", &
-                                      left_open=.true., type=type_at_knots)])
+                                      left_open=.true., type=type_at_knots, &
+                                      plausible=span_t(0.0_wp, 15000.0_wp))])
    end subroutine describe
 
    pure subroutine refusal(given, message, field)

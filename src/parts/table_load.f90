@@ -4,7 +4,7 @@ module evl_table_load
    use evl_kinds, only: lanes, wp
    use evl_knots, only: knot_value, knots_t, varies_between
    use evl_load, only: lane_points, load_point, load_t
-   use evl_row, only: kind_t, parameter_row, type_at_knots, type_knots
+   use evl_row, only: kind_t, parameter_row, span_t, type_at_knots, type_knots
    implicit none (type, external)
    private
 
@@ -29,9 +29,11 @@ contains
       info%name = "table"
       info%text = "torque over time"
       allocate (info%rows, &
-                source=[parameter_row("time", "s", "knots of the table, strictly increasing, at least two", type=type_knots), &
+                source=[parameter_row("time", "s", "knots of the table, strictly increasing, at least two", type=type_knots, &
+                                      plausible=span_t(0.0_wp, 1.0e5_wp)), &
                         parameter_row("torque", "N m", "torque at the knots; linear between them, constant outside", &
-                                      type=type_at_knots)])
+                                      type=type_at_knots, &
+                                      plausible=span_t(0.0_wp, 1.0e7_wp))])
    end subroutine describe
 
    subroutine take(self, given)

@@ -3,7 +3,7 @@ module evl_viscous_load
    use evl_given, only: given_t
    use evl_kinds, only: lanes, wp
    use evl_load, only: lane_points, load_point, load_t
-   use evl_row, only: kind_t, not_negative, parameter_row
+   use evl_row, only: kind_t, not_negative, parameter_row, span_t
    implicit none (type, external)
    private
 
@@ -29,7 +29,8 @@ contains
       info%text = "torque against the speed"
       allocate (info%rows, &
                 source=[parameter_row("coefficient", "N m s/rad", "the torque is minus coefficient times angular velocity", &
-                                      range=not_negative)])
+                                      range=not_negative, &
+                                      plausible=span_t(1.0e-12_wp, 1.0e6_wp))])
    end subroutine describe
 
    subroutine take(self, given)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 TAKEN_BY_THE_TABLE = "the name 'a' is given to two wheels"
-ROW = re.compile(r"^\| `(\w+)` \|(.*?)\| (.*?) \| (.*?) \| (.*?) \| (.*?) \| (.*) \|$")
+ROW = re.compile(r"^\| `(\w+)` \|(.*?)\| (.*?) \| (.*?) \| (.*?) \| (.*?) \| (.*?) \| (.*) \|$")
 LENGTHS = {"[x, y]": 2, "[x, y, z]": 3, "[w, x, y, z]": 4}
 ABSENT = object()  # a value: the key is left out
 
@@ -33,6 +33,8 @@ class Row:
     high: float
     is_low_open: bool
     is_high_open: bool
+    plausible: str  # the range of magnitudes as it is printed; empty if none is stated
+    default: str
     is_required: bool
 
     @classmethod
@@ -40,7 +42,7 @@ class Row:
         """Read a line of the table."""
         match = ROW.match(line)
         assert match, line
-        key, only_with, kind, unit, limits, default, _ = match.groups()
+        key, only_with, kind, unit, limits, plausible, default, _ = match.groups()
         words = tuple(re.findall(r"`([^`]*)`", kind))
         return cls(
             block=block,
@@ -50,6 +52,8 @@ class Row:
             type=re.sub(r"( or)? `.*", "", kind),
             words=words,
             unit=unit,
+            plausible=plausible.strip(),
+            default=default.strip("` "),
             is_required=default.strip() == "required",
             **limits_of(limits),
         )

@@ -20,7 +20,9 @@ BAD = ("--set", "wheels.0.teeth=2")
 def test_every_example_passes_and_nothing_is_written(evolvent: Evolvent, tmp_path: Path) -> None:
     assert len(CASES) > 10
     done = evolvent("validate", *CASES)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0
+    (warning,) = done.stderr.splitlines()  # the one that docs/deviations.md explains
+    assert warning.startswith(f"evolvent: warning: {CASES[0].parent / 'tip-relief.yaml'}: meshes.")
     assert done.stdout.splitlines() == [f"{path}: ok" for path in CASES]
     assert not list(tmp_path.iterdir())
 

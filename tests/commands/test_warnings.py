@@ -32,7 +32,7 @@ WARNINGS = {
     ),
     "a wide contact strip": (
         "spur-pair.yaml",
-        "wheels.pinion.width=5e-6",
+        "wheels.pinion.width=10 um",
         "meshes.pinion-gear",
         "under its load of about 1866.98 N the contact strip is ",
     ),
@@ -51,15 +51,14 @@ WARNINGS = {
     "millimetres given as metres": (
         "paper-friction.yaml",
         "wheels.pinion.pitch_radius=200",
-        "wheels.pinion",
-        "its mass is 9.80177E+07 kg, its pitch radius is 200 m, and another wheel is like it",
+        "--set wheels.pinion.pitch_radius=200",
+        "wheels.pinion.pitch_radius: 200 m is outside the plausible range, 0.1 mm to 2.5 m; did",
     ),
     "a speed that no gear has": (
-        "two-stage-gears.yaml",
-        "simulation.initial={kind: speeds, speeds: {motor: -1e5, pinion-1: -1.1e5, gear-1: 0,"
-        " pinion-2: 0, gear-2: 0, drum: 0}}",
-        "wheels.pinion-1",
-        "by loads and start it turns at 110000 rad/s",
+        "spur-pair.yaml",
+        "wheels.gear.loads.0.coefficient=1e-4",
+        "wheels.pinion",
+        "by loads and start it turns at ",
     ),
     "a mesh against the first one": (
         "two-stage.yaml",
@@ -82,8 +81,8 @@ def test_every_warning_names_its_part_as_errors_do(
     angle = ("meshes.0.pressure_angle=20", "wheels.gear.mass=100")
     options = [option, *angle] if case == "paper.yaml" else [option]
     result = evolvent("show", examples / case, "--json", *settings(*options))
-    (text,) = json.loads(result.stdout)["warnings"]
-    assert text.startswith(f"{part}: {words}")
+    texts = json.loads(result.stdout)["warnings"]
+    assert sum(text.startswith(f"{part}: {words}") for text in texts) == 1
 
 
 def test_every_command_tells_a_warning_in_the_same_words(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kernel.gearbox import MESH, WHEEL, Gearbox
+from kernel.gearbox import WHEEL, Gearbox
 from kernel.gearbox_description import (
     REST,
     SPEED,
@@ -19,58 +19,18 @@ from kernel.gearbox_description import (
     VISCOUS,
     load,
     mesh,
-    shaft,
     wheel,
 )
 from kernel.gears import gear_description
 from kernel.kernel import Kernel
 
 
-def real_pair(
-    kernel: Kernel, module: float, *loads: Any, width: float = 0.02, **fields: Any
-) -> Gearbox:
-    gear = gear_description(module)
-    wheels = [
-        wheel(teeth=z, width=width, gear=gear, mass=1.0, inertia=0.1, **fields) for z in (17, 19)
-    ]
+def real_pair(kernel: Kernel, module: float, *loads: Any, allowance: float = 0.0) -> Gearbox:
+    gear = gear_description(module, thickness_allowance=allowance)
+    wheels = [wheel(teeth=z, width=0.02, gear=gear, mass=1.0, inertia=0.1) for z in (17, 19)]
     description = mesh(kernel, backlash=1e-4)
     description.pop("pressure_angle")
     return Gearbox(kernel, wheels, loads, [description])
-
-
-def disc(**fields: Any) -> Any:
-    return wheel(teeth=0, **{"pitch_radius": 0.3, "mass": 10.0, "inertia": 1.0, **fields})
-
-
-LIKELY: list[dict[str, Any]] = [{"mass": 1000.0}, {"pitch_radius": 1.0}, {"mass": 698.96}]
-UNLIKELY: list[tuple[dict[str, Any], str]] = [
-    ({"mass": 1000.1}, "its mass is 1000.1 kg: are millimetres given as metres?"),
-    ({"pitch_radius": 1.01}, "its pitch radius is 1.01 m: are millimetres given as metres?"),
-    ({"mass": 2e6, "pitch_radius": 30.0}, "its mass is 2E+06 kg, its pitch radius is 30 m: are"),
-]
-
-
-@pytest.mark.parametrize("fields", LIKELY)
-def test_large_wheels_are_no_news(kernel: Kernel, fields: dict[str, Any]):
-    assert Gearbox(kernel, [disc(**fields)], [], []).warnings() == []
-
-
-@pytest.mark.parametrize(("fields", "words"), UNLIKELY)
-@pytest.mark.parametrize("index", range(3))
-def test_a_wheel_of_unlikely_size_is_named(
-    kernel: Kernel, fields: dict[str, Any], words: str, index: int
-):
-    wheels = [disc(**fields) if i == index else disc() for i in range(3)]
-    (warned,) = Gearbox(kernel, wheels, [], [], shafts=[shaft(0, 1), shaft(1, 2)]).warnings()
-    assert (warned.subject, warned.index) == (WHEEL, index)
-    assert warned.message.startswith(words)
-
-
-def test_a_face_width_above_a_metre_is_unlikely(kernel: Kernel):
-    (warned,) = real_pair(kernel, 0.002, width=1.01).warnings()
-    assert (warned.subject, warned.index) == (MESH, 0)
-    assert warned.message == ("its common face width is 1.01 m: are millimetres given as metres?")
-    assert real_pair(kernel, 0.002, width=1.0).warnings() == []
 
 
 @pytest.mark.parametrize("pinion", [0, 1], ids=["the pinion drives", "the wheel drives"])
@@ -103,25 +63,13 @@ def test_a_contact_strip_is_measured_by_the_smallest_radius_of_either_flank(
     assert told == pytest.approx(min(radii), rel=1e-5)  # six digits are told
 
 
-@pytest.mark.parametrize(
-    ("n", "words"), [(1, "kg: are"), (2, "another wheel"), (3, "2 other wheels are like it")]
-)
-def test_many_wheels_of_unlikely_size_give_one_warning(kernel: Kernel, n: int, words: str):
-    wheels = [disc(mass=2e3 if i < n else 1.0) for i in range(4)]
-    shafts = [shaft(i, i + 1) for i in range(3)]
-    (warned,) = Gearbox(kernel, wheels, [], [], shafts=shafts).warnings()
-    assert warned.index == 0
-    assert words in warned.message
-
-
-def test_a_module_above_100_mm_is_named(kernel: Kernel):
-    assert real_pair(kernel, 0.0189).warnings() == []
-    assert real_pair(kernel, 0.1).warnings() == []
-    (warned,) = real_pair(kernel, 0.101).warnings()
-    assert (warned.subject, warned.index) == (WHEEL, 0)
-    assert warned.message.startswith("its module is 0.101 m, and another wheel is like it")
-    (warned,) = real_pair(kernel, 3.0).warnings()
-    assert warned.message.startswith("its pitch radius is 25.5 m, its module is 3 m, and another")
+@pytest.mark.parametrize(("allowance", "n"), [(-1.99e-4, 0), (-2.01e-4, 2)])
+def test_an_allowance_above_a_tenth_of_a_module_is_named(kernel: Kernel, allowance: float, n: int):
+    """Of each wheel: a module of 2 mm."""
+    all_warned = real_pair(kernel, 0.002, allowance=allowance).warnings()
+    warned = [w for w in all_warned if "0.1 modules" in w.message]
+    assert [(w.subject, w.index) for w in warned] == [(WHEEL, 0), (WHEEL, 1)][:n]
+    assert all(w.message.startswith("the thickness allowance of -2.01E-04 m is") for w in warned)
 
 
 # Speeds of the wheels of 17 and 19 teeth: loads, start, and the wheel that is named.

@@ -3,14 +3,16 @@ module gear_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int, c_ptr
    use evl_capi_types, only: c_status, status_to_c
    use evl_gear, only: gear_derive, gear_t, gear_thickness
-   use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_input, gear_mesh_t
+   use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_t
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_status, only: code_ok, code_out_of_domain, status_t
+   use evl_tip_interference, only: tip_gap
    use first_wheel_of, only: first_wheel
    implicit none (type, external)
    private
 
-   public :: test_gear_derive, test_gear_mesh_derive, test_gear_tooth_thickness, test_involute_inverse, test_involute_value
+   public :: test_gear_derive, test_gear_mesh_derive, test_gear_mesh_geometry, test_gear_tooth_thickness, test_involute_inverse, &
+             test_involute_value, test_tip_gap
 
 contains
 
@@ -50,6 +52,24 @@ contains
                                                   backlash), mesh, s)
       call status_to_c(s, status)
    end subroutine test_gear_mesh_derive
+
+   !> The same at a centre distance, unchecked.
+   subroutine test_gear_mesh_geometry(a, b, centre_distance, mesh) bind(c)
+      type(gear_t), intent(in) :: a, b
+      real(c_double), intent(in), value :: centre_distance
+      type(gear_mesh_t), intent(out) :: mesh
+      type(status_t) :: ignored
+
+      call gear_mesh_geometry(a, b, gear_mesh_input(.true., .false., centre_distance, 0.0_c_double), mesh, ignored)
+   end subroutine test_gear_mesh_geometry
+
+   !> Smallest gap between the tip of a mate and an undercut gear [m].
+   real(c_double) function test_tip_gap(gear, mate, centre_distance, working_pressure_angle, rho_tip) bind(c)
+      type(gear_t), intent(in) :: gear, mate
+      real(c_double), intent(in), value :: centre_distance, working_pressure_angle, rho_tip
+
+      test_tip_gap = tip_gap(gear, mate, centre_distance, working_pressure_angle, rho_tip)
+   end function test_tip_gap
 
    !> inv alpha = tan alpha - alpha of angles [rad].
    subroutine test_involute_value(n, angles, involutes) bind(c)

@@ -192,6 +192,8 @@ def test_a_mesh_has_the_lengths_of_iso_21771_in_40_digits(
         mesh = gear_mesh(kernel, a, b, **more)
     except KernelError:
         assume(False)
+    # test_undercut_mesh.py has those that undercut shortens
+    assume(mesh.rho_end_a == mesh.rho_tip_a and mesh.rho_end_b == mesh.rho_tip_b)
     for name, value in exact_mesh(a, b, more).items():
         # differences of numbers up to the centre distance; backlash over sin alpha_w
         expected = pytest.approx(float(value), rel=1e-12, abs=3e-14 * mesh.centre_distance)

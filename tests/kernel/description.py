@@ -38,6 +38,7 @@ class _Row(ctypes.Structure):
         ("unit", ctypes.c_char * SHORT),
         ("text", ctypes.c_char * TEXT),
         *((name, ctypes.c_double) for name in ("minimum", "maximum")),
+        *((name, ctypes.c_double) for name in ("plausible_least", "plausible_most")),
         *((name, ctypes.c_bool) for name in ("minimum_open", "maximum_open", "required")),
         ("default_text", ctypes.c_char * (2 * SHORT)),
         ("words", ctypes.c_char * TEXT),

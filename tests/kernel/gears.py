@@ -29,7 +29,8 @@ class GearGeometry(ctypes.Structure):
         *((name, _double) for name in ("tip_radius", "tip_rounding", "tip_form_radius")),
         *((name, _double) for name in ("root_radius", "form_radius", "bore_radius")),
         *((name, _double) for name in ("tooth_depth", "thickness", "thickness_allowance")),
-        *((name, _double) for name in ("tip_thickness", "tooth_angle")),
+        *((name, _double) for name in ("tip_thickness", "tooth_angle", "tool_depth")),
+        ("tool_rounding", _double),
         ("is_undercut", _bool),
     ]
 
@@ -43,7 +44,8 @@ _MESH_NUMBERS = (
     "working_pressure_angle",
     *("pitch_radius_a", "pitch_radius_b", "line_of_action", "base_pitch"),
     *("path_of_contact", "approach", "recess", "contact_ratio"),
-    *("rho_tip_a", "rho_tip_b", "active_radius_a", "active_radius_b"),
+    *("rho_tip_a", "rho_tip_b", "rho_end_a", "rho_end_b"),
+    *("active_radius_a", "active_radius_b"),
     *("clearance_a", "clearance_b"),
     *("backlash", "circumferential_backlash", "radial_backlash"),
 )
@@ -100,6 +102,32 @@ def gear_mesh(
     if status.code != OK:
         raise _error(status)
     return mesh
+
+
+def mesh_geometry(
+    kernel: Kernel, a: GearGeometry, b: GearGeometry, centre_distance: float
+) -> GearMesh:
+    """Geometry of two gears at a centre distance, whether they can mesh or not."""
+    mesh = GearMesh()
+    kernel.library.test_gear_mesh_geometry(
+        ctypes.byref(a), ctypes.byref(b), _double(centre_distance), ctypes.byref(mesh)
+    )
+    return mesh
+
+
+def tip_gap(
+    kernel: Kernel,
+    a: GearGeometry,
+    mate: GearGeometry,
+    centre_distance: float,
+    working_pressure_angle: float,
+    rho_tip: float,
+) -> float:
+    """Smallest gap between the tip of a mate and an undercut gear."""
+    ask = kernel.library.test_tip_gap
+    ask.restype = _double
+    numbers = (_double(centre_distance), _double(working_pressure_angle), _double(rho_tip))
+    return float(ask(ctypes.byref(a), ctypes.byref(mate), *numbers))
 
 
 def tooth_thickness(

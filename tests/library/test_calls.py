@@ -471,3 +471,54 @@ def test_the_package_starts_without_the_library() -> None:
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert done.stdout == "False False\n"
+
+
+# --- texts that are no text, and warnings
+
+
+SURROGATES: dict[str, Callable[[Path, str], Any]] = {
+    "a value to set": lambda case, text: package.show(case, {"title": text}),
+    "a text to set": lambda case, text: package.show(case, [f"title={text}"]),
+    "a path to set": lambda case, text: package.show(case, {f"wheels.{text}.width": 1}),
+    "the path of a case": lambda _, text: package.show(f"{text}.yaml"),
+    "the text of a case": lambda case, text: package.run(case.read_text() + f"# {text}\n"),
+    "a case of mappings": lambda case, text: package.run(
+        {**yaml.safe_load(case.read_text()), "title": text}
+    ),
+    "the key of a case": lambda case, text: package.run(
+        {**yaml.safe_load(case.read_text()), text: 1}
+    ),
+    "a mesh": lambda case, text: package.static(case, mesh=text),
+    "a torque": lambda case, text: package.static(case, torque=text),
+    "a range": lambda case, text: package.respond(case, over=f"{text}=1:2"),
+    "a direction": lambda case, text: package.respond(
+        case, over="wheels.pinion.width=1:2", direction=text
+    ),
+    "a speed": lambda case, text: package.modes(case, at=text),
+}
+
+
+@pytest.mark.parametrize("what", SURROGATES)
+@pytest.mark.parametrize("text", ["\ud800", "a\udfffb"])
+def test_a_lone_surrogate_is_refused(examples: Path, what: str, text: str) -> None:
+    """In whatever it stands: with the exit code of wrong usage, or of a case that is refused."""
+    with pytest.raises(package.AnalysisError) as error:
+        SURROGATES[what](examples / "paper.yaml", text)
+    assert error.value.code in (2, 3)
+    assert "\n" not in str(error.value)
+
+
+def test_python_warns_of_what_the_program_warns_of(examples: Path) -> None:
+    case, wide = examples / "spur-pair.yaml", {**SHORT, "wheels.pinion.width": 14}
+    calls = (
+        lambda: package.run(case, wide),
+        lambda: package.respond(
+            case, wide, over="wheels.pinion.loads.0.value=-50:-51:2", direction="up", periods=100
+        ),
+    )
+    for call in calls:
+        with pytest.warns(package.CaseWarning, match="width: 14 m is outside") as caught:
+            warned = call()
+        assert [str(warning.message) for warning in caught] == warned.attrs["warnings"].splitlines()
+        assert {warning.filename for warning in caught} == {__file__}
+    assert "14 m is outside" in package.show(case, wide)["warnings"][0]

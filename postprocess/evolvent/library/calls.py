@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ctypes
 import json
+import sys
+import warnings
 from ctypes import byref, c_int, c_void_p
 from typing import TYPE_CHECKING, Any
 
-from evolvent.errors import USAGE, AnalysisError
+from evolvent.errors import USAGE, AnalysisError, CaseWarning
 from evolvent.library.binding import Error, ModesRequest, RespondRequest, StaticRequest, load
 from evolvent.library.cases import (
     Case,
@@ -21,6 +23,8 @@ from evolvent.library.cases import (
 from evolvent.library.waiting import call
 
 if TYPE_CHECKING:
+    from types import FrameType
+
     import xarray as xr
 
 _DONE = 0
@@ -56,7 +60,24 @@ def _recorded(case: Case, procedure: str, *arguments: Any) -> xr.Dataset:
         refusal.history = result
         raise refusal
     assert result is not None
+    _warn(result.attrs["warnings"].splitlines())
     return result
+
+
+def _warn(texts: list[str]) -> None:
+    """Warn the caller of the package's function."""
+    for text in texts:
+        warnings.warn(text, CaseWarning, stacklevel=_depth())
+
+
+def _depth() -> int:
+    """Level of the first frame outside this package, as `warnings.warn` of the caller counts."""
+    frame: FrameType | None = sys._getframe(1)
+    depth = 1
+    package = __name__.partition(".")[0]
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, depth = frame.f_back, depth + 1
+    return depth
 
 
 def _answer(case: Case, settings: Settings, procedure: str, *request: Any) -> dict[str, Any]:

@@ -44,7 +44,13 @@ def value_text(value: Any, what: str = "") -> str:
 
 
 def _encoded(what: str, text: str | os.PathLike[str]) -> bytes:
-    encoded = os.fsencode(text)
+    try:
+        encoded = os.fsencode(text)
+    except UnicodeEncodeError as error:
+        code = f"U+{ord(error.object[error.start]):04X}"
+        raise AnalysisError(
+            USAGE, what, f"holds the lone surrogate {code}, which is no character; remove it"
+        ) from error
     if b"\0" in encoded:
         raise AnalysisError(USAGE, what, "holds a character of code 0")
     return encoded

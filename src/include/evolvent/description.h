@@ -1,8 +1,8 @@
 /** What a case can say, a case as data, and what follows from it: the language that the kernel, which makes gearboxes of it, and
  *  the readers of case files share. Plain data without any call.
  *
- *  A row is a key of a block: its type, unit, range, default and text. The kernel has the table of all rows (evl_rows): the case
- *  file's schema, its errors and its documentation are made from it. A case is a list of entries, each of them a row with a value. */
+ *  A row is a key of a block: its type, unit, range, plausible range, default and text. The kernel has the table of all rows
+ *  (evl_rows): the case file's schema, its errors and its documentation are made from it. A case is a list of entries, each of them a row with a value. */
 #ifndef EVOLVENT_DESCRIPTION_H
 #define EVOLVENT_DESCRIPTION_H
 
@@ -32,14 +32,15 @@ typedef enum {
 
 /** One key of a block. */
 typedef struct {
-    char block[EVL_SHORT_LENGTH];    /**< the block that has it; "case" for the whole file */
-    char key[EVL_SHORT_LENGTH];      /**< */
-    int type;                        /**< evl_row_type */
-    char unit[EVL_SHORT_LENGTH];     /**< of its numbers; "" if they have none */
-    char text[EVL_ROW_TEXT_LENGTH];  /**< what it means, one line */
-    double minimum, maximum;         /**< range; -/+infinity if unbounded */
-    bool minimum_open, maximum_open; /**< the end itself is refused */
-    bool required;                   /**< */
+    char block[EVL_SHORT_LENGTH];           /**< the block that has it; "case" for the whole file */
+    char key[EVL_SHORT_LENGTH];             /**< */
+    int type;                               /**< evl_row_type */
+    char unit[EVL_SHORT_LENGTH];            /**< of its numbers; "" if they have none */
+    char text[EVL_ROW_TEXT_LENGTH];         /**< what it means, one line */
+    double minimum, maximum;                /**< range; -/+infinity if unbounded */
+    double plausible_least, plausible_most; /**< plausible magnitudes, beside 0; most 0: none stated */
+    bool minimum_open, maximum_open;        /**< the end itself is refused */
+    bool required;                          /**< */
     char default_text
         [2 * EVL_SHORT_LENGTH]; /**< YAML; "": none, the key stays away. {driving} stands for the value of that key */
     char words[EVL_ROW_TEXT_LENGTH]; /**< choices, separated by blanks, else "" */

@@ -123,6 +123,9 @@ EVL_API bool evl_gearbox_warning(const evl_gearbox *gearbox, const evl_initial *
 /** The geometry that follows from the description, of a wheel or a mesh as evl_of says. quantities: [EVL_MOST_QUANTITIES].
  *  @return how many there are, 0 where it is not what they are of */
 EVL_API int evl_gearbox_geometry(const evl_gearbox *gearbox, int of, int index, evl_output *quantities);
+/** The same of a description from which no gearbox can be made: EVL_OF_GEAR of the gears that exist and EVL_OF_GEAR_MESH of their
+ *  meshes, also where they cannot mesh; 0 quantities of all else. */
+EVL_API int evl_description_geometry(const evl_description *description, int of, int index, evl_output *quantities);
 /** Cumulative position deviations of a wheel's teeth: `most` of them are written, arcs on the reference circle [m].
  *  @return how many there are, one a tooth; 0 if it has no pitch errors */
 EVL_API int evl_gearbox_pitch_errors(const evl_gearbox *gearbox, int wheel, int most, double *errors);

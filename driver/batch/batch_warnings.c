@@ -1,0 +1,70 @@
+#include "batch/batch_warnings.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+static double magnitude(const design_column *column, long index)
+{
+    const design_value value = column->values[index];
+    return column->type == DESIGN_TEXT ? 0 : fabs(column->type == DESIGN_REAL ? value.real : (double)value.integer);
+}
+
+/** The cases with the largest and the smallest magnitude of a column that is not 0; the first case, of texts. */
+static void find_ends(const design *design, const design_column *column, long ends[2])
+{
+    ends[0] = ends[1] = 0;
+    for (long i = 1; i < design->n_cases; i++) {
+        const double size = magnitude(column, i), smallest = magnitude(column, ends[1]);
+        ends[0] = size > magnitude(column, ends[0]) ? i : ends[0];
+        ends[1] = size > 0 && (smallest <= 0 || size < smallest) ? i : ends[1];
+    }
+}
+
+/** Warn of the value that a column has in a case, if it is outside. */
+static bool warn_of_value(const batch_plan *plan, int column, long index)
+{
+    const design *design = plan->design;
+    POOLED memory_pool pool = {NULL};
+    const char **options = pool_calloc(&pool, (size_t)design->n_columns, sizeof *options);
+    for (int i = 0; i < design->n_columns; i++) {
+        options[i] = design_option(design, i, index, &pool);
+    }
+    case_file *file = NULL;
+    evl_error ignored;
+    bool is_warned = false;
+    if (case_edit(plan->base, design->n_columns, options, &file, &ignored)) {
+        int n = 0;
+        const case_warning *warnings = case_warnings(file, &pool, &n);
+        for (int i = 0; i < n && !is_warned; i++) {
+            is_warned = warnings[i].option != NULL && strcmp(warnings[i].option, options[column]) == 0;
+            if (is_warned) {
+                log_warning("case %ld: %s", index, warnings[i].text);
+            }
+        }
+    }
+    case_delete(&file);
+    return is_warned;
+}
+
+void batch_warn(const batch_plan *plan)
+{
+    POOLED memory_pool pool = {NULL};
+    case_file *base = NULL;
+    evl_error ignored;
+    int n = 0;
+    if (case_edit(plan->base, 0, NULL, &base, &ignored)) {
+        const case_warning *warnings = case_warnings(base, &pool, &n);
+        for (int i = 0; i < n; i++) {
+            log_warning("%s", warnings[i].text);
+        }
+    }
+    case_delete(&base);
+    for (int i = 0; i < plan->design->n_columns && plan->design->n_cases > 0; i++) {
+        long ends[2];
+        find_ends(plan->design, &plan->design->columns[i], ends);
+        (void)(warn_of_value(plan, i, ends[0]) || warn_of_value(plan, i, ends[1]));
+    }
+}

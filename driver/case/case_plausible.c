@@ -1,0 +1,177 @@
+/* Numbers outside the plausible ranges of their keys: accepted, but a unit is probably wrong. */
+#include "base/memory.h"
+#include "base/number.h"
+#include "case/case_check.h"
+#include "case/case_file.h"
+#include "case/unit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** The first number of a key that is outside, and how many others are. */
+typedef struct {
+    const evl_row *row;
+    const case_node *node;
+    char *label; /**< its path */
+    int n_others;
+} implausible;
+
+typedef struct {
+    memory_pool *pool;
+    int n;
+    implausible *found; /**< in the order of the file; those of --set options apart from those of the file */
+} search;
+
+static bool is_plausible(const evl_row *row, double value)
+{
+    const double size = fabs(value), slack = 1e-9; /* 1 um need not be 1e-6 to the last bit */
+    return row->plausible_most <= 0 || size <= 0 ||
+           (size >= row->plausible_least * (1 - slack) && size <= row->plausible_most * (1 + slack));
+}
+
+/* ---- words ---- */
+
+/** An end of a range: the key's unit where that is short, else an engineering unit. */
+static char *end_text(double value, const char *key_unit)
+{
+    OWNED char *reading = quantity_text(value, key_unit);
+    const bool is_short = strlen(reading) <= strlen("100000 ") + strlen(key_unit);
+    return (value >= 1 && value < 1e4) || !is_short
+               ? xasprintf("%g%s%s", value, key_unit[0] == '\0' ? "" : " ", key_unit)
+               : xstrdup(reading);
+}
+
+void row_plausible_text(const evl_row *row, char text[128])
+{
+    text[0] = '\0';
+    if (row->plausible_most > 0) {
+        OWNED char *least = end_text(row->plausible_least, row->unit), *most = end_text(row->plausible_most, row->unit);
+        (void)snprintf(text, 128, "%s%s%s", row->plausible_least > 0 ? least : "",
+                       row->plausible_least > 0 ? " to " : "up to ", most);
+    }
+}
+
+/** The number as it was written, with the first unit in which it is plausible, such as "16 um": a new string, NULL if there is none. */
+static char *likely_text(const evl_row *row, const case_node *node)
+{
+    const char *written = node->written == NULL ? node->text : node->written;
+    char *end = NULL;
+    (void)strtod(written, &end);
+    int n = 0;
+    OWNED const char **names = unit_names(row->unit, NULL, &n);
+    for (int i = 0; i < n; i++) {
+        double value = 0;
+        const char *unit = NULL;
+        char *text = xasprintf("%.*s %s", (int)(end - written), written, names[i]);
+        if (quantity_read(text, row->unit, &value, &unit) == QUANTITY_CONVERTED && is_plausible(row, value)) {
+            return text;
+        }
+        free(text);
+    }
+    return NULL;
+}
+
+static char *warning_text(const char *path, const implausible *found)
+{
+    char where[EVL_ERROR_PLACE_LENGTH], range[128];
+    place_text(path, found->node->place, where);
+    row_plausible_text(found->row, range);
+    OWNED char *value = node_quantity(found->node, found->row->unit), *likely = likely_text(found->row, found->node);
+    OWNED char *remedy = likely == NULL ? xstrdup("check its unit") : xasprintf("did you mean %s?", likely);
+    OWNED char *others = found->n_others == 0   ? xstrdup("")
+                         : found->n_others == 1 ? xstrdup(", as is another value of this key")
+                                                : xasprintf(", as are %d other values of this key", found->n_others);
+    return xasprintf("%s: %s: %s is outside the plausible range, %s%s; %s", where, found->label, value, range, others,
+                     remedy);
+}
+
+/* ---- the search ---- */
+
+static void note(search *search, const checker *checker, const evl_row *row, const case_node *node)
+{
+    char label[LABEL_LENGTH] = "";
+    for (int i = 0; i < search->n; i++) {
+        implausible *before = &search->found[i];
+        if (before->row == row && before->node->place.option == node->place.option) {
+            before->n_others++;
+            return;
+        }
+    }
+    (void)checker_label(checker, label);
+    search->found =
+        pool_grow(search->pool, search->found, (size_t)search->n, (size_t)search->n + 1, sizeof *search->found);
+    search->found[search->n++] =
+        (implausible){.row = row, .node = node, .label = pool_copy(search->pool, label), .n_others = 0};
+}
+
+static void search_number(search *search, const checker *checker, const evl_row *row, const case_node *node)
+{
+    double value = 0;
+    if (node->plain && number_read(node->text, &value) == NUMBER_FINITE && !is_plausible(row, value)) {
+        note(search, checker, row, node);
+    }
+}
+
+/** A number, or a list of numbers or numbers by name. */
+static void search_numbers(search *search, const checker *checker, const evl_row *row, const case_node *node)
+{
+    if (node->kind == NODE_SCALAR) {
+        search_number(search, checker, row, node);
+    }
+    for (int i = 0; i < node->n; i++) {
+        const case_entry *entry = &node->entries[i];
+        char index[NUMBER_TEXT_LENGTH] = "";
+        if (entry->key == NULL) {
+            (void)snprintf(index, sizeof index, "%d", i);
+        }
+        const struct checker inner = checker_at(checker, entry->key == NULL ? index : entry->key);
+        search_number(search, &inner, row, entry->value);
+    }
+}
+
+static void search_block(search *search, const checker *checker, const case_node *block);
+
+static void search_elements(search *search, const checker *checker, const case_node *node)
+{
+    for (int i = 0; i < node->n; i++) {
+        char index[NUMBER_TEXT_LENGTH];
+        (void)snprintf(index, sizeof index, "%d", i);
+        const case_node *value = node->entries[i].value;
+        const char *name = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(value, "name");
+        const struct checker inner = checker_at(checker, name == NULL ? index : name);
+        search_block(search, &inner, value);
+    }
+}
+
+static void search_block(search *search, const checker *checker, const case_node *block)
+{
+    for (int i = 0; i < block->n; i++) {
+        const case_entry *entry = &block->entries[i];
+        const struct checker inner = checker_at(checker, entry->key);
+        if (entry->row == NULL) { /* gaps that were not given */
+            continue;
+        }
+        if (entry->row->type == EVL_BLOCK) {
+            search_block(search, &inner, entry->value);
+        } else if (entry->row->type == EVL_LIST || entry->row->type == EVL_MAP) {
+            search_elements(search, &inner, entry->value);
+        } else if (entry->row->plausible_most > 0) {
+            search_numbers(search, &inner, entry->row, entry->value);
+        }
+    }
+}
+
+case_warning *case_warnings(const case_file *file, memory_pool *pool, int *n)
+{
+    search search = {.pool = pool};
+    const checker checker = {.path = file->path};
+    search_block(&search, &checker, file->root);
+    case_warning *warnings = pool_calloc(pool, (size_t)search.n, sizeof *warnings);
+    for (int i = 0; i < search.n; i++) {
+        OWNED char *text = warning_text(file->path, &search.found[i]);
+        warnings[i] = (case_warning){.text = pool_copy(pool, text), .option = search.found[i].node->place.option};
+    }
+    *n = search.n;
+    return warnings;
+}
