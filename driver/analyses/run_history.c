@@ -246,11 +246,11 @@ static bool put_numbers(const run_history *self, evl_error *error)
     const number_span span = numbers_span(self->numbers);
     const double of_span[] = {span.from, span.to, (double)span.periods, numbers_settled(self->numbers)->is_settled};
     const model_output rows_of_span[] = {
-        {"window_begin", "s", "", "where the first whole period of the numbers begins", "", true, false, 0, 1},
-        {"window_end", "s", "", "where the last one ends", "", true, false, 1, 1},
-        {"window_periods", "1", "", "whole periods of the numbers", "", true, true, 2, 1},
+        {"window_begin", "s", "", "where the first whole period of the numbers begins", "", true, false, 0, 1, NULL},
+        {"window_end", "s", "", "where the last one ends", "", true, false, 1, 1, NULL},
+        {"window_periods", "1", "", "whole periods of the numbers", "", true, true, 2, 1, NULL},
         {"window_settled", "1", "", "1 if the motion had settled before the window, 0 if not; NaN: not known", "", true,
-         false, 3, 1},
+         false, 3, 1, NULL},
     };
     return history_put_finals(self->history, 4, rows_of_span, of_span, error) &&
            history_put_finals(self->history, N_NUMBER_ROWS, rows, values, error);

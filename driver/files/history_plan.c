@@ -27,6 +27,22 @@ static void keep_layout(history_body *history, const history_layout *given)
     layout->coordinates = coordinates;
 }
 
+/** Names of the outputs that add up to the rate of one, also of those that the history leaves out; NULL: there are none. */
+static const char *rates_of(history_body *history, const model_output *of)
+{
+    const history_layout *layout = &history->layout;
+    const bool has_all = layout->n_all > 0;
+    const int n = has_all ? layout->n_all : layout->n_outputs;
+    const char *rates = NULL;
+    for (int i = 0; i < n; i++) {
+        const model_output *output = has_all ? &layout->all[i] : &layout->outputs[i];
+        if (output->rate_of != NULL && output->count > 0 && strcmp(output->rate_of, of->name) == 0) {
+            rates = rates == NULL ? output->name : pool_printf(&history->pool, "%s %s", rates, output->name);
+        }
+    }
+    return rates;
+}
+
 static void plan_times(history_body *history, char *reason)
 {
     series *times = &history->times;
@@ -39,7 +55,8 @@ static void plan_times(history_body *history, char *reason)
     for (int i = 0; i < layout->n_outputs; i++) {
         const model_output *output = &layout->outputs[i];
         if (!output->is_static && output->count > 0) {
-            const netcdf_variable variable = dimensions_describe(&history->dimensions, output);
+            netcdf_variable variable = dimensions_describe(&history->dimensions, output);
+            variable.rates = rates_of(history, output);
             series_add_column(times, &variable, output->offset, output->count);
         }
     }

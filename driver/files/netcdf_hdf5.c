@@ -203,6 +203,7 @@ static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netc
     return netcdf_add_text(file, dataset, "units", variable->units) &&
            netcdf_add_text(file, dataset, "long_name", variable->long_name) &&
            netcdf_add_text(file, dataset, "symbol", variable->symbol) &&
+           (variable->rates == NULL || netcdf_add_text(file, dataset, "rates", variable->rates)) &&
            (variable->type != NETCDF_REAL || netcdf_add(file, dataset, "_FillValue", H5T_NATIVE_DOUBLE, 1, &missing)) &&
            (variable->type != NETCDF_FLOAT ||
             netcdf_add(file, dataset, "_FillValue", H5T_NATIVE_FLOAT, 1, &missing_float)) &&

@@ -30,6 +30,7 @@ typedef struct {
     netcdf_dimension *dimensions[NETCDF_MAX_RANK]; /**< only the first may grow */
     int n_flags;               /**< the values 0..n_flags-1 have a meaning; 0 if they are plain numbers */
     const char *flag_meanings; /**< n_flags words */
+    const char *rates;         /**< names of the variables that add up to its rate; NULL: there are none */
 } netcdf_variable;
 
 /** A variable without dimensions yet. */

@@ -10,7 +10,8 @@ typedef struct {
     const char *name, *units, *symbol, *long_name; /**< live as long as the program */
     const char *dims; /**< words of the dimensions besides time: "", "wheel", "mesh axis" and so on */
     bool is_static, is_integer;
-    int offset, count; /**< place in the array that model_outputs fills; count 0: the case has no such variable */
+    int offset, count;   /**< place in the array that model_outputs fills; count 0: the case has no such variable */
+    const char *rate_of; /**< output of which it is the rate, as of evl_output; NULL: none */
 } model_output;
 
 /** Why a description was refused, or what it is warned of; with what it is about, so that the case file can be shown at the place. */
@@ -94,6 +95,10 @@ int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const d
                         const dae_state *discrete, double *values, char message[DAE_MESSAGE_LENGTH]);
 /** Whether so many states cost less than as many times one. */
 bool model_sampler_in_lanes(const model_sampler *sampler);
+
+/** Compare the formulas of every load with each other at a state. @return false with the two values if two differ by more than this part
+ *  of the load's torque: a defect of the kernel */
+bool model_loads_agree(const model *model, const dae_state *state, double part, char message[DAE_MESSAGE_LENGTH]);
 
 /** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
 typedef struct {

@@ -41,6 +41,7 @@ int model_take_outputs(int of, evl_output **texts, model_output **outputs)
                                .symbol = from[i].symbol,
                                .long_name = from[i].long_name,
                                .dims = dims[from[i].dims],
+                               .rate_of = from[i].rate_of[0] == '\0' ? NULL : from[i].rate_of,
                                .is_static = from[i].is_static,
                                .is_integer = from[i].is_integer};
     }

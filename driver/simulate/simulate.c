@@ -7,6 +7,7 @@
 #include "simulate/gather.h"
 #include "simulate/invariant_watch.h"
 #include "simulate/positions.h"
+#include "simulate/rate_watch.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,13 +17,23 @@
 static const double two_pi = 6.283185307179586;
 
 /** Why the observer ended an integration. */
-typedef enum { STOP_NONE, STOP_INTERRUPTED, STOP_KEPT, STOP_SPENT, STOP_MODEL, STOP_MISSED, STOP_SINK } stop_reason;
+typedef enum {
+    STOP_NONE,
+    STOP_INTERRUPTED,
+    STOP_KEPT,
+    STOP_SPENT,
+    STOP_MODEL,
+    STOP_MISSED,
+    STOP_SINK,
+    STOP_RATES
+} stop_reason;
 
 typedef struct {
     const prepared_case *prepared;
     const simulate_sink *sink;
     contact_watch contact;
     invariant_watch *invariants;
+    rate_watch *rates;
     positions_watch positions;
     gather outputs; /**< those that are due */
     char *reason;   /**< [DAE_MESSAGE_LENGTH] why it ends, of the result */
@@ -100,6 +111,7 @@ static int on_event(void *self, const event_record *record)
 {
     simulation *s = self;
     contact_watch_event(&s->contact, record);
+    rate_watch_event(s->rates);
     if (s->sink->numbers != NULL) {
         numbers_event(s->sink->numbers, record);
     }
@@ -117,6 +129,7 @@ static void on_watch(void *self, const integrate_step *step)
     if (s->sink->numbers != NULL) {
         numbers_watch(s->sink->numbers, step);
     }
+    rate_watch_step(s->rates, step);
 }
 
 static int on_step(void *self, double t)
@@ -127,6 +140,10 @@ static int on_step(void *self, double t)
     }
     if (*(s->sink->interrupt != NULL ? s->sink->interrupt : &interrupt_signal) != 0 && s->sink->is_due == NULL) {
         s->stop = STOP_INTERRUPTED;
+        return 1;
+    }
+    if (rate_watch_conflict(s->rates) != NULL) {
+        s->stop = STOP_RATES;
         return 1;
     }
     return 0;
@@ -148,6 +165,7 @@ static void keep(void *self, archive *archive)
     KEEP(archive, s->t_given);
     contact_watch_keep(&s->contact, archive);
     invariant_watch_keep(s->invariants, archive);
+    rate_watch_keep(s->rates, archive);
     positions_keep(&s->positions, archive);
     if (s->sink->extremes != NULL) {
         extremes_keep(s->sink->extremes, archive);
@@ -199,6 +217,18 @@ static integrate_code give_rest(simulation *s, integrate_code code, char message
         s->is_cut = true;
     }
     return answer != 0 && code == INTEGRATE_DONE ? INTEGRATE_STOPPED : code;
+}
+
+/** A run whose rates are not those of what it reports fails, also at its end. @return how it ends */
+static integrate_code judge_rates(simulation *s, integrate_code code)
+{
+    const char *conflict = code == INTEGRATE_DONE ? rate_watch_conclude(s->rates) : rate_watch_conflict(s->rates);
+    if (conflict == NULL || (code != INTEGRATE_DONE && s->stop != STOP_RATES)) {
+        return code;
+    }
+    s->stop = STOP_RATES;
+    (void)snprintf(s->reason, DAE_MESSAGE_LENGTH, "%s", conflict);
+    return INTEGRATE_STOPPED;
 }
 
 /** Only a run that came to its end tells whether contact was lost for good. */
@@ -274,7 +304,7 @@ static simulate_end end_of(const simulation *s, integrate_code code)
     static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,      [STOP_INTERRUPTED] = SIMULATE_INTERRUPTED,
                                         [STOP_KEPT] = SIMULATE_INTERRUPTED, [STOP_SPENT] = SIMULATE_FAILED,
                                         [STOP_MODEL] = SIMULATE_FAILED,     [STOP_MISSED] = SIMULATE_MISSED,
-                                        [STOP_SINK] = SIMULATE_SINK_FAILED};
+                                        [STOP_SINK] = SIMULATE_SINK_FAILED, [STOP_RATES] = SIMULATE_FAILED};
     return code == INTEGRATE_DONE ? SIMULATE_DONE : ends[s->stop];
 }
 
@@ -294,6 +324,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     contact_watch_init(&s.contact, sink->wanted, description->n_meshes);
     s.invariants =
         invariant_watch_create(sink->wanted, description->n_wheels, description->n_meshes, options.tolerance);
+    s.rates = rate_watch_create(prepared->model, options.tolerance);
     gather_init(&s.outputs, sink->wanted, sink->waits);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
@@ -314,6 +345,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     result->can_go_on = code == INTEGRATE_SPENT && sink->keeps_spent;
     s.stop = result->can_go_on ? STOP_SPENT : s.stop; /* its outputs were given then */
     code = give_rest(&s, code, result->message);
+    code = judge_rates(&s, code);
     result->end = end_of(&s, code);
     if (code == INTEGRATE_DONE) {
         remark_contact(&s, result);
@@ -327,6 +359,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
     result->energy_residual = invariant_watch_energy(s.invariants);
     invariant_watch_delete(&s.invariants);
+    rate_watch_delete(&s.rates);
     contact_watch_free(&s.contact);
     gather_free(&s.outputs);
 }

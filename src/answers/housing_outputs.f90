@@ -64,16 +64,17 @@ contains
       call tell(teller, "housing_position", "m", "r", "position of the housing's origin, ground frame", frame%position)
       call tell(teller, "housing_orientation", "1", "p", "unit quaternion from the housing frame to the ground frame", &
                 frame%orientation)
-      call tell(teller, "housing_velocity", "m s-1", "v", "velocity of the housing's origin, ground frame", frame%velocity)
+      call tell(teller, "housing_velocity", "m s-1", "v", "velocity of the housing's origin, ground frame", frame%velocity, &
+                rate_of="housing_position")
       call needs(teller, needs_rates)
       call tell(teller, "housing_acceleration", "m s-2", "v'", "acceleration of the housing's origin, ground frame", &
-                turned(frame%rotation, frame%acceleration) + gravity)
+                turned(frame%rotation, frame%acceleration) + gravity, rate_of="housing_velocity")
       call needs(teller, needs_nothing)
       call tell(teller, "housing_angular_velocity", "rad s-1", "Omega", "angular velocity of the housing, housing frame", &
-                frame%omega)
+                frame%omega, no_rate="the rate of the orientation is its product with the quaternion")
       call needs(teller, needs_rates)
       call tell(teller, "housing_angular_acceleration", "rad s-2", "Omega'", "angular acceleration of the housing, housing frame", &
-                frame%alpha)
+                frame%alpha, rate_of="housing_angular_velocity")
    end subroutine tell_pose
 
    !> Of a mounted housing.
@@ -82,7 +83,8 @@ contains
       real(wp), intent(in) :: loss !! [W]
 
       call begin(teller, in_mount, dims_none, 1)
-      call tell(teller, "mount_damping_loss", "W", "P_m", "power lost in the dampers of the mount", loss)
+      call tell(teller, "mount_damping_loss", "W", "P_m", "power lost in the dampers of the mount", loss, &
+                rate_of="dissipated_energy")
    end subroutine tell_mount
 
    subroutine tell_accelerometer(teller, index, acceleration)
@@ -93,7 +95,8 @@ contains
       call begin(teller, in_accelerometers, dims_accelerometer, index)
       call needs(teller, needs_rates)
       call tell(teller, "accelerometer_acceleration", "m s-2", "a_k", &
-                "acceleration of the housing there along the direction, gravity not counted", acceleration)
+                "acceleration of the housing there along the direction, gravity not counted", acceleration, &
+                no_rate="along a direction that turns with the housing: no output has its integral")
    end subroutine tell_accelerometer
 
    !> Add a mesh's force to the reactions of its two wheels.

@@ -67,7 +67,8 @@ contains
       call tell(teller, "normal_force", "N", "F_n", "normal force of all tooth pairs", total%normal)
       call tell(teller, "friction_force", "N", "F_t", "friction force on the driving wheel along t, all pairs of the drive flank", &
                 total%friction)
-      call tell(teller, "sliding_velocity", "m s-1", "v_t", "sliding velocity along t", at%point%v_t)
+      call tell(teller, "sliding_velocity", "m s-1", "v_t", "sliding velocity along t", at%point%v_t, &
+                no_rate="difference of the velocities of two flanks: no output has its integral")
       call tell(teller, "friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", at%point%l_a)
       call tell(teller, "friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", at%point%l_b)
       call needs(teller, needs_points)
@@ -85,16 +86,19 @@ contains
       call tell(teller, "in_contact", "1", "", "1 if the flanks of any tooth pair overlap", total%touching)
       call tell(teller, "contact_mode", "1", "", &
                 "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", at%mode%flanks)
-      call tell(teller, "gap_rate", "m s-1", "kappa'", "rate of the gap", 0 - at%point%h_dot) ! never -0
+      call tell(teller, "gap_rate", "m s-1", "kappa'", "rate of the gap", 0 - at%point%h_dot, & ! never -0
+                no_rate="of the tooth pair longest on the path; gap is that of the nearest flanks")
       call tell(teller, "flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", &
                 total%deviation(1))
       call tell(teller, "pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", total%loaded)
       call tell(teller, "mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", total%torque_a)
       call tell(teller, "mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", total%torque_b)
-      call tell(teller, "friction_loss", "W", "P_f", "power lost to friction", total%loss)
-      call tell(teller, "contact_damping_loss", "W", "P_d", "power lost in the dampers of the tooth pairs", total%damping_loss)
+      call tell(teller, "friction_loss", "W", "P_f", "power lost to friction", total%loss, rate_of="dissipated_energy")
+      call tell(teller, "contact_damping_loss", "W", "P_d", "power lost in the dampers of the tooth pairs", total%damping_loss, &
+                rate_of="dissipated_energy")
       call tell(teller, "curvature_loss", "W", "P_rho", &
-                "power that the elastic energy loses as radii of curvature change; negative where it gains", total%curvature_loss)
+                "power that the elastic energy loses as radii of curvature change; negative where it gains", total%curvature_loss, &
+                rate_of="dissipated_energy")
       call tell(teller, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
                 efficiency(total, at%point%omega_a))
       call needs(teller, needs_points)

@@ -37,18 +37,21 @@ contains
       call tell(teller, "angle", "rad", "phi", "angle since the start", at%angle)
       call tell(teller, "angle_deviation", "rad", "psi", "angle less the nominal ratio times that of the reference wheel", &
                 at%deviation)
-      call tell(teller, "angular_velocity", "rad s-1", "omega", "angular velocity", at%speed)
+      call tell(teller, "angular_velocity", "rad s-1", "omega", "angular velocity", at%speed, rate_of="angle")
       call needs(teller, needs_rates)
-      call tell(teller, "angular_acceleration", "rad s-2", "omega'", "angular acceleration", at%acceleration)
+      call tell(teller, "angular_acceleration", "rad s-2", "omega'", "angular acceleration", at%acceleration, &
+                rate_of="angular_velocity")
       call needs(teller, needs_meshes)
       call tell(teller, "load_torque", "N m", "M", "torque of the loads", at%load_torque)
       call needs(teller, needs_nothing)
       call tell(teller, "centre_displacement", "m", "u", "displacement of the axle from its reference position", at%displacement)
-      call tell(teller, "centre_velocity", "m s-1", "u'", "velocity of the axle", at%velocity)
+      call tell(teller, "centre_velocity", "m s-1", "u'", "velocity of the axle", at%velocity, rate_of="centre_displacement")
       call needs(teller, needs_rates)
-      call tell(teller, "centre_acceleration", "m s-2", "u''", "acceleration of the axle", at%axle_acceleration)
+      call tell(teller, "centre_acceleration", "m s-2", "u''", "acceleration of the axle", at%axle_acceleration, &
+                rate_of="centre_velocity")
       call needs(teller, needs_nothing)
-      call tell(teller, "support_damping_loss", "W", "P_s", "power lost in the dampers of the support", at%damping_loss)
+      call tell(teller, "support_damping_loss", "W", "P_s", "power lost in the dampers of the support", at%damping_loss, &
+                rate_of="dissipated_energy")
    end subroutine tell_wheel
 
    !> A wheel at a state with its rates f.
@@ -107,7 +110,8 @@ contains
       call tell(teller, "shaft_torque", "N m", "T", "torque on the second wheel; on the first one its opposite", torque)
       call needs(teller, needs_nothing)
       call tell(teller, "shaft_twist", "rad", "", "angle of the first wheel less that of the second", twist)
-      call tell(teller, "shaft_damping_loss", "W", "P_c", "power lost in the damping of the shaft", loss)
+      call tell(teller, "shaft_damping_loss", "W", "P_c", "power lost in the damping of the shaft", loss, &
+                rate_of="dissipated_energy")
    end subroutine tell_shaft
 
    subroutine tell_gearbox(teller, theta, turns, kinetic, potential, dissipated, work)

@@ -55,6 +55,9 @@ module evl_output
       real(wp) :: value(4) = 0.0_wp         !! the first of them, where objects are not empty
       integer :: watched = 0                !! of an extreme: which of the watched outputs
       logical :: is_largest = .false.       !! the same: else the smallest
+      !> Output of which it is the rate: element by element, or, where that has one value, one of the rates that add up to its rate
+      character(len=31) :: rate_of = ""
+      character(len=95) :: no_rate = ""     !! why it is the rate of no output, though it has the unit of one
    end type output_t
 
    !> Rows that are told to be listed.
@@ -70,11 +73,12 @@ module evl_output
 contains
 
    !> The next row.
-   pure subroutine tell_row(rows, name, units, symbol, text, value, is_integer)
+   pure subroutine tell_row(rows, name, units, symbol, text, value, is_integer, rate_of, no_rate)
       type(output_rows), intent(inout) :: rows
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in) :: value(:)
       logical, intent(in) :: is_integer
+      character(len=*), intent(in), optional :: rate_of, no_rate !! as in `output_t`
 
       if (.not. allocated(rows%table)) allocate (rows%table(128))
       if (rows%n == size(rows%table)) rows%table = [rows%table, rows%table]
@@ -85,7 +89,9 @@ contains
             row%units = units
             row%symbol = symbol
             row%long_name = text
+            if (present(no_rate)) row%no_rate = no_rate
          end if
+         if (present(rate_of)) row%rate_of = rate_of
          row%dims = dims_of(rows%of, size(value))
          row%is_static = rows%is_static
          row%is_integer = is_integer

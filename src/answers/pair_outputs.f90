@@ -59,7 +59,7 @@ contains
                 "0 flank meets flank, or may; 1 a tip edge of the driving wheel; 2 one of the driven wheel", edge_wheel(mode))
       call tell(teller, "pair_penetration", "m", "h_k", "penetration of the flanks, negative for a gap; NaN off the path", point%h)
       call tell(teller, "pair_sliding_velocity", "m s-1", "v_tk", "sliding velocity of a tooth pair along t; NaN off the path", &
-                point%v_t)
+                point%v_t, no_rate="difference of the velocities of two flanks: no output has its integral")
    end subroutine tell_pair
 
    !> All tooth pairs of a mesh.

@@ -100,16 +100,17 @@ contains
       teller%rows%needs = what
    end subroutine needs
 
-   pure subroutine tell_real(teller, name, units, symbol, text, value)
+   pure subroutine tell_real(teller, name, units, symbol, text, value, rate_of, no_rate)
       type(teller_t), intent(inout) :: teller
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in) :: value
+      character(len=*), intent(in), optional :: rate_of, no_rate !! as in `output_t`
 
       if (associated(teller%all)) then
          teller%all(teller%at) = value
          teller%at = teller%at + teller%step
       else
-         call tell_row(teller%rows, name, units, symbol, text, [value], .false.)
+         call tell_row(teller%rows, name, units, symbol, text, [value], .false., rate_of, no_rate)
       end if
    end subroutine tell_real
 
@@ -136,10 +137,11 @@ contains
    end subroutine tell_logical
 
    !> A vector, its components side by side.
-   pure subroutine tell_vector(teller, name, units, symbol, text, value)
+   pure subroutine tell_vector(teller, name, units, symbol, text, value, rate_of, no_rate)
       type(teller_t), intent(inout) :: teller
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in), contiguous :: value(:)
+      character(len=*), intent(in), optional :: rate_of, no_rate !! as in `output_t`
       integer :: i, first, n
 
       if (associated(teller%all)) then
@@ -150,7 +152,7 @@ contains
             teller%all(first + i - 1) = value(i)
          end do
       else
-         call tell_row(teller%rows, name, units, symbol, text, value, .false.)
+         call tell_row(teller%rows, name, units, symbol, text, value, .false., rate_of, no_rate)
       end if
    end subroutine tell_vector
 

@@ -26,11 +26,11 @@ static const char *const meshes[] = {"pinion-gear"};
 static const model_state states[] = {{"reference_angle", "rad"}, {"angle_deviation_1", "rad"}};
 static const char *const kinds[] = {"tooth_switch", "contact_closed"};
 static const model_output outputs[] = {
-    {"teeth", "1", "z", "number of teeth", "wheel", true, true, 0, 2},
-    {"energy", "J", "T", "kinetic energy", "", false, false, 2, 1},
-    {"centre", "m", "O", "displacement of the centre", "wheel axis", false, false, 3, 4},
-    {"gap", "m", "kappa", "gap", "mesh", false, false, 7, 1},
-    {"tooth_pair", "1", "k", "pitches since the start", "mesh", false, true, 8, 1},
+    {"teeth", "1", "z", "number of teeth", "wheel", true, true, 0, 2, NULL},
+    {"energy", "J", "T", "kinetic energy", "", false, false, 2, 1, NULL},
+    {"centre", "m", "O", "displacement of the centre", "wheel axis", false, false, 3, 4, NULL},
+    {"gap", "m", "kappa", "gap", "mesh", false, false, 7, 1, NULL},
+    {"tooth_pair", "1", "k", "pitches since the start", "mesh", false, true, 8, 1, NULL},
 };
 
 typedef struct {
@@ -264,9 +264,9 @@ static void check_text(hid_t file, const char *variable, const char *attribute, 
 
 /* What is known at the end only: a value, one that is none, and a whole number, of the wheels and of the mesh. */
 static const model_output finals[] = {
-    {"gap_max", "m", "kappa_max", "largest gap", "mesh", true, false, 1, 1},
-    {"speed_max", "rad s-1", "omega_max", "largest speed", "wheel", true, false, 2, 2},
-    {"times_passed", "1", "n", "how often", "wheel", true, true, 4, 2},
+    {"gap_max", "m", "kappa_max", "largest gap", "mesh", true, false, 1, 1, NULL},
+    {"speed_max", "rad s-1", "omega_max", "largest speed", "wheel", true, false, 2, 2, NULL},
+    {"times_passed", "1", "n", "how often", "wheel", true, true, 4, 2, NULL},
 };
 static const double final_values[] = {-99, 0.1, 1e300, NAN, 3, -4}; /* the first is of no variable */
 

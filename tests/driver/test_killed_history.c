@@ -70,7 +70,8 @@ static void write_for_ever(long max_rows, bool is_slow, int told)
                                     i == N_SERIES,
                                     i == N_SERIES || i % 3 == 0,
                                     i,
-                                    1};
+                                    1,
+                                    NULL};
     }
     const history_layout layout = {.path = path,
                                    .kind = "history",

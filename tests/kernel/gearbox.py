@@ -98,6 +98,8 @@ class Output(ctypes.Structure):
         *((name, _bool) for name in ("is_static", "is_integer", "is_largest")),
         *((name, _int) for name in ("watched", "n")),
         ("value", _pair),
+        ("rate_of", ctypes.c_char * 32),
+        ("no_rate", ctypes.c_char * 96),
     ]
     offset: int  # among the values of a gearbox
     count: int

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # In the order of the table.
-for _of in ("tracking", "rigid", "balance", "contact", "record"):
+for _of in ("tracking", "rigid", "balance", "rate", "contact", "record"):
     import_module(f"evolvent.physics.{_of}_invariants")
 
 DEFAULT_TOLERANCE = 1e-9

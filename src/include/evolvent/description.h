@@ -138,6 +138,10 @@ typedef struct {
     int watched;                /**< of an extreme: which of the watched outputs, from 0; else -1 */
     int n;                      /**< of a quantity: 1, or 2 for a point */
     double value[2];            /**< of a quantity */
+    /** Output of which it is the rate, element by element; if that output has one value, its rate is the sum of all outputs that name
+     *  it. "" if none. */
+    char rate_of[EVL_SHORT_LENGTH];
+    char no_rate[3 * EVL_SHORT_LENGTH]; /**< why it is the rate of no output, though it has the unit of one; else "" */
 } evl_output;
 
 /** A parameter: numbers that the description gives. */
