@@ -1,5 +1,6 @@
 #include "model/model_kernel.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -316,11 +316,11 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                     .positions = {.rule = positions_of(prepared)},
                     .t_given = -1.0,
                     .reason = result->message};
-    if (sink->numbers != NULL) {
-        numbers_start(sink->numbers, state, false);
-    }
     const integrate_options options = simulate_options(prepared);
     const description *description = case_description(prepared->file);
+    if (sink->numbers != NULL) {
+        numbers_start(sink->numbers, state, description->simulation.initial.kind == EVL_INITIAL_PERIODIC);
+    }
     contact_watch_init(&s.contact, sink->wanted, description->n_meshes);
     s.invariants =
         invariant_watch_create(sink->wanted, description->n_wheels, description->n_meshes, options.tolerance);

@@ -17,6 +17,7 @@ module evl_start_distance
    use evl_places, only: places
    use evl_start_positions, only: mesh_position
    use evl_status, only: clear, code_no_solution, fail, has_failed, quantity, status_t
+   use evl_steady_position, only: first_mesh
    implicit none (type, external)
    private
 
@@ -56,7 +57,7 @@ contains
          call fail(status, code_no_solution, "its "//quantity(real(gearbox%n_states, wp), "")//" states are too many for modes")
          return
       end if
-      position = mesh_position(gearbox, 1, start(i_theta), turns)
+      position = mesh_position(gearbox, first_mesh(gearbox), start, turns)
       call sample_steady(gearbox, t, position, y, integers, reals, samples(:, :n_positions), matrix, status)
       if (has_failed(status)) return
       mean = sum(samples(:, :n_positions), dim=2)/n_positions
