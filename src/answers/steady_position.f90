@@ -130,8 +130,8 @@ contains
             if (least <= best + same) cycle
             best = least
             position = x
+            if (best >= margin) return
          end do
-         if (best >= margin) return
       end do
    end function default_position
 
