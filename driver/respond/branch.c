@@ -85,6 +85,8 @@ orbit_end branch_look(branch *b, double value, carried *state, response_point *p
         point->pitches = result.pitches;
         point->distance = result.distance;
         point->time = result.time;
+        point->common_time = result.common_time;
+        point->time_constant = result.time_constant;
     } else if (end == ORBIT_FAILED && error->code == EVL_EXIT_OK) {
         OWNED char *option = value_range_option(b->range, value);
         evl_error_set(error, EVL_EXIT_INTEGRATION, option, "%s", message);
@@ -184,7 +186,8 @@ static orbit_end look_between(branch *b, double last, const response_point *befo
             break;
         }
     }
-    if (end == ORBIT_FOUND && jumps) {
+    const bool settle = gap.points[0].period == RESPONSE_SETTLING || gap.points[1].period == RESPONSE_SETTLING;
+    if (end == ORBIT_FOUND && jumps && !settle) {
         add_jump(b, branch_at(b, b->step).direction, gap.values, gap.points);
     }
     carried_free(&gap.state);
@@ -227,6 +230,8 @@ static void keep_point(branch *b, response_point *point, archive *archive)
     KEEP(archive, point->periods);
     KEEP(archive, point->pitches);
     KEEP(archive, point->distance);
+    KEEP(archive, point->common_time);
+    KEEP(archive, point->time_constant);
     KEEP_ARRAY(archive, point->values, b->n_values);
 }
 
