@@ -69,15 +69,14 @@ static bool start(branch *b, const model_period *period, carried *state, char *m
 orbit_end branch_look(branch *b, double value, carried *state, response_point *point, evl_error *error)
 {
     char message[DAE_MESSAGE_LENGTH] = "";
-    model_period period;
     orbit_result result;
     error->code = EVL_EXIT_OK;
-    if (!branch_prepare(b, value, &period, error)) {
+    if (!branch_prepare(b, value, &b->period, error)) {
         return ORBIT_FAILED;
     }
-    orbit_end end = start(b, &period, state, message, error) ? ORBIT_FOUND : ORBIT_FAILED;
+    orbit_end end = start(b, &b->period, state, message, error) ? ORBIT_FOUND : ORBIT_FAILED;
     if (end == ORBIT_FOUND) {
-        end = orbit_find(&b->prepared, &period, state, b->most, b->interrupt, &result, point->values, message);
+        end = orbit_find(&b->prepared, &b->period, state, b->most, b->interrupt, &result, point->values, message);
     }
     if (end == ORBIT_FOUND) {
         point->period = result.period;

@@ -1,6 +1,7 @@
 #include "respond/shortcut.h"
 
 #include "model/model_orbits.h"
+#include "simulate/simulate.h"
 
 /** All orbits are of one model: no parameter changes. */
 static const model *take(void *self, double value, char message[DAE_MESSAGE_LENGTH])
@@ -54,6 +55,7 @@ static bool go_to_section(const section *section, const dae_state *state, double
     integrate_options options = *usual;
     options.t_end = now.t + 2 * time;
     options.output_interval = options.t_end - now.t;
+    options.per_unit = 0;
     const integrate_observer observer = {.self = &passage, .event = on_event, .step = on_step, .watch = on_watch};
     integrate_counts counts;
     (void)integrate(dae, &options, &observer, &now, &counts, message);
@@ -61,6 +63,24 @@ static bool go_to_section(const section *section, const dae_state *state, double
         carried_set(to, &passage.section, &passage.at);
     }
     return passage.is_there;
+}
+
+bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
+                           const volatile sig_atomic_t *interrupt, carried *to)
+{
+    POOLED memory_pool pool = {NULL};
+    model_message refusal;
+    dae_state state;
+    if (!model_steady_state(prepared->model, 0, &state, &refusal)) {
+        return false;
+    }
+    section section;
+    section_begin(&section, &pool, prepared->model, period, phase, &state);
+    const double rate = period->by_time ? period->pitches / period->time : section_pitch_rate(&section, &state);
+    const integrate_options options = simulate_options(prepared);
+    const bool good = rate > 0 && go_to_section(&section, &state, period->pitches / rate, &options, interrupt, to);
+    dae_state_free(&state);
+    return good;
 }
 
 bool shortcut_find(const section *section, const carried *near, int periods, double time,

@@ -4,9 +4,15 @@
 #include "respond/carried.h"
 
 #include "integrate/integrate.h"
+#include "simulate/prepare.h"
 
 #include <signal.h>
 
+/** The quasi-static motion at the section: it starts from the steady state at t = 0, and is integrated to there.
+ *  @param phase  of the section
+ *  @return false if there is no steady state, or the integration fails */
+bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
+                           const volatile sig_atomic_t *interrupt, carried *to);
 /** Find it.
  *  @param near       a state of the motion on the section
  *  @param periods    common periods of the orbit

@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 import yaml
 
+from evolvent.figures.orbits import draw_orbits
 from evolvent.figures.response import draw_response
 
 SPEED = "wheels.motor.loads.0.speed"
@@ -164,3 +165,22 @@ def test_what_still_settles_is_not_called_aperiodic(
     labels = [text.get_text() for text in legends[0].get_texts()]
     assert "up, still settling" in labels
     assert not any("not periodic" in label for label in labels)
+
+
+@pytest.mark.long
+def test_a_pair_that_grazes_in_a_mesh_that_never_parts_is_called_a_pair(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    """Half a minute: around 8.5 krpm tooth pairs just touch while others carry."""
+    path = tmp_path / "o.h5"
+    over = f"{SPEED}=8000 rpm:8700 rpm"
+    done = evolvent("respond", case, "--over", over, "--method", "orbits", "-o", path)
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(path, engine="h5netcdf") as orbits:
+        grazing = np.isin(orbits["orbit_kind"].values, [5, 6])
+        assert grazing.any()
+        assert (orbits["share_no_contact"] == 0).all()
+        assert (orbits["orbit_grazing"].values[grazing] == 1).all()
+        labels = [text.get_text() for text in draw_orbits(orbits.load()).legends[0].get_texts()]
+    assert "one tooth pair just touches" in labels
+    assert not any("mesh" in label for label in labels)

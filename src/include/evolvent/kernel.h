@@ -453,7 +453,7 @@ typedef enum {
     EVL_ORBIT_CROSSING, /**< another branch crosses */
     EVL_ORBIT_DOUBLING,
     EVL_ORBIT_NEIMARK_SACKER,
-    EVL_ORBIT_TOUCH,     /**< a root function just touches zero: flanks just part */
+    EVL_ORBIT_TOUCH,     /**< a root function just touches zero (grazing): flanks just part. Multipliers depend on the side */
     EVL_ORBIT_TOUCH_FOLD /**< the same, and the branch turns back there */
 } evl_orbit_kind;
 typedef struct {
@@ -467,6 +467,7 @@ typedef struct {
     int n_multipliers;
     int told; /**< the number under which `tell` followed it: it is stable as its neighbours are, and has no multipliers; 0: none */
     bool is_stable;              /**< all multipliers are smaller than 1 */
+    bool whole_mesh;             /**< of a touch: no tooth pair of the mesh carries then; false: others do */
     char root[EVL_SHORT_LENGTH]; /**< of a touch: which root function; else "" */
 } evl_orbit;
 /** @param value  a first value, whose gearbox gives the scales
