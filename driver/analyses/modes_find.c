@@ -125,7 +125,7 @@ static bool find(const prepared_case *prepared, const modes_request *request, co
     dae_state *state = &report->state;
     model_message refusal;
     if (request->mean) {
-        return model_mean_modes(prepared->model, state, report->values, &report->modes, &refusal) ||
+        return model_mean_modes(prepared->model, 0, state, report->values, &report->modes, &refusal) ||
                refuse_steady_state(prepared, &refusal, error);
     }
     return (request->at != NULL ? find_state_at(prepared, request, place->time, state, error)

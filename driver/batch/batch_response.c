@@ -15,7 +15,17 @@
 #include <time.h>
 
 /** What is told of a response, behind the numbers. */
-enum { JUMPS_UP, JUMPS_DOWN, JUMP_UP_AT, JUMP_DOWN_AT, LONGEST_PERIOD, NOT_PERIODIC, CPU_TIME, N_OF_RESPONSE };
+enum {
+    JUMPS_UP,
+    JUMPS_DOWN,
+    JUMP_UP_AT,
+    JUMP_DOWN_AT,
+    LONGEST_PERIOD,
+    NOT_PERIODIC,
+    STILL_SETTLING,
+    CPU_TIME,
+    N_OF_RESPONSE
+};
 static const statistics_scalar of_response[N_OF_RESPONSE] = {
     [JUMPS_UP] = {"jumps_up", "1", "number of jumps on the way up"},
     [JUMPS_DOWN] = {"jumps_down", "1", "number of jumps on the way down"},
@@ -23,6 +33,7 @@ static const statistics_scalar of_response[N_OF_RESPONSE] = {
     [JUMP_DOWN_AT] = {"jump_down_at", "", "parameter behind the first jump on the way down"},
     [LONGEST_PERIOD] = {"longest_period", "1", "common periods after which the motion repeats, at most"},
     [NOT_PERIODIC] = {"not_periodic", "1", "number of values at which the motion does not repeat"},
+    [STILL_SETTLING] = {"still_settling", "1", "number of values at which the motion still settles"},
     [CPU_TIME] = {"cpu_time", "s", "processor time since it was begun or gone on with"},
 };
 
@@ -111,6 +122,7 @@ static void hear_point(const listener *listener, const response_point *point)
     double *own = listener->results + table->n - N_OF_RESPONSE;
     own[LONGEST_PERIOD] = larger(own[LONGEST_PERIOD], point->period);
     own[NOT_PERIODIC] += point->period == 0;
+    own[STILL_SETTLING] += point->period == RESPONSE_SETTLING;
     for (int i = 0; i < table->n_numbers && !listener->has_other_sizes; i++) {
         double *result = &listener->results[table->numbers[i].scalar];
         *result = larger(*result, point->values[table->numbers[i].place]);
@@ -147,7 +159,7 @@ static void hear(void *self, const response *response)
     listener->has_other_sizes =
         table->n_numbers > 0 && (names->meshes.n != table->names.meshes.n || names->wheels.n != table->names.wheels.n ||
                                  names->accelerometers.n != table->names.accelerometers.n);
-    own[JUMPS_UP] = own[JUMPS_DOWN] = own[LONGEST_PERIOD] = own[NOT_PERIODIC] = 0;
+    own[JUMPS_UP] = own[JUMPS_DOWN] = own[LONGEST_PERIOD] = own[NOT_PERIODIC] = own[STILL_SETTLING] = 0;
     hear_jumps(own, response);
     for (int d = 0; d < RESPONSE_DIRECTIONS; d++) {
         for (int i = 0; i < response->n && response->points[d] != NULL; i++) {

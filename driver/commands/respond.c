@@ -93,7 +93,7 @@ static const option_row rows[] = {
     {OPTION_FLAG, 0, "--down", NULL, offsetof(options_t, down), "only from TO to FROM"},
     {OPTION_FLAG, 0, "--both", NULL, offsetof(options_t, both), "up, and from there down; so it is if nothing is said"},
     {OPTION_TEXT, 0, "--periods", "N", offsetof(options_t, most),
-     "common periods at a value at most; 600 pitches of the first mesh, but 100 periods, if not given"},
+     "common periods at a value at most; if not given 25 time constants of the slowest mode, at least 600 pitches"},
     {OPTION_TEXT, 0, "--method", "NAME", offsetof(options_t, method),
      "sweep: go on from value to value, as if nothing is said; orbits: follow periodic orbits, stable or not"},
     {OPTION_TEXT, 0, "--values", "N", offsetof(options_t, values),

@@ -43,9 +43,27 @@ static double tell_time(const orbit_point *point)
     return point->orbit.time;
 }
 
+/** At a touch multipliers differ from side to side, and may grow without bound on one of them. */
+static bool is_grazing(const orbit_point *point)
+{
+    return point->orbit.kind == MODEL_ORBIT_TOUCH || point->orbit.kind == MODEL_ORBIT_TOUCH_FOLD;
+}
+
+static double tell_grazing(const orbit_point *point)
+{
+    enum { NONE, TOOTH_PAIR, MESH };
+    return !is_grazing(point) ? NONE : point->orbit.whole_mesh ? MESH : TOOTH_PAIR;
+}
+
+static double tell_multipliers(const orbit_point *point)
+{
+    enum { COMPUTED, NOT_COMPUTED, UNDEFINED };
+    return is_grazing(point) ? UNDEFINED : point->orbit.n_multipliers > 0 ? COMPUTED : NOT_COMPUTED;
+}
+
 static double tell_stable(const orbit_point *point)
 {
-    return point->orbit.is_stable;
+    return is_grazing(point) ? -1 : point->orbit.is_stable;
 }
 
 static double tell_kind(const orbit_point *point)
@@ -80,6 +98,7 @@ static bool write_all_told(writer *w)
 {
     const char *units = w->from->units[0] == '\0' ? "1" : w->from->units;
     static const char kinds[] = "ordinary fold crossing doubling neimark_sacker touch touch_fold";
+    static const char grazings[] = "none tooth_pair mesh", multipliers[] = "computed not_computed undefined";
     const struct {
         netcdf_variable variable;
         teller *tell;
@@ -89,8 +108,9 @@ static bool write_all_told(writer *w)
         {netcdf_describe(NETCDF_INTEGER, "orbit_period", "1", "p", "common periods after which the orbit repeats"),
          tell_period},
         {netcdf_describe(NETCDF_REAL, "orbit_time", "s", "T", "time after which the orbit repeats"), tell_time},
-        {netcdf_describe(NETCDF_INTEGER, "orbit_stable", "1", "",
-                         "1: all multipliers are smaller than 1, or those of both neighbours; 0: not"),
+        {netcdf_describe(
+             NETCDF_INTEGER, "orbit_stable", "1", "",
+             "1: all multipliers are smaller than 1, or those of both neighbours; 0: not; -1: undefined at a touch"),
          tell_stable},
         {{.type = NETCDF_INTEGER,
           .name = "orbit_kind",
@@ -100,6 +120,22 @@ static bool write_all_told(writer *w)
           .n_flags = MODEL_ORBIT_TOUCH_FOLD + 1,
           .flag_meanings = kinds},
          tell_kind},
+        {{.type = NETCDF_INTEGER,
+          .name = "orbit_grazing",
+          .units = "1",
+          .symbol = "",
+          .long_name = "what just touches: one tooth pair while others of its mesh carry, or the mesh as a whole",
+          .n_flags = 3,
+          .flag_meanings = grazings},
+         tell_grazing},
+        {{.type = NETCDF_INTEGER,
+          .name = "multiplier_status",
+          .units = "1",
+          .symbol = "",
+          .long_name = "whether there are multipliers: at a touch they differ from side to side and are left out",
+          .n_flags = 3,
+          .flag_meanings = multipliers},
+         tell_multipliers},
         {netcdf_describe(NETCDF_INTEGER, "orbit_touch_mesh", "1", "",
                          "place in `mesh` of the flanks that just touch or part; -1: none"),
          tell_mesh},
@@ -129,7 +165,8 @@ static bool write_multipliers(writer *w, const char *name, const char *text, int
     for (int k = 0; k < n; k++) {
         const orbit_point *point = &w->from->points[k];
         for (int i = 0; i < m; i++) {
-            values[k * m + i] = i < point->orbit.n_multipliers ? point->multipliers[2 * i + part] : NAN;
+            values[k * m + i] =
+                i < point->orbit.n_multipliers && !is_grazing(point) ? point->multipliers[2 * i + part] : NAN;
         }
     }
     variable.dimensions[0] = &w->point;

@@ -5,7 +5,7 @@
 #include "base/status.h"
 #include "files/history.h"
 
-enum { RESPONSE_DIRECTIONS = 2 };
+enum { RESPONSE_DIRECTIONS = 2, RESPONSE_SETTLING = -2 };
 
 /** Where a motion jumps to another one. */
 typedef struct {
@@ -17,12 +17,15 @@ typedef struct {
 
 /** At one value. */
 typedef struct {
-    int period;  /**< common periods after which the motion repeats; 0: it does not; -1: it was not looked at */
+    int period;  /**< common periods after which the motion repeats; 0: it does not; -1: it was not looked at;
+                      RESPONSE_SETTLING: it still settles */
     int periods; /**< common periods that it was followed */
     int pitches; /**< of the first mesh in a common period */
     double distance;
-    double time;    /**< of one orbit [s], if it was looked at in this run */
-    double *values; /**< [n_values] numbers; NULL: not looked at */
+    double time;          /**< of one orbit [s], if it was looked at in this run */
+    double common_time;   /**< of a common period [s] */
+    double time_constant; /**< of the slowest damped mode [s]; NAN: not known */
+    double *values;       /**< [n_values] numbers; NULL: not looked at */
 } response_point;
 
 typedef struct {

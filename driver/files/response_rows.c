@@ -33,9 +33,14 @@ static double tell_pitches(const response_point *point)
     return point->pitches;
 }
 
+static double tell_time_constant(const response_point *point)
+{
+    return point->period == -1 ? NAN : point->time_constant;
+}
+
 static double tell_distance(const response_point *point)
 {
-    return point->period < 0 ? NAN : point->distance;
+    return point->period == -1 ? NAN : point->distance;
 }
 
 /** The first dimensions of all variables. */
@@ -63,20 +68,25 @@ static bool write_told(writer *w, const netcdf_variable *like, teller *tell)
 static bool write_all_told(writer *w)
 {
     static const struct {
-        const char *name, *symbol, *text;
+        const char *name, *units, *symbol, *text;
         netcdf_type type;
         teller *tell;
     } rows[] = {
-        {"period", "p", "common periods after which the motion repeats; 0: it does not within 16; -1: not looked at",
+        {"period", "1", "p",
+         "common periods after which the motion repeats; 0: it does not within 16; -1: not looked at; -2: it still "
+         "settles",
          NETCDF_INTEGER, tell_period},
-        {"followed", "", "common periods that the motion was followed", NETCDF_INTEGER, tell_periods},
-        {"common_period", "N", "pitches of the first mesh in a common period", NETCDF_INTEGER, tell_pitches},
-        {"repeat_distance", "", "largest difference of a state to that of one orbit before, in its unit", NETCDF_REAL,
-         tell_distance},
+        {"followed", "1", "", "common periods that the motion was followed", NETCDF_INTEGER, tell_periods},
+        {"common_period", "1", "N", "pitches of the first mesh in a common period", NETCDF_INTEGER, tell_pitches},
+        {"repeat_distance", "1", "", "largest difference of a state to that of one orbit before, in its unit",
+         NETCDF_REAL, tell_distance},
+        {"time_constant", "s", "", "time constant of the slowest damped mode at the mean mesh stiffness", NETCDF_REAL,
+         tell_time_constant},
     };
     bool good = true;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++) {
-        const netcdf_variable variable = netcdf_describe(rows[i].type, rows[i].name, "1", rows[i].symbol, rows[i].text);
+        const netcdf_variable variable =
+            netcdf_describe(rows[i].type, rows[i].name, rows[i].units, rows[i].symbol, rows[i].text);
         good = write_told(w, &variable, rows[i].tell);
     }
     return good;

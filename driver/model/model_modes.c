@@ -72,7 +72,7 @@ static natural_mode create_mode(memory_pool *pool, const model *model, const dae
 }
 
 /** The modes at a state, or, with room for mean outputs, of the mean over steady states: then the state is found. */
-static bool find_modes(const model *model, const dae_state *state, double *means, natural_modes *modes,
+static bool find_modes(const model *model, const dae_state *state, double *means, int n_positions, natural_modes *modes,
                        evl_status *status)
 {
     const size_t n = (size_t)model->sizes.n_states;
@@ -81,7 +81,7 @@ static bool find_modes(const model *model, const dae_state *state, double *means
     *modes = (natural_modes){.n = 0};
     *status = (evl_status){.index = -1};
     const int code = evl_gearbox_modes(model->gearbox, state->t, state->y, state->integers, state->reals, &n_found,
-                                       &modes->n_rigid, eigenvalues, vectors, means, status);
+                                       &modes->n_rigid, eigenvalues, vectors, means, n_positions, status);
     if (code != EVL_OK) {
         return false;
     }
@@ -98,18 +98,19 @@ static bool find_modes(const model *model, const dae_state *state, double *means
 bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status;
-    const bool good = find_modes(model, state, NULL, modes, &status);
+    const bool good = find_modes(model, state, NULL, 0, modes, &status);
     if (!good) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status.message);
     }
     return good;
 }
 
-bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error)
+bool model_mean_modes(const model *model, int n_positions, dae_state *state, double *values, natural_modes *modes,
+                      model_message *error)
 {
     evl_status status;
     *state = dae_state_create(&model->about.dae, NULL);
-    const bool good = find_modes(model, state, values, modes, &status);
+    const bool good = find_modes(model, state, values, n_positions, modes, &status);
     if (!good) {
         model_explain_start(model, &status, error);
         dae_state_free(state);

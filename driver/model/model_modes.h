@@ -26,10 +26,12 @@ typedef struct {
 /** The gearbox linearised at a state. @return false with the reason in `message`; then there is nothing to free */
 bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH]);
 /** The gearbox linearised at the steady states at all positions of its meshes, with the mean of the matrices.
+ *  @param n_positions  over which the mean is taken; 0: 997
  *  @param[out] state   the steady state to which the shapes belong; its arrays belong to the caller
  *  @param[out] values  [model_n_values] mean outputs
  *  @return false with the reason in `error`; then there is nothing to free */
-bool model_mean_modes(const model *model, dae_state *state, double *values, natural_modes *modes, model_message *error);
+bool model_mean_modes(const model *model, int n_positions, dae_state *state, double *values, natural_modes *modes,
+                      model_message *error);
 
 /** How a mesh stands at a state. */
 evl_mesh_mode model_mesh_mode(const model *model, const dae_state *state, int mesh);

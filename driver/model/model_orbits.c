@@ -101,6 +101,7 @@ static void from_kernel(const evl_orbit *told, model_orbit *orbit)
                            .iterations = told->iterations,
                            .n_multipliers = told->n_multipliers,
                            .is_stable = told->is_stable,
+                           .whole_mesh = told->whole_mesh,
                            .told = told->told - 1};
     memcpy(orbit->root, told->root, sizeof orbit->root);
 }

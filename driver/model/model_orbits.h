@@ -25,6 +25,7 @@ typedef struct {
     int iterations;
     int n_multipliers; /**< 0 of one that was told: it is as stable as its neighbours are */
     bool is_stable;
+    bool whole_mesh;             /**< of a touch: no tooth pair of the mesh carries then; false: others do */
     int told;                    /**< the number that `tell` had of it; -1: it was not told */
     char root[MODEL_ORBIT_ROOT]; /**< what just touches there */
 } model_orbit;

@@ -69,15 +69,14 @@ static bool start(branch *b, const model_period *period, carried *state, char *m
 orbit_end branch_look(branch *b, double value, carried *state, response_point *point, evl_error *error)
 {
     char message[DAE_MESSAGE_LENGTH] = "";
-    model_period period;
     orbit_result result;
     error->code = EVL_EXIT_OK;
-    if (!branch_prepare(b, value, &period, error)) {
+    if (!branch_prepare(b, value, &b->period, error)) {
         return ORBIT_FAILED;
     }
-    orbit_end end = start(b, &period, state, message, error) ? ORBIT_FOUND : ORBIT_FAILED;
+    orbit_end end = start(b, &b->period, state, message, error) ? ORBIT_FOUND : ORBIT_FAILED;
     if (end == ORBIT_FOUND) {
-        end = orbit_find(&b->prepared, &period, state, b->most, b->interrupt, &result, point->values, message);
+        end = orbit_find(&b->prepared, &b->period, state, b->most, b->interrupt, &result, point->values, message);
     }
     if (end == ORBIT_FOUND) {
         point->period = result.period;
@@ -85,6 +84,8 @@ orbit_end branch_look(branch *b, double value, carried *state, response_point *p
         point->pitches = result.pitches;
         point->distance = result.distance;
         point->time = result.time;
+        point->common_time = result.common_time;
+        point->time_constant = result.time_constant;
     } else if (end == ORBIT_FAILED && error->code == EVL_EXIT_OK) {
         OWNED char *option = value_range_option(b->range, value);
         evl_error_set(error, EVL_EXIT_INTEGRATION, option, "%s", message);
@@ -184,7 +185,8 @@ static orbit_end look_between(branch *b, double last, const response_point *befo
             break;
         }
     }
-    if (end == ORBIT_FOUND && jumps) {
+    const bool settle = gap.points[0].period == RESPONSE_SETTLING || gap.points[1].period == RESPONSE_SETTLING;
+    if (end == ORBIT_FOUND && jumps && !settle) {
         add_jump(b, branch_at(b, b->step).direction, gap.values, gap.points);
     }
     carried_free(&gap.state);
@@ -227,6 +229,8 @@ static void keep_point(branch *b, response_point *point, archive *archive)
     KEEP(archive, point->periods);
     KEEP(archive, point->pitches);
     KEEP(archive, point->distance);
+    KEEP(archive, point->common_time);
+    KEEP(archive, point->time_constant);
     KEEP_ARRAY(archive, point->values, b->n_values);
 }
 

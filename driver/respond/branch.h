@@ -17,6 +17,7 @@ typedef struct {
     const volatile sig_atomic_t *interrupt; /**< as of orbit_find */
     wheel_store *wheels;
     prepared_case prepared; /**< of the value that was looked at last */
+    model_period period;    /**< of that */
     const model_names *names;
     model_output rows[N_NUMBER_ROWS];
     int n_values;

@@ -1,6 +1,7 @@
 #include "respond/branches.h"
 
 #include "respond/branches_points.h"
+#include "respond/shortcut.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -146,6 +147,47 @@ static bool create_orbits(branches *o, double value, evl_error *error)
     return o->orbits != NULL || evl_error_set(error, EVL_EXIT_CASE, "", "%s", message);
 }
 
+/** Take what is needed of the first state for all orbits. @return false with the reason in `error` */
+static bool begin_orbits(branches *o, double value, const carried *state, evl_error *error)
+{
+    if (!o->has_orbits) {
+        o->sizes = state->sizes;
+        o->place = state->pitches;
+        o->scaled_at = value;
+        o->has_orbits = create_orbits(o, value, error);
+    }
+    return o->has_orbits;
+}
+
+/** Where the motion does not repeat: an orbit, stable or not, from the state where the motion ended, or from the quasi-static one.
+ *  @param state  becomes that of which it was found */
+static bool find_other_start(branches *o, double value, carried *state, response_point *point, evl_error *error)
+{
+    static const char *const origins[] = {"its last state", "the quasi-static state"};
+    char message[DAE_MESSAGE_LENGTH];
+    const char *what = point->period == 0 ? "is not periodic" : "still settles";
+    const double time = point->common_time, phase = state->phase;
+    for (int origin = 0; origin < 2; origin++) {
+        model_orbit orbit;
+        if ((origin == 1 &&
+             !shortcut_quasi_static(&o->sweep->prepared, &o->sweep->period, phase, o->sweep->interrupt, state)) ||
+            !begin_orbits(o, value, state, error) ||
+            !model_orbits_find(o->orbits, value, 1, time, &state->state, &orbit, message)) {
+            continue;
+        }
+        OWNED char *why = xasprintf("the motion %s: an orbit was found from %s", what, origins[origin]);
+        branches_note(o, value, why);
+        point->period = 1;
+        point->time = orbit.time;
+        point->values = branches_numbers(o, &orbit);
+        return true;
+    }
+    OWNED char *why =
+        xasprintf("the motion %s, and no orbit was found from its last state or the quasi-static one", what);
+    branches_note(o, value, why);
+    return false;
+}
+
 /** Find the motion to which the gearbox comes at a value. */
 static orbit_end look(branches *o, double value, evl_error *error)
 {
@@ -153,25 +195,19 @@ static orbit_end look(branches *o, double value, evl_error *error)
     response_point point = {.values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof(double))};
     orbit_end end = branch_look(o->sweep, value, &state, &point, error);
     bool begins = false;
-    if (end == ORBIT_FOUND && point.period == 0) {
-        branches_note(o, value, "the motion is not periodic");
+    if (end == ORBIT_FOUND && point.period <= 0 && !find_other_start(o, value, &state, &point, error)) {
+        end = error->code == EVL_EXIT_OK ? ORBIT_FOUND : ORBIT_FAILED;
     } else if (end == ORBIT_FOUND && point.period > o->longest) {
         OWNED char *why =
             xasprintf("the motion repeats after %d common periods, more than --longest %d: it is left out",
                       point.period, o->longest);
         branches_note(o, value, why);
     } else if (end == ORBIT_FOUND) {
-        if (!o->has_orbits) {
-            o->sizes = state.sizes;
-            o->place = state.pitches;
-            o->scaled_at = value;
-            o->has_orbits = create_orbits(o, value, error);
-            end = o->has_orbits ? ORBIT_FOUND : ORBIT_FAILED;
-        }
+        end = begin_orbits(o, value, &state, error) ? ORBIT_FOUND : ORBIT_FAILED;
         if (o->has_orbits && fabs(state.pitches - o->place) > 1e-9) {
             branches_note(o, value, "an event lies on the section of the others: the motion is left out");
         } else if (o->has_orbits) {
-            begins = !branches_pass(o, value, point.period, point.values);
+            begins = point.values == NULL || !branches_pass(o, value, point.period, point.values);
         }
     }
     if (end == ORBIT_FOUND && *o->sweep->interrupt == 0) {

@@ -41,6 +41,27 @@ static double *find_numbers(branches *o, int number, int point, const model_orbi
     return good ? values : NULL;
 }
 
+double *branches_numbers(branches *o, const model_orbit *orbit)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    return find_numbers(o, -1, 0, orbit, message);
+}
+
+/** A mesh that has no time without contact on either side of a touch does not part there: one of its tooth pairs does. */
+static void check_touches(branches *o, int first, int n)
+{
+    const model_output *row = &o->sweep->rows[number_row_of_contact(NUMBER_NO_CONTACT)];
+    for (int k = first + 1; k + 1 < first + n; k++) {
+        model_orbit *orbit = &o->points[k].orbit;
+        const double *before = o->points[k - 1].values, *after = o->points[k + 1].values;
+        const bool is_touch = orbit->kind == MODEL_ORBIT_TOUCH || orbit->kind == MODEL_ORBIT_TOUCH_FOLD;
+        if (is_touch && orbit->mesh >= 0 && before != NULL && after != NULL) {
+            const int at = row->offset + orbit->mesh;
+            orbit->whole_mesh = orbit->whole_mesh && (before[at] > 0 || after[at] > 0);
+        }
+    }
+}
+
 void branches_take_points(branches *o, int n)
 {
     const int number = o->n_branches - 1, n_room = 2 * (o->sizes.n + o->sizes.n_reals);
@@ -66,6 +87,7 @@ void branches_take_points(branches *o, int n)
         }
     }
     branch->n = n;
+    check_touches(o, o->n_points - n, n);
 }
 
 /** Whether two orbits at one value are the same: their transmission errors are. */

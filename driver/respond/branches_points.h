@@ -7,6 +7,8 @@
 void branches_take_points(branches *branches, int n);
 /** Remember that something did not come to an orbit. */
 void branches_note(branches *branches, double value, const char *why);
+/** The numbers of the present orbit. @return NULL if a run leaves it */
+double *branches_numbers(branches *branches, const model_orbit *orbit);
 /** Whether a branch passes an orbit that has these numbers. */
 bool branches_pass(branches *branches, double value, int periods, const double *values);
 /** Whether a branch of twice the period begins or ends at a doubling. */

@@ -17,5 +17,6 @@ double jump_size(const model_output *row, const response_point *a, const respons
 bool jump_is_likely(const model_output *row, const response_point *a, const response_point *b)
 {
     const bool either_repeats = a->period > 0 || b->period > 0;
-    return either_repeats && jump_size(row, a, b) > small;
+    const bool both_are_known = a->period >= 0 && b->period >= 0; /* what still settles is on no motion yet */
+    return either_repeats && both_are_known && jump_size(row, a, b) > small;
 }

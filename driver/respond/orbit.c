@@ -1,7 +1,9 @@
 #include "respond/orbit.h"
 
 #include "base/interrupt.h"
+#include "files/response.h"
 #include "integrate/integrate.h"
+#include "respond/shortcut.h"
 #include "simulate/numbers.h"
 #include "simulate/simulate.h"
 
@@ -10,62 +12,22 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { KEPT = ORBIT_LONGEST + 1 };
-
-/* ---- the state that is carried ---- */
-
-void carried_free(carried *c)
-{
-    dae_state_free(&c->state);
-    c->exists = false;
-}
-
-void carried_copy(carried *to, const carried *from)
-{
-    carried_free(to);
-    *to = *from;
-    if (from->exists) {
-        to->state = dae_state_create(&from->sizes, NULL);
-        dae_state_copy(&from->sizes, &to->state, &from->state);
-    }
-}
-
-void carried_keep(carried *c, archive *archive)
-{
-    enum { MOST = 1000000 };
-    int sizes[] = {c->sizes.n, c->sizes.n_integers, c->sizes.n_reals};
-    KEEP(archive, c->exists);
-    KEEP_ARRAY(archive, sizes, 3);
-    if (archive->is_reading) {
-        archive->has_failed = archive->has_failed || sizes[0] > MOST || sizes[1] > MOST || sizes[2] > MOST ||
-                              sizes[0] < 0 || sizes[1] < 0 || sizes[2] < 0;
-        carried_free(c);
-        if (archive->has_failed) {
-            return;
-        }
-        c->sizes = (dae){.n = sizes[0], .n_integers = sizes[1], .n_reals = sizes[2]};
-        c->state = dae_state_create(&c->sizes, NULL);
-        c->exists = true;
-    }
-    KEEP(archive, c->state.t);
-    KEEP_ARRAY(archive, c->state.y, c->sizes.n);
-    KEEP_ARRAY(archive, c->state.yp, c->sizes.n);
-    KEEP_ARRAY(archive, c->state.integers, c->sizes.n_integers);
-    KEEP_ARRAY(archive, c->state.reals, c->sizes.n_reals);
-    KEEP(archive, c->pitches);
-    KEEP(archive, c->phase);
-}
+enum { KEPT = ORBIT_LONGEST + 1, FIRST_LOOK = 40, LONGEST_LOOK = 4 };
 
 /* ---- the search ---- */
 
-typedef enum { STOP_NONE, STOP_DONE, STOP_INTERRUPTED } stop_reason;
+typedef enum { STOP_NONE, STOP_DONE, STOP_INTERRUPTED, STOP_SHORTCUT } stop_reason;
 
 typedef struct {
     const prepared_case *prepared;
     const dae *dae;
     section section;
+    const integrate_options *options;
+    settling settling;
+    carried orbit;  /**< a stable one that the motion may come to */
+    double apart;   /**< distance from it when it was found */
+    int next_look;  /**< common periods on this section after which it is looked for */
     double repeats; /**< distance below which states are the same */
-    int most;
     const volatile sig_atomic_t *interrupt;
     dae_state seen[KEPT];   /**< on the section, taken back to the same place */
     double t_seen[KEPT];    /**< when [s] */
@@ -86,7 +48,8 @@ static bool has_come_to(const search *s, int k, int p)
     static const double rounding = 0.01;
     const double now = s->far[k % KEPT][p], before = s->far[(k - p) % KEPT][p], left = now * now / (before - now);
     const bool shrinks = now < before && now <= s->repeats && left <= s->repeats;
-    return shrinks || (now <= rounding * s->repeats && before <= rounding * s->repeats);
+    return (shrinks || (now <= rounding * s->repeats && before <= rounding * s->repeats)) &&
+           settling_is_calm(&s->settling, p);
 }
 
 /** The orbit that the motion is on; 0: none yet. A motion that winds itself to an orbit comes back to where it was after several
@@ -101,7 +64,14 @@ static int find_period(const search *s, int k)
     for (int p = 1; p < found; p++) {
         found = s->far[k % KEPT][p] <= almost * s->repeats ? p : found;
     }
-    return found > 0 && s->far[k % KEPT][found] <= s->repeats ? found : 0;
+    const bool is_there = found > 0 && s->far[k % KEPT][found] <= s->repeats;
+    return is_there && settling_is_calm(&s->settling, found) ? found : 0;
+}
+
+/** How long the last common period took [s]. */
+static double common_time(const search *s, int k)
+{
+    return s->section.period.by_time ? s->section.period.time : s->at.t - s->t_seen[(k - 1) % KEPT];
 }
 
 /** Find the numbers over whole pitches from now on. @param n  common periods */
@@ -133,6 +103,46 @@ static int nearest_period(const search *s, int k)
     return nearest;
 }
 
+/** Look for a stable orbit of so many common periods near a state. */
+static bool find_orbit(search *s, int k, const carried *here, int periods)
+{
+    return shortcut_find(&s->section, here, periods, common_time(s, k), s->options, s->interrupt, &s->orbit);
+}
+
+/** Look for the orbit to which a motion goes that settles slowly; once it has come nearer by far, it may as well go on from there. */
+static void look_ahead(search *s, int k)
+{
+    static const double nearer = 0.1;
+    if (s->settling.is_on_orbit || !settling_is_slow(&s->settling, common_time(s, k))) {
+        return;
+    }
+    carried here = {.exists = false};
+    carried_set(&here, &s->section, &s->at);
+    double apart = s->orbit.exists ? carried_distance(&s->orbit, s->prepared->model, &here.state) : INFINITY;
+    if (k >= s->next_look && !(apart < s->apart)) {
+        const int nearest = nearest_period(s, k);
+        s->next_look = 2 * k;
+        carried_free(&s->orbit);
+        if (find_orbit(s, k, &here, 1) ||
+            (nearest > 1 && nearest <= LONGEST_LOOK && find_orbit(s, k, &here, nearest))) {
+            s->apart = apart = carried_distance(&s->orbit, s->prepared->model, &here.state);
+        }
+    }
+    if (s->orbit.exists && (apart <= s->repeats || apart <= nearer * s->apart)) {
+        s->stop = STOP_SHORTCUT;
+    }
+    carried_free(&here);
+}
+
+/** The motion is over without a sign that it repeats: what it is then. */
+static int judge(search *s, int k, int near)
+{
+    if (s->result->distance <= s->repeats) {
+        return near;
+    }
+    return settling_goes_on(&s->settling, s->result->periods * common_time(s, k)) ? RESPONSE_SETTLING : 0;
+}
+
 /** The motion is on the section, at s->at. */
 static void on_section(search *s)
 {
@@ -149,16 +159,21 @@ static void on_section(search *s)
     if (s->numbers != NULL) {
         return;
     }
+    if (k > 0) {
+        settling_pass(&s->settling, s->result->periods, common_time(s, k), s->far[k % KEPT]);
+    }
     const double length = s->section.period.pitches;
-    const bool is_over = s->result->periods + ORBIT_WINDOW + 2 >= s->most && k > 0;
+    look_ahead(s, k);
+    const bool is_over = s->result->periods >= s->settling.last && k > 0;
     int period = find_period(s, k);
     if (period > 0 || is_over) {
         const int near = period > 0 ? period : nearest_period(s, k);
         s->result->distance = s->far[k % KEPT][near];
-        period = s->result->distance <= s->repeats || period > 0 ? near : 0; /* one that still settles, slowly */
+        period = period > 0 ? period : judge(s, k, near);
         s->result->period = period;
-        s->result->time = period > 0 ? s->at.t - s->t_seen[(k - near) % KEPT] : 0;
-        open_window(s, period > 0 ? period : ORBIT_WINDOW, (s->at.t - s->t_seen[(k - near) % KEPT]) / (near * length));
+        s->result->common_time = (s->at.t - s->t_seen[(k - near) % KEPT]) / near;
+        s->result->time = period > 0 ? s->result->common_time * near : 0;
+        open_window(s, period > 0 ? period : ORBIT_WINDOW, s->result->common_time / length);
     }
 }
 
@@ -171,7 +186,7 @@ static void on_watch(void *self, const integrate_step *step)
     if (s->numbers != NULL) {
         numbers_watch(s->numbers, step);
     }
-    while (section_reached(&s->section, step, &s->at)) {
+    while (s->stop == STOP_NONE && section_reached(&s->section, step, &s->at)) {
         section_passed(&s->section);
         const bool had_window = s->numbers != NULL;
         on_section(s);
@@ -193,6 +208,9 @@ static int on_event(void *self, const event_record *record)
         numbers_event(s->numbers, record);
     } else if (section_moves(&s->section)) {
         s->n_seen = 0;
+        settling_restart(&s->settling);
+        carried_free(&s->orbit);
+        s->next_look = FIRST_LOOK;
     }
     return 0;
 }
@@ -205,53 +223,43 @@ static int on_step(void *self, double t)
     return s->stop != STOP_NONE;
 }
 
-/** How fast a motion by angle passes pitches [1/s]. */
-static double pitch_rate(const search *s, const dae_state *state)
+/** The common periods that a motion is followed at most. @param rate  of pitches, where it begins [1/s] */
+static int find_most(search *s, int most, double rate)
 {
-    static const double instant = 1e-6;
-    dae_state later = {.integers = state->integers, .y = xcalloc((size_t)s->dae->n, sizeof(double))};
-    for (int i = 0; i < s->dae->n; i++) {
-        later.y[i] = state->y[i] + instant * state->yp[i];
-    }
-    const double rate = (s->dae->position(s->dae->self, s->section.position_of, &later) -
-                         s->dae->position(s->dae->self, s->section.position_of, state)) /
-                        instant;
-    free(later.y);
-    return rate;
+    const model_period *period = &s->section.period;
+    const double time = period->by_time ? period->time : period->pitches / rate;
+    const settling_times times = settling_of(s->prepared->model);
+    s->result->time_constant = times.slowest > 0 ? times.slowest : NAN;
+    settling_begin(&s->settling, &times, s->repeats, most, period->pitches, time, ORBIT_WINDOW + 2);
+    return s->settling.last + ORBIT_WINDOW + 2;
 }
 
 /** @return the last time to which the motion is followed [s]; NAN if nothing turns */
-static double time_limit(const search *s, const dae_state *state)
+static double time_limit(search *s, int most, const dae_state *state)
 {
     static const double slow = 20; /* a motion that goes slower than this many times what it began with stands still */
-    const double pitches = (s->most + 2.0) * s->section.period.pitches;
-    if (s->section.period.by_time) {
-        return state->t + s->section.period.time * (s->most + 2.0);
+    const double rate = s->section.period.by_time ? 1 : section_pitch_rate(&s->section, state);
+    if (!(rate > 0)) {
+        return NAN;
     }
-    const double rate = pitch_rate(s, state);
-    return rate > 0 ? state->t + slow * pitches / rate : NAN;
+    const double periods = find_most(s, most, rate) + 2.0;
+    return state->t + (s->section.period.by_time ? s->section.period.time * periods
+                                                 : slow * periods * s->section.period.pitches / rate);
 }
 
-/** Put the last state on the section back into the first period. */
-static void carry(const search *s, carried *state)
+/** Go on on the orbit that was found. */
+static bool go_to_orbit(search *s, memory_pool *pool, dae_state *now, char message[DAE_MESSAGE_LENGTH])
 {
-    const model_period *period = &s->section.period;
-    const int k = s->n_seen - 1;
-    const dae_state *last = &s->seen[k % KEPT];
-    dae_state *to = &state->state;
-    dae_state_copy(s->dae, to, last);
-    to->t = period->by_time ? s->at.t - period->time * k : 0;
-    const int more = (int)floor(section_place(&s->section, to) / period->pitches);
-    model_take_back(s->prepared->model, period, more, to);
-    to->t -= more * (period->by_time ? period->time : 0);
-    state->pitches = period->by_time ? section_place(&s->section, to) : 0;
-    state->phase = s->section.phase;
-}
-
-static int usual_most(const model_period *period)
-{
-    const int few = ORBIT_USUAL_PERIODS / period->pitches;
-    return few > ORBIT_LEAST_PERIODS ? few : ORBIT_LEAST_PERIODS;
+    const model_period period = s->section.period;
+    if (!model_take_over(s->prepared->model, s->dae, &s->orbit.state, s->orbit.state.t, now, message)) {
+        return false;
+    }
+    section_begin(&s->section, pool, s->prepared->model, &period, s->orbit.phase, now);
+    s->n_seen = 0;
+    settling_restart(&s->settling);
+    s->settling.is_on_orbit = true;
+    s->stop = STOP_NONE;
+    return true;
 }
 
 orbit_end orbit_find(const prepared_case *prepared, const model_period *period, carried *state, int most,
@@ -262,12 +270,11 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     search *s = pool_calloc(&pool, 1, sizeof *s);
     integrate_options options = simulate_options(prepared);
     static const double smallest = 1e-6, times = 1000; /* of the tolerance, in the same units */
-    *result = (orbit_result){.pitches = period->pitches, .distance = NAN};
+    *result = (orbit_result){.pitches = period->pitches, .distance = NAN, .time_constant = NAN};
     s->prepared = prepared;
     s->dae = &model_about(prepared->model)->dae;
     s->repeats = fmax(smallest, times * options.tolerance);
     s->interrupt = interrupt != NULL ? interrupt : &interrupt_signal;
-    s->most = most > 0 ? most : usual_most(period);
     s->result = result;
     s->at = dae_state_create(s->dae, &pool);
     for (int i = 0; i < KEPT; i++) {
@@ -276,7 +283,7 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     dae_state now = dae_state_create(s->dae, &pool);
     dae_state_copy(s->dae, &now, &state->state);
     section_begin(&s->section, &pool, prepared->model, period, state->phase, &now);
-    options.t_end = time_limit(s, &now);
+    options.t_end = time_limit(s, most, &now);
     options.output_interval = options.t_end - now.t;
     options.per_unit = 0;
     const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .watch = on_watch};
@@ -289,7 +296,13 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
             "from a steady state");
         return ORBIT_FAILED;
     }
-    const integrate_code code = integrate(s->dae, &options, &observer, &now, &counts, message);
+    s->options = &options;
+    s->next_look = FIRST_LOOK;
+    integrate_code code = integrate(s->dae, &options, &observer, &now, &counts, message);
+    if (s->stop == STOP_SHORTCUT && go_to_orbit(s, &pool, &now, message)) {
+        code = integrate(s->dae, &options, &observer, &now, &counts, message);
+    }
+    carried_free(&s->orbit);
     orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
     if (end == ORBIT_FAILED && code == INTEGRATE_DONE) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH,
@@ -298,7 +311,7 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     }
     if (end == ORBIT_FOUND) {
         numbers_conclude(s->numbers, values);
-        carry(s, state);
+        carried_set(state, &s->section, &s->at);
     }
     numbers_delete(&s->numbers);
     return end;

@@ -1,36 +1,25 @@
 /** The motion that a gearbox comes to from a state: until it repeats on the section, or for so long, and its numbers. */
 #pragma once
 
+#include "respond/carried.h"
 #include "respond/section.h"
+#include "respond/settling.h"
 #include "simulate/prepare.h"
 
 #include <signal.h>
 
-enum { ORBIT_LONGEST = 16, ORBIT_USUAL_PERIODS = 600, ORBIT_WINDOW = 64, ORBIT_LEAST_PERIODS = 100 };
-
-/** A state that goes from one gearbox to the next: it lies within one common period of the start. */
-typedef struct {
-    bool exists;
-    dae sizes;       /**< of the gearbox that it was of: only numbers of states, integers and reals count */
-    dae_state state; /**< its arrays belong to it */
-    double pitches;  /**< of the first mesh to its time, where a speed is prescribed */
-    double phase;    /**< of the section */
-} carried;
-
-void carried_free(carried *carried);
-/** Make one that of another. */
-void carried_copy(carried *to, const carried *from);
-/** Keep it; of one that is read the sizes are those that were kept. */
-void carried_keep(carried *carried, archive *archive);
+enum { ORBIT_WINDOW = 64 };
 
 typedef struct {
-    int period;  /**< common periods after which it repeats, 1 to 16; 0: it does not */
+    int period; /**< common periods after which it repeats, 1 to 16; 0: it does not; RESPONSE_SETTLING: it still settles */
     int periods; /**< how many common periods it was followed */
     int pitches; /**< of the first mesh in a common period */
     double
         distance; /**< largest difference of a state to that of one orbit before, in its unit; of one that does not repeat the least
                           of all orbits that were tried */
-    double time; /**< of one orbit [s]; 0: it does not repeat */
+    double time;          /**< of one orbit [s]; 0: it does not repeat */
+    double common_time;   /**< of a common period [s] */
+    double time_constant; /**< of the slowest damped mode [s]; NAN: not known */
 } orbit_result;
 
 typedef enum { ORBIT_FOUND, ORBIT_FAILED, ORBIT_INTERRUPTED } orbit_end;

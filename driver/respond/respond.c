@@ -9,6 +9,7 @@
 #include "respond/branch.h"
 #include "respond/going_on.h"
 #include "respond/respond_orbits.h"
+#include "respond/respond_summary.h"
 #include "simulate/number_channel.h"
 
 #include <evolvent_version.h>
@@ -17,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAST_MOST = 100, MOST_MOST = 1000000 };
+enum { LEAST_MOST = 100 };
 const char respond_periods[] = "--periods takes a whole number of common periods from 100 to 1000000";
 const char respond_values[] = "--values takes a whole number from 2 to 100000";
 const char respond_longest[] = "--longest takes a whole number of common periods from 1 to 16";
@@ -161,27 +162,6 @@ static bool check_values(response_run *run, evl_error *error)
     return true;
 }
 
-static void summarise(const response_run *run)
-{
-    static const char *const words[] = {"up", "down"};
-    const branch *b = &run->branch;
-    for (int i = 0; i < b->n_jumps; i++) {
-        const response_jump *jump = &b->jumps[i];
-        log_note("%s: jump between %.9g and %.9g%s%s; transmission error, standard deviation %.4g um before, %.4g um "
-                 "behind",
-                 words[jump->direction], jump->before, jump->after, run->range.unit[0] == '\0' ? "" : " ",
-                 run->range.unit, 1e6 * jump->deviation_before[0], 1e6 * jump->deviation_after[0]);
-    }
-    int n_other = 0, n_wild = 0;
-    for (int step = 0; step < b->step; step++) {
-        const branch_place at = branch_at(b, step);
-        n_other += b->points[at.direction][at.index].period > 1;
-        n_wild += b->points[at.direction][at.index].period == 0;
-    }
-    log_note("%d values, %d with a period of 2 and more, %d not periodic, %d jump%s: %s", b->step, n_other, n_wild,
-             b->n_jumps, b->n_jumps == 1 ? "" : "s", run->options->path);
-}
-
 /** What is done stays, and how it goes on is told. */
 static void give_up(response_run *run, bool is_interrupted, evl_error *error)
 {
@@ -219,8 +199,11 @@ static bool run_locked(response_run *run, evl_error *error)
         }
     } else if (write_file(run, true, "done", "", error)) {
         done = true;
+        if (run->options->kept == NULL) {
+            respond_warn_of_settling(&run->branch);
+        }
         if (!run->options->quiet) {
-            summarise(run);
+            respond_summarise(&run->branch, run->options->path);
         }
     }
     return done;
@@ -328,7 +311,7 @@ static bool read_count(const char *text, int least, int most, int *n)
 
 bool respond_read_most(const char *text, int *most)
 {
-    return read_count(text, LEAST_MOST, MOST_MOST, most);
+    return read_count(text, LEAST_MOST, RESPOND_MOST, most);
 }
 
 bool respond_read_values(const char *text, int *n)

@@ -71,7 +71,7 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
         [MODEL_ORBIT_CROSSING] = "crossing of branches",
         [MODEL_ORBIT_DOUBLING] = "period doubling",
         [MODEL_ORBIT_NEIMARK_SACKER] = "Neimark-Sacker point",
-        [MODEL_ORBIT_TOUCH_FOLD] = "fold at a touch",
+        [MODEL_ORBIT_TOUCH_FOLD] = "fold where a tooth pair just touches",
     };
     int n_stable = 0, n_ordinary = 0;
     for (int i = 0; i < found->n_points; i++) {
@@ -80,7 +80,9 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
         n_stable += orbit->kind == MODEL_ORBIT_ORDINARY && orbit->is_stable;
         if (kinds[orbit->kind] != NULL) {
             log_note("branch %d, period %d: %s at %.9g%s%s", found->points[i].branch, orbit->periods,
-                     kinds[orbit->kind], orbit->parameter, setup->unit[0] == '\0' ? "" : " ", setup->unit);
+                     orbit->kind == MODEL_ORBIT_TOUCH_FOLD && orbit->whole_mesh ? "fold where the mesh just touches"
+                                                                                : kinds[orbit->kind],
+                     orbit->parameter, setup->unit[0] == '\0' ? "" : " ", setup->unit);
         }
     }
     for (int i = 0; i < found->n_branches; i++) {

@@ -44,6 +44,19 @@ void section_begin(section *s, memory_pool *pool, const model *model, const mode
     aim(s, section_place(s, state));
 }
 
+double section_pitch_rate(const section *s, const dae_state *state)
+{
+    static const double instant = 1e-6;
+    const dae *dae = &model_about(s->model)->dae;
+    OWNED double *y = xcalloc((size_t)dae->n, sizeof *y);
+    const dae_state later = {.integers = state->integers, .y = y};
+    for (int i = 0; i < dae->n; i++) {
+        y[i] = state->y[i] + instant * state->yp[i];
+    }
+    return (dae->position(dae->self, s->position_of, &later) - dae->position(dae->self, s->position_of, state)) /
+           instant;
+}
+
 typedef struct {
     section *section;
     const integrate_step *step;

@@ -34,6 +34,8 @@ void section_begin(section *section, memory_pool *pool, const model *model, cons
                    const dae_state *state);
 /** Place of a state. */
 double section_place(const section *section, const dae_state *state);
+/** How fast a motion by angle passes pitches [1/s]. */
+double section_pitch_rate(const section *section, const dae_state *state);
 /** Whether a step reaches the next section. @param state  with room for all arrays: becomes the state there */
 bool section_reached(section *section, const integrate_step *step, dae_state *state);
 /** The section was reached: go on to the next one. */

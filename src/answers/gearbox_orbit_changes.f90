@@ -112,6 +112,22 @@ contains
       call take_modes(self)
    end subroutine come_back
 
+   !> Number of other tooth pairs of the mesh that touch.
+   pure module function other_contacts(self, root) result(n)
+      class(gearbox_orbits), intent(in) :: self
+      integer, intent(in) :: root
+      integer :: n
+      type(contact_mode) :: mode
+      integer :: m
+
+      n = 0
+      do m = 1, size(self%reals)
+         if (m == self%root_list(root)%contact .or. self%gearbox%contacts(m)%mesh /= self%root_list(root)%mesh) cycle
+         call take_mode(self%gearbox, m, self%integers, self%reals, mode)
+         if (touches(mode)) n = n + 1
+      end do
+   end function other_contacts
+
    !> How f changes with an approach speed.
    module subroutine by_memory(self, m, t, y, slope, status)
       type(gearbox_orbits), intent(in) :: self

@@ -44,6 +44,7 @@ module evl_gearbox_orbits
    !> Where a root function belongs.
    type :: root_place
       integer :: mesh = 0                  !! 1 ..; 0: to none
+      integer :: contact = 0               !! tooth contact, 1 ..
       character(len=24) :: name = "turns"
    end type root_place
 
@@ -60,18 +61,15 @@ module evl_gearbox_orbits
       real(wp), allocatable, private :: reals(:)
       type(root_place), allocatable :: root_list(:) !! [n_roots] the same at all values; there need not be a gearbox any more
    contains
-      procedure :: rhs
-      procedure :: rhs_lanes
-      procedure :: jacobian
-      procedure :: roots
-      procedure :: roots_lanes
-      procedure :: root_directions
+      procedure :: rhs, rhs_lanes, jacobian
+      procedure :: roots, roots_lanes, root_directions
       procedure :: time_in_sight
       procedure :: set_parameter
       procedure :: settle
       procedure :: root_gradient
       procedure :: apply_event
       procedure :: come_back
+      procedure :: other_contacts
    end type gearbox_orbits
 
    interface
@@ -102,6 +100,14 @@ module evl_gearbox_orbits
          real(wp), intent(inout) :: y(self%n)
          real(wp), intent(inout) :: derivative(self%n, self%n)
       end subroutine come_back
+
+      !> Number of other tooth pairs of the mesh that touch.
+      pure module function other_contacts(self, root) result(n)
+         implicit none (type, external)
+         class(gearbox_orbits), intent(in) :: self
+         integer, intent(in) :: root
+         integer :: n
+      end function other_contacts
 
       !> How f changes with an approach speed.
       module subroutine by_memory(self, m, t, y, slope, status)
@@ -385,7 +391,7 @@ contains
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m))
             do i = 1, contact%n_roots
-               at(contact%i_root + i) = root_place(contact%mesh, root_rows(contact%roots(i))%name)
+               at(contact%i_root + i) = root_place(contact%mesh, m, root_rows(contact%roots(i))%name)
             end do
          end associate
       end do

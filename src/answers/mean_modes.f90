@@ -26,9 +26,11 @@ module evl_mean_modes
 contains
 
    !> Eigenvalues and eigenvectors of the mean of A over the steady states, as gearbox_modes gives them, and the mean outputs.
-   subroutine gearbox_mean_modes(gearbox, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, values, status)
+   subroutine gearbox_mean_modes(gearbox, t, n_positions, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, values, &
+                                 status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                         !! [s]
+      integer, intent(in) :: n_positions                !! over which the mean is taken; 0: 997, or 1009
       real(wp), intent(out) :: y(gearbox%n_states)      !! the steady state half a pitch from the start of contact
       integer, intent(out) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: reals(size(gearbox%contacts))
@@ -47,7 +49,8 @@ contains
       matrix = 0
       values = 0
       span = real(whole_pitches(gearbox, 1), wp)
-      n = primes(merge(2, 1, modulo(whole_pitches(gearbox, 1), int(primes(1), int64)) == 0))
+      n = n_positions
+      if (n <= 0) n = primes(merge(2, 1, modulo(whole_pitches(gearbox, 1), int(primes(1), int64)) == 0))
       do i = 1, n
          do try = 1, size(places)
             call clear(status)

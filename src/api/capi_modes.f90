@@ -40,7 +40,7 @@ contains
    end subroutine evl_gearbox_mesh_mode
 
    integer(c_int) function evl_gearbox_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, means, &
-                                             status) result(code) bind(c)
+                                             n_positions, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in), value :: t
       real(c_double), intent(inout) :: y(*), reals(*)
@@ -48,11 +48,13 @@ contains
       integer(c_int), intent(out) :: n_modes, n_rigid
       complex(c_double_complex), intent(inout) :: eigenvalues(*), vectors(*)
       real(c_double), intent(inout), optional :: means(*)
+      integer(c_int), intent(in), value :: n_positions
       type(c_status), intent(inout), optional :: status
       type(status_t) :: s
 
       if (present(means)) then
-         call gearbox_mean_modes(gearbox_of(handle), t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, means, s)
+         call gearbox_mean_modes(gearbox_of(handle), t, n_positions, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, &
+                                 means, s)
       else
          call gearbox_modes(gearbox_of(handle), t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, s)
       end if

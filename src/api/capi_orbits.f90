@@ -11,6 +11,7 @@ module evl_capi_orbits
    use evl_gearbox_orbits, only: gearbox_orbits_create, gearbox_orbits_start, gearbox_orbits_state
    use evl_kinds, only: wp
    use evl_orbits_session, only: add_branch, c_take, c_tell, complete, orbits_t
+   use evl_multipliers, only: are_inside
    use evl_periodic_orbit, only: orbit_t, own_multipliers
    use evl_shooting, only: find_orbit
    use evl_status, only: code_no_memory, code_no_solution, code_ok, fail, has_failed, status_t
@@ -34,7 +35,7 @@ module evl_capi_orbits
    type, bind(c) :: c_orbit
       real(c_double) :: parameter, period, residual
       integer(c_int) :: periods, kind, mesh, iterations, n_multipliers, told
-      logical(c_bool) :: is_stable
+      logical(c_bool) :: is_stable, whole_mesh
       character(kind=c_char) :: root(c_name_length)
    end type c_orbit
 
@@ -203,7 +204,7 @@ contains
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind
          orbit%told = at%told
-         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) call tell_root(self, at%root, orbit)
+         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) call tell_root(self, at%root, at%orbit, orbit)
          allocate (mu, source=own_multipliers(self%model, at%orbit))
       end associate
       do i = 1, size(mu)
@@ -256,7 +257,7 @@ contains
 
       associate (mu => own_multipliers(self%model, orbit))
          told%n_multipliers = size(mu)
-         told%is_stable = all(abs(mu) < 1)
+         told%is_stable = are_inside(mu)
       end associate
       told%parameter = orbit%parameter
       told%period = orbit%period
@@ -266,17 +267,41 @@ contains
       told%kind = 0
       told%told = 0
       told%mesh = -1
+      told%whole_mesh = .false.
       call to_c("", told%root)
    end subroutine tell
 
    !> What a root function is that touches zero.
-   subroutine tell_root(self, root, told)
+   subroutine tell_root(self, root, orbit, told)
       type(orbits_t), intent(in) :: self
       integer, intent(in) :: root
+      type(orbit_t), intent(in) :: orbit
       type(c_orbit), intent(inout) :: told
 
       told%mesh = self%model%root_list(root)%mesh - 1
+      told%whole_mesh = logical(is_whole_mesh(self, root, orbit), c_bool)
       call to_c(trim(self%model%root_list(root)%name), told%root)
    end subroutine tell_root
+
+   !> Whether a mesh parts, or touches, as a whole: at a touch no other tooth pair touches, or all that do part with it, as those
+   !> that share a load evenly.
+   pure logical function is_whole_mesh(self, root, orbit) result(whole)
+      type(orbits_t), intent(in) :: self
+      integer, intent(in) :: root
+      type(orbit_t), intent(in) :: orbit
+      real(wp), parameter :: near = 1.0e-6_wp, as_near = 100
+      real(wp) :: theta(self%model%n_roots)
+      logical :: same(self%model%n_roots)
+      integer :: i
+
+      whole = .true.
+      if (.not. allocated(orbit%flow%others)) return
+      theta = min(orbit%flow%nearest, orbit%flow%slowest)
+      same = [(self%model%root_list(i)%mesh == self%model%root_list(root)%mesh .and. &
+               self%model%root_list(i)%name == self%model%root_list(root)%name, i=1, self%model%n_roots)]
+      same = same .and. theta < huge(theta)/2
+      same = same .and. theta <= max(as_near*theta(root), near*maxval(theta, same))
+      whole = orbit%flow%others(root) < max(1, count(same))
+   end function is_whole_mesh
 
 end module evl_capi_orbits

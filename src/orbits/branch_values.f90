@@ -8,6 +8,7 @@ module evl_branch_values
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_orbit_teller, only: orbit_teller
+   use evl_multipliers, only: are_inside
    use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, own_multipliers
    use evl_places, only: places
    use evl_shooting, only: correct_orbit
@@ -70,7 +71,7 @@ contains
          if (.not. curve%is_straight) &
             call learn_lack(model, options, curve, first%orbit, better, lacks, lack, found(i)%begins_anew)
          if (.not. lack <= longest) cycle
-         is_kept(i) = all(abs(own_multipliers(model, found(i)%orbit)) < 1)
+         is_kept(i) = are_inside(own_multipliers(model, found(i)%orbit))
       end do
       n_told = n_told + size(list)
       points = found(places(is_kept))
@@ -100,7 +101,7 @@ contains
       pure logical function stable(point)
          type(branch_point), intent(in) :: point
 
-         stable = all(abs(own_multipliers(model, point%orbit)) < 1)
+         stable = are_inside(own_multipliers(model, point%orbit))
       end function stable
 
    end subroutine foresee_stability

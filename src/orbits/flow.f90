@@ -29,6 +29,7 @@ module evl_flow
       !> least of them; one that fires with the rate v has v**2/2 in `slowest`, the least. Both fall to zero where the function just
       !> touches zero. huge: there is none
       real(wp), allocatable :: nearest(:), slowest(:)
+      integer, allocatable :: others(:)         !! [n_roots] other contacts that touch at the least of both
       logical :: same_modes = .false.           !! the modes at the end are those at the start
       integer :: steps = 0
       integer :: ties = 0                       !! events with others at the same time: the derivative is that of the first alone
@@ -50,7 +51,7 @@ contains
       type(moving_states_t) :: moving
       integer, allocatable :: modes(:)
       real(wp) :: t_end, t_event, t_known, start(model%n), state(model%n), crossing(model%n_roots)
-      integer :: outcome, i
+      integer :: outcome, i, others(model%n_roots)
 
       start = y
       call model%begin_flow(status)
@@ -68,6 +69,7 @@ contains
       allocate (flow%crossings(model%n_roots), source=0)
       allocate (flow%nearest(model%n_roots), source=huge(1.0_wp))
       allocate (flow%slowest(model%n_roots), source=huge(1.0_wp))
+      allocate (flow%others(model%n_roots), source=0)
       allocate (flow%rate(model%n))
       call radau_start(solver, model, model%phase, start, status)
       do while (solver%t < t_end .and. .not. has_failed(status))
@@ -92,10 +94,12 @@ contains
          end if
          state = solver%y
          crossing = huge(1.0_wp)
+         others = [(model%other_contacts(i), i=1, model%n_roots)]
          call derivative_at_event(model, solver%t, solver%fired, solver%t >= t_event, state, flow%derivative, crossing, status)
          if (has_failed(status)) return
          where (solver%fired /= 0)
             flow%crossings = flow%crossings + 1
+            flow%others = merge(others, flow%others, crossing**2/2 < min(flow%nearest, flow%slowest))
             flow%slowest = min(flow%slowest, crossing**2/2)
          end where
          if (count(solver%fired /= 0) + merge(1, 0, solver%t >= t_event) > 1) flow%ties = flow%ties + 1
@@ -135,7 +139,7 @@ contains
       type(flow_t), intent(inout) :: flow
       type(status_t), intent(inout) :: status
       real(wp), parameter :: accuracy = 1.0e-6_wp !! of the time of an extremum, over the interval between nodes
-      real(wp) :: times(lanes), states(lanes, model%n), values(lanes, model%n_roots), slope(lanes), bend(lanes), h, tau, left
+      real(wp) :: times(lanes), states(lanes, model%n), values(lanes, model%n_roots), slope(lanes), bend(lanes), h, tau, left, least
       integer :: direction(model%n_roots), i, k, s
       logical :: exact
 
@@ -164,7 +168,9 @@ contains
                left = s*polynomial_at(tau, values(:, i))
                if (left < 0 .or. solver%t_before + tau*h > solver%t) cycle
                call combine(1, slope_at_node, slope, bend)
-               flow%nearest(i) = min(flow%nearest(i), left*s*polynomial_at(tau, bend)/h**2)
+               least = left*s*polynomial_at(tau, bend)/h**2
+               if (least < min(flow%nearest(i), flow%slowest(i))) flow%others(i) = model%other_contacts(i)
+               flow%nearest(i) = min(flow%nearest(i), least)
             end associate
          end do
       end do

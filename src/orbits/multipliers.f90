@@ -11,7 +11,7 @@ module evl_multipliers
    implicit none (type, external)
    private
 
-   public :: find_multipliers, product_over_one, product_over_minus_one, product_over_pairs
+   public :: are_inside, find_multipliers, product_over_one, product_over_minus_one, product_over_pairs
 
 contains
 
@@ -47,6 +47,14 @@ contains
          multipliers(j + 1) = held
       end do
    end subroutine find_multipliers
+
+   !> Whether all lie inside of the unit circle by more than rounding: those of an undamped system lie on it, which is not stable.
+   pure logical function are_inside(multipliers)
+      complex(wp), intent(in) :: multipliers(:)
+      real(wp), parameter :: rounding = 1.0e-9_wp
+
+      are_inside = all(abs(multipliers) < 1 - rounding)
+   end function are_inside
 
    !> Product of mu - 1: zero at a fold, and where branches cross.
    pure real(wp) function product_over_one(multipliers) result(total)

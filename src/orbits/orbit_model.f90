@@ -30,6 +30,7 @@ module evl_orbit_model
       procedure :: begin_flow => allow_flow
       procedure :: next_time_event => no_time_event
       procedure :: come_back => nothing_to_bring
+      procedure :: other_contacts => no_others
    end type orbit_model
 
    abstract interface
@@ -104,6 +105,14 @@ contains
       real(wp), intent(inout) :: y(self%n)
       real(wp), intent(inout) :: derivative(self%n, self%n) !! (i, j): state i by state j at the start
    end subroutine nothing_to_bring
+
+   !> Number of other contacts that touch in the present modes, of those that belong together with the contact of a root function.
+   pure integer function no_others(self, root) result(n)
+      class(orbit_model), intent(in) :: self
+      integer, intent(in) :: root !! 1 .. n_roots
+
+      n = 0*min(root, self%n_roots)
+   end function no_others
 
    !> States that have to repeat.
    pure function must_repeat(self) result(repeats)

@@ -36,6 +36,7 @@ contains
       type(status_t), intent(inout) :: status
       type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
       real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system, has no folds
+      real(wp), parameter :: undamped = 1.0e-8_wp !! products of pairs without damping are 1 everywhere, up to rounding
       logical :: found, is_missed_here, was_lost(model%n_roots)
       real(wp) :: leap_here
       integer :: kind, n, other, root
@@ -46,6 +47,7 @@ contains
       is_missed = .false.
       do kind = kind_fold, kind_neimark_sacker
          if (.not. test(model, kind, first)*test(model, kind, last) < 0) cycle
+         if (max(abs(test(model, kind, first)), abs(test(model, kind, last))) < undamped .and. kind == kind_neimark_sacker) cycle
          if (kind == kind_fold .and. max(abs(test(model, kind, first)), abs(test(model, kind, last))) < upright) cycle
          if (kind == kind_crossing) then ! a fold is one too
             if (test(model, kind_fold, first)*test(model, kind_fold, last) < 0) cycle

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import random
 import signal
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,9 +18,11 @@ import xarray as xr
 import yaml
 
 from evolvent.errors import SweepError
+from evolvent.sweep.design import write_design
 from evolvent.sweep.plan import make_plan
 from evolvent.sweep.program import find_program
-from processes import wait_for
+from processes import catches, wait_for
+from system.random_sets import seeds
 from system.test_respond import SPEED, speeds, write_rectangular
 
 NUMBER = "transmission_error_standard_deviation"
@@ -88,6 +92,7 @@ def test_cases_are_the_files_of_respond_and_the_summary_has_their_numbers(
                 )
             assert int(row["longest_period"]) == int(file["period"].max())
             assert int(row["not_periodic"]) == int((file["period"] == 0).sum())
+            assert int(row["still_settling"]) == int((file["period"] == -2).sum())
     assert summary["jumps_up"].values.tolist() == [1, 1, 0]
 
 
@@ -116,6 +121,50 @@ def test_stopped_within_a_case_it_goes_on_with_the_same_bits(
     for case in (0, 1):
         name = f"case-{case}.h5"
         assert_same_file(Path("stopped/responses", name), Path("whole/responses", name))
+
+
+def assert_same_after_stops(
+    design: Path, executable: Path, tmp_path: Path, delays: list[float], sent: signal.Signals
+) -> None:
+    """Stop a batch after each of these times and resume it: files and rows are those of `whole`."""
+    command = [executable, "batch", design, "-o", "stopped", "--resume", "-q"]
+    for delay in delays:
+        with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+            wait_for(
+                lambda process=process: catches(process.pid, sent) or process.poll() is not None
+            )
+            time.sleep(delay)
+            process.send_signal(sent)
+            _, messages = process.communicate(timeout=120)
+        assert process.returncode in (0, 75), messages
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert rows_of(tmp_path / "stopped") == rows_of(design.parent / "whole")
+    for path in (design.parent / "whole" / "responses").iterdir():
+        assert (tmp_path / "stopped" / "responses" / path.name).read_bytes() == path.read_bytes()
+
+
+@pytest.fixture(scope="module")
+def stopped_design(tmp_path_factory: pytest.TempPathFactory, executable: Path) -> Path:
+    """A design of three responses, with the results of a run that nothing stopped beside it."""
+    folder = tmp_path_factory.mktemp("design")
+    over = {"over": speeds(1.3, 1.33, 0.01)}
+    plan = write_plan(folder, [0.03, 0.04, 0.05], respond=over)
+    design, _ = make_plan(plan, find_program())
+    write_design(design, folder / "d.h5")
+    command = [executable, "batch", "d.h5", "-o", "whole", "-q"]
+    assert subprocess.run(command, cwd=folder, check=False).returncode == 0
+    return folder / "d.h5"
+
+
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGUSR1])
+@pytest.mark.parametrize("seed", seeds(range(4), 200))
+def test_a_batch_stopped_at_any_instant_has_the_bytes_of_one_that_was_not(
+    stopped_design: Path, executable: Path, tmp_path: Path, seed: int, sent: signal.Signals
+) -> None:
+    draw = random.Random(seed)
+    delays = [draw.uniform(0, 0.02), draw.uniform(0, 0.3)][seed % 2 :]
+    assert_same_after_stops(stopped_design, executable, tmp_path, delays, sent)
 
 
 def is_locked_by_another(folder: Path) -> bool:
@@ -205,4 +254,6 @@ def test_direction_and_periods_are_those_of_the_plan(
     assert_same_file(Path("d/responses/case-0.h5"), Path("r.h5"))
     with xr.open_dataset("r.h5", engine="h5netcdf") as file:
         settled = file["period"].values > 0
-    assert rows_of(Path("d"))[0]["not_periodic"] == np.count_nonzero(~settled) > 0
+    row = rows_of(Path("d"))[0]
+    assert row["still_settling"] == np.count_nonzero(~settled) > 0
+    assert row["not_periodic"] == 0

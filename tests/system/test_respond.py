@@ -110,7 +110,7 @@ def test_a_motion_that_creeps_to_its_orbit_is_not_there_when_its_steps_are_small
     followed, apart = (response[name].values[0] for name in ("followed", "repeat_distance"))
     assert followed[-1] > 500  # all there are; its steps are below 1e-6 after 337
     assert apart[-1] < 0.2e-6
-    assert (followed[:2] < 300).all()
+    assert (followed[:2] < 400).all()
 
 
 @pytest.mark.parametrize(("ratio", "periods"), [(1.6, 4), (1.5, 5)])
@@ -155,12 +155,13 @@ def test_the_last_line_counts_values_by_the_period_of_their_motion(tmp_path, evo
         period, n_jumps = file["period"].values, file.sizes["jump"]
         apart = file["repeat_distance"].values
     n_other, n_wild = int((period > 1).sum()), int((period == 0).sum())
+    n_settling = int((period == -2).sum())
     assert n_other > n_wild > 0
     assert (apart[period == 0] < 0.1).all()  # of the nearest orbit; the farthest is 0.7 off
     jumps_found = f"{n_jumps} jump{'' if n_jumps == 1 else 's'}"
     assert result.stderr.splitlines()[-1] == (
         f"evolvent: 7 values, {n_other} with a period of 2 and more, {n_wild} not periodic, "
-        f"{jumps_found}: {path}"
+        f"{n_settling} still settling, {jumps_found}: {path}"
     )
 
 

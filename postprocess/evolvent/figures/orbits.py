@@ -15,16 +15,22 @@ from evolvent.figures.response import SHOWN
 from evolvent.figures.style import LINES, STYLE, legend
 from evolvent.units import axis_label, engineering
 
-# by the numbers of `orbit_kind`; what is ordinary has no mark
-MARKS: dict[int, tuple[str, dict[str, Any]]] = {
-    1: ("fold", {"marker": "o", "markersize": 5}),
-    2: ("crossing", {"marker": "X", "markersize": 6}),
-    3: ("period doubling", {"marker": "D", "markersize": 5}),
-    4: ("Neimark-Sacker", {"marker": "^", "markersize": 6}),
-    5: ("flanks just part", {"marker": "|", "markersize": 9}),
-    6: (
-        "fold where flanks just touch",
+PAIR, MESH = 1, 2
+# by the numbers of `orbit_kind`, and of `orbit_grazing`: None is any; what is ordinary has no mark
+MARKS: dict[tuple[int, int | None], tuple[str, dict[str, Any]]] = {
+    (1, None): ("fold", {"marker": "o", "markersize": 5}),
+    (2, None): ("crossing", {"marker": "X", "markersize": 6}),
+    (3, None): ("period doubling", {"marker": "D", "markersize": 5}),
+    (4, None): ("Neimark-Sacker", {"marker": "^", "markersize": 6}),
+    (5, PAIR): ("one tooth pair just touches", {"marker": "|", "markersize": 9}),
+    (5, MESH): ("the mesh just parts", {"marker": "|", "markersize": 9, "markeredgewidth": 2}),
+    (6, PAIR): (
+        "fold where one tooth pair just touches",
         {"marker": "s", "markersize": 6, "markerfacecolor": "white"},
+    ),
+    (6, MESH): (
+        "fold where the mesh just touches",
+        {"marker": "h", "markersize": 7, "markerfacecolor": "white"},
     ),
 }
 MARK_COLOR = "#8c1c3a"
@@ -122,7 +128,16 @@ def _pieces(orbits: xr.Dataset) -> Iterator[tuple[slice, int, bool]]:
 
 def _draw_marks(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray) -> None:
     """Draw what is special."""
-    for kind, (text, style) in MARKS.items():
+    for (kind, grazing), (text, style) in MARKS.items():
         at = orbits["orbit_kind"].values == kind
+        if grazing is not None:
+            at = at & (_grazing(orbits) == grazing)
         if at.any():
             panel.plot(x[at], y[at], linestyle="none", color=MARK_COLOR, label=text, **style)
+
+
+def _grazing(orbits: xr.Dataset) -> np.ndarray:
+    """What just touches at each point; files of earlier versions name the mesh."""
+    if "orbit_grazing" in orbits:
+        return np.asarray(orbits["orbit_grazing"].values)
+    return np.full(orbits["orbit_kind"].values.shape, MESH)

@@ -17,15 +17,20 @@ SHOWN = {
     "transmission_error_standard_deviation": "deviation of the\ntransmission error",
     "dynamic_factor": "dynamic factor",
 }
-NOT_PERIODIC: dict[str, Any] = {"linestyle": "none", "marker": "o", "markerfacecolor": "none"}
+OPEN: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none"}
+# by the values of `period`
+UNFINISHED: dict[int, tuple[str, dict[str, Any]]] = {
+    0: ("not periodic", {"marker": "o", **OPEN}),
+    -2: ("still settling", {"marker": "v", **OPEN}),
+}
 MARK: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.8}
 
 
 def draw_response(response: xr.Dataset) -> Figure:
     """Draw numbers of each mesh, and the period of the motion, over the parameter.
 
-    Motions that do not repeat are open circles; jumps are lines at their place, in the colour of
-    their direction.
+    Motions that do not repeat are open circles, those that still settle open triangles; jumps are
+    lines at their place, in the colour of their direction.
 
     Parameters
     ----------
@@ -48,7 +53,8 @@ def draw_response(response: xr.Dataset) -> Figure:
             text = SHOWN[name] if len(meshes) == 1 else f"{SHOWN[name]}, {meshes[mesh]}"
             panel.set_ylabel(axis_label(text, of))
             panel.set_ylim(bottom=0.0)
-        period = np.where(response["period"].values < 0, np.nan, response["period"].values)
+        period = response["period"].values
+        period = np.where(period == -2, 0, np.where(period < 0, np.nan, period))
         _draw_directions(panels[-1], response, x, period)
         panels[-1].set_ylabel("period\n[common periods]")
         panels[-1].set_ylim(-0.5, max(2.0, np.nanmax(period, initial=0.0)) + 0.5)
@@ -63,17 +69,15 @@ def draw_response(response: xr.Dataset) -> Figure:
 
 def _draw_directions(panel: Axes, response: xr.Dataset, x: np.ndarray, values: np.ndarray) -> None:
     """Draw a line for each direction: values (direction, parameter)."""
-    wild = response["period"].values == 0
-    for style, name, line, is_wild in zip(
-        LINES, response["direction"].values, values, wild, strict=False
+    for style, name, line, period in zip(
+        LINES, response["direction"].values, values, response["period"].values, strict=False
     ):
         panel.plot(x, line, label=str(name), **style)
-        if is_wild.any():
-            color = style["color"]
-            label = f"{name}, not periodic"
-            panel.plot(
-                x[is_wild], line[is_wild], color=color, label=label, markersize=4, **NOT_PERIODIC
-            )
+        for code, (text, mark) in UNFINISHED.items():
+            at = period == code
+            if at.any():
+                label = f"{name}, {text}"
+                panel.plot(x[at], line[at], color=style["color"], label=label, markersize=4, **mark)
 
 
 def _mark_jumps(panel: Axes, response: xr.Dataset, scale: float) -> None:

@@ -474,7 +474,7 @@ typedef enum {
     EVL_ORBIT_CROSSING, /**< another branch crosses */
     EVL_ORBIT_DOUBLING,
     EVL_ORBIT_NEIMARK_SACKER,
-    EVL_ORBIT_TOUCH,     /**< a root function just touches zero: flanks just part */
+    EVL_ORBIT_TOUCH,     /**< a root function just touches zero (grazing): flanks just part. Multipliers depend on the side */
     EVL_ORBIT_TOUCH_FOLD /**< the same, and the branch turns back there */
 } evl_orbit_kind;
 typedef struct {
@@ -488,6 +488,7 @@ typedef struct {
     int n_multipliers;
     int told; /**< the number under which `tell` followed it: it is stable as its neighbours are, and has no multipliers; 0: none */
     bool is_stable;              /**< all multipliers are smaller than 1 */
+    bool whole_mesh;             /**< of a touch: no tooth pair of the mesh carries then; false: others do */
     char root[EVL_SHORT_LENGTH]; /**< of a touch: which root function; else "" */
 } evl_orbit;
 /** @param value  a first value, whose gearbox gives the scales
@@ -586,11 +587,13 @@ EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const d
  *                      evenly over the least number of pitches of the first mesh, at most 10000, in which every mesh passes whole
  *                      pitches. Then outputs, averaged in the same way, and y, integers, reals become the steady state half a pitch
  *                      from the start of contact, to which the vectors belong
+ *  @param n_positions  positions over which that mean is taken; 0: 997. A smaller number should be a prime that does not divide the
+ *                      number of pitches
  *  @return EVL_OK, EVL_OUT_OF_DOMAIN (the state is not one of the model's, or forces have no derivative there), EVL_NO_SOLUTION
  *          (LAPACK found no eigenvalues); of the mean also what evl_gearbox_initial_state returns where there is no steady state */
 EVL_API int evl_gearbox_modes(const evl_gearbox *gearbox, double t, double *y, int *integers, double *reals,
                               int *n_modes, int *n_rigid, double *eigenvalues, double *vectors, double *means,
-                              evl_status *status);
+                              int n_positions, evl_status *status);
 
 /** What a small change dy of the state y moves, to first order and so linear in dy.
  *  @param[out] arcs                 [n_wheels] r_b phi, r phi of a wheel without a mesh, counterclockwise [m]

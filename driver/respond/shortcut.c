@@ -1,0 +1,105 @@
+#include "respond/shortcut.h"
+
+#include "model/model_orbits.h"
+#include "simulate/simulate.h"
+
+/** All orbits are of one model: no parameter changes. */
+static const model *take(void *self, double value, char message[DAE_MESSAGE_LENGTH])
+{
+    (void)value;
+    (void)message;
+    return self;
+}
+
+/** A run to the next section. */
+typedef struct {
+    section section;
+    dae_state at;
+    bool is_there;
+    const volatile sig_atomic_t *interrupt;
+} passage;
+
+static void on_watch(void *self, const integrate_step *step)
+{
+    passage *p = self;
+    p->is_there = p->is_there || (step->t_to > step->t_from && section_reached(&p->section, step, &p->at));
+}
+
+static int on_event(void *self, const event_record *record)
+{
+    (void)self;
+    (void)record;
+    return 0;
+}
+
+static int on_step(void *self, double t)
+{
+    const passage *p = self;
+    (void)t;
+    return p->is_there || *p->interrupt != 0;
+}
+
+/** Follow an orbit to the section of a motion: where no speed is prescribed it was found near it, not on it. */
+static bool go_to_section(const section *section, const dae_state *state, double time, const integrate_options *usual,
+                          const volatile sig_atomic_t *interrupt, carried *to)
+{
+    POOLED memory_pool pool = {NULL};
+    char message[DAE_MESSAGE_LENGTH];
+    const dae *dae = &model_about(section->model)->dae;
+    passage passage = {.at = dae_state_create(dae, &pool), .interrupt = interrupt};
+    dae_state now = dae_state_create(dae, &pool);
+    if (!model_take_over(section->model, dae, state, state->t, &now, message)) {
+        return false;
+    }
+    section_begin(&passage.section, &pool, section->model, &section->period, section->phase, &now);
+    integrate_options options = *usual;
+    options.t_end = now.t + 2 * time;
+    options.output_interval = options.t_end - now.t;
+    options.per_unit = 0;
+    const integrate_observer observer = {.self = &passage, .event = on_event, .step = on_step, .watch = on_watch};
+    integrate_counts counts;
+    (void)integrate(dae, &options, &observer, &now, &counts, message);
+    if (passage.is_there) {
+        carried_set(to, &passage.section, &passage.at);
+    }
+    return passage.is_there;
+}
+
+bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
+                           const volatile sig_atomic_t *interrupt, carried *to)
+{
+    POOLED memory_pool pool = {NULL};
+    model_message refusal;
+    dae_state state;
+    if (!model_steady_state(prepared->model, 0, &state, &refusal)) {
+        return false;
+    }
+    section section;
+    section_begin(&section, &pool, prepared->model, period, phase, &state);
+    const double rate = period->by_time ? period->pitches / period->time : section_pitch_rate(&section, &state);
+    const integrate_options options = simulate_options(prepared);
+    const bool good = rate > 0 && go_to_section(&section, &state, period->pitches / rate, &options, interrupt, to);
+    dae_state_free(&state);
+    return good;
+}
+
+bool shortcut_find(const section *section, const carried *near, int periods, double time,
+                   const integrate_options *options, const volatile sig_atomic_t *interrupt, carried *to)
+{
+    static const double value = 0.5;
+    char message[DAE_MESSAGE_LENGTH];
+    const model_orbits_setup setup = {
+        .self = (void *)section->model, .take = take, .from = 0, .to = 1, .place = near->pitches};
+    model_orbits *orbits = model_orbits_create(&setup, value, message);
+    if (orbits == NULL) {
+        return false;
+    }
+    model_orbit orbit;
+    dae_state state = dae_state_create(&model_about(section->model)->dae, NULL);
+    const bool good = model_orbits_find(orbits, value, periods, periods * time, &near->state, &orbit, message) &&
+                      orbit.is_stable && model_orbits_state(orbits, -1, 0, &state, message) &&
+                      go_to_section(section, &state, time, options, interrupt, to);
+    dae_state_free(&state);
+    model_orbits_delete(&orbits);
+    return good;
+}

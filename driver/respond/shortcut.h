@@ -1,0 +1,24 @@
+/** A stable orbit near a motion that settles slowly, by shooting: the motion can go on from there. docs/response.md. */
+#pragma once
+
+#include "respond/carried.h"
+
+#include "integrate/integrate.h"
+#include "simulate/prepare.h"
+
+#include <signal.h>
+
+/** The quasi-static motion at the section: it starts from the steady state at t = 0, and is integrated to there.
+ *  @param phase  of the section
+ *  @return false if there is no steady state, or the integration fails */
+bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
+                           const volatile sig_atomic_t *interrupt, carried *to);
+/** Find it.
+ *  @param near       a state of the motion on the section
+ *  @param periods    common periods of the orbit
+ *  @param time       of a common period [s]
+ *  @param options    of the integration
+ *  @param to         becomes the state of the orbit on the section
+ *  @return whether there is one, and it is stable */
+bool shortcut_find(const section *section, const carried *near, int periods, double time,
+                   const integrate_options *options, const volatile sig_atomic_t *interrupt, carried *to);
