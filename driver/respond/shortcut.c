@@ -1,7 +1,10 @@
 #include "respond/shortcut.h"
 
 #include "model/model_orbits.h"
+#include "model/model_start.h"
 #include "simulate/simulate.h"
+
+#include <math.h>
 
 /** All orbits are of one model: no parameter changes. */
 static const model *take(void *self, double value, char message[DAE_MESSAGE_LENGTH])
@@ -71,7 +74,7 @@ bool shortcut_quasi_static(const prepared_case *prepared, const model_period *pe
     POOLED memory_pool pool = {NULL};
     model_message refusal;
     dae_state state;
-    if (!model_steady_state(prepared->model, 0, &state, &refusal)) {
+    if (!model_steady_state(prepared->model, NAN, &state, &refusal)) {
         return false;
     }
     section section;
