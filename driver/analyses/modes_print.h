@@ -19,7 +19,8 @@ typedef struct {
     dae_state state; /**< at which the gearbox is linearised; of MODES_MEAN one of them */
     double *values;  /**< [model_n_values] the outputs there, or their means */
     modes_kind kind;
-    double mesh_position; /**< of MODES_STEADY: pitches of the first mesh from the start of contact; NAN: not requested */
+    double
+        mesh_position; /**< of MODES_STEADY: pitches of the first mesh from the start of contact; NAN: not requested */
     natural_modes modes;
 } modes_report;
 

@@ -95,8 +95,8 @@ bool model_check_start(const model *model, dae_state *state, model_message *erro
 
 bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error)
 {
-    const bool as_the_case = isnan(mesh_position) && (model->initial.kind == EVL_INITIAL_STEADY ||
-                                                      model->initial.kind == EVL_INITIAL_PERIODIC);
+    const bool as_the_case = isnan(mesh_position) &&
+                             (model->initial.kind == EVL_INITIAL_STEADY || model->initial.kind == EVL_INITIAL_PERIODIC);
     const evl_initial steady = {.kind = EVL_INITIAL_STEADY,
                                 .mesh_position = as_the_case ? model->initial.mesh_position : mesh_position};
     return start(model, &steady, state, error);

@@ -474,7 +474,7 @@ typedef enum {
     EVL_ORBIT_CROSSING, /**< another branch crosses */
     EVL_ORBIT_DOUBLING,
     EVL_ORBIT_NEIMARK_SACKER,
-    EVL_ORBIT_TOUCH,     /**< a root function just touches zero (grazing): flanks just part. Multipliers depend on the side */
+    EVL_ORBIT_TOUCH, /**< a root function just touches zero (grazing): flanks just part. Multipliers depend on the side */
     EVL_ORBIT_TOUCH_FOLD /**< the same, and the branch turns back there */
 } evl_orbit_kind;
 typedef struct {
@@ -614,9 +614,8 @@ EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, cons
  *  @param[out] amplitudes  [2 * n_states]
  *  @return as evl_gearbox_modes of a mean */
 EVL_API int evl_gearbox_start_distance(const evl_gearbox *gearbox, double t, const double *start,
-                                       const int *start_integers, double *y, int *integers, double *reals,
-                                       int *n_modes, double *eigenvalues, double *vectors, double *amplitudes,
-                                       evl_status *status);
+                                       const int *start_integers, double *y, int *integers, double *reals, int *n_modes,
+                                       double *eigenvalues, double *vectors, double *amplitudes, evl_status *status);
 
 /* ---- static analysis ------------------------------------------------------------------------------------------------------- */
 
