@@ -81,6 +81,7 @@ void history_keep_variable(history *history, const netcdf_variable *variable, bo
     own->variable.name = pool_copy(pool, variable->name);
     own->variable.units = pool_copy(pool, variable->units);
     own->variable.symbol = pool_copy(pool, variable->symbol);
+    own->variable.rates = variable->rates != NULL ? pool_copy(pool, variable->rates) : NULL;
     own->variable.long_name = pool_copy(pool, variable->long_name);
 }
 

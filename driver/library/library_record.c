@@ -23,6 +23,7 @@ static evolvent_variable view(const history_variable *from)
                             .units = variable->units,
                             .long_name = variable->long_name,
                             .symbol = variable->symbol,
+                            .rates = variable->rates != NULL ? variable->rates : "",
                             .type = types[variable->type],
                             .is_of_events = from->is_of_events,
                             .rank = variable->rank,
@@ -70,6 +71,7 @@ static size_t put_variable(char *to, size_t at, const evolvent_variable *variabl
     at = put_text(to, at, variable->units);
     at = put_text(to, at, variable->long_name);
     at = put_text(to, at, variable->symbol);
+    at = put_text(to, at, variable->rates);
     at = put_text(to, at, variable->flag_meanings);
     for (int i = 0; i < variable->rank; i++) {
         at = put_text(to, at, variable->dimensions[i]);

@@ -1,9 +1,9 @@
 !> Distance of a start from the steady motion, in natural modes of the mean stiffness.
 !>
-!> Near the steady motion x' = A (x - x_s(t)), where A is the mean of the linearised gearbox over one pitch of the first mesh and x_s
-!> the static equilibrium at the present position of the meshes, with the mean speeds. In the modes A v_k = lambda_k v_k of the mean
-!> the harmonic n of x_s, of amplitude z_n in mode k, has the response z_n H_n, H_n = -lambda_k/(i n Omega - lambda_k). The motion is this
-!> response and sum a_k v_k exp(lambda_k t), which decays: a_k is the start less the mean less the response at the start.
+!> Near the steady motion x' = A (x - x_s(t)). A is the mean of the linearised gearbox over one pitch of the first mesh, x_s the
+!> static equilibrium at the present position of the meshes, with the mean speeds. In the modes A v_k = lambda_k v_k of the mean the
+!> harmonic n of x_s, of amplitude z_n in mode k, has the response z_n H_n, H_n = -lambda_k/(i n Omega - lambda_k). The motion is
+!> this response and sum a_k v_k exp(lambda_k t), which decays: a_k is the start less the mean less the response at the start.
 !> Rigid-body modes, whose eigenvalue is 0, take no part.
 module evl_start_distance
    use evl_gearbox, only: gearbox_t, i_turns
@@ -42,7 +42,7 @@ contains
       real(wp), intent(out) :: reals(size(gearbox%contacts))
       integer, intent(out) :: n_modes
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states) !! [1/s]
-      complex(wp), intent(out) :: vectors(gearbox%n_states, gearbox%n_states) !! mode k; the largest entry is one scale of the states
+      complex(wp), intent(out) :: vectors(gearbox%n_states, gearbox%n_states) !! mode k; largest entry: one scale of the states
       complex(wp), intent(out) :: amplitudes(gearbox%n_states) !! a_k
       type(status_t), intent(inout) :: status               !! as gearbox_modes, and of a steady start
       real(wp) :: samples(gearbox%n_states, n_positions + 1), matrix(gearbox%n_states, gearbox%n_states)

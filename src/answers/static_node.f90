@@ -1,5 +1,5 @@
-!> A position of a mesh at rest for the search of its extremes: the transmission error, and of each tooth pair its force, its contact
-!> pressure and where it lies among the borders of both flanks.
+!> A position of a mesh at rest for the search of its extremes: the transmission error, and of each tooth pair its force, its
+!> contact pressure and where it lies among the borders of both flanks.
 !>
 !> Between two positions the quantities are smooth functions unless a tooth pair crosses a border: it begins to carry or ends, or
 !> passes the end of a relief, of its corner, of a flank, or of the range that is known of its tip corner. Of each border there is a

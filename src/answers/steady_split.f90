@@ -23,7 +23,7 @@ module evl_steady_split
 contains
 
    !> Weight of a mode by the ratio of its frequency to the mesh frequency; its first two derivatives are continuous.
-   elemental real(wp) function mode_weight(ratio) result(weight)
+   pure real(wp) function mode_weight(ratio) result(weight)
       real(wp), intent(in) :: ratio
       real(wp) :: s
 
@@ -38,11 +38,11 @@ contains
       real(wp), intent(in) :: damping(:, :)      !! -M^-1 C [1/s]
       real(wp), intent(in) :: mesh_frequency     !! Omega, the highest of all meshes [rad/s]
       real(wp), intent(inout) :: vectors(:, :)
-      real(wp), dimension(size(stiffness, 1)) :: re, im, balance, condition, condition_vectors, weight
+      real(wp), dimension(size(stiffness, 1)) :: re, im, balance, condition, condition_vectors, rate, weight
       real(wp), dimension(size(stiffness, 1), size(stiffness, 1)) :: a, left, right, factors
       real(wp) :: right_hand(size(stiffness, 1), size(stiffness, 1) + size(vectors, 2))
       real(wp) :: norm, work(size(stiffness, 1)*(size(stiffness, 1) + 6))
-      integer :: n, m, low, high, info, unused(1), pivots(size(stiffness, 1))
+      integer :: n, m, k, low, high, info, unused(1), pivots(size(stiffness, 1))
 
       n = size(stiffness, 1)
       m = size(vectors, 2)
@@ -57,9 +57,15 @@ contains
       right_hand(:, n + 1:) = vectors
       call dgesv(n, n + m, factors, n, pivots, right_hand, n, info)
       if (info /= 0 .or. .not. all(ieee_is_finite(right_hand))) return
-      weight = mode_weight(rates(hypot(re, im), right_hand(:, :n), im)/max(mesh_frequency, tiny(mesh_frequency)))
+      rate = rates(sqrt(re**2 + im**2), right_hand(:, :n), im)
+      !GCC$ novector
+      do k = 1, n
+         weight(k) = mode_weight(rate(k)/max(mesh_frequency, tiny(mesh_frequency)))
+      end do
       if (all(weight >= 1)) return
-      right_hand(:, n + 1:) = right_hand(:, n + 1:)*spread(weight, 2, m)
+      do k = n + 1, n + m
+         right_hand(:, k) = right_hand(:, k)*weight
+      end do
       vectors = matmul(right, right_hand(:, n + 1:))
    end subroutine keep_fast_modes
 

@@ -10,6 +10,7 @@ module evl_steady_start
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_omega, i_theta
    use evl_modes, only: free_states, still_matrix
+   use evl_places, only: places
    use evl_status, only: clear, has_failed, status_t
    use evl_steady_newton, only: find_slopes, follow, steady_residual, steady_system
    use evl_steady_position, only: default_position, first_mesh, place_at, steady_place
@@ -256,7 +257,7 @@ contains
       if (has_failed(status)) return
       y_place = y
       call free_states(gearbox, speeds, positions)
-      speeds = pack(speeds, speeds /= i_omega)
+      speeds = speeds(places(speeds /= i_omega))
       n = size(positions)
       allocate (vectors(n, 2), mean(n), stiffness(n, n), damping(n, n))
       mean = 0
@@ -315,9 +316,13 @@ contains
          stiffness(:, i) = stiffness(:, i)*unit(i)/unit
          damping(:, i) = damping(:, i)*unit(i)/unit
       end do
-      kept = vectors/spread(unit, 2, size(vectors, 2))
+      do i = 1, size(vectors, 2)
+         kept(:, i) = vectors(:, i)/unit
+      end do
       call keep_fast_modes(stiffness, damping, frequency, kept)
-      vectors = kept*spread(unit, 2, size(vectors, 2))
+      do i = 1, size(vectors, 2)
+         vectors(:, i) = kept(:, i)*unit
+      end do
    end subroutine scale_and_keep
 
    !> The highest mesh frequency [rad/s].

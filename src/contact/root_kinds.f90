@@ -27,8 +27,8 @@ module evl_root_kinds
    !> less than roots lie past a change of mode.
    real(wp), parameter :: tie = past/2
 
-   !> The same as `past` for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing there, and
-   !> it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
+   !> The same as `past` for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing
+   !> there, and it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
    real(wp), parameter :: standstill = 1.0e-6_wp
 
    ! What a root function moves: the integers of the discrete state, held by name; behind them one for each kind with a side.

@@ -1,7 +1,7 @@
 !> Formulas that state the torque of one load twice, compared with each other: a run fails where they differ.
 !>
-!> `ask` gives the torque at one state. `add_in_lanes` gives that of eight states, and `spin_torque` what a change of the speed adds.
-!> Radau integrates the second, IDA the first, a moving housing the third.
+!> `ask` gives the torque at one state. `add_in_lanes` gives that of eight states, and `spin_torque` what a change of the speed
+!> adds. Radau integrates the second, IDA the first, a moving housing the third.
 module evl_load_formulas
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: lanes, wp

@@ -11,7 +11,7 @@ from kernel.compliant import Edge, edge_place
 from kernel.description import Block
 from kernel.deviations import deviations, relief
 from kernel.gearbox import MESH, Gearbox, GearboxError
-from kernel.gearbox_description import STEADY, TORQUE, VISCOUS, load, mesh, wheel
+from kernel.gearbox_description import EQUILIBRIUM, TORQUE, VISCOUS, load, mesh, wheel
 from kernel.gears import gear_description, gear_of
 from kernel.kernel import INVALID_INPUT, OUT_OF_DOMAIN, Kernel
 from kernel.static import (
@@ -336,7 +336,7 @@ def test_mesh_rests_where_the_dynamics_do(kernel: Kernel, bending: str, eased: b
         **BENDING[bending],
     )
     curve = static_curve(gearbox, 50.0)
-    state = gearbox.start(STEADY, mesh_position=place)
+    state = gearbox.start(EQUILIBRIUM, mesh_position=place)
     at = int(np.argmin(np.abs(curve.position - place)))
     outputs = gearbox.outputs(state)
     error, force = outputs["transmission_error"][0], outputs["normal_force"][0]

@@ -34,7 +34,7 @@ def case_of(za: int, zb: int, **changes: Any) -> dict[str, Any]:
                 "damping": {"law": "ratio", "value": 0.05},
             }
         ],
-        "simulation": {"duration": 2e-2, "output_interval": 1e-5, "initial": {"kind": "steady"}},
+        "simulation": {"duration": 4e-2, "output_interval": 1e-5, "initial": {"kind": "steady"}},
     }
     for wheel in case["wheels"]:
         wheel.update(module=0.002, width=0.02, material="steel", bore=0.008)

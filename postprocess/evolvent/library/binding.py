@@ -58,6 +58,7 @@ class Variable(ctypes.Structure):
         ("units", c_char_p),
         ("long_name", c_char_p),
         ("symbol", c_char_p),
+        ("rates", c_char_p),
         ("type", c_int),
         ("is_of_events", c_int),
         ("rank", c_int),

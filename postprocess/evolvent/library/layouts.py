@@ -99,6 +99,8 @@ def _attributes(variable: Variable) -> dict[Hashable, Any]:
         "long_name": variable.long_name.decode(),
         "symbol": variable.symbol.decode(),
     }
+    if variable.rates:
+        attributes["rates"] = variable.rates.decode()
     if variable.n_flags > 0:
         attributes["flag_values"] = np.arange(variable.n_flags, dtype=TYPES[INTEGER])
         attributes["flag_values"].flags.writeable = False  # shared by all results

@@ -533,11 +533,13 @@ EVL_API int evl_orbits_state(evl_orbits *orbits, int branch, int point, double *
 
 /* ---- the periodic start ------------------------------------------------------------------------------------------------------ */
 
-/** Search setup. Callers end a search between two flows by `is_over`. */
+/** Whether a search ends before its next flow. */
+typedef bool evl_periodic_is_over(void *self);
+/** Search setup. */
 typedef struct {
     void *self;
-    bool (*is_over)(void *self); /**< NULL: it is not interrupted */
-    int most_flows;              /**< integrations over the common period or a part of it, >= 1 */
+    evl_periodic_is_over *is_over; /**< NULL: it is not interrupted */
+    int most_flows;                /**< integrations over the common period or a part of it, >= 1 */
 } evl_periodic_setup;
 /** The periodic orbit of a start. */
 typedef struct {

@@ -102,6 +102,7 @@ enum { EVOLVENT_MOST_DIMENSIONS = 5 };
 /** A variable; it lives as long as its record. */
 typedef struct evolvent_variable {
     const char *name, *units, *long_name, *symbol;
+    const char *rates; /**< variables, between blanks, whose sum is its derivative by time; "": none is known */
     evolvent_type type;
     int is_of_events; /**< not 0: of the events, whose dimensions are their own; else of the record itself */
     int rank;
