@@ -59,9 +59,13 @@ def test_the_rows_of_real_gears_are_what_the_parts_have(kernel: Kernel) -> None:
     gearbox, _ = made(kernel, PAIRS["every deviation"], 0.0, 0)
     check_wheels_and_meshes(gearbox, gives_way=0.0)
     for i in range(2):
-        check(gearbox.quantities(OF_GEAR, i), gear_of(gearbox, i), {"is_undercut", "tool_depth", "tool_rounding"})
+        check(
+            gearbox.quantities(OF_GEAR, i),
+            gear_of(gearbox, i),
+            {"is_undercut", "tool_depth", "tool_rounding"},
+        )
         assert gearbox.quantities(OF_DEVIATION, i)
-    left_out = {"base_radius_sum", "rho_tip_a", "rho_tip_b", "exists"}
+    left_out = {"base_radius_sum", "rho_tip_a", "rho_tip_b", "rho_end_a", "rho_end_b", "exists"}
     check(gearbox.quantities(OF_GEAR_MESH, 0), mesh_of(gearbox, 0), left_out)
 
 

@@ -201,8 +201,8 @@ def test_flanks_without_deviations_have_the_curvatures_of_involutes(kernel: Kern
 
 
 def test_a_flank_too_hollow_for_a_hertzian_contact_has_no_pressure(kernel: Kernel):
-    """Linear relief of the root whose slope turns with the arc: hollow next to the base circle."""
-    flank = Profile(0, tip=(1.2e-3, START[0] + 1e-4))
+    """Linear relief whose slope turns with the arc: hollow next to the base circle."""
+    flank = Profile(0, tip=(2.9e-4, START[0] + 1e-4))
     second_order, curvature, _ = of_kernel(gearbox_of(kernel, (flank, NONE[1])), PLACES)
     hollow = np.isnan(curvature)
     assert hollow.any()

@@ -76,11 +76,14 @@ def test_a_run_in_memory_is_the_program_s_history(
 ) -> None:
     settings = SHORT | INTEGRATORS[integrator]
     done = evolvent("run", case, "-q", "-o", "h.h5", *options(settings))
-    if done.returncode != 0:  # radau does not serve them all
+    if done.returncode != 0:  # radau does not serve them all, nor is there a turn in each
         with pytest.raises(package.AnalysisError) as refused:
             package.run(case, settings)
-        assert done.stderr == f"{refused.value}\n"
-        assert (refused.value.code, integrator) == (done.returncode, "radau")
+        assert done.stderr.partition("; the history up to there is in")[0].rstrip() == str(
+            refused.value
+        )
+        assert refused.value.code == done.returncode
+        assert integrator == "radau" or "numbers holds no whole turn" in done.stderr
         return
     memory = package.run(case, settings)
     with package.open_history(tmp_path / "h.h5") as file:

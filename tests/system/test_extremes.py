@@ -79,7 +79,7 @@ def test_extremes_do_not_depend_on_the_output_interval(runs, name):
         assert_same(histories[0], other, 1e-9)  # asked are 1e-6; the steps are the same
     # the outputs do depend on it: the largest force is that of the instant after an event
     peaks = [float(history["normal_force"].max()) for history in histories]
-    assert peaks[0] < 0.6 * float(histories[0]["normal_force_max"][0])
+    assert peaks[0] < 0.8 * float(histories[0]["normal_force_max"][0])
     assert peaks[0] < peaks[1] < peaks[2] < float(histories[0]["normal_force_max"][0])
 
 
@@ -129,7 +129,7 @@ def test_the_largest_pressure_of_relieved_flanks_is_that_of_very_fine_outputs(ru
     assert largest == pytest.approx(peak, rel=1e-9)
     assert abs(time - float(fine["time"][top])) <= 4e-8
     assert float(fine["flank_deviation"].isel(mesh=0).sel(time=time, method="nearest")) > 1e-6
-    assert float(run.history["pair_contact_pressure"].max()) < 0.98 * largest
+    assert float(run.history["pair_contact_pressure"].max()) < 0.99 * largest
 
 
 @pytest.mark.parametrize("name", INTEGRATORS)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from evolvent.history.recording import Part, Recording, Values, joined, largest_size
 from evolvent.physics.applicable import NotApplicableError, is_rigid
@@ -34,15 +35,17 @@ def rates(run: Recording) -> Deviation:
 
     Dims (time, rate). An output with attribute `rates` changes by the integral of those variables,
     or of their sum. The rate between two rows is the polynomial through four, six and eight rows
-    around them. Where these differ, or an interval is longer than an eighth of the period of the
-    fastest vibration, the rows do not resolve the rate, and nothing is said. A rigid contact is
-    left out: its impacts change speeds at once.
+    around them. Where these differ, an interval is longer than an eighth of the period of the
+    fastest vibration, or flanks of a mesh are apart at one of these rows, the rows do not resolve
+    the rate, and nothing is said. A rigid contact is left out: its impacts change speeds at once.
     """
     if is_rigid(run).any():
         raise NotApplicableError("impacts of rigid contacts change speeds at once")
     outputs = list(_outputs_with_rates(run))
     if not outputs:
         raise NotApplicableError("the history does not state what its rates are rates of")
+    if "normal_force" not in run:
+        raise NotApplicableError("the history has no normal_force, which shows impacts")
     if run.n < max(ROWS):
         raise NotApplicableError(f"there are fewer than {max(ROWS)} rows")
     names = [f"{', '.join(own)} of {name}" for name, own in outputs]
@@ -153,11 +156,22 @@ def _deviation(
     change = values[first + 1] - values[first]
     wrong = np.clip(abs(integrals[-1] - change) - rounding, 0.0, None).max(axis=1) / scale
     is_resolved = (around <= RESOLVED * bound * scale) & (np.diff(time)[first] <= longest)
+    is_resolved &= ~_are_apart(part)[first[:, np.newaxis] + np.arange(-BESIDE, BESIDE + 2)].any(
+        axis=1
+    )
     wrong[~is_resolved] = np.nan
     row = first + 1 - (part.begin - max(part.begin - BESIDE - 1, 0))
     inside = (row >= 0) & (row < part.n)
     found[row[inside]] = wrong[inside]
     return found
+
+
+def _are_apart(part: Part) -> NDArray[np.bool_]:
+    """Rows at which the flanks of a mesh carry nothing: an impact may lie between two such rows."""
+    forces = _rows(part, "normal_force", BESIDE + 1)
+    if "coast_force" in part.recording:
+        forces = forces + np.nan_to_num(_rows(part, "coast_force", BESIDE + 1))
+    return np.asarray((forces == 0.0).any(axis=1))
 
 
 def _integrals(time: Values, rate: Values, first: Values, rows: int) -> Values:
