@@ -35,7 +35,8 @@ static const struct {
      "flank_deviation separation_curvature contact_mode normal_force friction_force friction_arm_driving "
      "friction_arm_driven mesh_torque_driving mesh_torque_driven shaft_torque gradient_ratio tracking_residual_driving "
      "tracking_residual_driven line_distance_driving line_distance_driven pair_normal_force pair_contact_mode "
-     "pair_penetration pair_on_path angle centre_velocity centre_acceleration housing_position housing_velocity "
+     "pair_penetration pair_on_path pair_number tooth_pair pairs_in_contact angle centre_velocity centre_acceleration "
+     "housing_position housing_velocity "
      "housing_acceleration housing_angular_velocity mount_damping_loss friction_loss contact_damping_loss "
      "curvature_loss support_damping_loss shaft_damping_loss"},
 };

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+import machine
 from commands.case_table import Row, Table
 from designs import read_journal, write_design
 from example_cases import CASES
@@ -235,7 +236,7 @@ def test_a_warning_does_not_change_results(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
     """A speed of which a warning is given in one unit and the same speed written otherwise."""
-    h5py = pytest.importorskip("h5py")
+    h5py = machine.module("h5py")
     short = [word for option in SHORT for word in ("--set", option)]
     files = []
     for number, width in enumerate(("2", "2000 mm")):

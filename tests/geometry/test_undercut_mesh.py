@@ -343,8 +343,7 @@ def test_the_gap_of_tips_is_that_of_a_mate_that_moves_over_the_gear(
 ) -> None:
     a, b = one.of_kernel(kernel), mate.of_kernel(kernel)
     mesh = mesh_geometry(kernel, a, b, M * (one.teeth + mate.teeth) / 2)
-    if mesh.rho_end_b == mesh.rho_tip_b:
-        pytest.skip("the path is not shortened")
+    assert mesh.rho_end_b != mesh.rho_tip_b, "the path is not shortened"
     gap = tip_gap(kernel, a, b, mesh.centre_distance, mesh.working_pressure_angle, mesh.rho_tip_b)
     moved = smallest_gap(one, mate, mesh.centre_distance, mesh.working_pressure_angle)
     assert gap == pytest.approx(moved, abs=1e-5 * M)  # the steps of the mate and of the profile

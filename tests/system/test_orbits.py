@@ -134,9 +134,9 @@ def _around(ratio: float, damping: float) -> tuple[tuple[float, float], tuple[fl
 
 def test_fold_is_where_a_sweep_jumps(orbits: Orbits, evolvent, tmp_path: Path) -> None:
     """A sweep halves the step of a jump ten times."""
-    found = orbits(0.74, 0.765)
+    found = orbits(0.7, 0.765)
     (fold,) = frequencies(found, FOLD)
-    over = speeds(0.74, 0.765)
+    over = speeds(0.7, 0.765)
     path = tmp_path / "sweep.h5"
     done = evolvent("respond", tmp_path / "case.yaml", "--over", over, "--up", "-q", "-o", path)
     assert done.returncode == 0, done.stderr
@@ -244,7 +244,7 @@ def stops(tmp_path: Path) -> Path:
 def follow(evolvent, case: Path, over: str, *options: str) -> xr.Dataset:
     """What comes of a case over a parameter."""
     result = case.with_name("follow.h5")
-    done = evolvent("respond", case, "--over", over, "-q", "-o", result, *options)
+    done = evolvent("respond", case, "--over", over, "-q", "-o", result, *options, timeout=400)
     assert done.returncode == 0, done.stderr
     with xr.open_dataset(result, engine="h5netcdf") as file:
         return file.load()
@@ -433,7 +433,7 @@ def test_what_cannot_be_is_refused_in_one_line(
     assert not list(tmp_path.glob("o.h5*"))
 
 
-def test_where_no_motion_repeats_it_says_so(evolvent, tmp_path: Path) -> None:
+def test_where_no_motion_repeats_orbits_begin_at_its_last_state(evolvent, tmp_path: Path) -> None:
     """Behind the last doubling on the way down the motion of some speeds is chaotic."""
     case = rectangular(1.0, 1, 1, "radau")
     del case["simulation"]["numbers"]
@@ -444,11 +444,9 @@ def test_where_no_motion_repeats_it_says_so(evolvent, tmp_path: Path) -> None:
     done = evolvent(
         *("respond", path, "--over", over, "--method", "orbits", "-o", tmp_path / "o.h5")
     )
-    assert done.returncode == 4, done.stderr
-    *_, line = done.stderr.strip().splitlines()
-    assert "no orbit was found: wheels.a.loads.0.value=" in line
-    assert "the motion is not periodic" in line
-    assert "0 branches with 0 points are in" in line
+    assert done.returncode == 0, done.stderr
+    assert "the motion is not periodic: an orbit was found from its last state" in done.stderr
+    assert "0 of them stable" in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.parametrize("damping", ["{law: none}", "{law: ratio, value: 0}"])

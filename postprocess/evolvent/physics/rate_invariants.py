@@ -20,6 +20,7 @@ BESIDE = max(ROWS) // 2 - 1  # rows needed on either side
 RESOLVED = 0.01
 SHARE = 1 / 8  # of the period of the fastest vibration: the longest interval that resolves it
 STIFFER = 1.5  # several tooth pairs, and inertias on supports, than the mesh frequency counts
+CONTACTS = ("tooth_pair", "contact_mode", "pair_number", "pair_contact_mode", "pairs_in_contact")
 LEAST_BOUND, TOLERANCES = 1e-6, 100.0
 
 
@@ -36,8 +37,9 @@ def rates(run: Recording) -> Deviation:
     Dims (time, rate). An output with attribute `rates` changes by the integral of those variables,
     or of their sum. The rate between two rows is the polynomial through four, six and eight rows
     around them. Where these differ, an interval is longer than an eighth of the period of the
-    fastest vibration, or flanks of a mesh are apart at one of these rows, the rows do not resolve
-    the rate, and nothing is said. A rigid contact is left out: its impacts change speeds at once.
+    fastest vibration, or flanks of a mesh are apart or teeth change at one of these rows, the
+    rows do not resolve the rate, and nothing is said. A rigid contact is left out: its impacts
+    change speeds at once.
     """
     if is_rigid(run).any():
         raise NotApplicableError("impacts of rigid contacts change speeds at once")
@@ -59,6 +61,11 @@ def rates(run: Recording) -> Deviation:
             f"vibrations at {_fastest(run):.4g} Hz need rows at most {longest:.2g} s apart"
         )
     scales = joined(run, change, np.fmax)
+    floors = [
+        _energy(run) if str(run.variables[name].attrs["units"]) == "J" else 0.0
+        for name, _ in outputs
+    ]
+    scales = np.where(scales > floors, scales, 0.0)
     bound = _rates_bound(run)
 
     def deviation(part: Part) -> Values:
@@ -86,6 +93,15 @@ def _fastest(run: Recording) -> float:
             ratios = np.where(moved > 0.0, pushed / moved, 0.0)
         found.append(float(np.sqrt(np.fmax.reduce(ratios, axis=None, initial=0.0))) / (2 * np.pi))
     return max(found)
+
+
+def _energy(run: Recording) -> float:
+    """Energy that counts as nothing [J]: the tolerance, of the largest energy of the motion."""
+    from evolvent.physics.invariants import tolerance_of
+
+    names = [name for name in ("kinetic_energy", "potential_energy") if name in run]
+    largest = sum(float(np.fmax.reduce(largest_size(run, name), axis=None)) for name in names)
+    return float(run.once(tolerance_of)) * largest
 
 
 def _steps(part: Part) -> Values:
@@ -156,9 +172,9 @@ def _deviation(
     change = values[first + 1] - values[first]
     wrong = np.clip(abs(integrals[-1] - change) - rounding, 0.0, None).max(axis=1) / scale
     is_resolved = (around <= RESOLVED * bound * scale) & (np.diff(time)[first] <= longest)
-    is_resolved &= ~_are_apart(part)[first[:, np.newaxis] + np.arange(-BESIDE, BESIDE + 2)].any(
-        axis=1
-    )
+    apart = _are_apart(part)[first[:, np.newaxis] + np.arange(-BESIDE, BESIDE + 2)].any(axis=1)
+    changes = _have_events(part)[first[:, np.newaxis] + np.arange(-BESIDE, BESIDE + 1)].any(axis=1)
+    is_resolved &= ~(apart | changes)
     wrong[~is_resolved] = np.nan
     row = first + 1 - (part.begin - max(part.begin - BESIDE - 1, 0))
     inside = (row >= 0) & (row < part.n)
@@ -172,6 +188,15 @@ def _are_apart(part: Part) -> NDArray[np.bool_]:
     if "coast_force" in part.recording:
         forces = forces + np.nan_to_num(_rows(part, "coast_force", BESIDE + 1))
     return np.asarray((forces == 0.0).any(axis=1))
+
+
+def _have_events(part: Part) -> NDArray[np.bool_]:
+    """Intervals in which teeth come, go, close or open: forces may jump there."""
+    found = np.zeros(max(len(_rows(part, "time", BESIDE + 1)) - 1, 0), dtype=bool)
+    for name in CONTACTS:
+        if name in part.recording:
+            found |= (np.diff(_rows(part, name, BESIDE + 1), axis=0) != 0.0).any(axis=1)
+    return found
 
 
 def _integrals(time: Values, rate: Values, first: Values, rows: int) -> Values:
