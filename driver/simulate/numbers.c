@@ -84,6 +84,13 @@ void numbers_keep(numbers *self, archive *archive)
     KEEP(archive, self->position);
     KEEP(archive, self->first_seen);
     KEEP(archive, self->periods);
+    KEEP(archive, self->has_start);
+    KEEP(archive, self->starts_periodic);
+    const dae *dae = &model_about(self->model)->dae;
+    KEEP(archive, self->start.t);
+    KEEP_ARRAY(archive, self->start.y, dae->n);
+    KEEP_ARRAY(archive, self->start.integers, dae->n_integers);
+    KEEP_ARRAY(archive, self->start.reals, dae->n_reals);
 }
 
 /* ---- positions ---- */
@@ -271,6 +278,9 @@ void numbers_event(numbers *self, const event_record *record)
 
 void numbers_start(numbers *self, const dae_state *start, bool is_periodic)
 {
+    if (self->has_start) { /* a run that goes on has that of its beginning */
+        return;
+    }
     dae_state_copy(&model_about(self->model)->dae, &self->start, start);
     self->has_start = true;
     self->starts_periodic = is_periodic;

@@ -29,8 +29,9 @@ static const double weights[DAE_LANES] = {0,
 enum { START = 0, END = DAE_LANES - 1 };
 
 static const double part = 1e-8; /* of the largest value or change: what two formulas may differ by */
-/* Units of the tolerance, in scales of the states, that the integral over one step may be wrong by: Newton's iteration of radau. */
-static const double tolerances = 100;
+/* Units of the tolerance, in scales of the states, that the integral over one step may be wrong by: Newton's iteration of radau,
+ * which in a step of many periods of a stiff mode leaves much of its acceleration. */
+static const double tolerances = 1e4;
 static const double roundings = 64 * DBL_EPSILON; /* of values that are subtracted, and of the time */
 
 /* The first step is looked at, then one of 16, of 32, of 64, and one of 128 for the rest of the run: later by up to an eighth of that

@@ -39,6 +39,9 @@ contains
          associate (contact => gearbox%contacts(i))
             contact%force_scale = max(gearbox%nominal%mesh_scale(contact%mesh), &
                                       smallest_load*pi*contact%e_star*contact%pair%rho_0*contact%width)
+            ! rigid flanks have no deflection: their scale counts digits, so the loads count that accelerate the wheels
+            if (contact%rigid) contact%force_scale = max(contact%force_scale, &
+                                                         gearbox%nominal%torque_scale/abs(contact%pair%advance))
             call static_penetration(gearbox, contact, contact%force_scale, contact%h_scale)
             if (.not. contact%h_scale > 0) then
                call fail(status, code_invalid_input, "no load, however small, gives its contact a penetration that is a number:" &

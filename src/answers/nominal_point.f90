@@ -84,6 +84,7 @@ contains
       now = first_instant(gearbox)
       do
          call carried_loads(gearbox, train, now, speeds, acceleration_at(gearbox, now, speeds), there)
+         there = max(abs(there), torque_through(gearbox, now, maxval(abs(speeds/gearbox%wheels%ratio)))/advances(train, gearbox))
          force = max(force, abs(there(:size(force))))
          torque = max(torque, abs(there(size(force) + 1:)))
          call next_instant(gearbox, now, is_next)

@@ -27,7 +27,11 @@ ROWS = "{variables: [transmission_error], every: 2, rows: 12}"
 def plan(examples: Path, tmp_path: Path) -> Path:
     case = yaml.safe_load((examples / "spur-pair.yaml").read_text(encoding="utf-8"))
     output = {"per_pitch": 10, "mesh": "pinion-gear"}
-    case["simulation"] = {"duration": 0.004, "output": output, "initial": {"kind": "steady"}}
+    case["simulation"] = {
+        "duration": 0.004,
+        "output": output,
+        "initial": {"kind": "steady", "position": 0},
+    }
     (tmp_path / "pair.yaml").write_text(yaml.safe_dump(case, sort_keys=False))
     (tmp_path / "sweep.yaml").write_text(PLAN.replace("HISTORIES", ROWS))
     return tmp_path / "sweep.yaml"

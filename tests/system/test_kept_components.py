@@ -249,7 +249,8 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "numbers_keep",
         {
             **alike(GIVEN, "pool model window closed impact"),
-            **alike(ROOM, "angles y values"),
+            **alike(ROOM, "angles values"),
+            "settled": "found by numbers_judge at the end",
         },
     ),
     "number_sums": (
