@@ -24,7 +24,7 @@ module evl_gearbox_initial
    implicit none (type, external)
    private
 
-   public :: initial_t, gearbox_start, gearbox_initial_speeds, settle_start
+   public :: initial_at, initial_t, gearbox_start, gearbox_initial_speeds, settle_start
    public :: initial_equilibrium, initial_rest, initial_steady, initial_speeds
 
    integer, parameter :: initial_rest = 0   !! nothing moves
@@ -58,6 +58,16 @@ module evl_gearbox_initial
    end type initial_t
 
 contains
+
+   !> A start in the steady or the balanced state at a position of the first mesh.
+   pure type(initial_t) function initial_at(kind, mesh_position) result(initial)
+      integer, intent(in) :: kind           !! initial_steady, initial_equilibrium
+      real(wp), intent(in) :: mesh_position !! pitches from the start of contact
+
+      initial%kind = kind
+      initial%mesh_position = mesh_position
+      allocate (initial%speeds(0), initial%gaps(0)) ! gfortran 12 leaves an empty array in a structure constructor unallocated
+   end function initial_at
 
    !> The wheels' speeds at the start [rad/s], as far as they are given: size 0 for a steady start.
    pure function gearbox_initial_speeds(gearbox, initial) result(speeds)

@@ -8,7 +8,7 @@ module evl_mean_modes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_common_pitches, only: whole_pitches
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_initial, only: gearbox_start, initial_equilibrium, initial_t
+   use evl_gearbox_initial, only: gearbox_start, initial_at, initial_equilibrium
    use evl_kinds, only: wp
    use evl_modes, only: linearised_matrix, modes_of_matrix
    use evl_outputs, only: gearbox_outputs
@@ -73,8 +73,7 @@ contains
       subroutine start_at(pitches)
          real(wp), intent(in) :: pitches
 
-         call gearbox_start(gearbox, initial_t(initial_equilibrium, [real(wp) ::], [real(wp) ::], pitches), t, y, yp, integers, &
-                            reals, status)
+         call gearbox_start(gearbox, initial_at(initial_equilibrium, pitches), t, y, yp, integers, reals, status)
       end subroutine start_at
 
    end subroutine gearbox_mean_modes

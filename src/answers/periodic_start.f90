@@ -3,7 +3,7 @@
 module evl_periodic_start
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_initial, only: gearbox_start, initial_steady, initial_t
+   use evl_gearbox_initial, only: gearbox_start, initial_at, initial_steady, initial_t
    use evl_gearbox_ode, only: gearbox_ode_serves
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_create
    use evl_gearbox_scaling, only: gearbox_state_scales
@@ -65,8 +65,7 @@ contains
       if (has_failed(status)) return
       resting = gearbox
       if (resting%housing%kind == housing_prescribed) resting%housing%kind = housing_fixed
-      call gearbox_start(resting, initial_t(initial_steady, [real(wp) ::], [real(wp) ::], initial%mesh_position), 0.0_wp, y, yp, &
-                         integers, reals, status)
+      call gearbox_start(resting, initial_at(initial_steady, initial%mesh_position), 0.0_wp, y, yp, integers, reals, status)
       if (has_failed(status)) return
       if (.not. model%common%by_time .and. .not. pitch_rate(gearbox, y) > 0) &
          call fail(status, code_invalid_input, refused//"in the steady state nothing turns the first mesh in" &

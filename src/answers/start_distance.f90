@@ -7,7 +7,7 @@
 !> Rigid-body modes, whose eigenvalue is 0, take no part.
 module evl_start_distance
    use evl_gearbox, only: gearbox_t, i_turns
-   use evl_gearbox_initial, only: gearbox_start, initial_steady, initial_t
+   use evl_gearbox_initial, only: gearbox_start, initial_at, initial_steady
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_housing, only: at_orientation, small_turns
    use evl_kinds, only: pi, wp
@@ -88,8 +88,7 @@ contains
       do i = 1, n_positions
          do try = 1, size(parts)
             call clear(status)
-            call gearbox_start(gearbox, initial_t(kind=initial_steady, speeds=[real(wp) ::], gaps=[real(wp) ::], &
-                                                  mesh_position=position + (i - parts(try))/n_positions), t, here, yp, &
+            call gearbox_start(gearbox, initial_at(initial_steady, position + (i - parts(try))/n_positions), t, here, yp, &
                                here_integers, here_reals, status)
             if (.not. has_failed(status)) exit
          end do

@@ -2,7 +2,7 @@
 !>
 !> The header's section "natural modes" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_modes
-   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_discrete_state, only: leading_contact, take_mode
    use evl_gearbox, only: gearbox_t, i_turns
@@ -46,17 +46,21 @@ contains
       real(c_double), intent(inout) :: y(*), reals(*)
       integer(c_int), intent(inout) :: integers(*)
       integer(c_int), intent(out) :: n_modes, n_rigid
-      complex(c_double_complex), intent(inout) :: eigenvalues(*), vectors(*)
+      type(c_ptr), intent(in), value :: eigenvalues, vectors
       real(c_double), intent(inout), optional :: means(*)
       integer(c_int), intent(in), value :: n_positions
       type(c_status), intent(inout), optional :: status
+      complex(c_double_complex), pointer :: lambda(:), v(:, :)
+      type(gearbox_t), pointer :: g
       type(status_t) :: s
 
+      g => gearbox_of(handle)
+      call c_f_pointer(eigenvalues, lambda, [g%n_states])
+      call c_f_pointer(vectors, v, [g%n_states, g%n_states])
       if (present(means)) then
-         call gearbox_mean_modes(gearbox_of(handle), t, n_positions, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, &
-                                 means, s)
+         call gearbox_mean_modes(g, t, n_positions, y, integers, reals, n_modes, n_rigid, lambda, v, means, s)
       else
-         call gearbox_modes(gearbox_of(handle), t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, s)
+         call gearbox_modes(g, t, y, integers, reals, n_modes, n_rigid, lambda, v, s)
       end if
       code = answer(s, status)
    end function evl_gearbox_modes
