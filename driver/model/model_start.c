@@ -93,13 +93,25 @@ bool model_check_start(const model *model, dae_state *state, model_message *erro
     return code == EVL_OK;
 }
 
-bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error)
+/** A state of the kind at a position; NaN: at the position of the case, if it gives one. */
+static bool find_at(const model *model, evl_initial_kind kind, double mesh_position, dae_state *state,
+                    model_message *error)
 {
     const bool as_the_case = isnan(mesh_position) &&
                              (model->initial.kind == EVL_INITIAL_STEADY || model->initial.kind == EVL_INITIAL_PERIODIC);
-    const evl_initial steady = {.kind = EVL_INITIAL_STEADY,
+    const evl_initial steady = {.kind = kind,
                                 .mesh_position = as_the_case ? model->initial.mesh_position : mesh_position};
     return start(model, &steady, state, error);
+}
+
+bool model_steady_state(const model *model, dae_state *state, model_message *error)
+{
+    return find_at(model, EVL_INITIAL_STEADY, NAN, state, error);
+}
+
+bool model_equilibrium(const model *model, double mesh_position, dae_state *state, model_message *error)
+{
+    return find_at(model, EVL_INITIAL_EQUILIBRIUM, mesh_position, state, error);
 }
 
 const model_start_orbit *model_orbit_of_start(const model *model)

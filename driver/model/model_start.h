@@ -34,9 +34,11 @@ model_start_end model_initial_state(model *model, const volatile sig_atomic_t *i
                                     model_message *error);
 /** The same without the search for a periodic orbit: then the state is the steady start. @return false with the reason in `error` */
 bool model_check_start(const model *model, dae_state *state, model_message *error);
-/** The steady state under the loads at t = 0, whatever initial state the description gives.
+/** The steady start under the loads at t = 0, whatever initial state the description gives. */
+bool model_steady_state(const model *model, dae_state *state, model_message *error);
+/** The state under the loads at t = 0 in which nothing accelerates, whatever initial state the description gives.
  *  @param mesh_position  pitches of the first mesh in the flow of power; NAN: as the case, or inside a zone */
-bool model_steady_state(const model *model, double mesh_position, dae_state *state, model_message *error);
+bool model_equilibrium(const model *model, double mesh_position, dae_state *state, model_message *error);
 /** The orbit of the last model_initial_state; NULL if the motion does not start on one. */
 const model_start_orbit *model_orbit_of_start(const model *model);
 /** The largest multiplier in size; NAN if there is none. */

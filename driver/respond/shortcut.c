@@ -74,7 +74,7 @@ bool shortcut_quasi_static(const prepared_case *prepared, const model_period *pe
     POOLED memory_pool pool = {NULL};
     model_message refusal;
     dae_state state;
-    if (!model_steady_state(prepared->model, NAN, &state, &refusal)) {
+    if (!model_steady_state(prepared->model, &state, &refusal)) {
         return false;
     }
     section section;

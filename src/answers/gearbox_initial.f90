@@ -17,9 +17,7 @@ module evl_gearbox_initial
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
-   use evl_steady_position, only: steady_place
-   use evl_steady_start, only: find_steady_start
-   use evl_steady_state, only: equilibrium_models, find_models, find_steady_state
+   use evl_steady_start, only: find_equilibrium, find_steady_start
    use evl_tooth_contact, only: contact_mode, contact_state, flank_coast, flanks_loaded, flanks_off, flanks_open, tooth_contact_t
    implicit none (type, external)
    private
@@ -95,7 +93,6 @@ contains
       integer, intent(out) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: reals(size(gearbox%contacts))
       type(status_t), intent(inout) :: status
-      type(equilibrium_models) :: models
       logical :: opened(size(gearbox%contacts))
       integer :: i
 
@@ -114,15 +111,8 @@ contains
       end associate
       call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
-      if (initial%kind == initial_steady .and. ieee_is_nan(initial%mesh_position)) then
-         call find_steady_start(gearbox, t=t, y=y, integers=integers, reals=reals, status=status)
-      else if (initial%kind == initial_steady) then
-         call find_steady_start(gearbox, initial%mesh_position, t, y, integers, reals, status)
-      else if (initial%kind == initial_equilibrium) then
-         if (.not. ieee_is_nan(initial%mesh_position)) &
-            y(i_theta) = initial%mesh_position*gearbox%contacts(1)%base_pitch/gearbox%contacts(1)%pair%advance
-         call find_models(gearbox, models)
-         call find_steady_state(gearbox, models, steady_place(), t, y, integers, reals, status)
+      if (any(initial%kind == [initial_steady, initial_equilibrium])) then
+         call find_at(initial)
       else
          call set_speeds(gearbox, gearbox_initial_speeds(gearbox, initial), t, y, integers, status)
          if (has_failed(status)) return
@@ -138,6 +128,22 @@ contains
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
       if (has_failed(status)) return
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
+
+   contains
+
+      !> The steady or the balanced state; a position that is NaN is not given.
+      subroutine find_at(initial)
+         type(initial_t), intent(in) :: initial
+         real(wp), allocatable :: position
+
+         if (.not. ieee_is_nan(initial%mesh_position)) position = initial%mesh_position
+         if (initial%kind == initial_steady) then
+            call find_steady_start(gearbox, position, t, y, integers, reals, status)
+         else
+            call find_equilibrium(gearbox, position, t, y, integers, reals, status)
+         end if
+      end subroutine find_at
+
    end subroutine gearbox_start
 
    !> The description of the start makes sense.

@@ -13,6 +13,7 @@ module evl_mean_modes
    use evl_modes, only: linearised_matrix, modes_of_matrix
    use evl_outputs, only: gearbox_outputs
    use evl_status, only: clear, has_failed, status_t
+   use evl_steady_position, only: first_mesh
    implicit none (type, external)
    private
 
@@ -40,6 +41,7 @@ contains
       type(status_t), intent(inout) :: status           !! as gearbox_modes, and of a steady start
       real(wp) :: matrix(gearbox%n_states, gearbox%n_states), yp(gearbox%n_states), outputs(gearbox%n_values), span
       real(wp), allocatable :: there(:, :)
+      integer(int64) :: pitches
       integer :: i, n, try
 
       n_modes = 0
@@ -48,9 +50,10 @@ contains
       vectors = 0
       matrix = 0
       values = 0
-      span = real(whole_pitches(gearbox, 1), wp)
+      pitches = whole_pitches(gearbox, first_mesh(gearbox))
+      span = real(pitches, wp)
       n = n_positions
-      if (n <= 0) n = primes(merge(2, 1, modulo(whole_pitches(gearbox, 1), int(primes(1), int64)) == 0))
+      if (n <= 0) n = primes(merge(2, 1, modulo(pitches, int(primes(1), int64)) == 0))
       do i = 1, n
          do try = 1, size(places)
             call clear(status)

@@ -2,7 +2,7 @@
 !>
 !> The motion is x' = A x with x = (omega, psi_i, psi_i', s_j, s_j') and A = -dF/dy of the explicit system, analytic. What is not
 !> in x: the energies, which nothing depends on; the variables of tracked contact points, which the wheels carry along, so every
-!> mesh is taken in closed form; the angle theta, whose place in the mesh is held; speeds that are prescribed. Contact modes and
+!> mesh is taken in closed form; the angle of the driving wheel of the first mesh, which is held; speeds that are prescribed. Contact modes and
 !> friction branches stay as they are: no event takes part. A mounted housing adds its 12 states.
 module evl_modes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -19,6 +19,7 @@ module evl_modes
    use evl_local_variables, only: at_psi_a, at_psi_b, i_omega, i_theta, n_local
    use evl_rotation, only: identity, skew
    use evl_status, only: code_no_solution, code_out_of_domain, code_singular, fail, has_failed, status_t, subject_mesh
+   use evl_steady_position, only: first_mesh
    use evl_support, only: axle_deviation
    use evl_tooth_contact, only: tooth_contact_t
    use evl_wheel_loads, only: hold_still
@@ -150,10 +151,23 @@ contains
       allocate (matrix(n, n))
       call still_matrix(closed, t, y, integers, reals, matrix, status)
       if (has_failed(status)) return
+      call hold_driving_wheel(gearbox, matrix)
       do i = 1, n
          matrix(:, i) = matrix(:, i)*scale(i)/scale
       end do
    end subroutine linearised_matrix
+
+   !> Derivatives at a constant angle of the driving wheel of the first mesh instead of the reference wheel, theta = -psi/g, so that
+   !> the modes do not depend on the choice of the latter. A wheel with a prescribed speed is the reference wheel in any case.
+   pure subroutine hold_driving_wheel(gearbox, matrix)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(inout) :: matrix(:, :) !! of still_matrix
+
+      associate (wheel => gearbox%wheels(gearbox%contacts(gearbox%first(first_mesh(gearbox)))%wheel_a))
+         if (wheel%i_psi == 0 .or. gearbox%wheels(gearbox%reference)%prescribed > 0) return
+         matrix(:, wheel%i_psi) = matrix(:, wheel%i_psi) - matrix(:, i_theta)/wheel%ratio
+      end associate
+   end subroutine hold_driving_wheel
 
    !> The same of a gearbox that `hold_still` has made, in the units of the states.
    subroutine still_matrix(closed, t, y, integers, reals, matrix, status)

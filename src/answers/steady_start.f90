@@ -19,7 +19,7 @@ module evl_steady_start
    implicit none (type, external)
    private
 
-   public :: find_steady_start
+   public :: find_equilibrium, find_steady_start
 
    integer, parameter :: sample_numbers(5) = [61, 31, 17, 11, 7] !! positions of the path; primes
    integer, parameter :: sample_sizes(5) = [24, 48, 96, 192, huge(1)] !! most states with so many positions
@@ -38,6 +38,25 @@ module evl_steady_start
    end type path_t
 
 contains
+
+   !> The state at a position of the first mesh in which nothing accelerates. Errors: code_no_solution, code_out_of_domain.
+   subroutine find_equilibrium(gearbox, position, t, y, integers, reals, status)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
+      real(wp), intent(in) :: t
+      real(wp), intent(inout) :: y(gearbox%n_states)
+      integer, intent(inout) :: integers(:)
+      real(wp), intent(inout) :: reals(:)
+      type(status_t), intent(inout) :: status
+      type(equilibrium_models) :: models
+      type(steady_place) :: place
+      real(wp) :: x
+
+      call find_models(gearbox, models)
+      x = default_position(gearbox)
+      if (present(position)) x = position
+      call find_place(gearbox, models, present(position), t, y, integers, reals, x, place, status)
+   end subroutine find_equilibrium
 
    !> The state at a position of the first mesh. Errors: code_no_solution, code_out_of_domain.
    subroutine find_steady_start(gearbox, position, t, y, integers, reals, status)

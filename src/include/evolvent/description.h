@@ -93,7 +93,7 @@ typedef struct {
     const double *speeds; /**< [n_wheels] [rad/s] for EVL_INITIAL_SPEEDS, else NULL */
     /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all touch. For rest and speeds */
     const double *gaps;
-    /** of EVL_INITIAL_STEADY and EVL_INITIAL_PERIODIC, else 0: pitches of the first mesh in the flow of power from the start of contact,
+    /** of EVL_INITIAL_EQUILIBRIUM, _STEADY and _PERIODIC, else 0: pitches of the first mesh in the flow of power from the start of contact,
      *  from 0 to 1e6; NaN: a position inside a zone */
     double mesh_position;
 } evl_initial;

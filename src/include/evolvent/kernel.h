@@ -577,7 +577,8 @@ EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const d
 /** Linearise the gearbox at a state: eigenvalues and eigenvectors of small motions x' = A x, from slow to fast.
  *
  *  x: speed of the reference wheel; deviation and its rate of every other rotor; displacements and velocities of the supports.
- *  Speeds that are prescribed do not take part. The place in the mesh (theta), contact modes and friction branches are held.
+ *  Speeds that are prescribed do not take part. The angle of the driving wheel
+ *  of the first mesh in the flow of power, contact modes and friction branches are held.
  *
  *  @param[out] n_modes      number of eigenvalues, at most n_states
  *  @param[out] n_rigid      number of independent motions that nothing restores; turning as a whole (theta) is one of them unless
