@@ -22,7 +22,7 @@ struct numbers {
     bool is_set_up;         /**< constants are known */
     bool has_started;       /**< the window has begun */
     double sense;           /**< of the window's wheel, pitches or turns a radian */
-    double start_position;  /**< where its angle is 0 */
+    double start_position;  /**< position at the angle 0 */
     double first, next;     /**< position where the window began; of the end of the present period */
     double t_first, t_last; /**< of the complete periods */
     double position;        /**< furthest that was reached */
@@ -113,7 +113,13 @@ static bool set_up(numbers *self, const integrate_step *step)
         wheel < 0
             ? mesh->per_turn
             : (model_output_value(self->model, self->values, "angular_velocity", wheel) < 0 ? -1 / two_pi : 1 / two_pi);
-    self->start_position = wheel < 0 ? mesh->xi_0 : 0;
+    self->start_position = mesh->xi_0;
+    if (wheel >= 0) { /* a steady start is inside a pitch: turns count from where the wheel starts */
+        if (!self->has_start || model_outputs(self->model, &self->start, self->values, message) != DAE_OK) {
+            return false;
+        }
+        self->start_position = -self->sense * model_output_value(self->model, self->values, "angle", wheel);
+    }
     self->is_set_up = true;
     return true;
 }

@@ -331,6 +331,20 @@ def test_numbers_do_not_depend_on_the_outputs(runs):
         np.testing.assert_array_equal(values, few[name], err_msg=name)
 
 
+@pytest.mark.parametrize("start", ["", ", position: 0.6", ", position: 7.3"])
+@pytest.mark.parametrize("wheel", ["pinion", "gear"])
+def test_turns_count_from_where_the_wheel_starts(runs, start, wheel):
+    """A window from 0 has its first turn at 0, wherever in a pitch the motion starts."""
+    run = runs(
+        "spur-pair.yaml",
+        f"simulation.initial={{kind: steady{start}}}",
+        f"simulation.numbers={{from: 0, turns_of: {wheel}}}",
+        f"simulation.duration={0.0421 if wheel == 'pinion' else 0.0421 * 34 / 19}",
+    )
+    assert float(run.history["window_begin"]) == 0
+    assert int(run.history["window_periods"]) == 1
+
+
 def test_a_turn_has_as_many_pitches_as_teeth(runs):
     start = "simulation.initial={kind: steady, position: 0}"
     turns = runs("spur-pair.yaml", start, "simulation.numbers={from: 0, turns_of: pinion}").history
