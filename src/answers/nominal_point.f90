@@ -75,16 +75,18 @@ contains
       real(wp), intent(out) :: force(:), torque(:)
       type(train_t) :: train
       type(instant_t) :: now
-      real(wp) :: there(size(force) + size(torque))
+      real(wp) :: there(size(force) + size(torque)), turns(size(speeds)), fastest
       logical :: is_next
 
       call lay_out_train(gearbox, train)
+      turns = speeds/gearbox%wheels%ratio
+      fastest = turns(maxloc(abs(turns), dim=1))
       force = 0
       torque = 0
       now = first_instant(gearbox)
       do
          call carried_loads(gearbox, train, now, speeds, acceleration_at(gearbox, now, speeds), there)
-         there = max(abs(there), torque_through(gearbox, now, maxval(abs(speeds/gearbox%wheels%ratio)))/advances(train, gearbox))
+         there = max(abs(there), torque_through(gearbox, now, fastest)/advances(train, gearbox))
          force = max(force, abs(there(:size(force))))
          torque = max(torque, abs(there(size(force) + 1:)))
          call next_instant(gearbox, now, is_next)
