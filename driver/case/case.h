@@ -73,7 +73,8 @@ const char *case_path(const case_file *file);
 const char *case_text(const case_file *file);
 /** The same less what has no part in the motion: the title, and the steps after which a run gives up. A new string. */
 char *case_text_of_motion(const case_file *file);
-/** The same in engineering units: `module: 3 mm`. Reading it gives the same description too. A new string. */
+/** The same in engineering units: `module: 3 mm`, and lists of more than 1000 numbers cut. Reading it gives the same description too if
+ *  none was cut. A new string. */
 char *case_text_for_reading(const case_file *file, const case_schema *schema);
 
 /** Fill in the integrator of a case that does not name one, its longest step, and the tolerance, which the case may leave to its

@@ -105,28 +105,29 @@ static void note(search *search, const checker *checker, const evl_row *row, con
         (implausible){.row = row, .node = node, .label = pool_copy(search->pool, label), .n_others = 0};
 }
 
-static void search_number(search *search, const checker *checker, const evl_row *row, const case_node *node)
+static bool is_outside(const evl_row *row, const case_node *node)
 {
     double value = 0;
-    if (node->plain && number_read(node->text, &value) == NUMBER_FINITE && !is_plausible(row, value)) {
-        note(search, checker, row, node);
-    }
+    return node->plain && number_read(node->text, &value) == NUMBER_FINITE && !is_plausible(row, value);
 }
 
 /** A number, or a list of numbers or numbers by name. */
 static void search_numbers(search *search, const checker *checker, const evl_row *row, const case_node *node)
 {
-    if (node->kind == NODE_SCALAR) {
-        search_number(search, checker, row, node);
+    if (node->kind == NODE_SCALAR && is_outside(row, node)) {
+        note(search, checker, row, node);
     }
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
+        if (!is_outside(row, entry->value)) {
+            continue;
+        }
         char index[NUMBER_TEXT_LENGTH] = "";
         if (entry->key == NULL) {
             (void)snprintf(index, sizeof index, "%d", i);
         }
         const struct checker inner = checker_at(checker, entry->key == NULL ? index : entry->key);
-        search_number(search, &inner, row, entry->value);
+        note(search, &inner, row, entry->value);
     }
 }
 

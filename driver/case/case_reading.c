@@ -1,10 +1,13 @@
-/* A case for reading: its numbers in engineering units. Reading it as a case gives the same numbers. */
+/* A case for reading: its numbers in engineering units. Reading it as a case gives the same numbers, unless a list was cut. */
 #include "base/memory.h"
 #include "base/words.h"
 #include "case/case_file.h"
 #include "case/unit.h"
 
 #include <string.h>
+
+/** Longer lists of numbers are cut to so many at either end. */
+enum { MOST_SHOWN = 1000, SHOWN_AT_ENDS = 3 };
 
 /** Stands for a blank while the text is made, so that no line breaks between a number and its unit: U+E000, for private use. */
 static const char BLANK[] = "\xee\x80\x80";
@@ -58,10 +61,34 @@ static void write_block(const case_schema *schema, const char *block, case_node 
     }
 }
 
+/** A copy with long lists cut. */
+static case_node *shortened(memory_pool *pool, const case_node *node)
+{
+    if (node->kind == NODE_SCALAR) {
+        return node_copy(pool, node);
+    }
+    case_node *copy = node_create(pool, node->kind, node->place);
+    const bool is_long =
+        node->kind == NODE_SEQUENCE && node->n > MOST_SHOWN && node->entries[0].value->kind == NODE_SCALAR;
+    for (int i = 0; i < node->n; i++) {
+        const case_entry *entry = &node->entries[i];
+        if (is_long && i == SHOWN_AT_ENDS) {
+            const int n_cut = node->n - 2 * SHOWN_AT_ENDS;
+            char *text = pool_printf(pool, "(%d%smore)", n_cut, BLANK);
+            node_append(copy, NULL, node->place, node_create_scalar(pool, text, true, node->place));
+            i += n_cut - 1;
+            continue;
+        }
+        node_append(copy, entry->key, entry->key_place, shortened(pool, entry->value));
+        copy->entries[copy->n - 1].row = entry->row;
+    }
+    return copy;
+}
+
 char *case_text_for_reading(const case_file *file, const case_schema *schema)
 {
     POOLED memory_pool pool = {NULL};
-    case_node *root = node_copy(&pool, file->root);
+    case_node *root = shortened(&pool, file->root);
     write_block(schema, CASE_ROOT, root);
     char *text = tree_text(root);
     put_blanks(text);

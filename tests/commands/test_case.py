@@ -527,6 +527,22 @@ def test_show_for_reading_has_defaults_and_engineering_units(
     assert re.search(r"reference position of the axle +O +\(500, 0\) mm\n", text)
 
 
+@pytest.mark.parametrize("n", [1000, 1001])
+def test_show_cuts_lists_of_more_than_1000_numbers(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, n: int
+) -> None:
+    """For reading: in JSON all of them are there."""
+    table = {"kind": "table", "time": list(range(n)), "torque": [-1.0] * n}
+    text = f"\n  - {json.dumps(table)}"
+    case = tmp_path / "long.yaml"
+    case.write_text((examples / "spur-pair.yaml").read_text().replace("loads:", f"loads:{text}", 1))
+    shown = evolvent("show", case).stdout
+    assert shown.count("(995 more)") == (2 if n > 1000 else 0)
+    loads = json.loads(evolvent("show", case, "--json").stdout)["case"]["wheels"][0]["loads"]
+    assert loads[0]["time"] == table["time"]
+    assert loads[0]["torque"] == table["torque"]
+
+
 def test_show_applies_options(evolvent: Evolvent, examples: Path) -> None:
     result = evolvent("show", examples / "paper.yaml", "--json", "--set", "wheels.gear.teeth=40")
     shown = json.loads(result.stdout)

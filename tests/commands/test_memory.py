@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import subprocess
 from collections.abc import Callable
@@ -33,6 +34,24 @@ def ended(executable: Path, tmp_path: Path) -> Callable[..., subprocess.Complete
     if run(PLENTY, "--version").returncode != 0:
         machine.unavailable("this build needs an address space without a limit, as sanitizers do")
     return run
+
+
+def test_a_table_of_a_million_knots_is_shown_in_500_megabytes(
+    executable: Path, examples: Path, tmp_path: Path
+) -> None:
+    n = 1_000_000
+    times = ", ".join(f"{1e-5 * i:.5f}" for i in range(n))
+    torques = ", ".join(f"{-5 - 1e-6 * i:.6f}" for i in range(n))
+    table = f"loads:\n  - {{kind: table, time: [{times}], torque: [{torques}]}}"
+    text = (examples / "spur-pair.yaml").read_text().replace("loads:", table, 1)
+    (tmp_path / "million.yaml").write_text(text)
+    with (tmp_path / "shown").open("w") as shown:
+        process = subprocess.Popen([str(executable), "show", tmp_path / "million.yaml"], stdout=shown)
+        _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0
+    assert "(999994 more)" in (tmp_path / "shown").read_text()
+    assert used.ru_maxrss < 500_000  # kB
 
 
 @pytest.mark.parametrize(

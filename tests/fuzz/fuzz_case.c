@@ -22,6 +22,9 @@ static void read_again(const case_file *file)
 {
     evl_error error;
     OWNED char *text = case_text_for_reading(file, model_schema());
+    if (strstr(text, " more)") != NULL) { /* a list was cut */
+        return;
+    }
     case_base *base = case_base_parse("again", text, model_schema(), &error);
     case_file *again = NULL;
     if (base == NULL || !case_edit(base, 0, NULL, &again, &error)) {
