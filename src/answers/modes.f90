@@ -2,8 +2,8 @@
 !>
 !> The motion is x' = A x with x = (omega, psi_i, psi_i', s_j, s_j') and A = -dF/dy of the explicit system, analytic. What is not
 !> in x: the energies, which nothing depends on; the variables of tracked contact points, which the wheels carry along, so every
-!> mesh is taken in closed form; the angle of the driving wheel of the first mesh, which is held; speeds that are prescribed. Contact modes and
-!> friction branches stay as they are: no event takes part. A mounted housing adds its 12 states.
+!> mesh is taken in closed form; the angle of the driving wheel of the first mesh, which is held; speeds that are prescribed.
+!> Contact modes and friction branches stay as they are: no event takes part. A mounted housing adds its 12 states.
 module evl_modes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_closed_form, only: centre_line_turn_gradient, error_of_turns, gradient_closed_form, track_closed_form

@@ -46,7 +46,8 @@ def test_a_table_of_a_million_knots_is_shown_in_500_megabytes(
     text = (examples / "spur-pair.yaml").read_text().replace("loads:", table, 1)
     (tmp_path / "million.yaml").write_text(text)
     with (tmp_path / "shown").open("w") as shown:
-        process = subprocess.Popen([str(executable), "show", tmp_path / "million.yaml"], stdout=shown)
+        words = [str(executable), "show", str(tmp_path / "million.yaml")]
+        process = subprocess.Popen(words, stdout=shown)
         _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     assert process.returncode == 0

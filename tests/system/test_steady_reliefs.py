@@ -21,9 +21,7 @@ Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.mark.parametrize("seed", seeds(range(30), 300))
-def test_a_relieved_pair_has_a_steady_start(
-    evolvent: Evolvent, tmp_path: Path, seed: int
-) -> None:
+def test_a_relieved_pair_has_a_steady_start(evolvent: Evolvent, tmp_path: Path, seed: int) -> None:
     """Damped pairs settle from rest, so each has a start unless its geometry is refused.
 
     Where the wheels are too slow to follow the quasi-static path they start at its mean, and there
@@ -53,7 +51,7 @@ def test_a_relieved_pair_has_a_steady_start(
 def test_modes_are_those_of_the_equilibrium_where_the_steady_start_is_apart(
     evolvent: Evolvent, tmp_path: Path, seed: int, *, reverse: bool
 ) -> None:
-    """In equilibrium the mesh carries the load: it has a stiffness, which parted flanks have not."""
+    """In equilibrium the mesh carries the load and has a stiffness; parted flanks have none."""
     case = steady_pair(seed, rounding=True)
     load = sum(abs(load["value"]) for load in case["wheels"][0]["loads"])
     radius = case["wheels"][0]["teeth"] * case["wheels"][0]["module"] / 2
