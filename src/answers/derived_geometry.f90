@@ -62,15 +62,15 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       type(teller_t), intent(inout) :: to
-      real(wp) :: pitch
 
       associate (wheel => gearbox%wheels(index))
-         pitch = 0
-         if (wheel%teeth > 0) pitch = 2*pi/wheel%teeth
-         call tell(to, "pitch_radius", "m", "r", "pitch radius", wheel%pitch_radius)
-         call tell(to, "base_radius", "m", "r_b", "base radius", wheel%base_radius)
-         call tell(to, "tip_radius", "m", "r_a", "tip radius, the largest over its meshes", wheel%tip_radius)
-         call tell(to, "angular_pitch", "rad", "gamma", "angular pitch", pitch)
+         if (wheel%has_radius) &
+            call tell(to, "pitch_radius", "m", "r", merge("pitch radius", "radius      ", wheel%teeth > 0), wheel%pitch_radius)
+         if (wheel%base_radius > 0) then
+            call tell(to, "base_radius", "m", "r_b", "base radius", wheel%base_radius)
+            call tell(to, "tip_radius", "m", "r_a", "tip radius, the largest over its meshes", wheel%tip_radius)
+         end if
+         if (wheel%teeth > 0) call tell(to, "angular_pitch", "rad", "gamma", "angular pitch", 2*pi/wheel%teeth)
          call tell(to, "mass", "kg", "m", "mass of the wheel", wheel%mass)
          call tell(to, "inertia", "kg m2", "J", "moment of inertia about the axle", wheel%inertia)
          call tell(to, "centre", "m", "O", "reference position of the axle", wheel%centre)

@@ -187,6 +187,7 @@ contains
       do i = 1, size(wheels)
          associate (wheel => gearbox%wheels(i), given => wheels(i))
             wheel%teeth = given%teeth
+            wheel%has_radius = given%teeth > 0 .or. given%has("radius")
             wheel%pitch_radius = layout%pitch_radius(i)
             wheel%centre = layout%centre(:, i)
             wheel%exact_ratio = layout%ratio(i)

@@ -48,6 +48,7 @@ module evl_gearbox
 
    type :: wheel_t
       integer :: teeth = 0                   !! 0: a disc
+      logical :: has_radius = .true.         !! false: a disc of given mass and inertia, whose pitch radius follows from these
       real(wp) :: pitch_radius = 0.0_wp, base_radius = 0.0_wp, tip_radius = 0.0_wp !! [m]; base and tip 0 without a mesh
       real(wp) :: centre(2) = 0.0_wp         !! reference position of the axle [m]
       real(wp) :: mass = 0.0_wp              !! of the wheel alone [kg]

@@ -527,6 +527,24 @@ def test_show_for_reading_has_defaults_and_engineering_units(
     assert re.search(r"reference position of the axle +O +\(500, 0\) mm\n", text)
 
 
+@pytest.mark.parametrize(
+    ("given", "radius"), [("radius: 0.2", 0.2), ("inertia: 0.1, mass: 8", None)]
+)
+def test_a_disc_shows_a_radius_only_if_it_has_one(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, given: str, radius: float | None
+) -> None:
+    """A disc has no teeth: nothing of them is shown, and no zeros."""
+    case = tmp_path / "disc.yaml"
+    text = (examples / "spur-pair.yaml").read_text()
+    disc = f"wheels:\n- {{name: disc, width: 0.01, material: steel, {given}}}\n"
+    shaft = "shafts:\n- {kind: rigid, name: one, wheels: [disc, pinion]}\n\nmeshes:"
+    case.write_text(text.replace("wheels:\n", disc, 1).replace("meshes:", shaft, 1))
+    shown = json.loads(evolvent("show", case, "--json").stdout)["wheels"]["disc"]
+    assert shown.get("pitch_radius") == radius
+    assert not {"base_radius", "tip_radius", "angular_pitch"} & set(shown)
+    assert "base_radius" in json.loads(evolvent("show", case, "--json").stdout)["wheels"]["gear"]
+
+
 @pytest.mark.parametrize("n", [1000, 1001])
 def test_show_cuts_lists_of_more_than_1000_numbers(
     evolvent: Evolvent, examples: Path, tmp_path: Path, n: int
