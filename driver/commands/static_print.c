@@ -77,6 +77,21 @@ static void print_softness(FILE *stream, const static_report *report)
     }
 }
 
+/** The largest pressure is that of the flanks, and of edges that are rounded. */
+static void print_edges(FILE *stream, const static_report *report)
+{
+    bool touch = false;
+    for (int i = 0; i < report->n_torques; i++) {
+        touch = touch || number_of(report, i, "largest_edge_force") > 0;
+    }
+    if (touch && report->is_sharp) {
+        fputs("Sharp tip edges carry load, and the largest pressure leaves them out: on an edge without a radius there "
+              "is "
+              "none;\n'tip_rounding' of the wheels gives it one, docs/compliant_flanks.md.\n",
+              stream);
+    }
+}
+
 void static_print_text(FILE *stream, const static_report *report)
 {
     const static_plan *plan = report->plan;
@@ -104,6 +119,7 @@ void static_print_text(FILE *stream, const static_report *report)
     fprintf(stream, "ISO 6336-1, from measured pairs without body, not the same: c' %.4g, c_gamma %.4g N/(mm um).\n",
             number_of(report, last, "iso_pair_stiffness_per_width") * to_usual,
             number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
+    print_edges(stream, report);
     print_softness(stream, report);
 }
 

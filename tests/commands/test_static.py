@@ -146,6 +146,24 @@ def test_text_and_json_tell_the_same_numbers(
     assert "ISO 6336-1" in text
 
 
+@pytest.mark.parametrize(("rounding", "is_said"), [("0", True), ("0.1 mm", False)])
+def test_a_largest_pressure_without_sharp_edges_says_so(
+    evolvent: Evolvent, case: Path, tmp_path: Path, rounding: str, *, is_said: bool
+) -> None:
+    """Teeth bend onto each other's tip edges: only rounded ones have a pressure."""
+    rounded = [
+        *("--set", f"wheels.0.tip_rounding={rounding}"),
+        *("--set", f"wheels.1.tip_rounding={rounding}"),
+    ]
+    path = tmp_path / "edges.h5"
+    done = evolvent("static", case, "--torque", "500", "-o", path, *ANALYTIC, *rounded)
+    assert done.returncode == 0, done.stderr
+    edges = opened(path).pair_contact_kind.values > 1
+    assert edges.any()
+    assert bool(np.isnan(opened(path).pair_contact_pressure.values[edges]).any()) == is_said
+    assert ("the largest pressure leaves them out" in done.stdout) == is_said
+
+
 def test_what_is_missing_is_said_once_without_compliance(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:

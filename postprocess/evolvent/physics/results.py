@@ -46,6 +46,8 @@ ABSOLUTE = (*SIGNED, OF_PAIRS)
 
 ONLY_IF_ANY = ("impacts", "rattle_index")
 SHARED = "pair_normal_force"  # that of the mesh where there is one pair
+PRESSURE = "pair_contact_pressure"  # NaN where a pair touches on an edge that is not rounded
+LEFT_OUT = "sharp tip edges left out"
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,7 @@ def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
         found.setdefault(extreme.output, []).append(extreme)
     if told and OF_PAIRS in history and SHARED in history:
         found[OF_PAIRS] = [_largest_sliding(history), *found.pop("sliding_velocity", [])]
+    sharp = _touches_on_sharp_edges(history) if PRESSURE in found else np.zeros(0, bool)
     for output, label in LARGEST.items():
         if output not in found or (output == SHARED and history.sizes["pair"] == 1):
             continue
@@ -151,7 +154,10 @@ def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
             ends = [(float(e.value[mesh]), float(e.time[mesh])) for e in found[output]]
             value, time = max(ends, key=_size)
             value = abs(value) if output in ABSOLUTE else value
-            cells.append(_extreme_cell(history, output, mesh, value, time))
+            cell = _extreme_cell(history, output, mesh, value, time)
+            if cell is not None and output == PRESSURE and sharp[mesh]:
+                cell = Cell(cell.text, f"{cell.where}; {LEFT_OUT}")
+            cells.append(cell)
         symbol = str(history[output].attrs.get("symbol", ""))
         symbol = f"| {symbol} |" if output in ABSOLUTE else symbol
         yield Answer(f"largest {label}", f"max {symbol}", tuple(cells))
@@ -177,6 +183,17 @@ def _largest_sliding(history: xr.Dataset) -> Extreme:
         best, when = np.where(is_new, found, best), np.where(is_new, part["time"][rows], when)
     value, time = (xr.DataArray(one, dims="mesh") for one in (best, when))
     return Extreme(OF_PAIRS, True, False, value, time)
+
+
+def _touches_on_sharp_edges(history: xr.Dataset) -> np.ndarray:
+    """Tell of each mesh whether pairs carry in outputs without a contact pressure, dim (mesh)."""
+    run = recording_of(history)
+    found = np.zeros(history.sizes["mesh"], bool)
+    if SHARED in run and PRESSURE in run:
+        for part in run.parts():
+            is_bare = (part[SHARED] > 0) & np.isnan(part[PRESSURE])
+            found |= is_bare.any(axis=(0, 2))
+    return found
 
 
 def _size(extreme: tuple[float, float]) -> float:
