@@ -121,16 +121,37 @@ static void print_state(FILE *stream, const modes_report *report)
     }
 }
 
+enum { LABEL_SIZE = 16 };
+
+/** Number of a mode among those that oscillate, or among the others, from 1. */
+static int number_of(const natural_modes *modes, int index)
+{
+    int number = 0;
+    for (int i = 0; i <= index; i++) {
+        number += is_oscillation(&modes->modes[i]) == is_oscillation(&modes->modes[index]);
+    }
+    return number;
+}
+
+/** "1", or "d1" of a mode that decays without oscillating. */
+static void write_label(const natural_modes *modes, int index, char label[LABEL_SIZE])
+{
+    const char *kind = is_oscillation(&modes->modes[index]) ? "" : "d";
+    (void)snprintf(label, LABEL_SIZE, "%s%d", kind, number_of(modes, index));
+}
+
 static void print_frequencies(FILE *stream, const natural_modes *modes)
 {
-    bool grows = false;
+    bool grows = false, decays = false;
     fprintf(stream, "\n  %4s  %22s  %13s  %17s  %s\n", "mode", "natural frequency [Hz]", "damping ratio",
             "time constant [s]", "eigenvalue [1/s]");
     for (int i = 0; i < modes->n; i++) {
         const natural_mode *mode = &modes->modes[i];
         const double complex lambda = mode->eigenvalue;
         const bool is_damped = fabs(creal(lambda)) > no_damping * cabs(lambda);
-        fprintf(stream, "  %4d", i + 1);
+        char label[LABEL_SIZE];
+        write_label(modes, i, label);
+        fprintf(stream, "  %4s", label);
         print_cell(stream, 22, 6, natural_frequency(mode));
         print_cell(stream, 13, 4, is_damped ? damping_ratio(mode) : is_oscillation(mode) ? 0.0 : NAN);
         print_cell(stream, 17, 4, is_damped ? time_constant(mode) : NAN);
@@ -139,6 +160,7 @@ static void print_frequencies(FILE *stream, const natural_modes *modes)
             fprintf(stream, " +- %.6gi", cimag(lambda));
         }
         fputc('\n', stream);
+        decays = decays || !is_oscillation(mode);
         grows = grows || (is_damped && creal(lambda) > 0.0);
     }
     if (modes->n == 0) {
@@ -149,6 +171,9 @@ static void print_frequencies(FILE *stream, const natural_modes *modes)
     } else {
         fprintf(stream, "\n  %d rigid-body mode%s, which nothing restores, %s left out.\n", modes->n_rigid,
                 modes->n_rigid == 1 ? "" : "s", modes->n_rigid == 1 ? "is" : "are");
+    }
+    if (decays) {
+        fputs("  Modes d1, d2, ... do not oscillate.\n", stream);
     }
     if (grows) {
         fputs("  Modes with a negative time constant grow: this state is unstable.\n", stream);
@@ -196,8 +221,9 @@ static void print_shapes(FILE *stream, const modes_report *report)
     }
     for (int k = 0; k < report->modes.n; k++) {
         const natural_mode *mode = &report->modes.modes[k];
-        char title[16];
-        (void)snprintf(title, sizeof title, "mode %d", k + 1);
+        char label[LABEL_SIZE], title[LABEL_SIZE + sizeof "mode "];
+        write_label(&report->modes, k, label);
+        (void)snprintf(title, sizeof title, "mode %s", label);
         fprintf(stream, "\n  %-*s  %-28s  %9s  %11s\n", width, title, "", "amplitude", "phase [deg]");
         for (int i = 0; i < description->n_wheels; i++) {
             print_wheel(stream, width, report, i, mode);
@@ -258,9 +284,11 @@ static void write_state(json_writer *writer, const modes_report *report)
     json_close(writer, '}');
 }
 
-static void write_mode(json_writer *writer, const description *description, const natural_mode *mode)
+static void write_mode(json_writer *writer, const description *description, const natural_modes *modes, int index)
 {
+    const natural_mode *mode = &modes->modes[index];
     json_open(writer, NULL, '{');
+    json_number(writer, "number", is_oscillation(mode) ? (double)number_of(modes, index) : (double)NAN);
     write_complex(writer, "eigenvalue", mode->eigenvalue);
     json_number(writer, "natural_frequency", natural_frequency(mode));
     json_number(writer, "damped_frequency", is_oscillation(mode) ? cimag(mode->eigenvalue) / (2.0 * PI) : NAN);
@@ -295,7 +323,7 @@ void modes_print_json(FILE *stream, const modes_report *report)
     json_number(&writer, "rigid_body_modes", report->modes.n_rigid);
     json_open(&writer, "modes", '[');
     for (int i = 0; i < report->modes.n; i++) {
-        write_mode(&writer, case_description(report->file), &report->modes.modes[i]);
+        write_mode(&writer, case_description(report->file), &report->modes, i);
     }
     json_close(&writer, ']');
     json_close(&writer, '}');

@@ -33,7 +33,9 @@ def assert_refused(result: subprocess.CompletedProcess[str], code: int, *parts: 
 def test_text_and_json_tell_the_same_numbers(evolvent: Evolvent, case: Path) -> None:
     text = evolvent("modes", case).stdout
     modes = json.loads(evolvent("modes", case, "--json").stdout)["modes"]
-    rows = re.findall(r"^ +\d+  +(\S+)  +(\S+)  +(\S+)  (\S+)(?: \+- (\S+)i)?$", text, re.MULTILINE)
+    rows = re.findall(
+        r"^ +d?\d+  +(\S+)  +(\S+)  +(\S+)  (\S+)(?: \+- (\S+)i)?$", text, re.MULTILINE
+    )
     assert len(rows) == len(modes) == 3
     for (frequency, ratio, time, real, imaginary), mode in zip(rows, modes, strict=True):
         shown = [

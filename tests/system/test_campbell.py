@@ -50,6 +50,26 @@ def test_orders_meet_the_natural_frequency_of_the_program_at_speeds_by_the_teeth
         assert row["frequency"] == pytest.approx(natural, rel=1e-12)
 
 
+def test_modes_have_the_numbers_that_the_program_gives_them(campbell, evolvent, examples):
+    """A train has modes that do not oscillate between those that do: they have no number."""
+    case = examples / "tutorial-train.yaml"
+    done = evolvent("modes", case, "--mean", "--json")
+    modes = json.loads(done.stdout)["modes"]
+    assert [mode["number"] for mode in modes if mode["natural_frequency"] is None] != []
+    numbers = {m["number"]: m["natural_frequency"] for m in modes if m["number"] is not None}
+    assert list(numbers) == list(range(1, len(numbers) + 1))
+    text = evolvent("modes", case, "--mean").stdout
+    for number, frequency in numbers.items():
+        assert f"{number:6d}  {frequency:22.6g}" in text
+    code, _, err = campbell(case, "--speeds", "500:3000", "-o", "c.h5")
+    assert (code, err) == (0, "")
+    with xr.open_dataset("c.h5", engine="h5netcdf") as found:
+        assert found["mode"].values.tolist() == list(numbers)
+        for number, frequency in numbers.items():
+            shown = found["natural_frequency"].sel(mode=number).values
+            assert shown == pytest.approx(frequency, rel=1e-9)
+
+
 def test_speeds_are_those_of_any_wheel(campbell, examples):
     rows = []
     for wheel in ("pinion", "gear"):
