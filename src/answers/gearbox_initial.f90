@@ -109,7 +109,8 @@ contains
          if (housing%is_mounted) &
             y(first:first + n_housing_states - 1) = [housing%position, housing%orientation, housing%velocity, housing%omega]
       end associate
-      call check_initial(gearbox, initial, status)
+      status = gearbox%start_refusal
+      if (.not. has_failed(status)) call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
       if (any(initial%kind == [initial_steady, initial_equilibrium])) then
          call find_at(initial)

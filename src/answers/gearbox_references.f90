@@ -18,6 +18,7 @@ module evl_gearbox_references
 contains
 
    !> Find what every mesh is at its nominal load, complete the damping laws that refer to it, and warn of much damping.
+   !> Where a law refers to a load that no mesh has, the refusal is that of every start; a static analysis brings a load of its own.
    !> Errors: code_invalid_input for a law that refers to what a mesh has not.
    subroutine gearbox_set_references(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox !! with its scales
@@ -65,9 +66,9 @@ contains
 
       associate (reference => gearbox%references(m), first => gearbox%first(m), last => gearbox%first(m + 1) - 1)
          if (.not. reference%stiffness > 0) then
-            call refuse("no load presses its flanks together, so there is no nominal load")
+            call refuse("no load presses its flanks together, so there is no nominal load", gearbox%start_refusal)
          else if (.not. reference%mass > 0) then
-            call refuse("the speeds of both wheels are prescribed, so they do not vibrate on its stiffness")
+            call refuse("the speeds of both wheels are prescribed, so they do not vibrate on its stiffness", status)
          else
             allocate (stated, source=gearbox%contacts(first)%damping)
             call stated%complete(reference%stiffness, reference%mass, gearbox%contacts(first)%h_scale)
@@ -80,8 +81,9 @@ contains
 
    contains
 
-      subroutine refuse(reason)
+      subroutine refuse(reason, refusal)
          character(len=*), intent(in) :: reason
+         type(status_t), intent(inout) :: refusal
          character(len=short_length) :: field
          character(len=len("damping.") + short_length) :: place
          character(len=message_length) :: message
@@ -89,7 +91,7 @@ contains
          call gearbox%contacts(gearbox%first(m))%damping%refuse_mesh(reason, field, message)
          place = "damping"
          if (field /= "") place = "damping."//field
-         call fail(status, code_invalid_input, message, subject_mesh, m, place)
+         if (.not. has_failed(refusal)) call fail(refusal, code_invalid_input, message, subject_mesh, m, place)
       end subroutine refuse
 
    end subroutine complete

@@ -113,6 +113,7 @@ module evl_gearbox
       real(wp), allocatable :: constants(:)       !! [n_values] the values that never change; 0 where others come
       integer :: n_pair_places = 0, n_drive_places = 0 !! for tooth pairs of a mesh in the outputs; of the drive flank
       type(status_t), allocatable :: warnings(:) !! of the creation
+      type(status_t) :: start_refusal            !! why no motion starts: a damping law needs a load
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
       integer :: n_multipliers = 0            !! flanks with rigid contact

@@ -164,6 +164,34 @@ def test_a_largest_pressure_without_sharp_edges_says_so(
     assert ("the largest pressure leaves them out" in done.stdout) == is_said
 
 
+def test_a_damping_ratio_without_a_load_is_no_matter_at_rest(
+    evolvent: Evolvent, case: Path, tmp_path: Path
+) -> None:
+    """A damping ratio refers to the load of the case; `--torque` gives one. A motion is refused."""
+    unloaded = ("--set", "wheels.0.loads=[]", "--set", "wheels.1.loads=[]")
+    shown = []
+    for law in ("{law: ratio, value: 0.05}", "{law: linear, coefficient: 1000}"):
+        words = (*unloaded, "--set", f"meshes.0.damping={law}")
+        path = tmp_path / "rest.h5"
+        done = evolvent("static", case, "--torque", "100", "-o", path, "--json", *words)
+        assert done.returncode == 0, done.stderr
+        shown.append(done.stdout)
+        if law.startswith("{law: ratio"):
+            for command in (
+                ("run", "-o", tmp_path / "run.h5"),
+                ("validate",),
+                ("show",),
+                ("modes",),
+            ):
+                refused = evolvent(command[0], case, *command[1:], *words)
+                assert refused.returncode == 3
+                assert "meshes.pinion-gear.damping.value: a damping ratio needs" in refused.stderr
+            untold = evolvent("static", case, "-o", path, *words)
+            assert untold.returncode == 3
+            assert "give one with --torque" in untold.stderr
+    assert shown[0] == shown[1]
+
+
 def test_what_is_missing_is_said_once_without_compliance(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
