@@ -205,6 +205,19 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
                                 f"{{kind: harmonic, amplitude: 5, order: {19 / 998!r}}}]"},
         "more than 1000",
     ),
+    "prescribed speed against driving_rotation": (
+        "spur-pair.yaml",
+        {"wheels.pinion.loads": "[{kind: speed, value: 157}]",
+         "wheels.gear.loads": "[{kind: torque, value: -80}]"},
+        WITHOUT + "the wheels turn against driving_rotation",
+    ),
+    "drive flanks that are turned back": ( # (50 + 0.0375 omega) 34/19 = 100 at +157 rad/s
+        "spur-pair.yaml",
+        {"wheels.pinion.loads": "[{kind: torque, value: -50}, "
+                                "{kind: viscous, coefficient: 0.0375}]",
+         "wheels.gear.loads": "[{kind: torque, value: -100}]"},
+        WITHOUT + "in the steady state nothing turns the first mesh in its nominal sense",
+    ),
     "gaps": (
         "spur-pair.yaml",
         {"simulation.initial": "{kind: periodic, gaps: {pinion-gear: 1e-6}}"},
