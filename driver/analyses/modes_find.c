@@ -129,7 +129,7 @@ static bool find(const prepared_case *prepared, const modes_request *request, co
                refuse_steady_state(prepared, &refusal, error);
     }
     return (request->at != NULL ? find_state_at(prepared, request, place->time, state, error)
-                                : model_equilibrium(prepared->model, place->position, state, &refusal) ||
+                                : model_state_under_load(prepared->model, place->position, state, &refusal) ||
                                       refuse_steady_state(prepared, &refusal, error)) &&
            linearise(prepared, state, report->values, &report->modes, error);
 }

@@ -1,5 +1,6 @@
 #include "model/model_start.h"
 
+#include "base/memory.h"
 #include "model/model_kernel.h"
 
 #include <math.h>
@@ -109,8 +110,30 @@ bool model_steady_state(const model *model, dae_state *state, model_message *err
     return find_at(model, EVL_INITIAL_STEADY, NAN, state, error);
 }
 
-bool model_equilibrium(const model *model, double mesh_position, dae_state *state, model_message *error)
+/** Whether the flanks of some mesh are apart. */
+static bool is_apart(const model *model, const dae_state *state)
 {
+    char message[DAE_MESSAGE_LENGTH];
+    const int first = model_output_offset(model, "pairs_in_contact");
+    bool apart = false;
+    OWNED double *values = xcalloc((size_t)model->sizes.n_values, sizeof *values);
+    if (model_outputs(model, state, values, message) == DAE_OK) {
+        for (int i = 0; i < model->sizes.n_meshes; i++) {
+            apart = apart || values[first + i] <= 0;
+        }
+    }
+    return apart;
+}
+
+bool model_state_under_load(const model *model, double mesh_position, dae_state *state, model_message *error)
+{
+    if (!find_at(model, EVL_INITIAL_STEADY, mesh_position, state, error)) {
+        return false;
+    }
+    if (!is_apart(model, state)) {
+        return true;
+    }
+    dae_state_free(state);
     return find_at(model, EVL_INITIAL_EQUILIBRIUM, mesh_position, state, error);
 }
 

@@ -36,9 +36,10 @@ model_start_end model_initial_state(model *model, const volatile sig_atomic_t *i
 bool model_check_start(const model *model, dae_state *state, model_message *error);
 /** The steady start under the loads at t = 0, whatever initial state the description gives. */
 bool model_steady_state(const model *model, dae_state *state, model_message *error);
-/** The state under the loads at t = 0 in which nothing accelerates, whatever initial state the description gives.
+/** The same at a position of the meshes; where the flanks of a mesh are apart in it, because the wheels are too slow to follow their
+ *  quasi-static path, the state at this position in which nothing accelerates.
  *  @param mesh_position  pitches of the first mesh in the flow of power; NAN: as the case, or inside a zone */
-bool model_equilibrium(const model *model, double mesh_position, dae_state *state, model_message *error);
+bool model_state_under_load(const model *model, double mesh_position, dae_state *state, model_message *error);
 /** The orbit of the last model_initial_state; NULL if the motion does not start on one. */
 const model_start_orbit *model_orbit_of_start(const model *model);
 /** The largest multiplier in size; NAN if there is none. */
