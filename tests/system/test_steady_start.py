@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,6 +35,25 @@ KINEMATIC = {
     "g2": TEETH["p1"] * TEETH["p2"] / (TEETH["g1"] * TEETH["g2"]),
     "wheels": TEETH["p1"] * TEETH["p2"] / (TEETH["g1"] * TEETH["g2"]),
 }
+
+
+@pytest.mark.parametrize("stiffness", [1500.0, 150e3])
+@pytest.mark.parametrize("position", [0.1, 0.7])
+def test_modes_name_the_mean_speeds_behind_a_soft_shaft(
+    evolvent: Callable[..., subprocess.CompletedProcess[str]],
+    tmp_path: Path,
+    stiffness: float,
+    position: float,
+) -> None:
+    """The disc has no part in the slope of the quasi-static path, which would turn it backwards."""
+    case = tmp_path / "case.yaml"
+    case.write_text(json.dumps(edrive(stiffness)))
+    done = evolvent("modes", case, "--json", "--mesh-position", str(position))
+    assert done.returncode == 0, done.stderr
+    speeds = json.loads(done.stdout)["state"]["wheels"]
+    for wheel, ratio in KINEMATIC.items():
+        shown = speeds[wheel]["angular_velocity"]
+        assert shown == pytest.approx(ratio * speeds["motor"]["angular_velocity"], rel=1e-3)
 
 
 @EVERY_STIFFNESS
