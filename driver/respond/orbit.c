@@ -68,7 +68,7 @@ static int find_period(const search *s, int k)
     return is_there && settling_is_calm(&s->settling, found) ? found : 0;
 }
 
-/** How long the last common period took [s]. */
+/** How long the last common period took [s]. @param k  from 1 */
 static double common_time(const search *s, int k)
 {
     return s->section.period.by_time ? s->section.period.time : s->at.t - s->t_seen[(k - 1) % KEPT];
@@ -161,9 +161,9 @@ static void on_section(search *s)
     }
     if (k > 0) {
         settling_pass(&s->settling, s->result->periods, common_time(s, k), s->far[k % KEPT]);
+        look_ahead(s, k);
     }
     const double length = s->section.period.pitches;
-    look_ahead(s, k);
     const bool is_over = s->result->periods >= s->settling.last && k > 0;
     int period = find_period(s, k);
     if (period > 0 || is_over) {
