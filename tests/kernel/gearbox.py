@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kernel.description import Block, create, kinds
-from kernel.gearbox_description import REST, _bool, case_of, initial
+from kernel.gearbox_description import EQUILIBRIUM, REST, _bool, case_of, initial
 from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
 from kernel.wheel_store import WheelStore
 
@@ -285,9 +285,12 @@ class Gearbox:
         speeds: ArrayLike | None = None,
         gaps: ArrayLike | None = None,
         t: float = 0.0,
-        mesh_position: float = math.nan,
+        mesh_position: float | None = None,
     ) -> State:
-        """State at the start; mesh_position: pitches past the start of contact, of a steady one."""
+        """State at the start; mesh_position: pitches past the start of contact.
+
+        Of a steady start; the start of contact if none is given for an equilibrium.
+        """
         sizes = self.sizes
         state = State(
             t,
@@ -297,7 +300,8 @@ class Gearbox:
             np.full(sizes.n_reals, np.nan),
         )
         self.initial = initial(kind, speeds, gaps)
-        self.initial.mesh_position = mesh_position
+        default = 0.0 if kind == EQUILIBRIUM else math.nan
+        self.initial.mesh_position = default if mesh_position is None else mesh_position
         status = Status()
         arrays = (state.y, state.yp, state.integers, state.reals)
         code = self.library.evl_gearbox_initial_state(
