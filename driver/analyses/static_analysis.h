@@ -29,6 +29,7 @@ typedef struct {
     double torques[STATIC_MOST_TORQUES];
     double *values;  /**< [n_values] of the last torque */
     double *numbers; /**< [n_torques][n_outputs] the first of each output, of each torque */
+    bool is_bare;    /**< tooth pairs carry without a contact pressure at some torque */
 } static_analysis;
 
 /* Each of these returns false with the reason in `error`. */

@@ -16,17 +16,6 @@ typedef struct {
     bool json, quiet;
 } static_options;
 
-/** Whether a wheel of the mesh has tip edges that are not rounded. */
-static bool has_sharp_tips(const model *model, int mesh)
-{
-    OWNED double *values = xcalloc((size_t)model_about(model)->n_values, sizeof *values);
-    model_constants(model, values);
-    const int driving = (int)model_output_value(model, values, "driving_wheel", mesh);
-    const int driven = (int)model_output_value(model, values, "driven_wheel", mesh);
-    return model_output_value(model, values, "tip_rounding", driving) <= 0 ||
-           model_output_value(model, values, "tip_rounding", driven) <= 0;
-}
-
 static void print(const static_analysis *a, bool as_json)
 {
     evl_output compliance[EVL_MOST_QUANTITIES];
@@ -35,7 +24,7 @@ static void print(const static_analysis *a, bool as_json)
         .plan = &a->plan,
         .path = a->path,
         .gives_way = model_geometry(a->prepared->model, EVL_OF_COMPLIANCE, a->plan.mesh, compliance) > 0,
-        .is_sharp = has_sharp_tips(a->prepared->model, a->plan.mesh),
+        .is_bare = a->is_bare,
         .n_torques = a->n_torques,
         .torques = a->torques,
         .numbers = a->numbers};

@@ -80,14 +80,9 @@ static void print_softness(FILE *stream, const static_report *report)
 /** The largest pressure is that of the flanks, and of edges that are rounded. */
 static void print_edges(FILE *stream, const static_report *report)
 {
-    bool touch = false;
-    for (int i = 0; i < report->n_torques; i++) {
-        touch = touch || number_of(report, i, "largest_edge_force") > 0;
-    }
-    if (touch && report->is_sharp) {
-        fputs("Sharp tip edges carry load, and the largest pressure leaves them out: on an edge without a radius there "
-              "is "
-              "none;\n'tip_rounding' of the wheels gives it one, docs/compliant_flanks.md.\n",
+    if (report->is_bare) {
+        fputs("Sharp tip edges carry load; they have no contact pressure, so the largest pressure leaves them out.\n"
+              "'tip_rounding' of the wheels gives them one, docs/compliant_flanks.md.\n",
               stream);
     }
 }

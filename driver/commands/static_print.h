@@ -11,7 +11,7 @@ typedef struct {
     const static_plan *plan;
     const char *path; /**< of the file with all that was found */
     bool gives_way;   /**< whether a wheel has a compliance */
-    bool is_sharp;    /**< whether a wheel has tip edges that are not rounded */
+    bool is_bare;     /**< tooth pairs carry without a contact pressure, on sharp tip edges */
     int n_torques;
     const double *torques; /**< [n_torques] */
     const double *numbers; /**< [n_torques][plan->n_outputs] the first value of each output */

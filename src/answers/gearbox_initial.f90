@@ -113,7 +113,7 @@ contains
       if (.not. has_failed(status)) call check_initial(gearbox, initial, status)
       if (has_failed(status)) return
       if (any(initial%kind == [initial_steady, initial_equilibrium])) then
-         call find_at(initial)
+         call find_at_position()
       else
          call set_speeds(gearbox, gearbox_initial_speeds(gearbox, initial), t, y, integers, status)
          if (has_failed(status)) return
@@ -133,8 +133,7 @@ contains
    contains
 
       !> The steady or the balanced state; a position that is NaN is not given.
-      subroutine find_at(initial)
-         type(initial_t), intent(in) :: initial
+      subroutine find_at_position()
          real(wp), allocatable :: position
 
          if (.not. ieee_is_nan(initial%mesh_position)) position = initial%mesh_position
@@ -143,7 +142,7 @@ contains
          else
             call find_equilibrium(gearbox, position, t, y, integers, reals, status)
          end if
-      end subroutine find_at
+      end subroutine find_at_position
 
    end subroutine gearbox_start
 

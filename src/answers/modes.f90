@@ -26,7 +26,7 @@ module evl_modes
    implicit none (type, external)
    private
 
-   public :: free_states, gearbox_modes, linearised_matrix, modes_of_matrix, still_matrix
+   public :: free_states, gearbox_modes, hold_driving_wheel, linearised_matrix, modes_of_matrix, still_matrix
    public :: gearbox_shape
 
    real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! of a number that went through a decomposition, times its order

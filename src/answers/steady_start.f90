@@ -9,7 +9,7 @@ module evl_steady_start
    use evl_housing, only: at_orientation, housing_renormalise, small_turns
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_omega, i_theta
-   use evl_modes, only: free_states, still_matrix
+   use evl_modes, only: free_states, hold_driving_wheel, still_matrix
    use evl_places, only: places
    use evl_status, only: clear, has_failed, status_t
    use evl_steady_newton, only: find_slopes, follow, steady_residual, steady_system
@@ -52,10 +52,7 @@ contains
       type(steady_place) :: place
       real(wp) :: x
 
-      call find_models(gearbox, models)
-      x = default_position(gearbox)
-      if (present(position)) x = position
-      call find_place(gearbox, models, present(position), t, y, integers, reals, x, place, status)
+      call find_place(gearbox, position, t, y, integers, reals, models, x, place, status)
    end subroutine find_equilibrium
 
    !> The state at a position of the first mesh. Errors: code_no_solution, code_out_of_domain.
@@ -72,10 +69,7 @@ contains
       type(path_t) :: path
       real(wp) :: x
 
-      call find_models(gearbox, models)
-      x = default_position(gearbox)
-      if (present(position)) x = position
-      call find_place(gearbox, models, present(position), t, y, integers, reals, x, place, status)
+      call find_place(gearbox, position, t, y, integers, reals, models, x, place, status)
       if (has_failed(status) .or. any(gearbox%contacts%rigid)) return
       call find_path(gearbox, models, x, place, t, y, integers, reals, path)
       if (2*count(path%found) <= size(path%found)) return
@@ -83,26 +77,29 @@ contains
    end subroutine find_steady_start
 
    !> The equilibrium at the position of the start, with the speed that balances there.
-   subroutine find_place(gearbox, models, is_given, t, y, integers, reals, position, place, status)
+   subroutine find_place(gearbox, given, t, y, integers, reals, models, position, place, status)
       type(gearbox_t), intent(in) :: gearbox
-      type(equilibrium_models), intent(in) :: models
-      logical, intent(in) :: is_given          !! the position stays
+      real(wp), intent(in), optional :: given  !! position [pitches]; not present: one inside a zone
       real(wp), intent(in) :: t
       real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: position      !! [pitches]
+      type(equilibrium_models), intent(out) :: models
+      real(wp), intent(out) :: position        !! of the start [pitches]
       type(steady_place), intent(out) :: place
       type(status_t), intent(inout) :: status
       type(status_t) :: refusal
       real(wp) :: y_begin(gearbox%n_states), better
       integer :: begin(size(integers)), k
 
+      call find_models(gearbox, models)
+      position = default_position(gearbox)
+      if (present(given)) position = given
       y_begin = y
       begin = integers
       place = place_at(gearbox, position)
       y(i_theta) = place%angle
       call find_steady_state(gearbox, models, place, t, y, integers, reals, status)
-      if (is_given) return
+      if (present(given)) return
       refusal = status
       do k = 1, other_positions ! where no equilibrium exists at the default
          if (.not. has_failed(status)) exit
@@ -305,16 +302,15 @@ contains
       call put(gearbox, system, positions, mean + vectors(:, 1), y)
    end subroutine split
 
-   !> Derivatives at a constant angle of the driving wheel of the first mesh instead of the reference wheel, so that they do not
-   !> depend on the choice of the latter. A wheel with a prescribed speed is the reference wheel in any case.
-   subroutine hold_anchor(gearbox, system, matrix)
+   !> Derivatives at a constant angle and a constant speed of the driving wheel of the first mesh.
+   pure subroutine hold_anchor(gearbox, system, matrix)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(in) :: system
       real(wp), intent(inout) :: matrix(:, :) !! of `still_matrix`
 
+      call hold_driving_wheel(gearbox, matrix)
       associate (anchor => system%i_anchor)
          if (anchor == 0 .or. gearbox%wheels(gearbox%reference)%prescribed > 0) return
-         matrix(:, anchor) = matrix(:, anchor) - matrix(:, i_theta)/system%anchor_ratio
          matrix(:, anchor + 1) = matrix(:, anchor + 1) - matrix(:, i_omega)/system%anchor_ratio
       end associate
    end subroutine hold_anchor

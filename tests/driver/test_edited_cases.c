@@ -21,7 +21,6 @@
 #include "case_entries_at.h"
 #include "simulate/prepare.h"
 
-enum { EACH_ORBIT = 8 /**< of so many periodic starts one is searched for twice: they take half the time otherwise */ };
 enum { MOST_OPTIONS = 6, MOST_ROWS = 512, MOST_VALUES = 32 };
 
 /* ---- what was computed of wheels that give way: of each kind the first, which stands for all, so that no time is lost ---- */
@@ -112,10 +111,6 @@ static void assert_same_models(const char *options, const prepared_case *one, co
     model_constants(one->model, values);
     model_constants(other->model, other_values);
     assert_same_bits("constants", options, n, values, other_values);
-    static int n_orbits = 0;
-    if (case_description(one->file)->simulation.initial.kind == EVL_INITIAL_PERIODIC && n_orbits++ % EACH_ORBIT != 0) {
-        return;
-    }
     const bool starts = prepare_start(other, &other_state, &other_error);
     assert_int_equal(prepare_start(one, &state, &error), starts);
     if (!starts) {

@@ -53,20 +53,20 @@ def test_the_largest_sliding_velocity_is_that_of_a_pair_that_carries():
     assert cell.where.startswith(f"at {quantity(20.0, 's', 5)}, tooth pair 0")
 
 
-@pytest.mark.parametrize("is_sharp", [False, True])
-def test_a_largest_pressure_without_sharp_edges_says_so(is_sharp):
-    """A pair that carries without a pressure stands on such an edge."""
+@pytest.mark.parametrize("is_bare", [False, True])
+def test_a_largest_pressure_that_leaves_out_pairs_says_so(is_bare):
+    """A pair that carries without a pressure stands on a sharp edge, or its flank is hollow."""
     pair = RealPair()
     length = pair.path[1] - pair.path[0]
     of_pairs = pair.history(np.linspace(0.0, length / pair.base[0], 41))
     force = of_pairs["pair_normal_force"]
     pressure = (1e6 * xr.where(force > 0, force, np.nan)).transpose(*force.dims)
-    if is_sharp:
+    if is_bare:
         pressure[20] = np.nan
     history = of_pairs.assign(pair_contact_pressure=pressure.assign_attrs(units="Pa"))
     found = {answer.label: answer for answer in _largest(history, extremes(history))}
     (cell,) = found["largest contact pressure"].cells
-    assert cell.where.endswith("; sharp tip edges left out") == is_sharp
+    assert cell.where.endswith("; sharp tip edges and hollow flanks left out") == is_bare
 
 
 def test_without_a_window_means_and_factors_are_of_the_whole_run_and_say_so(friction_run):

@@ -46,8 +46,8 @@ ABSOLUTE = (*SIGNED, OF_PAIRS)
 
 ONLY_IF_ANY = ("impacts", "rattle_index")
 SHARED = "pair_normal_force"  # that of the mesh where there is one pair
-PRESSURE = "pair_contact_pressure"  # NaN where a pair touches on an edge that is not rounded
-LEFT_OUT = "sharp tip edges left out"
+PRESSURE = "pair_contact_pressure"  # NaN on sharp tip edges and hollow flanks
+LEFT_OUT = "sharp tip edges and hollow flanks left out"
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
         found.setdefault(extreme.output, []).append(extreme)
     if told and OF_PAIRS in history and SHARED in history:
         found[OF_PAIRS] = [_largest_sliding(history), *found.pop("sliding_velocity", [])]
-    sharp = _touches_on_sharp_edges(history) if PRESSURE in found else np.zeros(0, bool)
+    bare = _carries_bare(history) if PRESSURE in found else np.zeros(0, bool)
     for output, label in LARGEST.items():
         if output not in found or (output == SHARED and history.sizes["pair"] == 1):
             continue
@@ -155,7 +155,7 @@ def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
             value, time = max(ends, key=_size)
             value = abs(value) if output in ABSOLUTE else value
             cell = _extreme_cell(history, output, mesh, value, time)
-            if cell is not None and output == PRESSURE and sharp[mesh]:
+            if cell is not None and output == PRESSURE and bare[mesh]:
                 cell = Cell(cell.text, f"{cell.where}; {LEFT_OUT}")
             cells.append(cell)
         symbol = str(history[output].attrs.get("symbol", ""))
@@ -185,14 +185,13 @@ def _largest_sliding(history: xr.Dataset) -> Extreme:
     return Extreme(OF_PAIRS, True, False, value, time)
 
 
-def _touches_on_sharp_edges(history: xr.Dataset) -> np.ndarray:
+def _carries_bare(history: xr.Dataset) -> np.ndarray:
     """Tell of each mesh whether pairs carry in outputs without a contact pressure, dim (mesh)."""
     run = recording_of(history)
     found = np.zeros(history.sizes["mesh"], bool)
     if SHARED in run and PRESSURE in run:
         for part in run.parts():
-            is_bare = (part[SHARED] > 0) & np.isnan(part[PRESSURE])
-            found |= is_bare.any(axis=(0, 2))
+            found |= ((part[SHARED] > 0) & np.isnan(part[PRESSURE])).any(axis=(0, 2))
     return found
 
 
