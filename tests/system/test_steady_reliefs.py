@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from system.edrive import edrive
 from system.random_sets import seeds
 from system.steady_pairs import PITCHES, POINTS, in_another_order, steady_pair
 from system.test_steady_order import REFUSALS, run
@@ -75,3 +76,19 @@ def test_modes_are_those_of_the_equilibrium_where_the_steady_start_is_apart(
         after = [mode["eigenvalue"] for mode in report["modes"]]
         for one, other in zip(before, after, strict=True):
             assert other == pytest.approx(one, rel=1e-6)
+
+
+@pytest.mark.parametrize("words", [[], ["--mean"]], ids=["start", "mean"])
+def test_modes_of_a_train_do_not_depend_on_the_order_of_the_wheels(
+    evolvent: Evolvent, tmp_path: Path, words: list[str]
+) -> None:
+    case = edrive(15e3)
+    found = []
+    for one in (case, in_another_order(case)):
+        (tmp_path / "case.yaml").write_text(json.dumps(one))
+        done = evolvent("modes", tmp_path / "case.yaml", "--json", *words)
+        assert done.returncode == 0, done.stderr
+        found.append([mode["eigenvalue"] for mode in json.loads(done.stdout)["modes"]])
+    assert len(found[0]) == len(found[1])
+    for one, other in zip(*found, strict=True):
+        assert other == pytest.approx(one, rel=1e-6)
