@@ -199,9 +199,10 @@ NO_REFERENCE = {
 def test_a_law_that_refers_to_what_the_mesh_has_not_is_refused(
     kernel: Kernel, law: tuple, loads: str
 ):
+    """Without a load at the start: `static` and `modes` may be told one."""
     given, reason = NO_REFERENCE[loads]
     with pytest.raises(GearboxError) as error:
-        pair(kernel, law, loads=given)
+        pair(kernel, law, loads=given).start()
     assert error.value.code == INVALID_INPUT
     assert error.value.field.split(".")[0] == "damping"
     assert reason in error.value.message
