@@ -1,6 +1,7 @@
 #include "simulate/rate_watch.h"
 
 #include "base/memory.h"
+#include "simulate/rate_channels.h"
 
 #include <float.h>
 #include <math.h>
@@ -29,161 +30,62 @@ static const double weights[DAE_LANES] = {0,
 enum { START = 0, END = DAE_LANES - 1 };
 
 static const double part = 1e-8; /* of the largest value or change: what two formulas may differ by */
-/* Units of the tolerance, in scales of the states, that the integral over one step may be wrong by: Newton's iteration of radau,
- * which in a step of many periods of a stiff mode leaves much of its acceleration. */
-static const double tolerances = 1e4;
+/* By how many tolerances a state between the ends of a step may be wrong; what that makes of an integral is found by changing the
+ * states. Radau's steps are collocations: only Newton's iteration is left, by 0.3 tolerances at most in 400 random cases. IDA's
+ * polynomials meet no equation but at their ends: 7.8 in the same cases, in the short steps after an event. */
+static const double tolerances_of_collocation = 10, tolerances_of_polynomials = 100;
 static const double roundings = 64 * DBL_EPSILON; /* of values that are subtracted, and of the time */
 
 /* The first step is looked at, then one of 16, of 32, of 64, and one of 128 for the rest of the run: later by up to an eighth of that
  * where it is the first after an event then. */
 enum { FIRST_INTERVAL = 16, LAST_INTERVAL = 128, PATIENCE = 8 };
 
-/** One value and its rate, or the sum of all its rates. */
+/** The step in which an integral differs most from the change. */
 typedef struct {
-    const model_output *of, *rate; /**< rate: NULL if several add up to it */
-    int element, place;            /**< of the output; among the values */
-    bool is_power;                 /**< the work of the loads: its rate is the sum of torques times speeds */
-    double most;                   /**< largest change in a step */
-    double scale;                  /**< by how much it changes if the states change by their scales */
-    double excess;                 /**< largest difference beyond rounding, and where that was: */
+    double most;   /**< largest change in a step */
+    double excess; /**< largest difference beyond what rounding and the tolerance make, and where that was: */
     double from, to, integral, change;
-} rate_channel;
+} rate_difference;
 
 struct rate_watch {
     memory_pool pool;
     const model *model;
     double tolerance;
-    int n, *outputs; /**< [n] indices of the outputs that are evaluated */
-    int n_values;    /**< of all of them */
-    int *places;     /**< [n_outputs of the model] first value of each; -1: not evaluated */
-    int n_channels;
-    rate_channel *channels;
-    int *channel_of;   /**< [n_values] to which channel a rate belongs; -1: to none */
-    int torque, speed; /**< first values of the wheels */
-    bool in_lanes;     /**< the model evaluates eight states at once */
-    model_sampler *sampler;
+    rate_channels channels;
     double t[DAE_LANES];
-    double *y, *one;        /**< [states * DAE_LANES], [states] */
-    double *values, *alone; /**< [n_values * DAE_LANES], [n_values] */
-    double *largest;        /**< [n_values] so far */
-    double *sums;           /**< [n_channels] integrals over a step */
-    long steps;             /**< since the last that was looked at; before the first one, enough */
-    long interval;          /**< of those that are looked at, at present */
-    int node;               /**< at which the outputs of one state are evaluated next */
+    double *y, *one;              /**< [states * DAE_LANES], [states] */
+    double *values, *alone;       /**< [n_values * DAE_LANES], [n_values] */
+    double *largest;              /**< [n_values] so far */
+    double *rates, *near, *sums;  /**< [n of channels] at a state, at one near it; integrals over a step */
+    double *allowed;              /**< [n of channels] what errors of the states make of the integrals */
+    rate_difference *differences; /**< [n of channels] */
+    long steps;                   /**< since the last that was looked at; before the first one, enough */
+    long interval;                /**< of those that are looked at, at present */
+    int node;                     /**< at which the outputs of one state are evaluated next */
     bool after_event;
     bool has_conflict;
     char text[DAE_MESSAGE_LENGTH];
 };
 
-/* ---- what is compared ---- */
-
-/** Evaluate an output. @return the place of its first value; -1 if the model does not have it */
-static int evaluate(rate_watch *watch, const char *name)
-{
-    const model_output *output = model_output_named(watch->model, name);
-    if (output == NULL || output->count == 0) {
-        return -1;
-    }
-    const int index = (int)(output - model_about(watch->model)->outputs);
-    if (watch->places[index] < 0) {
-        watch->places[index] = watch->n_values;
-        watch->outputs[watch->n++] = index;
-        watch->n_values += output->count;
-    }
-    return watch->places[index];
-}
-
-static int count_of(const model *model, const char *name)
-{
-    const model_output *output = model_output_named(model, name);
-    return output == NULL ? 0 : output->count;
-}
-
-/** Whether an output is a rate in this run. The pose of a housing that moves as prescribed is no state: nothing integrates it. */
-static bool is_rate(const model *model, const model_output *output)
-{
-    static const char prefix[] = "housing_";
-    const bool is_mounted = count_of(model, "mount_damping_loss") > 0;
-    return output->rate_of != NULL && output->count > 0 && count_of(model, output->rate_of) > 0 &&
-           (is_mounted || strncmp(output->name, prefix, strlen(prefix)) != 0);
-}
-
-/** The channel of a value; a new one if there is none yet. */
-static int channel_at(rate_watch *watch, const model_output *of, int element)
-{
-    const int place = watch->places[of - model_about(watch->model)->outputs] + element;
-    for (int i = 0; i < watch->n_channels; i++) {
-        if (watch->channels[i].place == place) {
-            return i;
-        }
-    }
-    watch->channels[watch->n_channels] = (rate_channel){.of = of, .element = element, .place = place};
-    return watch->n_channels++;
-}
-
-static void open_rate(rate_watch *watch, const model_output *rate)
-{
-    const model_output *of = model_output_named(watch->model, rate->rate_of);
-    const bool adds_up = of->count != rate->count;
-    const int first = watch->places[rate - model_about(watch->model)->outputs];
-    for (int i = 0; i < rate->count; i++) {
-        const int channel = channel_at(watch, of, adds_up ? 0 : i);
-        watch->channel_of[first + i] = channel;
-        watch->channels[channel].rate = of->dims[0] == '\0' && strcmp(of->units, "J") == 0 ? NULL : rate;
-    }
-}
-
-static void open_channels(rate_watch *watch)
-{
-    const model_facts *about = model_about(watch->model);
-    memory_pool *pool = &watch->pool;
-    for (int i = 0; i < about->n_outputs; i++) {
-        if (is_rate(watch->model, &about->outputs[i])) {
-            (void)evaluate(watch, about->outputs[i].name);
-            (void)evaluate(watch, about->outputs[i].rate_of);
-        }
-    }
-    watch->torque = evaluate(watch, "load_torque");
-    watch->speed = evaluate(watch, "angular_velocity");
-    const int work = evaluate(watch, "load_work");
-    watch->channels = pool_calloc(pool, (size_t)watch->n_values, sizeof *watch->channels);
-    watch->channel_of = pool_calloc(pool, (size_t)watch->n_values, sizeof *watch->channel_of);
-    for (int i = 0; i < watch->n_values; i++) {
-        watch->channel_of[i] = -1;
-    }
-    for (int i = 0; i < about->n_outputs; i++) {
-        if (is_rate(watch->model, &about->outputs[i])) {
-            open_rate(watch, &about->outputs[i]);
-        }
-    }
-    watch->sampler = model_sampler_create(watch->model, watch->n, watch->outputs);
-    watch->in_lanes = model_sampler_in_lanes(watch->sampler);
-    if (watch->in_lanes && work >= 0) { /* else a housing that moves, or gravity, may add to it */
-        const int channel = channel_at(watch, model_output_named(watch->model, "load_work"), 0);
-        watch->channels[channel].is_power = true;
-    }
-}
-
 rate_watch *rate_watch_create(const model *model, double tolerance)
 {
-    const model_facts *about = model_about(model);
     rate_watch *watch = xcalloc(1, sizeof *watch);
     *watch = (rate_watch){
         .model = model, .tolerance = tolerance, .steps = LAST_INTERVAL, .interval = FIRST_INTERVAL / 2, .node = END};
     memory_pool *pool = &watch->pool;
-    watch->outputs = pool_calloc(pool, (size_t)about->n_outputs, sizeof *watch->outputs);
-    watch->places = pool_calloc(pool, (size_t)about->n_outputs, sizeof *watch->places);
-    for (int i = 0; i < about->n_outputs; i++) {
-        watch->places[i] = -1;
-    }
-    open_channels(watch);
-    const size_t n_states = (size_t)about->dae.n, n_values = (size_t)watch->n_values;
+    watch->channels = rate_channels_open(model, pool);
+    const size_t n_states = (size_t)model_about(model)->dae.n, n_values = (size_t)watch->channels.n_values;
+    const size_t n = (size_t)watch->channels.n;
     watch->y = pool_calloc(pool, n_states * DAE_LANES, sizeof *watch->y);
     watch->one = pool_calloc(pool, n_states, sizeof *watch->one);
     watch->values = pool_calloc(pool, n_values * DAE_LANES, sizeof *watch->values);
     watch->alone = pool_calloc(pool, n_values, sizeof *watch->alone);
     watch->largest = pool_calloc(pool, n_values, sizeof *watch->largest);
-    watch->sums = pool_calloc(pool, (size_t)watch->n_channels, sizeof *watch->sums);
+    watch->rates = pool_calloc(pool, n, sizeof *watch->rates);
+    watch->near = pool_calloc(pool, n, sizeof *watch->near);
+    watch->sums = pool_calloc(pool, n, sizeof *watch->sums);
+    watch->allowed = pool_calloc(pool, n, sizeof *watch->allowed);
+    watch->differences = pool_calloc(pool, n, sizeof *watch->differences);
     return watch;
 }
 
@@ -192,7 +94,7 @@ void rate_watch_delete(rate_watch **pointer)
     rate_watch *watch = *pointer;
     *pointer = NULL;
     if (watch != NULL) {
-        model_sampler_delete(&watch->sampler);
+        rate_channels_close(&watch->channels);
         pool_free(&watch->pool);
         free(watch);
     }
@@ -200,16 +102,15 @@ void rate_watch_delete(rate_watch **pointer)
 
 void rate_watch_keep(rate_watch *watch, archive *archive)
 {
-    KEEP_ARRAY(archive, watch->largest, watch->n_values);
-    for (int i = 0; i < watch->n_channels; i++) {
-        rate_channel *channel = &watch->channels[i];
-        KEEP(archive, channel->most);
-        KEEP(archive, channel->scale);
-        KEEP(archive, channel->excess);
-        KEEP(archive, channel->from);
-        KEEP(archive, channel->to);
-        KEEP(archive, channel->integral);
-        KEEP(archive, channel->change);
+    KEEP_ARRAY(archive, watch->largest, watch->channels.n_values);
+    for (int i = 0; i < watch->channels.n; i++) {
+        rate_difference *difference = &watch->differences[i];
+        KEEP(archive, difference->most);
+        KEEP(archive, difference->excess);
+        KEEP(archive, difference->from);
+        KEEP(archive, difference->to);
+        KEEP(archive, difference->integral);
+        KEEP(archive, difference->change);
     }
     KEEP(archive, watch->steps);
     KEEP(archive, watch->interval);
@@ -219,47 +120,17 @@ void rate_watch_keep(rate_watch *watch, archive *archive)
 
 /* ---- what is said of a difference ---- */
 
-/** Of what an element of an output is: " of wheel 'gear', x", or nothing. */
-static void write_element(const rate_watch *watch, const model_output *output, int element, char text[96])
-{
-    const model_names *names = &model_about(watch->model)->names;
-    const struct {
-        const char *dim;
-        const name_list *of;
-    } lists[] = {{"wheel", &names->wheels}, {"mesh", &names->meshes}, {"shaft", &names->shafts}};
-    text[0] = '\0';
-    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
-        const size_t length = strlen(lists[i].dim);
-        if (strncmp(output->dims, lists[i].dim, length) == 0 && lists[i].of->n > 0) {
-            const int each = output->count / lists[i].of->n;
-            (void)snprintf(text, 96, " of %s '%.60s'%s", lists[i].dim, lists[i].of->names[element / each],
-                           each != 2            ? ""
-                           : element % each > 0 ? ", y"
-                                                : ", x");
-        }
-    }
-}
-
 static const char defect[] = "this is a defect of the program, not of the case: please report it with the case";
 
 /** Two evaluations of an output that differ. */
 static void note_difference(rate_watch *watch, int place, double lanes, double alone)
 {
-    const model_facts *about = model_about(watch->model);
     char element[96];
-    for (int i = 0; i < watch->n; i++) {
-        const model_output *output = &about->outputs[watch->outputs[i]];
-        const int first = watch->places[watch->outputs[i]];
-        if (place >= first && place < first + output->count) {
-            write_element(watch, output, place - first, element);
-            (void)snprintf(
-                watch->text, sizeof watch->text,
-                "at t = %.9g s %s%s is %.9g %s by the formulas for one state and %.9g by those for eight: %s",
-                watch->t[watch->node], output->name, element, alone, output->units, lanes, defect);
-            watch->has_conflict = true;
-            return;
-        }
-    }
+    const model_output *output = rate_channels_output(&watch->channels, place, element);
+    (void)snprintf(watch->text, sizeof watch->text,
+                   "at t = %.9g s %s%s is %.9g %s by the formulas for one state and %.9g by those for eight: %s",
+                   watch->t[watch->node], output->name, element, alone, output->units, lanes, defect);
+    watch->has_conflict = true;
 }
 
 /* ---- a step ---- */
@@ -293,47 +164,17 @@ static void take_state(rate_watch *watch, int node)
     }
 }
 
-/** By how much values change if states change by their scales, one after the other. */
-static void find_scales(rate_watch *watch, const integrate_step *step)
-{
-    const dae *dae = &model_about(watch->model)->dae;
-    char message[DAE_MESSAGE_LENGTH];
-    POOLED memory_pool pool = {NULL};
-    int *outputs = pool_calloc(&pool, (size_t)watch->n_channels, sizeof *outputs);
-    double *before = pool_calloc(&pool, (size_t)watch->n_values, sizeof *before);
-    double *after = pool_calloc(&pool, (size_t)watch->n_values, sizeof *after);
-    int n = 0;
-    for (int i = 0; i < watch->n_channels; i++) { /* their elements come one behind the other */
-        const int index = (int)(watch->channels[i].of - model_about(watch->model)->outputs);
-        if (n == 0 || outputs[n - 1] != index) {
-            outputs[n++] = index;
-        }
-    }
-    model_sampler *sampler = model_sampler_create(watch->model, n, outputs);
-    take_state(watch, START);
-    (void)model_sampler_ask(sampler, 1, watch->t, watch->one, step->state, before, message);
-    for (int i = 0; i < dae->n; i++) {
-        watch->one[i] += dae->scale[i];
-        (void)model_sampler_ask(sampler, 1, watch->t, watch->one, step->state, after, message);
-        watch->one[i] -= dae->scale[i];
-        for (int c = 0, value = 0; c < watch->n_channels; c++, value++) {
-            watch->channels[c].scale += fabs(after[value] - before[value]);
-        }
-    }
-    model_sampler_delete(&sampler);
-}
-
 /** Compare the outputs of eight states at once with those of one. */
 static void compare_formulas(rate_watch *watch, const integrate_step *step)
 {
     char message[DAE_MESSAGE_LENGTH];
     const int node = watch->node;
     take_state(watch, node);
-    if (model_sampler_ask(watch->sampler, 1, &watch->t[node], watch->one, step->state, watch->alone, message) !=
-        DAE_OK) {
+    if (model_sampler_ask(watch->channels.sampler, 1, &watch->t[node], watch->one, step->state, watch->alone,
+                          message) != DAE_OK) {
         return;
     }
-    for (int v = 0; v < watch->n_values && !watch->has_conflict; v++) {
+    for (int v = 0; v < watch->channels.n_values && !watch->has_conflict; v++) {
         const double lanes = watch->values[v * DAE_LANES + node], alone = watch->alone[v];
         if (!(fabs(lanes - alone) <= part * watch->largest[v]) && !(isnan(lanes) && isnan(alone))) {
             note_difference(watch, v, lanes, alone);
@@ -344,27 +185,51 @@ static void compare_formulas(rate_watch *watch, const integrate_step *step)
 /** Integrals of the rates. */
 static void integrate_rates(rate_watch *watch, double step)
 {
-    memset(watch->sums, 0, (size_t)watch->n_channels * sizeof *watch->sums);
-    for (int v = 0; v < watch->n_values; v++) {
-        const double *values = watch->values + (size_t)v * DAE_LANES;
-        double sum = 0;
-        for (int k = 0; k < DAE_LANES; k++) {
-            sum += weights[k] * values[k];
-        }
-        if (watch->channel_of[v] >= 0) {
-            watch->sums[watch->channel_of[v]] += step * sum;
+    memset(watch->sums, 0, (size_t)watch->channels.n * sizeof *watch->sums);
+    for (int k = START + 1; k < DAE_LANES; k++) {
+        rate_channels_rates(&watch->channels, watch->values, k, watch->rates);
+        for (int c = 0; c < watch->channels.n; c++) {
+            watch->sums[c] += step * weights[k] * watch->rates[c];
         }
     }
-    const int n_wheels = model_about(watch->model)->names.wheels.n;
-    for (int c = 0; c < watch->n_channels; c++) {
-        for (int i = 0; i < n_wheels && watch->channels[c].is_power; i++) {
-            const double *torque = watch->values + (size_t)(watch->torque + i) * DAE_LANES;
-            const double *speed = watch->values + (size_t)(watch->speed + i) * DAE_LANES;
-            for (int k = 0; k < DAE_LANES; k++) {
-                watch->sums[c] += step * weights[k] * torque[k] * speed[k];
+}
+
+/** By how much integrals, and what they are compared with, change if one state after the other is wrong by the tolerance.
+ *  @return false if the rates there are not known */
+static bool find_allowed(rate_watch *watch, const integrate_step *step)
+{
+    const rate_channels *channels = &watch->channels;
+    const dae *dae = &model_about(watch->model)->dae;
+    const double length = watch->t[END] - watch->t[START];
+    const double tolerances = step->interpolate_lanes != NULL ? tolerances_of_collocation : tolerances_of_polynomials;
+    char message[DAE_MESSAGE_LENGTH];
+    double t[DAE_LANES];
+    POOLED memory_pool pool = {NULL};
+    double *y = pool_calloc(&pool, (size_t)dae->n * DAE_LANES, sizeof *y);
+    double *values = pool_calloc(&pool, (size_t)channels->n_values * DAE_LANES, sizeof *values);
+    memset(watch->allowed, 0, (size_t)channels->n * sizeof *watch->allowed);
+    rate_channels_rates(channels, watch->values, END, watch->rates);
+    for (int first = 0; first < dae->n; first += DAE_LANES) {
+        for (int k = 0; k < DAE_LANES; k++) {
+            t[k] = watch->t[END];
+            for (int i = 0; i < dae->n; i++) {
+                const double change = i == first + k ? tolerances * watch->tolerance * dae->scale[i] : 0;
+                y[(size_t)i * DAE_LANES + (size_t)k] = watch->y[(size_t)i * DAE_LANES + END] + change;
+            }
+        }
+        if (model_sampler_ask(channels->sampler, DAE_LANES, t, y, step->state, values, message) != DAE_OK) {
+            return false;
+        }
+        for (int k = 0; k < DAE_LANES; k++) {
+            rate_channels_rates(channels, values, k, watch->near);
+            for (int c = 0; c < channels->n; c++) {
+                const size_t place = (size_t)channels->channels[c].place * DAE_LANES;
+                watch->allowed[c] += length * fabs(watch->near[c] - watch->rates[c]) +
+                                     fabs(values[place + (size_t)k] - watch->values[place + END]);
             }
         }
     }
+    return true;
 }
 
 /** Compare them with the changes. */
@@ -372,20 +237,20 @@ static void compare_changes(rate_watch *watch)
 {
     const double step = watch->t[END] - watch->t[START];
     integrate_rates(watch, step);
-    for (int c = 0; c < watch->n_channels; c++) {
-        rate_channel *channel = &watch->channels[c];
-        const double *values = watch->values + (size_t)channel->place * DAE_LANES;
+    for (int c = 0; c < watch->channels.n; c++) {
+        rate_difference *largest = &watch->differences[c];
+        const double *values = watch->values + (size_t)watch->channels.channels[c].place * DAE_LANES;
         const double change = values[END] - values[START], integral = watch->sums[c];
         const double rounding =
             roundings * (fabs(values[START]) + fabs(values[END]) + fabs(integral / step) * fabs(watch->t[END]));
-        const double excess = fabs(integral - change) - rounding;
-        channel->most = fmax(channel->most, fabs(change));
-        if (excess > channel->excess) {
-            channel->excess = excess;
-            channel->from = watch->t[START];
-            channel->to = watch->t[END];
-            channel->integral = integral;
-            channel->change = change;
+        const double excess = fabs(integral - change) - rounding - watch->allowed[c];
+        largest->most = fmax(largest->most, fabs(change));
+        if (excess > largest->excess) {
+            largest->excess = excess;
+            largest->from = watch->t[START];
+            largest->to = watch->t[END];
+            largest->integral = integral;
+            largest->change = change;
         }
     }
 }
@@ -405,22 +270,19 @@ static void look(rate_watch *watch, const integrate_step *step)
         watch->has_conflict = true;
         return;
     }
-    if (model_sampler_ask(watch->sampler, DAE_LANES, watch->t, watch->y, step->state, watch->values, message) !=
-        DAE_OK) {
+    if (model_sampler_ask(watch->channels.sampler, DAE_LANES, watch->t, watch->y, step->state, watch->values,
+                          message) != DAE_OK) {
         return;
     }
-    for (int v = 0; v < watch->n_values; v++) {
+    for (int v = 0; v < watch->channels.n_values; v++) {
         for (int k = 0; k < DAE_LANES; k++) {
             watch->largest[v] = fmax(watch->largest[v], fabs(watch->values[v * DAE_LANES + k]));
         }
     }
-    if (watch->n_channels > 0 && !(watch->channels[0].scale > 0)) {
-        find_scales(watch, step);
-    }
-    if (watch->in_lanes) {
+    if (watch->channels.in_lanes) {
         compare_formulas(watch, step);
     }
-    if (step->interpolate_lanes != NULL) { /* IDA's polynomials meet no equation between their ends */
+    if (find_allowed(watch, step)) {
         compare_changes(watch);
     }
     watch->node = watch->node == 1 ? END : watch->node - 1;
@@ -452,16 +314,17 @@ const char *rate_watch_conflict(const rate_watch *watch)
 const char *rate_watch_conclude(rate_watch *watch)
 {
     char element[96];
-    for (int c = 0; c < watch->n_channels && !watch->has_conflict; c++) {
-        const rate_channel *channel = &watch->channels[c];
-        if (!(channel->excess <= part * channel->most + tolerances * watch->tolerance * channel->scale)) {
-            write_element(watch, channel->of, channel->element, element);
+    for (int c = 0; c < watch->channels.n && !watch->has_conflict; c++) {
+        const rate_difference *largest = &watch->differences[c];
+        const rate_channel *channel = &watch->channels.channels[c];
+        if (!(largest->excess <= part * largest->most)) {
+            const model_output *output = rate_channels_output(&watch->channels, channel->place, element);
             (void)snprintf(watch->text, sizeof watch->text,
                            "from t = %.9g s to %.9g s %s%s changes by %.9g %s, but the integral of %s is %.9g: %s",
-                           channel->from, channel->to, channel->of->name, element, channel->change, channel->of->units,
+                           largest->from, largest->to, output->name, element, largest->change, output->units,
                            channel->rate == NULL ? (channel->is_power ? "the power of the loads" : "its rates")
                                                  : channel->rate->name,
-                           channel->integral, defect);
+                           largest->integral, defect);
             watch->has_conflict = true;
         }
     }
