@@ -6,6 +6,7 @@
 #include "base/words.h"
 #include "batch/batch_keeper.h"
 #include "batch/batch_response.h"
+#include "model/model_start.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -235,7 +236,8 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     const batch_plan *plan = sink->plan;
     const bool is_done = result->end == SIMULATE_DONE;
     OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
-    statistics_finish(sink->statistics, result, results);
+    const model_start_orbit *orbit = model_orbit_of_start(prepared->model);
+    statistics_finish(sink->statistics, result, orbit == NULL ? NAN : model_start_multiplier(orbit), results);
     OWNED char *invariants = result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
     const numbers *numbers = statistics_numbers(sink->statistics);
     const char *unsettled = numbers == NULL ? "" : numbers_settled(numbers)->reason;

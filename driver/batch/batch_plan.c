@@ -26,6 +26,18 @@ static bool check_paths(const batch_plan *plan, evl_error *error)
     return true;
 }
 
+/** Whether a case of the plan may start on a periodic orbit. */
+static bool some_are_periodic(const batch_plan *plan)
+{
+    static const char path[] = "simulation.initial";
+    const char *kind = case_base_text(plan->base, "simulation.initial.kind");
+    bool some = kind != NULL && strcmp(kind, "periodic") == 0;
+    for (int i = 0; i < plan->design->n_columns; i++) {
+        some = some || strncmp(plan->design->columns[i].path, path, strlen(path)) == 0;
+    }
+    return some;
+}
+
 static bool take_table(batch_plan *plan, evl_error *error)
 {
     memory_pool *pool = &plan->pool;
@@ -40,8 +52,9 @@ static bool take_table(batch_plan *plan, evl_error *error)
     if (responds && !batch_response_check_design(plan->design, error)) {
         return false;
     }
-    const char *unknown = responds ? batch_response_table(&plan->table, &names, n, (const char *const *)words)
-                                   : statistics_table_init(&plan->table, &names, n, (const char *const *)words);
+    const char *unknown =
+        responds ? batch_response_table(&plan->table, &names, n, (const char *const *)words)
+                 : statistics_table_init(&plan->table, &names, n, (const char *const *)words, some_are_periodic(plan));
     if (unknown == NULL) {
         return true;
     }

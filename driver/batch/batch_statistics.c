@@ -124,7 +124,7 @@ static void add_numbers(statistics_table *table)
 static const char *begin_table(statistics_table *table, const model_names *names, int n_words, const char *const *words,
                                int more)
 {
-    *table = (statistics_table){.names = *names, .n_meshes = names->meshes.n, .settled = -1};
+    *table = (statistics_table){.names = *names, .n_meshes = names->meshes.n, .settled = -1, .multiplier = -1};
     model_output rows[N_NUMBER_ROWS];
     const int most = number_rows_place(&table->pool, names, rows);
     table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
@@ -142,10 +142,10 @@ const char *statistics_table_of_numbers(statistics_table *table, const model_nam
 }
 
 const char *statistics_table_init(statistics_table *table, const model_names *names, int n_words,
-                                  const char *const *words)
+                                  const char *const *words, bool some_periodic)
 {
     const int n_kinds = model_tables()->n_event_kinds, n_meshes = names->meshes.n;
-    const char *unknown = begin_table(table, names, n_words, words, n_meshes * N_OF_MESH + N_OF_CASE + n_kinds + 1);
+    const char *unknown = begin_table(table, names, n_words, words, n_meshes * N_OF_MESH + N_OF_CASE + n_kinds + 2);
     for (int i = 0; i < n_meshes * N_OF_MESH; i++) {
         const int mesh = i / N_OF_MESH, row = i % N_OF_MESH;
         const char *of = n_meshes == 1 ? NULL : names->meshes.names[mesh], *text = of_mesh[row].long_name;
@@ -164,6 +164,11 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
     table->settled = table->n_numbers > 0 ? table->n : -1;
     if (table->settled >= 0) {
         add(table, "window_settled", "1", "1 if the motion had settled before the window, 0 if not; NaN: not known");
+    }
+    if (some_periodic) {
+        table->multiplier = table->n;
+        add(table, "start_multiplier", "1",
+            "largest Floquet multiplier in size of the orbit that the case starts on; NaN: none");
     }
     return unknown;
 }
@@ -387,7 +392,7 @@ static void put_numbers(const statistics *statistics, double *results)
     results[table->settled] = numbers_settled(statistics->numbers)->is_settled;
 }
 
-void statistics_finish(const statistics *statistics, const simulate_result *result, double *results)
+void statistics_finish(const statistics *statistics, const simulate_result *result, double multiplier, double *results)
 {
     const double span = statistics->t_last - statistics->t_first;
     int n = 0;
@@ -403,6 +408,9 @@ void statistics_finish(const statistics *statistics, const simulate_result *resu
     }
     while (n < statistics->table->n) {
         results[n++] = NAN;
+    }
+    if (statistics->table->multiplier >= 0) {
+        results[statistics->table->multiplier] = multiplier;
     }
     if (statistics->numbers != NULL && result->end == SIMULATE_DONE) {
         put_numbers(statistics, results);

@@ -27,14 +27,15 @@ typedef struct {
     int n_numbers;              /**< 0: none */
     statistics_number *numbers; /**< [n_numbers] */
     int settled;                /**< scalar that says whether the window is settled; -1: none, without numbers */
+    int multiplier;             /**< scalar of the orbit that the case starts on; -1: none */
 } statistics_table;
 
-/** The table for cases with these meshes, wheels and accelerometers. With several meshes each has its own numbers: NAME_MESH; those of
+/** The table for cases with these meshes, wheels and accelerometers, some of which start on a periodic orbit. With several meshes each has its own numbers: NAME_MESH; those of
  *  the others are NAME_WHEEL, NAME_ACCELEROMETER.
  *  @param names  outlive the table
  *  @param words  which numbers over whole periods, as number_rows_take knows them. @return NULL, or a word that names none */
 const char *statistics_table_init(statistics_table *table, const model_names *names, int n_words,
-                                  const char *const *words);
+                                  const char *const *words, bool some_periodic);
 
 /** A table of numbers over whole periods alone, with room for `more` scalars behind them. @return as above */
 const char *statistics_table_of_numbers(statistics_table *table, const model_names *names, int n_words,
@@ -60,6 +61,7 @@ void statistics_keep(statistics *statistics, archive *archive);
 /** Whether any output lay in the window. */
 bool statistics_has_outputs(const statistics *statistics);
 /** The numbers of the table; NaN where there was nothing to accumulate.
+ *  @param multiplier  the largest in size of the orbit on which the case starts; NaN without one
  *  @param result   of the simulation; if it did not come to its end, the numbers of the meshes, whose window is not full, are NaN
  *  @param results      [table.n] */
-void statistics_finish(const statistics *statistics, const simulate_result *result, double *results);
+void statistics_finish(const statistics *statistics, const simulate_result *result, double multiplier, double *results);

@@ -58,6 +58,21 @@ const char **case_base_elements(const case_base *base, const char *list, memory_
     return names;
 }
 
+const char *case_base_text(const case_base *base, const char *path)
+{
+    const case_node *node = base->root;
+    for (const char *rest = path; node != NULL;) {
+        const size_t length = strcspn(rest, ".");
+        OWNED char *key = xasprintf("%.*s", (int)length, rest);
+        node = node->kind == NODE_MAPPING ? node_get(node, key) : NULL;
+        if (rest[length] == '\0') {
+            break;
+        }
+        rest += length + 1;
+    }
+    return node != NULL && node->kind == NODE_SCALAR ? node->text : NULL;
+}
+
 /** Say that a block, of whatever variant, has no such key. */
 static void refuse_key(const case_schema *schema, const char *block, const char *parent, const char *key,
                        evl_error *error)

@@ -278,6 +278,27 @@ def test_a_window_without_an_output_is_refused(evolvent: Evolvent, tmp_path: Pat
     assert "the window from 0.025 to 0.03 s holds no output" in rows[0]["message"]
 
 
+def test_rows_of_periodic_starts_have_the_multiplier_that_a_run_reports(
+    evolvent: Evolvent, tmp_path: Path, examples: Path
+) -> None:
+    columns = {"wheels.0.loads.0.value": [-50.0, -80.0]}
+    base = (examples / "spur-pair.yaml").read_text()
+    periodic = base.replace("{kind: steady}", "{kind: periodic}")
+    assert periodic != base
+    design = write_design(tmp_path / "design.h5", columns, periodic)
+    assert evolvent("batch", design, "-o", "r").returncode == 0
+    rows = read_folder(tmp_path / "r")
+    (tmp_path / "case.yaml").write_text(periodic)
+    for case, torque in enumerate(columns["wheels.0.loads.0.value"]):
+        load = ("--set", f"wheels.0.loads.0.value={torque}")
+        assert evolvent("run", "case.yaml", "-o", "x.h5", *load).returncode == 0
+        with xr.open_dataset(tmp_path / "x.h5") as history:
+            assert rows[case]["start_multiplier"] == history.attrs["start_multiplier"]
+    steady = write_design(tmp_path / "steady.h5", columns, base)
+    assert evolvent("batch", steady, "-o", "s").returncode == 0
+    assert "start_multiplier" not in read_folder(tmp_path / "s")[0]
+
+
 def test_with_several_meshes_each_has_its_own_numbers(evolvent: Evolvent, tmp_path: Path) -> None:
     base = """
 format: 1
