@@ -31,8 +31,9 @@ static bool check_elements(const checker *checker, const evl_row *key, case_node
     bool good = check_count(checker, key, node);
     for (int i = 0; i < node->n && good; i++) {
         const case_entry *entry = &node->entries[i];
-        OWNED char *name = is_list ? node_element_name(entry->value) : xstrdup(entry->key), *index = xasprintf("%d", i);
-        const struct checker inner = checker_at(checker, name == NULL || name[0] == '\0' ? index : name);
+        OWNED char *name = is_list ? node_element_name(entry->value) : xstrdup(entry->key);
+        const bool has_name = name != NULL && name[0] != '\0';
+        const struct checker inner = checker_at_element(checker, has_name ? name : NULL, i);
         good = (is_list || check_name(checker, entry->key_place, entry->key)) &&
                check_block(&inner, key->holds, entry->value);
     }

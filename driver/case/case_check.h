@@ -13,11 +13,14 @@ typedef struct checker {
     const char *path;
     evl_error *error;
     const struct checker *above; /**< of the block around; NULL at the root */
-    const char *step;            /**< from there: a key, a name or an index; NULL at the root */
+    const char *step;            /**< from there: a key or a name; NULL at the root and where it is an index */
+    int index;                   /**< of an element of a list without a name; else -1 */
 } checker;
 
 /** One step down the tree, for as long as both arguments live. */
 checker checker_at(const checker *above, const char *step);
+/** The same, to an element of a list. @param name  NULL if it has none */
+checker checker_at_element(const checker *above, const char *name, int index);
 /** Write where it is, such as "wheels.gear.support", behind a text of length 0. @return its length */
 size_t checker_label(const checker *checker, char label[LABEL_LENGTH]);
 

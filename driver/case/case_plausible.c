@@ -122,11 +122,7 @@ static void search_numbers(search *search, const checker *checker, const evl_row
         if (!is_outside(row, entry->value)) {
             continue;
         }
-        char index[NUMBER_TEXT_LENGTH] = "";
-        if (entry->key == NULL) {
-            (void)snprintf(index, sizeof index, "%d", i);
-        }
-        const struct checker inner = checker_at(checker, entry->key == NULL ? index : entry->key);
+        const struct checker inner = checker_at_element(checker, entry->key, i);
         note(search, &inner, row, entry->value);
     }
 }
@@ -136,11 +132,9 @@ static void search_block(search *search, const checker *checker, const case_node
 static void search_elements(search *search, const checker *checker, const case_node *node)
 {
     for (int i = 0; i < node->n; i++) {
-        char index[NUMBER_TEXT_LENGTH];
-        (void)snprintf(index, sizeof index, "%d", i);
         const case_node *value = node->entries[i].value;
         const char *name = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(value, "name");
-        const struct checker inner = checker_at(checker, name == NULL ? index : name);
+        const struct checker inner = checker_at_element(checker, name, i);
         search_block(search, &inner, value);
     }
 }

@@ -1,7 +1,6 @@
 #include "case/case_file.h"
 
 #include "base/memory.h"
-#include "base/number.h"
 #include "base/suggest.h"
 #include "base/words.h"
 #include "case/case_check.h"
@@ -69,13 +68,16 @@ static bool check_knots(const checker *checker, const evl_row *row, const case_n
         return checker_refuse(checker, knots->place, "has %d %s, needs at least 2", knots->n,
                               knots->n == 1 ? "value" : "values");
     }
+    double last_knot = node_number(knots->entries[0].value);
     for (int i = 1; i < knots->n; i++) {
         const case_node *knot = knots->entries[i].value, *before = knots->entries[i - 1].value;
-        if (node_number(knot) <= node_number(before)) {
+        const double number = node_number(knot);
+        if (number <= last_knot) {
             OWNED char *found = node_quantity(knot, row->unit), *last = node_quantity(before, row->unit);
             return checker_refuse(checker, knot->place, "the %ss of a table must increase: %s follows %s", row->key,
                                   found, last);
         }
+        last_knot = number;
     }
     return true;
 }
@@ -101,10 +103,8 @@ static bool check_elements(const checker *checker, const case_node *root, const 
 {
     for (int i = 0; i < node->n; i++) {
         const case_node *value = node->entries[i].value;
-        char index[NUMBER_TEXT_LENGTH];
-        (void)snprintf(index, sizeof index, "%d", i);
         const char *name = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(value, "name");
-        const struct checker inner = checker_at(checker, name == NULL ? index : name);
+        const struct checker inner = checker_at_element(checker, name, i);
         if (!check_inside(&inner, root, value)) {
             return false;
         }

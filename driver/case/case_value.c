@@ -17,17 +17,27 @@ checker checker_at(const checker *above, const char *step)
     checker inner = *above;
     inner.above = above;
     inner.step = step;
+    inner.index = -1;
+    return inner;
+}
+
+checker checker_at_element(const checker *above, const char *name, int index)
+{
+    checker inner = checker_at(above, name);
+    inner.index = name == NULL ? index : -1;
     return inner;
 }
 
 size_t checker_label(const checker *checker, char label[LABEL_LENGTH])
 {
     size_t length = checker->above == NULL ? 0 : checker_label(checker->above, label);
+    const char *dot = length == 0 ? "" : ".";
     if (checker->step != NULL) {
-        (void)snprintf(label + length, LABEL_LENGTH - length, "%s%s", length == 0 ? "" : ".", checker->step);
-        length += strlen(label + length);
+        (void)snprintf(label + length, LABEL_LENGTH - length, "%s%s", dot, checker->step);
+    } else if (checker->above != NULL) {
+        (void)snprintf(label + length, LABEL_LENGTH - length, "%s%d", dot, checker->index);
     }
-    return length;
+    return length + strlen(label + length);
 }
 
 bool checker_refuse(const checker *checker, case_place place, const char *format, ...)
@@ -91,9 +101,7 @@ static bool check_numbers(const checker *checker, const evl_row *key, const case
                            key->unit);
     }
     for (int i = 0; i < node->n; i++) {
-        char index[16];
-        (void)snprintf(index, sizeof index, "%d", i);
-        const struct checker inner = checker_at(checker, is_series ? index : node->entries[i].key);
+        const struct checker inner = checker_at_element(checker, is_series ? NULL : node->entries[i].key, i);
         if (!check_number(&inner, key, node->entries[i].value)) {
             return false;
         }

@@ -116,7 +116,7 @@ contains
          end if
          do i = 1, size(entry%numbers)
             if (range_error(row, entry%numbers(i)) == "" .or. has_failed(status)) cycle
-            call refuse(description, place, trim(range_error(row, entry%numbers(i))), status)
+            call refuse(description, place, range_error(row, entry%numbers(i)), status)
          end do
          if (has_failed(status)) return
          if (row%type == type_knots) call check_knots(description, place, entry%numbers, status)

@@ -6,7 +6,7 @@
 module evl_row
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
-   use evl_status, only: message_length, quantity
+   use evl_status, only: quantity
    implicit none (type, external)
    private
 
@@ -212,7 +212,7 @@ contains
    pure function range_error(row, value) result(text)
       type(row_t), intent(in) :: row
       real(wp), intent(in) :: value !! in row%unit
-      character(len=message_length) :: text
+      character(len=:), allocatable :: text !! as long as it is: tables have a million numbers
 
       text = ""
       associate (range => row%range)
@@ -226,7 +226,7 @@ contains
             text = "a whole number"
          end if
       end associate
-      if (text /= "") text = trim(row%key)//" = "//quantity(value, trim(row%unit))//" must be "//text
+      if (len(text) > 0) text = trim(row%key)//" = "//quantity(value, trim(row%unit))//" must be "//text
    end function range_error
 
 end module evl_row
