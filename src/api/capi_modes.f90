@@ -4,7 +4,7 @@
 module evl_capi_modes
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of
-   use evl_discrete_state, only: leading_contact, take_mode
+   use evl_discrete_state, only: carrying_contact, take_mode
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_mean_modes, only: gearbox_mean_modes
    use evl_modes, only: gearbox_modes, gearbox_shape
@@ -34,7 +34,7 @@ contains
       type(contact_mode) :: m
 
       g => gearbox_of(handle)
-      call take_mode(g, leading_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
+      call take_mode(g, carrying_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
                      reals(:size(g%contacts)), m)
       mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction, mesh_position(g, mesh + 1, y(:g%n_states), integers(i_turns)))
    end subroutine evl_gearbox_mesh_mode

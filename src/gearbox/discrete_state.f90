@@ -10,7 +10,7 @@ module evl_discrete_state
    implicit none (type, external)
    private
 
-   public :: carries_points, first_pair, flanks_of, gearbox_store_mode, is_closed, leading_contact
+   public :: carries_points, carrying_contact, first_pair, flanks_of, gearbox_store_mode, is_closed, leading_contact
    public :: number_integers, pairs_with, put_flanks, put_pair, take_mode, tooth_pair_of
 
 contains
@@ -181,6 +181,24 @@ contains
          best_rank = rank
       end do
    end function leading_contact
+
+   !> The tooth contact that carries the load of a mesh: the leading one, or the first other one if that does not; the leading
+   !> one if none does.
+   pure integer function carrying_contact(gearbox, mesh, integers) result(index)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      integer, intent(in) :: integers(gearbox%n_integers)
+      integer :: leader, m
+
+      leader = leading_contact(gearbox, mesh, integers)
+      index = leader
+      if (flanks_of(gearbox%contacts(leader), integers) == flanks_loaded) return
+      do m = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
+         if (flanks_of(gearbox%contacts(m), integers) /= flanks_loaded) cycle
+         index = m
+         return
+      end do
+   end function carrying_contact
 
    !> 2: between the ends of its flanks; 1: past one of them, within reach of an edge; 0: off the path.
    pure integer function rank_of(contact, integers) result(rank)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from gearbox_reference import Gearbox, Setup
 from hand_modes import Mesh, Modes, Wheel, johnson, modes, paper_angle
 
 from evolvent import open_history
+from system.steady_pairs import steady_pair
 
 TORQUE, VISCOUS = 1.0, 10.0
 PAPER_ANGLE = paper_angle(20, 30)
@@ -418,3 +420,23 @@ def test_the_history_rings_after_a_step_of_the_torque_as_the_modes_say(
         # 1e-3, and so the fit has three digits less than the history's nine.
         assert fitted.imag == pytest.approx(mode.imag, rel=1e-3)
         assert fitted.real == pytest.approx(mode.real, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_a_mesh_that_carries_load_is_said_to_be_loaded(
+    modes_of: Callable[..., dict[str, Any]], tmp_path: Path, seed: int
+) -> None:
+    """Whichever of its tooth pairs carries: on drive flanks or, from rest, on coast flanks."""
+    case = steady_pair(seed)
+    path = tmp_path / "case.yaml"
+    backwards = f"wheels.0.loads.0.value={-case['wheels'][0]['loads'][0]['value']}"
+    rest = ("--set", "simulation.initial={kind: rest}")
+    at = ("--at", str(case["simulation"]["duration"] / 50))
+    carried = set()
+    path.write_text(json.dumps(case))
+    for words in ((), (*rest, *at), (*rest, "--set", backwards, *at)):
+        for mesh in modes_of(path, *words)["state"]["meshes"].values():
+            carries = mesh["pairs_in_contact"] > 0
+            carried.add(carries)
+            assert (mesh["contact"] == "loaded") == carries, (words, mesh)
+    assert True in carried
