@@ -1,0 +1,84 @@
+"""Processor time and memory of whole processes, of two programs in turn.
+
+Machines are busy and change their clock: only what ran side by side can be compared. Each turn runs
+both programs once, first the one, then the other, next time the other way round; its ratio is one
+sample. Medians of ratios, with a bootstrap interval, say what is left of the noise.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import statistics
+import subprocess
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+Command = Sequence[str | os.PathLike[str]]
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+
+class FailedError(Exception):
+    """A command that ended with another exit code than 0; its last line says why."""
+
+
+@dataclass(frozen=True)
+class Use:
+    """What a process and all its children took."""
+
+    cpu: float  # user and system time [s]
+    memory: float  # of the largest of them [MB]
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A median of ratios, and the interval in which it lies at a level of 95 %."""
+
+    median: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        """Return it as "0.97 (0.95 to 0.99)"."""
+        return f"{self.median:.3f} ({self.low:.3f} to {self.high:.3f})"
+
+
+def run(command: Command, environment: dict[str, str] | None = None) -> Use:
+    """Run a command to its end."""
+    with tempfile.TemporaryFile() as said:
+        process = subprocess.Popen(
+            [os.fspath(word) for word in command],
+            stdout=subprocess.DEVNULL,
+            stderr=said,
+            env={**os.environ, **ONE_THREAD, **(environment or {})},
+        )
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            said.seek(0)
+            lines = said.read().decode(errors="replace").strip().splitlines() or ["no message"]
+            raise FailedError(f"exit code {process.returncode}: {lines[-1]}")
+    return Use(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+
+
+def alternate(
+    new: Callable[[], Use], old: Callable[[], Use], turns: int
+) -> tuple[list[Use], list[Use]]:
+    """Run both in each turn, with the order changed from turn to turn."""
+    used: dict[bool, list[Use]] = {True: [], False: []}
+    for turn in range(turns):
+        for is_new in (turn % 2 == 0, turn % 2 == 1):
+            used[is_new].append(new() if is_new else old())
+    return used[True], used[False]
+
+
+def ratio_of(new: Sequence[float], old: Sequence[float], draws: int = 2000) -> Ratio:
+    """Median of the ratios new over old of each turn; the draws are the same every time."""
+    ratios = [a / b for a, b in zip(new, old, strict=True)]
+    generator = random.Random(1)
+    medians = sorted(
+        statistics.median(generator.choices(ratios, k=len(ratios))) for _ in range(draws)
+    )
+    low, high = (medians[round(part * (draws - 1))] for part in (0.025, 0.975))
+    return Ratio(statistics.median(ratios), low, high)
