@@ -146,10 +146,10 @@ ROWS = [
     of_run("spur pair, IDA", "spur-pair.yaml", IDA),
     of_run("compliant pair, IDA", "compliant-pair.yaml", IDA),
     of_run("rigid contact, IDA", "paper-rigid-friction.yaml"),
-    of_words("static", "static", "EXAMPLES/compliant-pair.yaml", "-o", "OUTPUT", "-f"),
+    of_words("static", "static", "EXAMPLES/compliant-pair.yaml", "-o", "OUTPUT", "-q"),
     of_words(
         "respond, 41 values",
-        *("respond", "EXAMPLES/spur-pair.yaml", "--over", TORQUES, "-o", "OUTPUT", "-f", "-q"),
+        *("respond", "EXAMPLES/spur-pair.yaml", "--over", TORQUES, "-o", "OUTPUT", "-q"),
     ),
     of_words("modes", "modes", "EXAMPLES/two-stage-gears.yaml"),
     of_words("show", "show", "EXAMPLES/spur-pair.yaml"),
