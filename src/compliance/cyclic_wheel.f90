@@ -17,8 +17,9 @@
 !>
 !> where A is half the sum of both compliances with the cut held.
 module evl_cyclic_wheel
+   use evl_condensation, only: cholesky
    use evl_kinds, only: pi, wp
-   use evl_lapack, only: dpotrf, dsyrk, dtrsm
+   use evl_lapack, only: dsyrk, dtrsm
    implicit none (type, external)
    private
 
@@ -57,7 +58,7 @@ contains
       logical, intent(out) :: is_definite
       real(wp), allocatable :: s(:, :), g(:, :), products(:, :)
       real(wp) :: by_s(n_cut), by_a(n_cut), theta, turned, share
-      integer :: n_loads, n, k, i, info, a, b
+      integer :: n_loads, n, k, i, a, b
 
       n_loads = size(response, 1)
       allocate (s(n_cut, n_cut), g(n_cut, 2*n_loads), products(2*n_loads, 2*n_loads))
@@ -76,8 +77,7 @@ contains
             g(:, i) = by_s*symmetric(:n_cut, n_cut + i)
             g(:, n_loads + i) = by_a*antisymmetric(:n_cut, n_cut + i)
          end do
-         call dpotrf("L", n_cut, s, n_cut, info)
-         is_definite = info == 0
+         call cholesky(n_cut, s, n_cut, is_definite)
          if (.not. is_definite) return
          call dtrsm("L", "L", "N", "N", n_cut, 2*n_loads, 1.0_wp, s, n_cut, g, n_cut)
          call dsyrk("L", "T", 2*n_loads, n_cut, 1.0_wp, g, n_cut, 0.0_wp, products, 2*n_loads)

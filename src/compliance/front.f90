@@ -4,10 +4,10 @@
 !> Loads ride along as further rows: of [K, f; f^T, 0] elimination leaves the stiffness of the kept unknowns, their share of the
 !> loads, f_k - K_ke K_ee^-1 f_e, and -f_e^T K_ee^-1 f_e, the compliance with the kept unknowns held.
 !>
-!> Source: Irons 1970, frontal solution; blocks by LAPACK.
+!> Source: Irons 1970, frontal solution.
 module evl_front
+   use evl_condensation, only: cholesky, rows_below, subtract_products
    use evl_kinds, only: wp
-   use evl_lapack, only: dpotrf, dsyrk, dtrsm
    use evl_places, only: places
    use evl_plane_mesh, only: plane_mesh_t
    implicit none (type, external)
@@ -120,7 +120,7 @@ contains
       real(wp), allocatable :: done(:, :), across(:, :), rest(:, :)
       integer, allocatable :: out(:), stay(:)
       logical :: goes(size(member))
-      integer :: i, info
+      integer :: i
 
       goes = .false.
       do i = 1, size(member)
@@ -131,11 +131,10 @@ contains
       call gather(front, out, out, done)
       call gather(front, stay, out, across)
       call gather(front, stay, stay, rest)
-      call dpotrf("L", size(out), done, max(1, size(out)), info)
-      is_definite = info == 0
+      call cholesky(size(out), done, max(1, size(out)), is_definite)
       if (.not. is_definite) return
-      call dtrsm("R", "L", "T", "N", size(stay), size(out), 1.0_wp, done, max(1, size(out)), across, max(1, size(stay)))
-      call dsyrk("L", "N", size(stay), size(out), -1.0_wp, across, max(1, size(stay)), 1.0_wp, rest, max(1, size(stay)))
+      call rows_below(size(stay), size(out), done, max(1, size(out)), across, max(1, size(stay)))
+      call subtract_products(size(stay), size(out), across, max(1, size(stay)), rest, max(1, size(stay)))
       do i = 1, size(stay)
          rest(i, i:) = rest(i:, i)
       end do

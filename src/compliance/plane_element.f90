@@ -6,8 +6,8 @@
 !>
 !> Source: Patera 1984; Canuto, Hussaini, Quarteroni, Zang 2007, 5.
 module evl_plane_element
+   use evl_condensation, only: cholesky, rows_below, subtract_products
    use evl_kinds, only: wp
-   use evl_lapack, only: dpotrf, dsyrk, dtrsm
    use evl_plane_mesh, only: place_of_rim
    implicit none (type, external)
    private
@@ -55,17 +55,16 @@ contains
       real(wp), intent(out) :: rim(8*p, 8*p)       !! all of it
       logical, intent(out) :: is_valid             !! false: the Jacobian is not positive at a point, or what follows fails
       real(wp), allocatable :: k(:, :)
-      integer :: n_inner, info, i
+      integer :: n_inner, i
 
       n_inner = 2*(p - 1)**2
       allocate (k(n_inner + 8*p, n_inner + 8*p), source=0.0_wp)
       call sum_points(p, w, d, xy, law, k, is_valid)
       if (.not. is_valid) return
-      call dpotrf("L", n_inner, k, size(k, 1), info)
-      is_valid = info == 0
+      call cholesky(n_inner, k, size(k, 1), is_valid)
       if (.not. is_valid) return
-      call dtrsm("R", "L", "T", "N", 8*p, n_inner, 1.0_wp, k, size(k, 1), k(n_inner + 1, 1), size(k, 1))
-      call dsyrk("L", "N", 8*p, n_inner, -1.0_wp, k(n_inner + 1, 1), size(k, 1), 1.0_wp, k(n_inner + 1, n_inner + 1), size(k, 1))
+      call rows_below(8*p, n_inner, k, size(k, 1), k(n_inner + 1, 1), size(k, 1))
+      call subtract_products(8*p, n_inner, k(n_inner + 1, 1), size(k, 1), k(n_inner + 1, n_inner + 1), size(k, 1))
       do i = 1, 8*p
          rim(i:, i) = k(n_inner + i:, n_inner + i)
          rim(i, i:) = rim(i:, i)

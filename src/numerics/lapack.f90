@@ -3,7 +3,7 @@ module evl_lapack
    implicit none (type, external)
    private
 
-   public :: dgeevx, dgesv, dgesvd, dpotrf, dsyrk, dtrsm
+   public :: dgeevx, dgesv, dgesvd, dsyrk, dtrsm
 
    interface
       !> Solve a linear system of n equations for nrhs right-hand sides; the matrix is overwritten by its factors.
@@ -49,16 +49,6 @@ module evl_lapack
          real(wp), intent(out) :: work(*)
          integer, intent(out) :: info                         !! 0 if all were found
       end subroutine dgesvd
-
-      !> Cholesky's factor of a symmetric positive definite matrix.
-      subroutine dpotrf(uplo, n, a, lda, info)
-         use evl_kinds, only: wp
-         implicit none (type, external)
-         character(len=1), intent(in) :: uplo                 !! "L": the lower triangle counts
-         integer, intent(in) :: n, lda
-         real(wp), intent(inout) :: a(lda, *)                 !! matrix, then its factor
-         integer, intent(out) :: info                         !! 0, or > 0 if the matrix is not positive definite
-      end subroutine dpotrf
 
       !> Solve with a triangular matrix: b <- alpha op(a)^-1 b (side "L") or alpha b op(a)^-1 ("R").
       subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
