@@ -37,6 +37,7 @@ import xarray as xr
 sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 
 from evolvent import check_history  # noqa: E402
+from system.refusals import OF_A_PAIR  # noqa: E402
 from system.wide_gearboxes import OUTPUTS, Block, kind_of, wide_case  # noqa: E402
 
 # Of CPU that a run may take, twice what is asked for since machines differ; at a part of its
@@ -55,11 +56,7 @@ LEAST_TOLERANCE = 1e-13  # of radau
 
 # What a valid case may be refused for: as a pair of gears, or as a start that is none.
 REFUSALS = (
-    *("the teeth are undercut", "the tooth is pointed", "thick at the tip, less than 0.1 modules"),
-    *("the involute is only", "leaves too little below the root circle", "tip interference: "),
-    *("runs into the root circle", "leaves the line of action", "only tip edges hold the wheels"),
-    *("no centre distance gives this backlash", "does not start on the active profile"),
-    *("no tooth pair is on its path of contact", "touches the fillet of the"),
+    *OF_A_PAIR,
     *("there is no steady state", "is on a slope of its deviating flanks"),
     "has left the involute",  # by gaps that are too wide
 )

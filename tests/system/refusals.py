@@ -1,0 +1,16 @@
+"""What a random pair of gears may be refused for; whoever draws pairs holds them against this."""
+
+# Its teeth, its hub, how the wheels fit, and loads beyond the range of its teeth and edges.
+OF_A_PAIR = (
+    *("the teeth are undercut", "the tooth is pointed", "thick at the tip, less than 0.1 modules"),
+    *(
+        "undercut leaves it a contact ratio",
+        "undercut shortens the path of contact, and the corner",
+    ),
+    *("the involute is only", "leaves too little below the root circle"),
+    *("tip interference: ", "runs into the root circle", "leaves the line of action"),
+    *("no centre distance gives this backlash", "only tip edges hold the wheels"),
+    *("does not start on the active profile", "no tooth pair is on its path of contact"),
+    *("touches the fillet of the", "with a tip edge 0.4 pitches off its path of contact"),
+    "past both ends of its path of contact",
+)
