@@ -4,8 +4,8 @@ module evl_description_check
    use evl_given, only: description_t, entry_t
    use evl_kinds, only: wp
    use evl_number_text, only: write_integer
-   use evl_row, only: range_error, row_t, type_at_knots, type_block, type_choice, type_knots, type_list, type_map, type_named, &
-                      type_size
+   use evl_row, only: is_in_range, range_error, row_t, type_at_knots, type_block, type_choice, type_knots, type_list, type_map, &
+                      type_named, type_size
    use evl_status, only: code_invalid_input, fail, field_length, has_failed, quantity, status_t, subject_housing, &
                          subject_initial, subject_mesh, subject_none, subject_wheel
    implicit none (type, external)
@@ -115,8 +115,8 @@ contains
             return
          end if
          do i = 1, size(entry%numbers)
-            if (range_error(row, entry%numbers(i)) == "" .or. has_failed(status)) cycle
-            call refuse(description, place, range_error(row, entry%numbers(i)), status)
+            if (is_in_range(row, entry%numbers(i)) .or. has_failed(status)) cycle
+            call refuse(description, place, trim(range_error(row, entry%numbers(i))), status)
          end do
          if (has_failed(status)) return
          if (row%type == type_knots) call check_knots(description, place, entry%numbers, status)

@@ -6,13 +6,13 @@
 module evl_row
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
-   use evl_status, only: quantity
+   use evl_status, only: message_length, quantity
    implicit none (type, external)
    private
 
    public :: at_least, between, has_default, is_left_open, join_words, kind_t, not_negative, &
              parameter_row, positive, read_default
-   public :: range_error, range_t, row_t, short_length, span_t, text_length
+   public :: is_in_range, range_error, range_t, row_t, short_length, span_t, text_length
    public :: type_at_knots, type_block, type_choice, type_integer, type_knots, type_list, type_map, type_name, type_named
    public :: type_number, type_pair, type_quaternion, type_reference, type_references, type_series, type_text, type_triple
    public :: type_size
@@ -38,6 +38,11 @@ module evl_row
    integer, parameter :: type_block = 14      !! keys of the block `holds`
    integer, parameter :: type_list = 15       !! a list of blocks `holds`, as many as the range says
    integer, parameter :: type_map = 16        !! name: block `holds`, as many as the range says
+
+   !> What may be wrong with a number.
+   enum, bind(c)
+      enumerator :: fault_none = 0, fault_infinite, fault_small, fault_large, fault_fraction
+   end enum
 
    !> Which numbers are accepted: finite ones from minimum to maximum.
    type :: range_t
@@ -208,25 +213,54 @@ contains
       end do
    end subroutine join_words
 
-   !> What is wrong with a number, such as "coefficient = -1.00000 N s/m must be at least 0"; "" if it is accepted.
+   !> Whether a number lies in the range of its key; of a table a million do.
+   pure logical function is_in_range(row, value)
+      type(row_t), intent(in) :: row
+      real(wp), intent(in) :: value !! in row%unit
+
+      is_in_range = fault_of(row, value) == fault_none
+   end function is_in_range
+
+   pure integer function fault_of(row, value) result(fault)
+      type(row_t), intent(in) :: row
+      real(wp), intent(in) :: value
+
+      fault = fault_none
+      associate (range => row%range)
+         if (.not. ieee_is_finite(value)) then
+            fault = fault_infinite
+         else if (value < range%minimum .or. (range%minimum_open .and. value <= range%minimum)) then
+            fault = fault_small
+         else if (value > range%maximum .or. (range%maximum_open .and. value >= range%maximum)) then
+            fault = fault_large
+         else if (row%type == type_integer .and. abs(value - anint(value)) > 0) then
+            fault = fault_fraction
+         end if
+      end associate
+   end function fault_of
+
+   !> What is wrong with a number out of its range, such as "coefficient = -1.00000 N s/m must be at least 0"; "" of one in it.
    pure function range_error(row, value) result(text)
       type(row_t), intent(in) :: row
       real(wp), intent(in) :: value !! in row%unit
-      character(len=:), allocatable :: text !! as long as it is: tables have a million numbers
+      character(len=message_length) :: text
 
-      text = ""
       associate (range => row%range)
-         if (.not. ieee_is_finite(value)) then
+         select case (fault_of(row, value))
+         case (fault_infinite)
             text = "a finite number"
-         else if (value < range%minimum .or. (range%minimum_open .and. value <= range%minimum)) then
+         case (fault_small)
             text = trim(merge("greater than", "at least    ", range%minimum_open))//" "//quantity(range%minimum, trim(row%unit))
-         else if (value > range%maximum .or. (range%maximum_open .and. value >= range%maximum)) then
+         case (fault_large)
             text = trim(merge("less than", "at most  ", range%maximum_open))//" "//quantity(range%maximum, trim(row%unit))
-         else if (row%type == type_integer .and. abs(value - anint(value)) > 0) then
+         case (fault_fraction)
             text = "a whole number"
-         end if
+         case default
+            text = ""
+            return
+         end select
       end associate
-      if (len(text) > 0) text = trim(row%key)//" = "//quantity(value, trim(row%unit))//" must be "//text
+      text = trim(row%key)//" = "//quantity(value, trim(row%unit))//" must be "//text
    end function range_error
 
 end module evl_row
