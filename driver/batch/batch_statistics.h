@@ -30,10 +30,11 @@ typedef struct {
     int multiplier;             /**< scalar of the orbit that the case starts on; -1: none */
 } statistics_table;
 
-/** The table for cases with these meshes, wheels and accelerometers, some of which start on a periodic orbit. With several meshes each has its own numbers: NAME_MESH; those of
+/** The table for cases with these meshes, wheels and accelerometers. With several meshes each has its own numbers: NAME_MESH; those of
  *  the others are NAME_WHEEL, NAME_ACCELEROMETER.
- *  @param names  outlive the table
- *  @param words  which numbers over whole periods, as number_rows_take knows them. @return NULL, or a word that names none */
+ *  @param names          outlive the table
+ *  @param words          which numbers over whole periods, as number_rows_take knows them
+ *  @param some_periodic  whether a case may start on a periodic orbit. @return NULL, or a word that names none */
 const char *statistics_table_init(statistics_table *table, const model_names *names, int n_words,
                                   const char *const *words, bool some_periodic);
 

@@ -24,7 +24,7 @@ void case_base_delete(case_base **base);
 bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error);
 /** Names of the base's elements of a list such as "meshes", as paths call them: the index where an element has no name. */
 const char **case_base_elements(const case_base *base, const char *list, memory_pool *pool, int *n);
-/** The text of a scalar that the base gives, at a path of keys alone; NULL if it gives none there. */
+/** The text of a scalar that the base gives, as paths of --set lead to it; NULL if it gives none there. */
 const char *case_base_text(const case_base *base, const char *path);
 /** Whether a --set path leads to a key that a case may have, in whatever variant, and to elements that the base has.
  *  @return false with what is wrong with the path in error->message */

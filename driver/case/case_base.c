@@ -60,15 +60,9 @@ const char **case_base_elements(const case_base *base, const char *list, memory_
 
 const char *case_base_text(const case_base *base, const char *path)
 {
-    const case_node *node = base->root;
-    for (const char *rest = path; node != NULL;) {
-        const size_t length = strcspn(rest, ".");
-        OWNED char *key = xasprintf("%.*s", (int)length, rest);
-        node = node->kind == NODE_MAPPING ? node_get(node, key) : NULL;
-        if (rest[length] == '\0') {
-            break;
-        }
-        rest += length + 1;
+    case_node *node = NULL;
+    if (base->root != NULL) {
+        (void)row_at_path(base->schema, base->root, path, &node);
     }
     return node != NULL && node->kind == NODE_SCALAR ? node->text : NULL;
 }

@@ -3,22 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/** Evaluate an output. @return the place of its first value; -1 if the model does not have it */
-static int evaluate(rate_channels *these, const char *name)
-{
-    const model_output *output = model_output_named(these->model, name);
-    if (output == NULL || output->count == 0) {
-        return -1;
-    }
-    const int index = (int)(output - model_about(these->model)->outputs);
-    if (these->places[index] < 0) {
-        these->places[index] = these->n_values;
-        these->outputs[these->n_outputs++] = index;
-        these->n_values += output->count;
-    }
-    return these->places[index];
-}
-
 static int count_of(const model *model, const char *name)
 {
     const model_output *output = model_output_named(model, name);
@@ -37,7 +21,7 @@ static bool is_rate(const model *model, const model_output *output)
 /** The channel of a value; a new one if there is none yet. */
 static int channel_at(rate_channels *these, const model_output *of, int element)
 {
-    const int place = these->places[of - model_about(these->model)->outputs] + element;
+    const int place = these->values.places[of - model_about(these->values.model)->outputs] + element;
     for (int i = 0; i < these->n; i++) {
         if (these->channels[i].place == place) {
             return i;
@@ -49,9 +33,9 @@ static int channel_at(rate_channels *these, const model_output *of, int element)
 
 static void open_rate(rate_channels *these, const model_output *rate)
 {
-    const model_output *of = model_output_named(these->model, rate->rate_of);
+    const model_output *of = model_output_named(these->values.model, rate->rate_of);
     const bool adds_up = of->count != rate->count;
-    const int first = these->places[rate - model_about(these->model)->outputs];
+    const int first = these->values.places[rate - model_about(these->values.model)->outputs];
     for (int i = 0; i < rate->count; i++) {
         const int channel = channel_at(these, of, adds_up ? 0 : i);
         these->channel_of[first + i] = channel;
@@ -62,25 +46,20 @@ static void open_rate(rate_channels *these, const model_output *rate)
 rate_channels rate_channels_open(const model *model, memory_pool *pool)
 {
     const model_facts *about = model_about(model);
-    const size_t n_outputs = (size_t)about->n_outputs;
-    rate_channels these = {.model = model};
-    these.outputs = pool_calloc(pool, n_outputs, sizeof *these.outputs);
-    these.places = pool_calloc(pool, n_outputs, sizeof *these.places);
-    for (int i = 0; i < about->n_outputs; i++) {
-        these.places[i] = -1;
-    }
+    rate_channels these = {0};
+    wanted_init(&these.values, model, pool);
     for (int i = 0; i < about->n_outputs; i++) {
         if (is_rate(model, &about->outputs[i])) {
-            (void)evaluate(&these, about->outputs[i].name);
-            (void)evaluate(&these, about->outputs[i].rate_of);
+            (void)wanted_add(&these.values, about->outputs[i].name);
+            (void)wanted_add(&these.values, about->outputs[i].rate_of);
         }
     }
-    these.torque = evaluate(&these, "load_torque");
-    these.speed = evaluate(&these, "angular_velocity");
-    const int work = evaluate(&these, "load_work");
-    these.channels = pool_calloc(pool, (size_t)these.n_values, sizeof *these.channels);
-    these.channel_of = pool_calloc(pool, (size_t)these.n_values, sizeof *these.channel_of);
-    for (int i = 0; i < these.n_values; i++) {
+    these.torque = wanted_add(&these.values, "load_torque");
+    these.speed = wanted_add(&these.values, "angular_velocity");
+    const int work = wanted_add(&these.values, "load_work");
+    these.channels = pool_calloc(pool, (size_t)these.values.n_values, sizeof *these.channels);
+    these.channel_of = pool_calloc(pool, (size_t)these.values.n_values, sizeof *these.channel_of);
+    for (int i = 0; i < these.values.n_values; i++) {
         these.channel_of[i] = -1;
     }
     for (int i = 0; i < about->n_outputs; i++) {
@@ -88,7 +67,7 @@ rate_channels rate_channels_open(const model *model, memory_pool *pool)
             open_rate(&these, &about->outputs[i]);
         }
     }
-    these.sampler = model_sampler_create(model, these.n_outputs, these.outputs);
+    these.sampler = model_sampler_create(model, these.values.n, these.values.outputs);
     these.in_lanes = model_sampler_in_lanes(these.sampler);
     if (these.in_lanes && work >= 0) { /* else a housing that moves, or gravity, may add to it */
         const int channel = channel_at(&these, model_output_named(model, "load_work"), 0);
@@ -104,7 +83,7 @@ void rate_channels_close(rate_channels *these)
 
 void rate_channels_rates(const rate_channels *these, const double *values, int lane, double *rates)
 {
-    const int n_wheels = model_about(these->model)->names.wheels.n;
+    const int n_wheels = model_about(these->values.model)->names.wheels.n;
     for (int c = 0; c < these->n; c++) {
         rates[c] = 0;
         for (int i = 0; i < n_wheels && these->channels[c].is_power; i++) {
@@ -112,7 +91,7 @@ void rate_channels_rates(const rate_channels *these, const double *values, int l
                         values[(size_t)(these->speed + i) * DAE_LANES + (size_t)lane];
         }
     }
-    for (int v = 0; v < these->n_values; v++) {
+    for (int v = 0; v < these->values.n_values; v++) {
         if (these->channel_of[v] >= 0) {
             rates[these->channel_of[v]] += values[(size_t)v * DAE_LANES + (size_t)lane];
         }
@@ -142,10 +121,10 @@ static void write_element(const model *model, const model_output *output, int el
 const model_output *rate_channels_output(const rate_channels *these, int place, char element[96])
 {
     int i = 0;
-    while (i + 1 < these->n_outputs && these->places[these->outputs[i + 1]] <= place) {
+    while (i + 1 < these->values.n && these->values.places[these->values.outputs[i + 1]] <= place) {
         i++;
     }
-    const model_output *output = &model_about(these->model)->outputs[these->outputs[i]];
-    write_element(these->model, output, place - these->places[these->outputs[i]], element);
+    const model_output *output = &model_about(these->values.model)->outputs[these->values.outputs[i]];
+    write_element(these->values.model, output, place - these->values.places[these->values.outputs[i]], element);
     return output;
 }

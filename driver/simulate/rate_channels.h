@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "model/model.h"
+#include "simulate/wanted.h"
 
 #include <stdbool.h>
 
@@ -13,12 +14,9 @@ typedef struct {
     bool is_power;            /**< the work of the loads: its rate is the sum of torques times speeds */
 } rate_channel;
 
-/** The values are those of the outputs that are evaluated, one output behind the other. */
+/** The rates of a run, and what is evaluated for them. */
 typedef struct {
-    const model *model;
-    int n_outputs, *outputs; /**< [n_outputs] indices of those that are evaluated */
-    int n_values;            /**< of all of them */
-    int *places;             /**< [outputs of the model] first value of each; -1: not evaluated */
+    wanted_outputs values;
     int n;
     rate_channel *channels;
     int *channel_of;        /**< [n_values] to which channel a rate belongs; -1: to none */

@@ -74,7 +74,7 @@ rate_watch *rate_watch_create(const model *model, double tolerance)
         .model = model, .tolerance = tolerance, .steps = LAST_INTERVAL, .interval = FIRST_INTERVAL / 2, .node = END};
     memory_pool *pool = &watch->pool;
     watch->channels = rate_channels_open(model, pool);
-    const size_t n_states = (size_t)model_about(model)->dae.n, n_values = (size_t)watch->channels.n_values;
+    const size_t n_states = (size_t)model_about(model)->dae.n, n_values = (size_t)watch->channels.values.n_values;
     const size_t n = (size_t)watch->channels.n;
     watch->y = pool_calloc(pool, n_states * DAE_LANES, sizeof *watch->y);
     watch->one = pool_calloc(pool, n_states, sizeof *watch->one);
@@ -102,7 +102,7 @@ void rate_watch_delete(rate_watch **pointer)
 
 void rate_watch_keep(rate_watch *watch, archive *archive)
 {
-    KEEP_ARRAY(archive, watch->largest, watch->channels.n_values);
+    KEEP_ARRAY(archive, watch->largest, watch->channels.values.n_values);
     for (int i = 0; i < watch->channels.n; i++) {
         rate_difference *difference = &watch->differences[i];
         KEEP(archive, difference->most);
@@ -174,7 +174,7 @@ static void compare_formulas(rate_watch *watch, const integrate_step *step)
                           message) != DAE_OK) {
         return;
     }
-    for (int v = 0; v < watch->channels.n_values && !watch->has_conflict; v++) {
+    for (int v = 0; v < watch->channels.values.n_values && !watch->has_conflict; v++) {
         const double lanes = watch->values[v * DAE_LANES + node], alone = watch->alone[v];
         if (!(fabs(lanes - alone) <= part * watch->largest[v]) && !(isnan(lanes) && isnan(alone))) {
             note_difference(watch, v, lanes, alone);
@@ -206,7 +206,7 @@ static bool find_allowed(rate_watch *watch, const integrate_step *step)
     double t[DAE_LANES];
     POOLED memory_pool pool = {NULL};
     double *y = pool_calloc(&pool, (size_t)dae->n * DAE_LANES, sizeof *y);
-    double *values = pool_calloc(&pool, (size_t)channels->n_values * DAE_LANES, sizeof *values);
+    double *values = pool_calloc(&pool, (size_t)channels->values.n_values * DAE_LANES, sizeof *values);
     memset(watch->allowed, 0, (size_t)channels->n * sizeof *watch->allowed);
     rate_channels_rates(channels, watch->values, END, watch->rates);
     for (int first = 0; first < dae->n; first += DAE_LANES) {
@@ -274,7 +274,7 @@ static void look(rate_watch *watch, const integrate_step *step)
                           message) != DAE_OK) {
         return;
     }
-    for (int v = 0; v < watch->channels.n_values; v++) {
+    for (int v = 0; v < watch->channels.values.n_values; v++) {
         for (int k = 0; k < DAE_LANES; k++) {
             watch->largest[v] = fmax(watch->largest[v], fabs(watch->values[v * DAE_LANES + k]));
         }

@@ -96,7 +96,6 @@ contains
             b(first:last, k) = x(:last - first + 1, k)
          end do
       end do
-
    end subroutine rows_below
 
    !> Of one column of eight rows: what the columns from `from` on make of it, then the division by the pivot.
