@@ -6,7 +6,6 @@ capability adds its row to ROWS.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 import sys
@@ -14,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
+from sweep_design import write_design
 from train import row as train_of
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -77,21 +76,7 @@ def of_batch(name: str, friction: float, tolerance: float, outputs: int, cases: 
             "meshes.0.friction.coefficient": np.full(cases, friction),
         }
         design = folder / "design.h5"
-        with h5py.File(design, "w") as file:
-            file.attrs.update(
-                evolvent_design_format=1,
-                evolvent_version=build.version,
-                title="",
-                case=text,
-                hash=hashlib.sha256(f"{name} {text}".encode()).hexdigest(),
-                window=[np.nan, np.nan],
-                history_variables="",
-                history_every=1,
-                n_cases=cases,
-            )
-            for i, (where, values) in enumerate(columns.items()):
-                column = file.create_dataset(f"parameters/p{i}", data=values)
-                column.attrs["path"] = where
+        write_design(design, build.version, text, columns)
         results = folder / f"results-{len(list(folder.iterdir()))}"
         words = [str(build.program), "batch", str(design), "-o", str(results)]
         return [*words, "-q", "-j", "1"]

@@ -14,7 +14,6 @@ changes it. Exits with 1 if a limit is exceeded.
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import os
 import re
@@ -27,8 +26,8 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import h5py
 import numpy as np
+from sweep_design import write_design as write_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 DURATION = 0.2  # [s]
@@ -68,21 +67,7 @@ def write_design(path: Path, program: Path, n: int, duration: float, tracking: s
         "meshes.0.friction.coefficient": random.uniform(0.0, 0.3, n),
         "wheels.gear.support.stiffness": 10 ** random.uniform(8.0, 9.5, n),
     }
-    with h5py.File(path, "w") as design:
-        design.attrs.update(
-            evolvent_design_format=1,
-            evolvent_version=version.stdout.split()[1],
-            title="benchmark",
-            case=case,
-            hash=hashlib.sha256(f"{n} {case}".encode()).hexdigest(),
-            window=[duration / 2, duration],
-            history_variables="",
-            history_every=1,
-            n_cases=n,
-        )
-        for i, (where, values) in enumerate(columns.items()):
-            column = design.create_dataset(f"parameters/p{i}", data=values)
-            column.attrs["path"] = where
+    write_columns(path, version.stdout.split()[1], case, columns, (duration / 2, duration))
 
 
 def workers(parent: int) -> list[int]:

@@ -16,7 +16,6 @@ alone. Exits with 1 if a limit is exceeded.
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import statistics
 import subprocess
@@ -24,9 +23,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-import h5py
 import numpy as np
 from batch import ROOT, run, write_design
+from sweep_design import write_design as write_columns
 
 DURATION = 1.0  # [s]
 SHARE = 0.9  # of the integrations, at least
@@ -46,21 +45,7 @@ def cost_of_outputs(program: Path, folder: Path, friction: float, tolerance: flo
         "meshes.0.friction.coefficient": np.full(2 * PAIRS, friction),
     }
     design = folder / f"outputs-{friction}.h5"
-    with h5py.File(design, "w") as file:
-        file.attrs.update(
-            evolvent_design_format=1,
-            evolvent_version=version.stdout.split()[1],
-            title="",
-            case=case,
-            hash=hashlib.sha256(f"{friction} {case}".encode()).hexdigest(),
-            window=[np.nan, np.nan],
-            history_variables="",
-            history_every=1,
-            n_cases=2 * PAIRS,
-        )
-        for i, (where, values) in enumerate(columns.items()):
-            column = file.create_dataset(f"parameters/p{i}", data=values)
-            column.attrs["path"] = where
+    write_columns(design, version.stdout.split()[1], case, columns)
     results = folder / f"outputs-{friction}"
     subprocess.run([program, "batch", design, "-o", results, "-q", "-j", "1"], check=True)
     lines = (results / "shard-1-of-1.jsonl").read_text().splitlines()[1:]
