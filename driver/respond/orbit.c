@@ -163,6 +163,9 @@ static void on_section(search *s)
         settling_pass(&s->settling, s->result->periods, common_time(s, k), s->far[k % KEPT]);
         look_ahead(s, k);
     }
+    if (s->stop != STOP_NONE) { /* it goes on on the orbit: a window from here on would have the wrong time */
+        return;
+    }
     const double length = s->section.period.pitches;
     const bool is_over = s->result->periods >= s->settling.last && k > 0;
     int period = find_period(s, k);
