@@ -8,98 +8,108 @@ module evl_constant_outputs
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_output, only: dims_mesh, dims_wheel, in_mesh_constants, in_mesh_teeth, in_wheel_constants, in_wheel_teeth
-   use evl_teller, only: begin, fills, tell, teller_t
+   use evl_output_registry, only: add_components, add_output, begin_section, registry_t, stores
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: tell_mesh_constants, tell_wheel_constants
-   public :: active_radius, tell_mesh_teeth, tell_wheel_teeth
+   public :: add_mesh_constants, add_wheel_constants
+   public :: active_radius, add_mesh_teeth, add_wheel_teeth
 
    real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
 
 contains
 
-   subroutine tell_wheel_constants(teller, index, wheel)
-      type(teller_t), intent(inout) :: teller
+   subroutine add_wheel_constants(registry, index, wheel)
+      type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
       type(wheel_t), intent(in) :: wheel
 
-      call begin(teller, in_wheel_constants, dims_wheel, index, is_static=.true.)
-      call tell(teller, "teeth", "1", "z", "number of teeth", wheel%teeth)
-      call tell(teller, "pitch_radius", "m", "r", "pitch radius; of a real gear its reference radius", wheel%pitch_radius)
-      call tell(teller, "base_radius", "m", "r_b", "base radius; NaN of a wheel without mesh", known(wheel%base_radius))
-      call tell(teller, "tip_radius", "m", "r_a", "tip radius; NaN of a wheel without mesh", known(wheel%tip_radius))
-      call tell(teller, "mass", "kg", "m", "mass of the wheel", wheel%mass)
-      call tell(teller, "inertia", "kg m2", "J", "moment of inertia about the axle", wheel%inertia)
-      call tell(teller, "centre", "m", "O", "reference position of the axle", wheel%centre)
-   end subroutine tell_wheel_constants
+      call begin_section(registry, in_wheel_constants, dims_wheel, index, is_static=.true.)
+      call add_output(registry, "teeth", "1", "z", "number of teeth", wheel%teeth)
+      call add_output(registry, "pitch_radius", "m", "r", "pitch radius; of a real gear its reference radius", wheel%pitch_radius)
+      call add_output(registry, "base_radius", "m", "r_b", "base radius; NaN of a wheel without mesh", known(wheel%base_radius))
+      call add_output(registry, "tip_radius", "m", "r_a", "tip radius; NaN of a wheel without mesh", known(wheel%tip_radius))
+      call add_output(registry, "mass", "kg", "m", "mass of the wheel", wheel%mass)
+      call add_output(registry, "inertia", "kg m2", "J", "moment of inertia about the axle", wheel%inertia)
+      call add_components(registry, "centre", "m", "O", "reference position of the axle", wheel%centre)
+   end subroutine add_wheel_constants
 
-   subroutine tell_mesh_constants(teller, index, contact, couples, pair, at)
-      type(teller_t), intent(inout) :: teller
+   subroutine add_mesh_constants(registry, index, contact, couples, pair, at)
+      type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
       type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
       logical, intent(in) :: couples               !! its tooth pairs yield to each other's loads
       type(spur_pair_t), intent(in) :: pair
       type(mesh_reference_t), intent(in) :: at     !! at the nominal load
 
-      call begin(teller, in_mesh_constants, dims_mesh, index, is_static=.true.)
-      call tell(teller, "driving_wheel", "1", "", "index of the driving wheel, from 0", contact%wheel_a - 1)
-      call tell(teller, "driven_wheel", "1", "", "index of the driven wheel, from 0", contact%wheel_b - 1)
-      call tell(teller, "flank", "1", "sigma", "+1: driving wheel nominally clockwise, -1: counterclockwise", pair%sigma)
-      call tell(teller, "tracking", "1", "", "contact tracking: 0 closed form, 1 algebraic, 2 differential", contact%tracking)
-      call tell(teller, "centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", pair%chi)
-      call tell(teller, "working_pressure_angle", "rad", "alpha_w", "working pressure angle", pair%alpha_w)
-      call tell(teller, "base_pitch", "m", "p_b", "base pitch", contact%base_pitch)
-      call tell(teller, "line_of_action_length", "m", "rho", "length of the line of action between the base circles", &
-                contact%pair%rho_0)
-      call tell(teller, "rho_start_driving", "m", "rho_A", "radius of curvature of the driving flank at the start of contact", &
-                pair%rho_start_a)
-      call tell(teller, "rho_start_driven", "m", "rho_B", "radius of curvature of the driven flank at the start of contact", &
-                pair%rho_start_b)
-      call tell(teller, "common_width", "m", "b", "common face width", contact%width)
-      call tell(teller, "effective_modulus", "Pa", "E_star", "effective modulus of elasticity", contact%e_star)
-      call tell(teller, "elastic_share_driving", "1", "w_A", "share of the driving wheel in the elastic compliance", &
-                contact%pair%share_a)
-      call tell(teller, "reference_force", "N", "F_0", "normal force at the nominal operating point", contact%force_scale)
-      call tell(teller, "reference_penetration", "m", "h_0", "penetration under the reference force", contact%h_scale)
-      call tell(teller, "rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", contact%rigid)
-      call tell(teller, "tooth_coupling", "1", "", "1 if tooth pairs yield to each other's loads, else 0", couples)
-      call tell(teller, "reference_stiffness", "N m-1", "k", "stiffness of one tooth pair under the reference force", at%stiffness)
-      call tell(teller, "reference_mass", "kg", "m", "mass of the two wheels along the line of action", at%mass)
-      call tell(teller, "natural_frequency", "Hz", "f_0", "natural frequency of the mesh with one tooth pair in contact", &
-                at%frequency)
-      call tell(teller, "damping_coefficient", "N s m-1", "c", "coefficient of the damper of one tooth pair", at%damping)
-      call tell(teller, "damping_ratio", "1", "zeta", "damping ratio of the mesh with one tooth pair in contact", at%ratio)
-   end subroutine tell_mesh_constants
+      call begin_section(registry, in_mesh_constants, dims_mesh, index, is_static=.true.)
+      call add_output(registry, "driving_wheel", "1", "", "index of the driving wheel, from 0", contact%wheel_a - 1)
+      call add_output(registry, "driven_wheel", "1", "", "index of the driven wheel, from 0", contact%wheel_b - 1)
+      call add_output(registry, "flank", "1", "sigma", "+1: driving wheel nominally clockwise, -1: counterclockwise", pair%sigma)
+      call add_output(registry, "tracking", "1", "", "contact tracking: 0 closed form, 1 algebraic, 2 differential", &
+                      contact%tracking)
+      call add_output(registry, "centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", pair%chi)
+      call add_output(registry, "working_pressure_angle", "rad", "alpha_w", "working pressure angle", pair%alpha_w)
+      call add_output(registry, "base_pitch", "m", "p_b", "base pitch", contact%base_pitch)
+      call add_output(registry, "line_of_action_length", "m", "rho", "length of the line of action between the base circles", &
+                      contact%pair%rho_0)
+      call add_output(registry, "rho_start_driving", "m", "rho_A", &
+                      "radius of curvature of the driving flank at the start of contact", &
+                      pair%rho_start_a)
+      call add_output(registry, "rho_start_driven", "m", "rho_B", &
+                      "radius of curvature of the driven flank at the start of contact", &
+                      pair%rho_start_b)
+      call add_output(registry, "common_width", "m", "b", "common face width", contact%width)
+      call add_output(registry, "effective_modulus", "Pa", "E_star", "effective modulus of elasticity", contact%e_star)
+      call add_output(registry, "elastic_share_driving", "1", "w_A", "share of the driving wheel in the elastic compliance", &
+                      contact%pair%share_a)
+      call add_output(registry, "reference_force", "N", "F_0", "normal force at the nominal operating point", contact%force_scale)
+      call add_output(registry, "reference_penetration", "m", "h_0", "penetration under the reference force", contact%h_scale)
+      call add_output(registry, "rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", &
+                      contact%rigid)
+      call add_output(registry, "tooth_coupling", "1", "", "1 if tooth pairs yield to each other's loads, else 0", couples)
+      call add_output(registry, "reference_stiffness", "N m-1", "k", "stiffness of one tooth pair under the reference force", &
+                      at%stiffness)
+      call add_output(registry, "reference_mass", "kg", "m", "mass of the two wheels along the line of action", at%mass)
+      call add_output(registry, "natural_frequency", "Hz", "f_0", "natural frequency of the mesh with one tooth pair in contact", &
+                      at%frequency)
+      call add_output(registry, "damping_coefficient", "N s m-1", "c", "coefficient of the damper of one tooth pair", at%damping)
+      call add_output(registry, "damping_ratio", "1", "zeta", "damping ratio of the mesh with one tooth pair in contact", at%ratio)
+   end subroutine add_mesh_constants
 
    !> Constants of a wheel's teeth.
-   subroutine tell_wheel_teeth(teller, index, wheel, gear, active)
-      type(teller_t), intent(inout) :: teller
+   subroutine add_wheel_teeth(registry, index, wheel, gear, active)
+      type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
       type(wheel_t), intent(in) :: wheel
       type(gear_t), intent(in) :: gear !! initial values if the wheel is no real gear
       real(wp), intent(in) :: active   !! its active radius [m]
 
-      call begin(teller, in_wheel_teeth, dims_wheel, index, is_static=.true.)
-      call tell(teller, "root_radius", "m", "r_f", "root radius; NaN if not known", known(gear%root_radius))
-      call tell(teller, "form_radius", "m", "r_Ff", "radius where the involute begins; NaN if not known", &
-                known(gear%form_radius))
-      call tell(teller, "tip_rounding", "m", "r_t", "radius of the arcs that round the tips; 0: sharp edges", gear%tip_rounding)
-      call tell(teller, "active_radius", "m", "r_Nf", &
-                "radius where the active profile begins, the smallest over its meshes; NaN without a mesh", active)
-      call tell(teller, "tooth_angle", "rad", "psi", "angle that a tooth fills on the base circle; NaN if not known", &
-                known(gear%tooth_angle))
+      call begin_section(registry, in_wheel_teeth, dims_wheel, index, is_static=.true.)
+      call add_output(registry, "root_radius", "m", "r_f", "root radius; NaN if not known", known(gear%root_radius))
+      call add_output(registry, "form_radius", "m", "r_Ff", "radius where the involute begins; NaN if not known", &
+                      known(gear%form_radius))
+      call add_output(registry, "tip_rounding", "m", "r_t", "radius of the arcs that round the tips; 0: sharp edges", &
+                      gear%tip_rounding)
+      call add_output(registry, "active_radius", "m", "r_Nf", &
+                      "radius where the active profile begins, the smallest over its meshes; NaN without a mesh", active)
+      call add_output(registry, "tooth_angle", "rad", "psi", "angle that a tooth fills on the base circle; NaN if not known", &
+                      known(gear%tooth_angle))
       associate (tip => wheel%deviation%tip, root => wheel%deviation%root)
-         call tell(teller, "tip_relief", "m", "C_a", "tip relief at the tip circle", max(tip%amount, 0.0_wp))
-         call tell(teller, "tip_relief_start", "m", "", "radius where tip relief begins; NaN without", relief_start(wheel, tip))
-         call tell(teller, "tip_relief_power", "1", "", "1 linear, 2 parabolic tip relief; 0 without", relief_power(tip))
-         call tell(teller, "root_relief", "m", "C_f", "root relief at the start of the active profile", max(root%amount, 0.0_wp))
-         call tell(teller, "root_relief_start", "m", "", "radius where root relief begins; NaN without", relief_start(wheel, root))
-         call tell(teller, "root_relief_power", "1", "", "1 linear, 2 parabolic root relief; 0 without", relief_power(root))
+         call add_output(registry, "tip_relief", "m", "C_a", "tip relief at the tip circle", max(tip%amount, 0.0_wp))
+         call add_output(registry, "tip_relief_start", "m", "", "radius where tip relief begins; NaN without", &
+                         relief_start(wheel, tip))
+         call add_output(registry, "tip_relief_power", "1", "", "1 linear, 2 parabolic tip relief; 0 without", relief_power(tip))
+         call add_output(registry, "root_relief", "m", "C_f", "root relief at the start of the active profile", &
+                         max(root%amount, 0.0_wp))
+         call add_output(registry, "root_relief_start", "m", "", "radius where root relief begins; NaN without", &
+                         relief_start(wheel, root))
+         call add_output(registry, "root_relief_power", "1", "", "1 linear, 2 parabolic root relief; 0 without", relief_power(root))
       end associate
-      call tell(teller, "profile_crowning", "m", "C_alpha", "crowning at both ends of the active profile", wheel%deviation%crowning)
-   end subroutine tell_wheel_teeth
+      call add_output(registry, "profile_crowning", "m", "C_alpha", "crowning at both ends of the active profile", &
+                      wheel%deviation%crowning)
+   end subroutine add_wheel_teeth
 
    !> A length or an angle of a gear; NaN instead of the 0 that stands for an unknown one.
    pure real(wp) function known(value)
@@ -109,32 +119,33 @@ contains
    end function known
 
    !> Constants of a mesh's teeth.
-   subroutine tell_mesh_teeth(teller, index, contact, pair)
-      type(teller_t), intent(inout) :: teller
+   subroutine add_mesh_teeth(registry, index, contact, pair)
+      type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
       type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
       type(spur_pair_t), intent(in) :: pair
       real(wp) :: position, root
 
-      call begin(teller, in_mesh_teeth, dims_mesh, index, is_static=.true.)
-      call tell(teller, "contact_ratio", "1", "eps_alpha", "path of contact over base pitch", pair%contact_ratio)
-      call tell(teller, "backlash", "m", "j_bn", "normal backlash; NaN without coast flanks", &
-                merge(pair%backlash, nan, pair%has_coast))
-      call tell(teller, "has_coast_flanks", "1", "", "1 if the flanks on the other side of the teeth can touch, else 0", &
-                pair%has_coast)
+      call begin_section(registry, in_mesh_teeth, dims_mesh, index, is_static=.true.)
+      call add_output(registry, "contact_ratio", "1", "eps_alpha", "path of contact over base pitch", pair%contact_ratio)
+      call add_output(registry, "backlash", "m", "j_bn", "normal backlash; NaN without coast flanks", &
+                      merge(pair%backlash, nan, pair%has_coast))
+      call add_output(registry, "has_coast_flanks", "1", "", "1 if the flanks on the other side of the teeth can touch, else 0", &
+                      pair%has_coast)
       root = 0
-      if (fills(teller)) root = pair%chi + pair%sigma*(pair%alpha_w - contact%rho_start/pair%base_radius_a)
-      call tell(teller, "flank_root_driving", "rad", "phi_A", &
-                "direction in which the driving flank of tooth pair 0 meets the base circle at the start", root)
-      if (fills(teller)) root = pair%chi + pair%sigma*(pi + pair%alpha_w - &
-                                                       (pair%rho - contact%rho_start - contact%pair%gap_0)/pair%base_radius_b)
-      call tell(teller, "flank_root_driven", "rad", "phi_B", &
-                "direction in which the driven flank of tooth pair 0 meets the base circle at the start", root)
+      if (stores(registry)) root = pair%chi + pair%sigma*(pair%alpha_w - contact%rho_start/pair%base_radius_a)
+      call add_output(registry, "flank_root_driving", "rad", "phi_A", &
+                      "direction in which the driving flank of tooth pair 0 meets the base circle at the start", root)
+      if (stores(registry)) root = pair%chi + pair%sigma*(pi + pair%alpha_w - &
+                                                          (pair%rho - contact%rho_start - contact%pair%gap_0)/pair%base_radius_b)
+      call add_output(registry, "flank_root_driven", "rad", "phi_B", &
+                      "direction in which the driven flank of tooth pair 0 meets the base circle at the start", root)
       position = 0
-      if (fills(teller)) position = (contact%rho_start - contact%rho_entry)/contact%base_pitch
-      call tell(teller, "start_position", "1", "xi_0", "pitches of tooth pair 0 from its start of contact where angles are 0", &
-                position)
-   end subroutine tell_mesh_teeth
+      if (stores(registry)) position = (contact%rho_start - contact%rho_entry)/contact%base_pitch
+      call add_output(registry, "start_position", "1", "xi_0", &
+                      "pitches of tooth pair 0 from its start of contact where angles are 0", &
+                      position)
+   end subroutine add_mesh_teeth
 
    !> Radius where the active profile of a wheel begins, the smallest over its meshes; NaN without a mesh [m].
    pure real(wp) function active_radius(gearbox, wheel) result(smallest)

@@ -1,251 +1,181 @@
-!> What the meshes of a gearbox tell.
+!> Outputs of the meshes of a gearbox in eight states: what the tooth contacts of a mesh add up to.
 module evl_mesh_outputs
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_closed_form, only: closed_form_gap, closed_form_line, gap_along, points_along, transmission_error
+   use evl_closed_form, only: error_of_turns, points_along
+   use evl_contact_lanes, only: contact_in_lanes, gap_in_lanes, lane_contact
+   use evl_contact_point, only: tracked_pair
    use evl_contact_tracking, only: algebraic_residual, line_distance, tracked_positions
-   use evl_contacts_at_state, only: flank_place, place_contact
-   use evl_discrete_state, only: leading_contact, take_mode
-   use evl_flank, only: energy_gap
+   use evl_discrete_state, only: leading_contact
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_local, gearbox_t, wheel_reference
-   use evl_housing_outputs, only: add_mesh_reaction
-   use evl_kinds, only: wp
+   use evl_kinds, only: lanes, wp
+   use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_local_variables, only: at_lambda, at_track, n_local, n_track
-   use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_pairs, needs_points, needs_reactions
-   use evl_pair_outputs, only: tell_pairs
+   use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_places, needs_points
+   use evl_output_registry, only: add_output, begin_section, needs, registry_t
+   use evl_output_states, only: output_states
    use evl_support, only: axle_motion
    use evl_tangent_line, only: tangent_line_t
-   use evl_teller, only: begin, needs, tell, teller_t
-   use evl_tooth_contact, only: contact_state, flank_coast, flank_drive, flanks_apart, flanks_loaded, flanks_off, &
-                                locate_anywhere, no_force, tooth_contact_t, touches, tracking_closed_form
+   use evl_tooth_contact, only: contact_mode, flank_coast, flank_drive, flanks_apart, flanks_loaded, flanks_off, flanks_open, &
+                                no_mode, tooth_contact_t, tracking_closed_form
    implicit none (type, external)
    private
 
-   public :: mesh_points, mesh_sum, place_points, put_mesh, tell_coast, tell_mesh
+   public :: add_coast_outputs, add_mesh_outputs, evaluate_mesh, find_points, mesh_lanes, mesh_points
 
    real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
 
-   !> What the tooth contacts of a mesh add up to.
-   type :: mesh_sum
-      real(wp) :: normal = 0.0_wp, coast = 0.0_wp         !! F_n of all pairs, and of those on the coast flank [N]
-      real(wp) :: friction = 0.0_wp                       !! F_t of the drive flank [N]
-      real(wp) :: torque_a = 0.0_wp, torque_b = 0.0_wp    !! [N m]
-      real(wp) :: loss = 0.0_wp                           !! power lost to friction [W]
-      real(wp) :: damping_loss = 0.0_wp                   !! that the dampers take [W]
-      real(wp) :: curvature_loss = 0.0_wp                 !! that the elastic energy loses by itself [W]
-      integer :: loaded = 0                               !! pairs that carry load
-      logical :: touching = .false.                       !! whether any flanks overlap
-      real(wp) :: h(2) = -huge(1.0_wp)                    !! largest penetration on the drive flank, on the coast flank [m]
-      real(wp) :: deviation(2) = 0.0_wp                   !! of the flanks there [m]
-   end type mesh_sum
+   !> A mesh; and of the contact that stands for it where that is.
+   type :: mesh_lanes
+      real(wp), dimension(lanes) :: penetration
+      !> F_n of all pairs, and of those on the coast flank; F_t of the drive flank [N].
+      real(wp), dimension(lanes) :: normal, coast, friction
+      real(wp), dimension(lanes) :: torque_a, torque_b     !! [N m]
+      !> To friction, to the dampers, and of the elastic energy by itself [W].
+      real(wp), dimension(lanes) :: loss, damping_loss, curvature_loss
+      real(wp), dimension(lanes) :: touching               !! 1 if any flanks overlap, else 0
+      integer :: loaded = 0                                !! pairs that carry load
+      !> Largest penetrations; -huge: no pair is on the path; NaN: no such flank [m].
+      real(wp), dimension(lanes) :: h, h_coast
+      real(wp), dimension(lanes) :: deviation              !! of the flanks of the first [m]
+      real(wp), dimension(lanes) :: lag                    !! transmission error [m]
+      real(wp), dimension(lanes) :: curvature              !! by how much it is more than the penetration [m]
+      integer :: leader = 0                                !! the contact that stands for the mesh
+      type(contact_mode) :: mode = no_mode                 !! its own
+      type(lane_line) :: line                              !! its line of action; its motion alone where places are not needed
+      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a !! the same, as in `lane_contact`
+   end type mesh_lanes
 
-   !> The points of the contact that speaks for its mesh, and how far tracked ones are from where they belong.
+   !> The points of the contact that stands for its mesh, and how far tracked ones are from where they belong.
    type :: mesh_points
-      real(wp) :: driving(2) = nan, driven(2) = nan               !! housing frame [m]
-      real(wp) :: gradient_ratio = nan                            !! lambda; as the rest NaN where points are not tracked
-      real(wp) :: residual(2) = nan, line_distance(2) = nan       !! of the driving and of the driven flank [m]
+      real(wp), dimension(lanes, 2) :: driving = nan, driven = nan !! housing frame [m]
+      real(wp) :: gradient_ratio(lanes) = nan                     !! lambda; as the rest NaN where points are not tracked
+      real(wp), dimension(lanes, 2) :: residual = nan, line_distance = nan !! of the driving and of the driven flank [m]
    end type mesh_points
 
 contains
 
-   subroutine tell_mesh(teller, index, at, lag, curvature, penetration, total, points)
-      type(teller_t), intent(inout) :: teller
+   !> Rows of a mesh, and of its coast flanks, which only gearboxes with such have.
+   subroutine add_mesh_outputs(registry, index, mesh, points)
+      type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
-      type(contact_state), intent(in) :: at    !! the one that speaks for the mesh
-      real(wp), intent(in) :: lag              !! transmission error [m]
-      real(wp), intent(in) :: curvature        !! by how much it is more than the penetration [m]
-      real(wp), intent(in) :: penetration      !! of flanks that overlap, else 0 [m]
-      type(mesh_sum), intent(in) :: total
+      type(mesh_lanes), intent(in) :: mesh
       type(mesh_points), intent(in) :: points
 
-      call begin(teller, in_meshes, dims_mesh, index)
-      call needs(teller, needs_meshes)
-      call tell(teller, "transmission_error", "m", "Delta", "dynamic transmission error along the line of action", lag)
-      call tell(teller, "penetration", "m", "h", "mutual penetration of the flanks", penetration)
-      call tell(teller, "gap", "m", "kappa", "smallest gap between the flanks, negative in contact", -total%h(1))
-      call tell(teller, "separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", curvature)
-      call tell(teller, "normal_force", "N", "F_n", "normal force of all tooth pairs", total%normal)
-      call tell(teller, "friction_force", "N", "F_t", "friction force on the driving wheel along t, all pairs of the drive flank", &
-                total%friction)
-      call tell(teller, "sliding_velocity", "m s-1", "v_t", "sliding velocity along t", at%point%v_t, &
-                no_rate="difference of the velocities of two flanks: no output has its integral")
-      call tell(teller, "friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", at%point%l_a)
-      call tell(teller, "friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", at%point%l_b)
-      call needs(teller, needs_points)
-      call tell(teller, "gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", points%gradient_ratio)
-      call tell(teller, "tracking_residual_driving", "m", "r_bA g_A", "distance of the tracked point from the driving flank", &
-                points%residual(1))
-      call tell(teller, "tracking_residual_driven", "m", "r_bB g_B", "distance of the tracked point from the driven flank", &
-                points%residual(2))
-      call tell(teller, "line_distance_driving", "m", "", "distance of the driving wheel's tracked point from the line of action", &
-                points%line_distance(1))
-      call tell(teller, "line_distance_driven", "m", "", "distance of the driven wheel's tracked point from the line of action", &
-                points%line_distance(2))
-      call needs(teller, needs_meshes)
-      call tell(teller, "tooth_pair", "1", "k", "the tooth pair longest on the path: pitches since the start", at%mode%tooth_pair)
-      call tell(teller, "in_contact", "1", "", "1 if the flanks of any tooth pair overlap", total%touching)
-      call tell(teller, "contact_mode", "1", "", &
-                "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", at%mode%flanks)
-      call tell(teller, "gap_rate", "m s-1", "kappa'", "rate of the gap", 0 - at%point%h_dot, & ! never -0
-                no_rate="of the tooth pair longest on the path; gap is that of the nearest flanks")
-      call tell(teller, "flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", &
-                total%deviation(1))
-      call tell(teller, "pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", total%loaded)
-      call tell(teller, "mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", total%torque_a)
-      call tell(teller, "mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", total%torque_b)
-      call tell(teller, "friction_loss", "W", "P_f", "power lost to friction", total%loss, rate_of="dissipated_energy")
-      call tell(teller, "contact_damping_loss", "W", "P_d", "power lost in the dampers of the tooth pairs", total%damping_loss, &
-                rate_of="dissipated_energy")
-      call tell(teller, "curvature_loss", "W", "P_rho", &
-                "power that the elastic energy loses as radii of curvature change; negative where it gains", total%curvature_loss, &
-                rate_of="dissipated_energy")
-      call tell(teller, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
-                efficiency(total, at%point%omega_a))
-      call needs(teller, needs_points)
-      call tell(teller, "contact_point_driving", "m", "P_A", "contact point on the driving flank", points%driving)
-      call tell(teller, "contact_point_driven", "m", "P_B", "contact point on the driven flank", points%driven)
-   end subroutine tell_mesh
+      call begin_section(registry, in_meshes, dims_mesh, index)
+      call needs(registry, needs_meshes)
+      call add_output(registry, "transmission_error", "m", "Delta", "dynamic transmission error along the line of action", mesh%lag)
+      call needs(registry, needs_places)
+      call add_output(registry, "penetration", "m", "h", "mutual penetration of the flanks", mesh%penetration)
+      call add_output(registry, "gap", "m", "kappa", "smallest gap between the flanks, negative in contact", -mesh%h)
+      call add_output(registry, "separation_curvature", "m", "", "R (inv alpha - inv alpha_0)", mesh%curvature)
+      call needs(registry, needs_meshes)
+      call add_output(registry, "normal_force", "N", "F_n", "normal force of all tooth pairs", mesh%normal)
+      call add_output(registry, "friction_force", "N", "F_t", &
+                      "friction force on the driving wheel along t, all pairs of the drive flank", mesh%friction)
+      call needs(registry, needs_places)
+      call add_output(registry, "sliding_velocity", "m s-1", "v_t", "sliding velocity along t", mesh%v_t, &
+                      no_rate="difference of the velocities of two flanks: no output has its integral")
+      call add_output(registry, "friction_arm_driving", "m", "l_A", "arm of the friction force about the driving axle", mesh%l_a)
+      call add_output(registry, "friction_arm_driven", "m", "l_B", "arm of the friction force about the driven axle", mesh%l_b)
+      call needs(registry, needs_points)
+      call add_output(registry, "gradient_ratio", "1", "lambda", "ratio of the flanks' gradients", points%gradient_ratio)
+      call add_output(registry, "tracking_residual_driving", "m", "r_bA g_A", &
+                      "distance of the tracked point from the driving flank", points%residual(:, 1))
+      call add_output(registry, "tracking_residual_driven", "m", "r_bB g_B", &
+                      "distance of the tracked point from the driven flank", points%residual(:, 2))
+      call add_output(registry, "line_distance_driving", "m", "", &
+                      "distance of the driving wheel's tracked point from the line of action", points%line_distance(:, 1))
+      call add_output(registry, "line_distance_driven", "m", "", &
+                      "distance of the driven wheel's tracked point from the line of action", points%line_distance(:, 2))
+      call needs(registry, needs_meshes)
+      call add_output(registry, "tooth_pair", "1", "k", "the tooth pair longest on the path: pitches since the start", &
+                      mesh%mode%tooth_pair)
+      call needs(registry, needs_places)
+      call add_output(registry, "in_contact", "1", "", "1 if the flanks of any tooth pair overlap", mesh%touching, &
+                      is_integer=.true.)
+      call needs(registry, needs_meshes)
+      call add_output(registry, "contact_mode", "1", "", &
+                      "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", mesh%mode%flanks)
+      call needs(registry, needs_places)
+      call add_output(registry, "gap_rate", "m s-1", "kappa'", "rate of the gap", 0 - mesh%h_dot, & ! never -0
+                      no_rate="of the tooth pair longest on the path; gap is that of the nearest flanks")
+      call add_output(registry, "flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", &
+                      mesh%deviation)
+      call needs(registry, needs_meshes)
+      call add_output(registry, "pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", mesh%loaded)
+      call add_output(registry, "mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", mesh%torque_a)
+      call add_output(registry, "mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", mesh%torque_b)
+      call add_output(registry, "friction_loss", "W", "P_f", "power lost to friction", mesh%loss, rate_of="dissipated_energy")
+      call add_output(registry, "contact_damping_loss", "W", "P_d", "power lost in the dampers of the tooth pairs", &
+                      mesh%damping_loss, rate_of="dissipated_energy")
+      call add_output(registry, "curvature_loss", "W", "P_rho", &
+                      "power that the elastic energy loses as radii of curvature change; negative where it gains", &
+                      mesh%curvature_loss, rate_of="dissipated_energy")
+      call needs(registry, needs_places)
+      call add_output(registry, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
+                      efficiency(mesh%loss, mesh%torque_a, mesh%omega_a))
+      call needs(registry, needs_points)
+      call add_output(registry, "contact_point_driving", "m", "P_A", "contact point on the driving flank", points%driving)
+      call add_output(registry, "contact_point_driven", "m", "P_B", "contact point on the driven flank", points%driven)
+   end subroutine add_mesh_outputs
 
    !> Only where a mesh has coast flanks.
-   subroutine tell_coast(teller, index, gap, force)
-      type(teller_t), intent(inout) :: teller
+   subroutine add_coast_outputs(registry, index, mesh)
+      type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
-      real(wp), intent(in) :: gap   !! [m]
-      real(wp), intent(in) :: force !! [N]
+      type(mesh_lanes), intent(in) :: mesh
 
-      call begin(teller, in_coast, dims_mesh, index)
-      call needs(teller, needs_meshes)
-      call tell(teller, "coast_gap", "m", "kappa_c", "smallest gap between the flanks on the coast side", gap)
-      call tell(teller, "coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", force)
-   end subroutine tell_coast
-
-   !> A mesh at a state.
-   subroutine put_mesh(teller, wanted, gearbox, index, t, y, integers, reals, contacts, torque, reactions, potential)
-      type(teller_t), intent(inout) :: teller
-      integer, intent(in) :: wanted         !! what wanted outputs need
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index, integers(:)
-      real(wp), intent(in) :: t, y(:), reals(:)
-      !> As `gearbox_rates` leaves them; those of the mesh are completed.
-      type(contact_state), intent(inout) :: contacts(size(gearbox%contacts))
-      real(wp), intent(inout) :: torque(:)  !! of the meshes on the wheels so far [N m]
-      real(wp), intent(inout) :: reactions(:, :) !! on the housing so far, (6, wheel): force [N], moment [N m]
-      real(wp), intent(inout) :: potential  !! energy so far [J]
-      type(mesh_sum) :: total
-      type(mesh_points) :: points
-      type(tangent_line_t) :: line
-      real(wp) :: lag, penetration
-      type(flank_place) :: place
-      integer :: i, leader, m
-
-      leader = leading_contact(gearbox, index, integers)
-      do i = gearbox%contacts(gearbox%first(index))%i_flank, gearbox%contacts(gearbox%first(index + 1) - 1)%i_flank
-         associate (flank => gearbox%flanks(i)%flank, first => gearbox%flanks(i)%flank%first, last => gearbox%flanks(i)%flank%last)
-            place%of = 0
-            do m = first, last
-               if (touches(contacts(m)%mode)) cycle
-               call take_mode(gearbox, m, integers, reals, contacts(m)%mode)
-               call place_contact(gearbox, m, y, integers, place, contacts)
-            end do
-            call flank%find_overlaps(gearbox%contacts, first, last, contacts)
-            call flank%add_energy(gearbox%contacts, first, last, contacts, potential)
-            do m = first, last
-               if (.not. touches(contacts(m)%mode)) contacts(m)%force = no_force
-               if (contacts(m)%mode%flanks == flanks_off) cycle
-               call add_contact(gearbox%contacts(m), contacts(m), total)
-               if (touches(contacts(m)%mode) .and. iand(wanted, needs_reactions) == needs_reactions) &
-                  call add_mesh_reaction(gearbox, gearbox%contacts(m), contacts(m)%force%on_a, reactions)
-            end do
-         end associate
-      end do
-      if (iand(wanted, needs_pairs) == needs_pairs) call tell_pairs(teller, gearbox, index, contacts)
-      associate (contact => gearbox%contacts(leader), at => contacts(leader))
-         if (at%mode%flanks == flanks_off .and. contact%tracking == tracking_closed_form) call locate_anywhere(contact, .false., at)
-         torque(contact%wheel_a) = torque(contact%wheel_a) + total%torque_a
-         torque(contact%wheel_b) = torque(contact%wheel_b) + total%torque_b
-         lag = transmission_error(contact%pair, contact%axles_rest, at%q)
-         call closed_form_line(contact%pair, at%q, line)
-         if (iand(wanted, needs_points) == needs_points) call find_points(gearbox, contact, t, at, line, points)
-         penetration = merge(total%h(1), 0.0_wp, total%h(1) >= 0) ! of two zeros max takes either
-         if (.not. total%h(1) > -huge(1.0_wp)) then ! no pair is on the path: nothing overlaps, whatever the involutes would
-            total%h(1) = at%point%h
-            if (contact%deviates) total%deviation(1) = -closed_form_gap(contact%pair, at%q) - at%point%h
-         end if
-         call tell_mesh(teller, index, at, lag, gap_along(contact%pair, at%q, line) + lag, penetration, total, points)
-      end associate
-      if (gearbox%n_pair_places > gearbox%n_drive_places) call put_coast(teller, gearbox, index, y, total)
-   end subroutine put_mesh
-
-   !> What a tooth pair adds to its mesh.
-   pure subroutine add_contact(contact, at, total)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(in) :: at
-      type(mesh_sum), intent(inout) :: total
-
-      associate (mode => at%mode, point => at%point, force => at%force)
-         total%normal = total%normal + force%normal
-         if (contact%flank == flank_coast) total%coast = total%coast + force%normal
-         if (contact%flank == flank_drive) total%friction = total%friction + force%friction
-         total%torque_a = total%torque_a + force%torque_a
-         total%torque_b = total%torque_b + force%torque_b
-         total%loss = total%loss - force%friction*point%v_t
-         if (touches(mode)) call add_losses(at, total)
-         if (mode%flanks == flanks_loaded) total%loaded = total%loaded + 1
-         if (point%h > total%h(1 + contact%flank)) then
-            total%h(1 + contact%flank) = point%h
-            if (contact%deviates) total%deviation(1 + contact%flank) = -closed_form_gap(contact%pair, at%q) - point%h
-         end if
-         total%touching = total%touching .or. merge(mode%flanks == flanks_loaded, point%h > 0, contact%rigid)
-      end associate
-   end subroutine add_contact
-
-   !> What the damper of a pair that touches takes, up to all of the elastic force where it would pull; and what its elastic energy
-   !> loses without the work of a force.
-   pure subroutine add_losses(at, total)
-      type(contact_state), intent(in) :: at
-      type(mesh_sum), intent(inout) :: total
-
-      total%damping_loss = total%damping_loss &
-                           + merge(at%viscous%force, -at%elastic%force, at%mode%flanks == flanks_loaded)*at%point%h_dot
-      total%curvature_loss = total%curvature_loss - energy_gap(at%point, at%elastic)
-   end subroutine add_losses
+      call begin_section(registry, in_coast, dims_mesh, index)
+      call needs(registry, needs_places)
+      call add_output(registry, "coast_gap", "m", "kappa_c", "smallest gap between the flanks on the coast side", &
+                      0 - mesh%h_coast) ! never a NaN of the other sign
+      call needs(registry, needs_meshes)
+      call add_output(registry, "coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", mesh%coast)
+   end subroutine add_coast_outputs
 
    !> 1 - friction loss over the power that the driving wheel hands over; NaN without power.
-   elemental real(wp) function efficiency(total, omega_a)
-      type(mesh_sum), intent(in) :: total
-      real(wp), intent(in) :: omega_a !! [rad/s]
+   elemental real(wp) function efficiency(loss, torque_a, omega_a)
+      real(wp), intent(in) :: loss     !! [W]
+      real(wp), intent(in) :: torque_a !! [N m]
+      real(wp), intent(in) :: omega_a  !! [rad/s]
       real(wp) :: input
 
-      efficiency = ieee_value(efficiency, ieee_quiet_nan)
-      input = abs(total%torque_a*omega_a)
-      if (input > 0) efficiency = 1 - total%loss/input
+      efficiency = nan
+      input = abs(torque_a*omega_a)
+      if (input > 0) efficiency = 1 - loss/input
    end function efficiency
 
-   !> The points of the contact that speaks for its mesh.
-   subroutine find_points(gearbox, contact, t, at, line, points)
+   !> The points of the contact that stands for its mesh, in one state after the other.
+   subroutine find_points(gearbox, mesh, states, points)
       type(gearbox_t), intent(in) :: gearbox
-      type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: t
-      type(contact_state), intent(in) :: at
-      type(tangent_line_t), intent(in) :: line !! of action
-      type(mesh_points), intent(out) :: points
-      real(wp) :: q(n_local), residual(n_track)
-      logical :: exists
+      type(mesh_lanes), intent(in) :: mesh
+      type(output_states), intent(in) :: states
+      type(mesh_points), intent(inout) :: points
+      type(tangent_line_t) :: line
+      real(wp) :: q(n_local), residual(n_track), y(gearbox%n_states)
+      logical :: exists, tracks
+      integer :: l
 
-      q = at%q
-      associate (rho_a0 => at%rho_a0, distance => points%line_distance)
-         if (contact%tracking == tracking_closed_form .or. at%mode%flanks == flanks_apart) then
-            points%gradient_ratio = ieee_value(points%gradient_ratio, ieee_quiet_nan)
-            points%residual = points%gradient_ratio
-            distance = points%gradient_ratio
-            call points_along(contact%pair, q, line, q(at_track:))
-         else
-            call algebraic_residual(contact%pair, rho_a0, q, residual, exists)
-            points%gradient_ratio = q(at_lambda)
-            points%residual = residual(5:6)
-            call line_distance(contact%pair, rho_a0, q, distance(1), distance(2))
-         end if
-         call place_points(gearbox, contact, t, rho_a0, q, points%driving, points%driven)
+      associate (contact => gearbox%contacts(mesh%leader))
+         tracks = contact%tracking /= tracking_closed_form .and. mesh%mode%flanks /= flanks_apart
+         do l = 1, states%n
+            y = states%y(l, :)
+            call gearbox_local(gearbox, contact, y, q)
+            if (tracks) then
+               call algebraic_residual(contact%pair, mesh%rho_a0(l), q, residual, exists)
+               points%gradient_ratio(l) = q(at_lambda)
+               points%residual(l, :) = residual(5:6)
+               call line_distance(contact%pair, mesh%rho_a0(l), q, points%line_distance(l, 1), points%line_distance(l, 2))
+            else
+               associate (along => mesh%line)
+                  line = tangent_line_t(.true., along%d_rho(l), along%rho(l), along%angle(l), along%s(l), along%c(l))
+               end associate
+               call points_along(contact%pair, q, line, q(at_track:))
+            end if
+            call place_points(gearbox, contact, states%t(l), mesh%rho_a0(l), q, points%driving(l, :), points%driven(l, :))
+         end do
       end associate
    end subroutine find_points
 
@@ -265,27 +195,187 @@ contains
       driven = origin + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
    end subroutine place_points
 
-   !> The coast flanks of a mesh; without a pair on the path the gap between two perfect flanks. NaN if the mesh has none.
-   subroutine put_coast(teller, gearbox, index, y, total)
-      type(teller_t), intent(inout) :: teller
+   !> A mesh in eight states.
+   subroutine evaluate_mesh(gearbox, index, states, has_places, mesh)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: y(:)
-      type(mesh_sum), intent(in) :: total
-      real(wp) :: gap, q(n_local)
+      type(output_states), intent(in) :: states
+      logical, intent(in) :: has_places !! else nothing is needed of where those are that do not touch
+      type(mesh_lanes), intent(out) :: mesh
+      type(lane_line) :: line_coast
+      real(wp), dimension(lanes) :: gap, gap_coast
+      integer :: c, first, last
 
-      associate (last => gearbox%contacts(gearbox%first(index + 1) - 1))
-         if (last%flank /= flank_coast) then
-            call tell_coast(teller, index, nan, nan)
+      call start(mesh)
+      first = gearbox%first(index)
+      last = gearbox%first(index + 1) - 1
+      if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = ieee_value(mesh%coast, ieee_quiet_nan)
+      mesh%leader = leading_contact(gearbox, index, states%integers)
+      mesh%mode = states%slots(mesh%leader)%mode
+      call find_lag(gearbox%contacts(mesh%leader), states%y, has_places, mesh%line, mesh%lag)
+      if (has_places) call gap_in_lanes(gearbox%contacts(mesh%leader), mesh%line, gap)
+      do c = first, last
+         associate (contact => gearbox%contacts(c), slot => states%slots(c))
+            if (slot%touches) call add_force(contact%flank == flank_drive, slot, mesh)
+            if (.not. has_places .or. slot%mode%flanks == flanks_off) cycle
+            if (slot%touches) then
+               call add_place(contact, slot%mode, slot%at%h, gap, mesh)
+            else
+               call add_place(contact, slot%mode, states%aside(c)%at%h, gap, mesh)
+            end if
+         end associate
+      end do
+      if (.not. has_places) return
+      mesh%curvature = gap + mesh%lag
+      call lead(gearbox%contacts(mesh%leader), states%slots(mesh%leader), states%aside(mesh%leader), gap, mesh)
+      if (mesh%h_coast(1) > -huge(1.0_wp)) return
+      if (gearbox%contacts(last)%flank /= flank_coast) then
+         mesh%h_coast = ieee_value(mesh%h_coast, ieee_quiet_nan)
+         return
+      end if
+      call line_in_lanes(gearbox%contacts(last), states%y, line_coast) ! no pair of the other flank is on the path
+      call gap_in_lanes(gearbox%contacts(last), line_coast, gap_coast)
+      mesh%h_coast = -gap_coast
+   end subroutine evaluate_mesh
+
+   !> Nothing yet.
+   pure subroutine start(mesh)
+      type(mesh_lanes), intent(inout) :: mesh
+
+      mesh%normal = 0
+      mesh%coast = 0
+      mesh%friction = 0
+      mesh%torque_a = 0
+      mesh%torque_b = 0
+      mesh%loss = 0
+      mesh%damping_loss = 0
+      mesh%curvature_loss = 0
+      mesh%touching = 0
+      mesh%loaded = 0
+      mesh%h = -huge(1.0_wp)
+      mesh%h_coast = -huge(1.0_wp)
+      mesh%deviation = 0
+      mesh%omega_a = 0
+   end subroutine start
+
+   !> Transmission error, by the motion of the wheels; and the line of action.
+   subroutine find_lag(leader, y, has_line, line, lag)
+      type(tooth_contact_t), intent(in) :: leader !! the contact that stands for the mesh
+      real(wp), intent(in) :: y(lanes, *)
+      logical, intent(in) :: has_line             !! else the motion alone is needed
+      type(lane_line), intent(inout) :: line
+      real(wp), intent(out) :: lag(lanes)
+      type(tracked_pair) :: pair
+      real(wp) :: turn(lanes)
+
+      if (has_line) then
+         call line_in_lanes(leader, y, line)
+      else
+         call motion_in_lanes(leader, y, line)
+      end if
+      pair = leader%pair
+      call centre_turn_in_lanes(leader, line, turn)
+      lag = error_of_turns(pair, line%psi_a, line%psi_b, turn)
+   end subroutine find_lag
+
+   !> What a tooth pair that touches adds.
+   pure subroutine add_force(is_drive, slot, mesh)
+      logical, intent(in) :: is_drive
+      type(lane_slot), intent(in) :: slot
+      type(mesh_lanes), intent(inout) :: mesh
+      real(wp) :: friction(lanes)
+      integer :: l
+
+      associate (at => slot%at, force => slot%force)
+         !$omp simd
+         do l = 1, lanes
+            mesh%torque_a(l) = mesh%torque_a(l) + force%torque_a(l)
+            mesh%torque_b(l) = mesh%torque_b(l) + force%torque_b(l)
+            mesh%curvature_loss(l) = mesh%curvature_loss(l) - (force%d_energy(l)*at%rho_dot(l) + force%excess(l)*at%h_dot(l))
+         end do
+         if (slot%mode%flanks /= flanks_loaded) then
+            mesh%damping_loss = mesh%damping_loss - force%elastic*at%h_dot
             return
          end if
-         gap = -total%h(2)
-         if (.not. total%h(2) > -huge(1.0_wp)) then
-            call gearbox_local(gearbox, last, y, q)
-            gap = closed_form_gap(last%pair, q)
+         mesh%loaded = mesh%loaded + 1
+         !$omp simd
+         do l = 1, lanes
+            friction(l) = -force%unclipped(l)*force%factor(l)
+            mesh%normal(l) = mesh%normal(l) + force%unclipped(l)
+            mesh%loss(l) = mesh%loss(l) - friction(l)*at%v_t(l)
+            mesh%damping_loss(l) = mesh%damping_loss(l) + force%viscous(l)*at%h_dot(l)
+         end do
+         if (is_drive) then
+            mesh%friction = mesh%friction + friction
+         else
+            mesh%coast = mesh%coast + force%unclipped
          end if
       end associate
-      call tell_coast(teller, index, gap, total%coast)
-   end subroutine put_coast
+   end subroutine add_force
+
+   !> Where a tooth pair on the path is.
+   pure subroutine add_place(contact, mode, h, gap, mesh)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_mode), intent(in) :: mode
+      real(wp), intent(in) :: h(lanes), gap(lanes) !! penetration, gap of perfect flanks of the drive side [m]
+      type(mesh_lanes), intent(inout) :: mesh
+      integer :: l
+
+      if (contact%rigid) then ! its flanks never overlap
+         if (mode%flanks == flanks_loaded) mesh%touching = 1
+      else
+         mesh%touching = merge(1.0_wp, mesh%touching, h > 0)
+      end if
+      if (contact%flank /= flank_drive) then
+         mesh%h_coast = max(mesh%h_coast, h)
+         return
+      end if
+      if (contact%deviates) then
+         do l = 1, lanes
+            if (h(l) > mesh%h(l)) mesh%deviation(l) = -gap(l) - h(l)
+         end do
+      end if
+      mesh%h = max(mesh%h, h)
+   end subroutine add_place
+
+   !> What the contact that stands for the mesh tells; off the path it is where it would be.
+   subroutine lead(contact, slot, aside, gap, mesh)
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_slot), intent(in) :: slot, aside
+      real(wp), intent(in) :: gap(lanes)
+      type(mesh_lanes), intent(inout) :: mesh
+      type(lane_contact) :: at
+      type(contact_mode) :: mode
+
+      if (slot%touches) then
+         call keep(contact, slot%at, gap, mesh)
+      else if (slot%mode%flanks /= flanks_off .or. contact%tracking /= tracking_closed_form) then
+         call keep(contact, aside%at, gap, mesh)
+      else
+         mode = slot%mode
+         mode%flanks = flanks_open ! else the radii alone would be found
+         call contact_in_lanes(contact, mode, slot%rho_start, mesh%line, at)
+         call keep(contact, at, gap, mesh)
+      end if
+   end subroutine lead
+
+   !> What is kept of its place.
+   pure subroutine keep(contact, at, gap, mesh)
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_contact), intent(in) :: at
+      real(wp), intent(in) :: gap(lanes)
+      type(mesh_lanes), intent(inout) :: mesh
+
+      mesh%rho_a0 = at%rho_a0
+      mesh%v_t = at%v_t
+      mesh%l_a = at%l_a
+      mesh%l_b = at%l_b
+      mesh%h_dot = at%h_dot
+      mesh%omega_a = at%omega_a
+      mesh%penetration = merge(mesh%h, 0.0_wp, mesh%h >= 0) ! of two zeros max takes either
+      if (mesh%h(1) > -huge(1.0_wp)) return ! else no pair is on the path: nothing overlaps, whatever the involutes would
+      mesh%h = at%h
+      if (contact%deviates) mesh%deviation = -gap - at%h
+   end subroutine keep
 
 end module evl_mesh_outputs

@@ -1,13 +1,14 @@
-!> What one output of a gearbox is, and in which section of the table it stands; and a list of such rows as they are told.
+!> What one output of a gearbox is, and in which section of the table it stands; and a list of such rows.
 !>
-!> The list stands apart from `evl_teller`, so that no compiler takes it into its quick path.
+!> The list stands apart from `evl_output_registry`, so that no compiler takes it into its quick path.
 module evl_output
    use evl_kinds, only: wp
    implicit none (type, external)
    private
 
-   public :: output_rows, output_t, tell_row
-   public :: needs_nothing, needs_rates, needs_meshes, needs_points, needs_reactions, needs_pairs, needs_all
+   public :: output_rows, output_t, append_row
+   public :: needs_nothing, needs_rates, needs_meshes, needs_places, needs_points, needs_torques, needs_reactions, needs_pairs
+   public :: needs_pressures, none, rows_before_sections
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis, dims_space, dims_quaternion, dims_wheel_space
    public :: dims_accelerometer, dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
@@ -26,7 +27,7 @@ module evl_output
    integer, parameter :: dims_position_pair = 11 !! every place for a tooth pair at every position
    integer, parameter :: dims_harmonic = 12
 
-   !> Sections of the table, in its order. The rows of one are told by one procedure, element by element.
+   !> Sections of the table, in its order. The rows of one are added by one procedure, element by element.
    enum, bind(c)
       enumerator :: in_wheel_constants = 1, in_mesh_constants, in_wheel_teeth, in_mesh_teeth
       enumerator :: in_gearbox, in_wheels, in_meshes, in_pairs, in_coast
@@ -34,14 +35,18 @@ module evl_output
       enumerator :: in_shaft_constants, in_shafts
    end enum
 
-   !> What has to be found before a value is known, a bit each; what is needed for it is among its bits.
+   !> What has to be computed before a value is known, a bit each; what is needed for it is among its bits.
    integer, parameter :: needs_nothing = 0                 !! but the state
    integer, parameter :: needs_rates = 1                   !! of the state, and the forces of the tooth contacts
-   integer, parameter :: needs_meshes = 2 + needs_rates    !! what the tooth contacts of a mesh add up to
-   integer, parameter :: needs_points = 4 + needs_meshes   !! the points of the contact that speaks for its mesh
-   integer, parameter :: needs_reactions = 8 + needs_meshes !! of the wheels on the housing
-   integer, parameter :: needs_pairs = 16 + needs_meshes   !! tooth pairs one by one
-   integer, parameter :: needs_all = ior(ior(needs_points, needs_reactions), needs_pairs)
+   integer, parameter :: needs_meshes = 2 + needs_rates    !! the forces and losses of the tooth contacts of a mesh
+   integer, parameter :: needs_places = 4 + needs_meshes   !! and where those are that do not touch
+   integer, parameter :: needs_points = 8 + needs_places   !! the points of the contact that stands for its mesh
+   integer, parameter :: needs_torques = 16 + needs_rates  !! of loads and shafts
+   integer, parameter :: needs_reactions = 32 + needs_torques !! of the wheels on the housing
+   integer, parameter :: needs_pairs = 64 + needs_rates    !! tooth pairs one by one
+   integer, parameter :: needs_pressures = 128 + needs_pairs !! and their contact pressures
+
+   integer, parameter :: none = -1 !! column of a row that is not requested
 
    !> One output; see `evl_output` in the C header.
    type :: output_t
@@ -60,9 +65,9 @@ module evl_output
       character(len=95) :: no_rate = ""     !! why it is the rate of no output, though it has the unit of one
    end type output_t
 
-   !> Rows that are told to be listed.
+   !> Rows that are listed.
    type :: output_rows
-      integer :: n = 0                            !! rows told
+      integer :: n = 0                            !! rows so far
       type(output_t), allocatable :: table(:)     !! the first n of these
       integer :: section = 0, of = dims_none      !! of the next row
       logical :: is_static = .false.              !! the same
@@ -73,7 +78,7 @@ module evl_output
 contains
 
    !> The next row.
-   pure subroutine tell_row(rows, name, units, symbol, text, value, is_integer, rate_of, no_rate)
+   pure subroutine append_row(rows, name, units, symbol, text, value, is_integer, rate_of, no_rate)
       type(output_rows), intent(inout) :: rows
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in) :: value(:)
@@ -101,7 +106,19 @@ contains
          row%needs = rows%needs
          row%value(:row%length) = value
       end associate
-   end subroutine tell_row
+   end subroutine append_row
+
+   !> Rows before each section of a table.
+   pure subroutine rows_before_sections(table, before)
+      type(output_t), intent(in) :: table(:)
+      integer, allocatable, intent(out) :: before(:)
+      integer :: i
+
+      allocate (before(maxval(table%section)), source=0)
+      do i = size(table), 1, -1
+         before(table(i)%section) = i - 1
+      end do
+   end subroutine rows_before_sections
 
    !> The dimensions of vectors where numbers have these; -1 if there are none.
    pure integer function dims_of(of, length) result(dims)

@@ -1,27 +1,26 @@
-!> The table of outputs: all sections in their order, with empty objects, as a teller that lists asks for them; and what of it a
-!> gearbox has.
+!> The table of outputs: all sections in their order, of empty objects, as a registry lists them; and which of them a gearbox has.
 module evl_output_list
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_constant_outputs, only: active_radius, tell_mesh_constants, tell_mesh_teeth, tell_wheel_constants, tell_wheel_teeth
+   use evl_constant_outputs, only: active_radius, add_mesh_constants, add_mesh_teeth, add_wheel_constants, add_wheel_teeth
    use evl_gear, only: gear_t
-   use evl_gearbox, only: gearbox_t, section_t, wheel_t
+   use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_watch, only: extremes_table
-   use evl_housing, only: frame_t, housing_fixed
-   use evl_housing_outputs, only: tell_accelerometer, tell_bearing, tell_mesh_position, tell_mount, tell_pose, &
-                                  tell_wheel_position
-   use evl_kinds, only: wp
-   use evl_lane_columns, only: find_lanes
+   use evl_housing, only: frame_t, housing_fixed, housing_t
+   use evl_housing_outputs, only: add_accelerometer, add_mesh_position, add_mount, add_pose, add_wheel_position
+   use evl_kinds, only: lanes, wp
    use evl_mesh_geometry, only: spur_pair_t
-   use evl_mesh_outputs, only: mesh_points, mesh_sum, tell_coast, tell_mesh
+   use evl_mesh_outputs, only: add_coast_outputs, add_mesh_outputs, mesh_lanes, mesh_points
    use evl_mesh_reference, only: mesh_reference_t
-   use evl_motion_outputs, only: tell_gearbox, tell_shaft, tell_shaft_constants, tell_wheel, wheel_motion
+   use evl_motion_outputs, only: add_gearbox_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs, gearbox_lanes, &
+                                 shaft_lanes, wheel_lanes
    use evl_output, only: dims_accelerometer, dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_mount, in_pose, &
-                         output_t
-   use evl_pair_outputs, only: no_point, nowhere, tell_pair
+                         output_t, rows_before_sections
+   use evl_output_registry, only: list_places, registry_t, store_in, take_rows
+   use evl_pair_outputs, only: add_pair_outputs, pair_lanes
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
-   use evl_teller, only: fill, list_places, take_rows, teller_t
-   use evl_tooth_contact, only: contact_state, flank_coast, no_force, no_mode, tooth_contact_t
+   use evl_tooth_contact, only: flank_coast, tooth_contact_t
+   use evl_torque_outputs, only: add_bearing_outputs
    implicit none (type, external)
    private
 
@@ -29,50 +28,53 @@ module evl_output_list
 
 contains
 
-   !> The table: every section told once, in its order.
+   !> The table: every section once, in its order.
    subroutine list_outputs(table, without_texts)
       type(output_t), intent(out), allocatable :: table(:)
       logical, intent(in), optional :: without_texts !! places alone: units, symbols and texts stay blank
-      type(teller_t) :: teller
+      type(registry_t) :: registry
       type(frame_t), parameter :: frame = frame_t(position=0.0_wp, velocity=0.0_wp, orientation=0.0_wp, rotation=identity, &
                                                   omega=0.0_wp, alpha=0.0_wp, acceleration=0.0_wp)
+      type(frame_t) :: frames(lanes)
+      type(housing_t) :: housing
       type(wheel_t) :: wheel
       type(tooth_contact_t) :: contact
       type(spur_pair_t) :: pair
       type(mesh_reference_t) :: reference
       type(gear_t) :: gear
-      type(wheel_motion) :: motion
-      type(contact_state) :: at
-      type(mesh_sum) :: total
+      type(gearbox_lanes) :: whole
+      type(wheel_lanes) :: motion
+      type(mesh_lanes) :: mesh
       type(mesh_points) :: points
+      type(pair_lanes) :: tooth_pair
       type(shaft_t) :: shaft
+      type(shaft_lanes) :: twisted
 
       if (present(without_texts)) then
-         if (without_texts) call list_places(teller)
+         if (without_texts) call list_places(registry)
       end if
-      at%mode = no_mode
-      at%point = no_point
-      call tell_wheel_constants(teller, 1, wheel)
-      call tell_mesh_constants(teller, 1, contact, .false., pair, reference)
-      call tell_wheel_teeth(teller, 1, wheel, gear, 0.0_wp)
-      call tell_mesh_teeth(teller, 1, contact, pair)
-      call tell_gearbox(teller, 0.0_wp, 0, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
-      call tell_wheel(teller, 1, motion)
-      call tell_mesh(teller, 1, at, 0.0_wp, 0.0_wp, 0.0_wp, total, points)
-      call tell_pair(teller, 1, contact, at%mode, no_point, nowhere, no_force, 0, 0)
-      call tell_coast(teller, 1, 0.0_wp, 0.0_wp)
-      call tell_wheel_position(teller, 1, wheel)
-      call tell_mesh_position(teller, 1, contact)
-      call tell_bearing(teller, 1, spread(0.0_wp, 1, 6))
-      call tell_pose(teller, frame, spread(0.0_wp, 1, 3))
-      call tell_mount(teller, 0.0_wp)
-      call tell_accelerometer(teller, 1, 0.0_wp)
-      call tell_shaft_constants(teller, 1, shaft)
-      call tell_shaft(teller, 1, 0.0_wp, 0.0_wp, 0.0_wp)
-      call take_rows(teller, table)
+      frames = frame
+      call add_wheel_constants(registry, 1, wheel)
+      call add_mesh_constants(registry, 1, contact, .false., pair, reference)
+      call add_wheel_teeth(registry, 1, wheel, gear, 0.0_wp)
+      call add_mesh_teeth(registry, 1, contact, pair)
+      call add_gearbox_outputs(registry, whole)
+      call add_wheel_outputs(registry, 1, motion)
+      call add_mesh_outputs(registry, 1, mesh, points)
+      call add_pair_outputs(registry, 1, tooth_pair)
+      call add_coast_outputs(registry, 1, mesh)
+      call add_wheel_position(registry, 1, wheel)
+      call add_mesh_position(registry, 1, contact)
+      call add_bearing_outputs(registry, 1, spread(motion%load_torque, 2, 6))
+      call add_pose(registry, frames, spread(0.0_wp, 1, 3))
+      call add_mount(registry, housing, frames)
+      call add_accelerometer(registry, 1, housing, frames)
+      call add_shaft_constants(registry, 1, shaft)
+      call add_shaft_outputs(registry, 1, twisted)
+      call take_rows(registry, table)
    end subroutine list_outputs
 
-   !> The extremes that are told over a run: the outputs that they are of, with texts of their own.
+   !> The extremes over a run: the outputs that they are of, with texts of their own.
    subroutine list_extremes(table)
       type(output_t), intent(out), allocatable :: table(:)
       type(output_t), allocatable :: outputs(:)
@@ -101,18 +103,14 @@ contains
          gearbox%output_offsets(i) = gearbox%n_values
          gearbox%n_values = gearbox%n_values + gearbox%output_counts(i)
       end do
-      allocate (gearbox%output_sections(maxval(table%section)))
-      do i = size(table), 1, -1
-         gearbox%output_sections(table(i)%section) = section_t(gearbox%output_offsets(i), elements_of(gearbox, table(i)))
-      end do
+      call rows_before_sections(table, gearbox%rows_before)
       gearbox%output_needs = table%needs
-      allocate (gearbox%output_lanes(size(table)))
-      call find_lanes(table, gearbox%output_lanes)
+      gearbox%output_is_constant = table%is_static
       allocate (gearbox%constants(gearbox%n_values), source=ieee_value(1.0_wp, ieee_quiet_nan))
-      call tell_constants(gearbox, gearbox%constants)
+      call store_constants(gearbox, gearbox%constants)
    end subroutine place_outputs
 
-   !> How many elements an output is told of; 0: it is not there.
+   !> How many elements an output has; 0: it is not there.
    pure integer function elements_of(gearbox, output) result(n)
       type(gearbox_t), intent(in) :: gearbox
       type(output_t), intent(in) :: output
@@ -137,29 +135,29 @@ contains
    end function elements_of
 
    !> The values that do not change.
-   subroutine tell_constants(gearbox, values)
+   subroutine store_constants(gearbox, values)
       type(gearbox_t), intent(in), target :: gearbox
       real(wp), intent(inout), target, contiguous :: values(:)
-      type(teller_t) :: teller
+      type(registry_t) :: registry
       integer :: i
 
-      call fill(teller, gearbox%output_sections, values)
+      call store_in(registry, gearbox%rows_before, gearbox%output_offsets, 1, values)
       do i = 1, size(gearbox%wheels)
-         call tell_wheel_constants(teller, i, gearbox%wheels(i))
-         call tell_wheel_teeth(teller, i, gearbox%wheels(i), gearbox%gears(i), active_radius(gearbox, i))
-         call tell_wheel_position(teller, i, gearbox%wheels(i))
+         call add_wheel_constants(registry, i, gearbox%wheels(i))
+         call add_wheel_teeth(registry, i, gearbox%wheels(i), gearbox%gears(i), active_radius(gearbox, i))
+         call add_wheel_position(registry, i, gearbox%wheels(i))
       end do
       do i = 1, size(gearbox%pairs)
          associate (contact => gearbox%contacts(gearbox%first(i)), pair => gearbox%pairs(i))
-            call tell_mesh_constants(teller, i, contact, gearbox%flanks(contact%i_flank)%flank%couples, pair, &
-                                     gearbox%references(i))
-            call tell_mesh_teeth(teller, i, contact, pair)
-            call tell_mesh_position(teller, i, contact)
+            call add_mesh_constants(registry, i, contact, gearbox%flanks(contact%i_flank)%flank%couples, pair, &
+                                    gearbox%references(i))
+            call add_mesh_teeth(registry, i, contact, pair)
+            call add_mesh_position(registry, i, contact)
          end associate
       end do
       do i = 1, size(gearbox%shafts)
-         call tell_shaft_constants(teller, i, gearbox%shafts(i))
+         call add_shaft_constants(registry, i, gearbox%shafts(i))
       end do
-   end subroutine tell_constants
+   end subroutine store_constants
 
 end module evl_output_list

@@ -1,29 +1,70 @@
-!> What a gearbox tells about itself at a state: the values of its outputs, or of those that are wanted.
+!> Outputs of a gearbox at states: all of them at one, or those that a sampler requests at up to eight.
 !>
-!> `evl_teller` says how an output is told, `evl_output_list` holds the sections of the table in their order.
+!> Each row of the table stands in one procedure with the formula of its value, at eight states at once: `evl_output_registry` says
+!> how. Values of a sampler stand one output behind the other.
 module evl_outputs
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_gearbox, only: gearbox_t, i_turns
-   use evl_housing, only: felt_acceleration, frame_t, housing_fixed, housing_frame, housing_t, mount_force, mount_loss
-   use evl_housing_dynamics, only: coupled_rates, ground_energies
-   use evl_housing_outputs, only: finish_reaction, tell_accelerometer, tell_bearing, tell_mount, tell_pose
-   use evl_kinds, only: wp
-   use evl_local_variables, only: i_theta
-   use evl_mesh_outputs, only: put_mesh
-   use evl_mode_check, only: check_modes
-   use evl_motion_outputs, only: find_wheel_motion, tell_gearbox, tell_shaft, tell_wheel, wheel_motion
-   use evl_output, only: needs_all, needs_meshes, needs_nothing, needs_rates, needs_reactions
-   use evl_outside_torques, only: load_torques, shaft_torques
-   use evl_shaft, only: shaft_energy, shaft_loss, shaft_twist
+   use evl_gearbox, only: gearbox_t
+   use evl_housing, only: housing_fixed
+   use evl_housing_outputs, only: add_accelerometer, add_mount, add_pose
+   use evl_kinds, only: lanes, wp
+   use evl_mesh_outputs, only: add_coast_outputs, add_mesh_outputs, evaluate_mesh, find_points, mesh_lanes, mesh_points
+   use evl_motion_outputs, only: add_gearbox_outputs, add_shaft_outputs, add_wheel_outputs, find_energies, find_shaft_motion, &
+                                 find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
+   use evl_output, only: needs_meshes, needs_nothing, needs_pairs, needs_places, needs_points, needs_pressures, needs_rates, &
+                         needs_reactions, needs_torques, none
+   use evl_output_registry, only: registry_t, store_in
+   use evl_output_states, only: evaluate_states, output_states, states_create
+   use evl_pair_outputs, only: add_pairs
    use evl_status, only: has_failed, status_t
-   use evl_teller, only: fill, teller_t
-   use evl_tooth_contact, only: contact_state
+   use evl_torque_outputs, only: add_bearing_outputs, find_load_torques, find_reactions, find_shaft_torque
    implicit none (type, external)
    private
 
-   public :: gearbox_outputs, needed_outputs
+   public :: gearbox_outputs, output_sampler, sample_outputs, sampler_create
+
+   !> Requested outputs, and scratch of `sample_outputs`.
+   type :: output_sampler
+      integer, allocatable :: wanted(:)           !! places in the table
+      integer, allocatable :: before(:)           !! values before those of each; behind the last, all
+      integer :: needed = needs_nothing           !! bits of evl_output
+      integer, allocatable :: columns(:)          !! of each row of the table, as of `store_in`
+      integer, allocatable, private :: copies(:)  !! of each: the one before it that is the same output; 0: none
+      type(output_states) :: states
+      real(wp), allocatable, private :: values(:) !! (lanes, values) of states that do not fill the lanes
+   end type output_sampler
 
 contains
+
+   !> Request some outputs of a gearbox.
+   subroutine sampler_create(self, gearbox, wanted)
+      type(output_sampler), intent(out) :: self
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: wanted(:) !! places in the table
+      integer :: i, n
+
+      n = size(wanted)
+      self%wanted = wanted
+      self%before = [(sum(gearbox%output_counts(wanted(:i - 1))), i=1, n + 1)]
+      self%copies = [(findloc(wanted(:i - 1), wanted(i), dim=1), i=1, n)]
+      allocate (self%columns(size(gearbox%output_counts)), source=none)
+      do i = n, 1, -1
+         if (gearbox%output_counts(wanted(i)) == 0 .or. gearbox%output_is_constant(wanted(i))) cycle
+         self%columns(wanted(i)) = self%before(i)
+         self%needed = ior(self%needed, gearbox%output_needs(wanted(i)))
+      end do
+      if (asks(self, needs_torques) .and. (any(gearbox%wheels%prescribed > 0) .or. any(gearbox%shafts%rigid))) &
+         self%needed = ior(self%needed, needs_meshes)
+      call states_create(self%states, gearbox)
+      allocate (self%values(lanes*self%before(n + 1)))
+   end subroutine sampler_create
+
+   !> Whether something is needed.
+   pure logical function asks(self, what)
+      type(output_sampler), intent(in) :: self
+      integer, intent(in) :: what
+
+      asks = iand(self%needed, what) == what
+   end function asks
 
    !> All values at a state.
    subroutine gearbox_outputs(gearbox, t, y, integers, reals, check, values, status)
@@ -31,100 +72,164 @@ contains
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
       logical, intent(in) :: check !! whether to refuse a state that contradicts its modes, as `check_modes` does
-      real(wp), intent(out), target :: values(gearbox%n_values)
+      real(wp), intent(out) :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
-
-      call needed_outputs(gearbox, t, y, integers, reals, needs_all, check, values, status)
-   end subroutine gearbox_outputs
-
-   !> The values at a state that need no more than what is found; the others are NaN or undefined.
-   subroutine needed_outputs(gearbox, t, y, integers, reals, wanted, check, values, status)
-      type(gearbox_t), intent(in), target :: gearbox
-      real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
-      integer, intent(in) :: integers(gearbox%n_integers)
-      integer, intent(in) :: wanted !! needs of the outputs that are asked for
-      logical, intent(in) :: check  !! as of `gearbox_outputs`
-      real(wp), intent(out), target :: values(gearbox%n_values)
-      type(status_t), intent(inout) :: status
-      type(teller_t) :: teller
-      real(wp) :: f(gearbox%n_states), reactions(6, size(gearbox%wheels)), carried(size(gearbox%shafts)), kinetic, potential
-      real(wp) :: of_meshes !! 0 to begin a sum over the meshes, NaN where they are not evaluated
-      real(wp), dimension(size(gearbox%wheels)) :: torque, load_torque
-      type(frame_t) :: frame
-      type(contact_state) :: contacts(size(gearbox%contacts))
-      type(wheel_motion) :: wheel
-      integer :: i, needed
-
-      needed = ior(wanted, merge(needs_meshes, needs_nothing, check))
-      call copy(gearbox%n_values, gearbox%constants, values)
-      call fill(teller, gearbox%output_sections, values)
-      f = merge(0.0_wp, ieee_value(f, ieee_quiet_nan), iand(needed, needs_rates) == needs_rates)
-      of_meshes = merge(0.0_wp, ieee_value(of_meshes, ieee_quiet_nan), iand(needed, needs_meshes) == needs_meshes)
-      if (iand(needed, needs_rates) == needs_rates) call coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
-      if (has_failed(status)) return
-      call housing_frame(gearbox%housing, t, y, frame, f)
-      kinetic = 0
-      potential = of_meshes
-      torque = of_meshes
-      load_torque = of_meshes
-      reactions = of_meshes
-      if (iand(needed, needs_meshes) == needs_meshes) then
-         do i = 1, size(gearbox%pairs)
-            call put_mesh(teller, needed, gearbox, i, t, y, integers, reals, contacts, torque, reactions, potential)
-         end do
-         if (check) call check_modes(gearbox, contacts, status)
-         if (has_failed(status)) return
-         call load_torques(gearbox, t, y, f, frame, integers, torque, load_torque)
-      end if
-      do i = 1, size(gearbox%wheels)
-         call find_wheel_motion(gearbox%wheels(i), y, f, integers(i_turns), load_torque(i), wheel, kinetic, potential)
-         call tell_wheel(teller, i, wheel)
-      end do
-      do i = 1, size(gearbox%shafts)
-         potential = potential + shaft_energy(gearbox%shafts(i), y)
-      end do
-      if (gearbox%housing%is_mounted) call ground_energies(gearbox, y, frame, kinetic, potential)
-      call tell_gearbox(teller, y(i_theta), integers(i_turns), kinetic, potential, y(gearbox%i_dissipated), y(gearbox%i_work))
-      if (iand(needed, needs_reactions) == needs_reactions) then
-         do i = 1, size(gearbox%wheels)
-            call finish_reaction(gearbox, i, t, y, f, integers, frame, load_torque(i), reactions(:, i))
-            call tell_bearing(teller, i, reactions(:, i))
-         end do
-      end if
-      call tell_housing(teller, gearbox%housing, frame)
-      carried = of_meshes
-      if (size(gearbox%shafts) > 0 .and. iand(needed, needs_meshes) == needs_meshes) &
-         call shaft_torques(gearbox, y, f, frame, torque + load_torque, carried)
-      do i = 1, size(gearbox%shafts)
-         call tell_shaft(teller, i, carried(i), shaft_twist(gearbox%shafts(i), y, 0), shaft_loss(gearbox%shafts(i), y))
-      end do
-   end subroutine needed_outputs
-
-   !> The housing, if it moves.
-   subroutine tell_housing(teller, housing, frame)
-      type(teller_t), intent(inout) :: teller
-      type(housing_t), intent(in) :: housing
-      type(frame_t), intent(in) :: frame
-      real(wp) :: force(3), velocity(3)
+      type(output_sampler), target :: sampler
+      real(wp) :: told(1, gearbox%n_values)
       integer :: i
 
-      if (housing%kind /= housing_fixed) call tell_pose(teller, frame, housing%gravity)
-      if (housing%is_mounted) then
-         call mount_force(housing, frame, force, velocity)
-         call tell_mount(teller, mount_loss(housing, frame, velocity))
-      end if
-      do i = 1, size(housing%accelerometers)
-         call tell_accelerometer(teller, i, felt_acceleration(housing, frame, housing%accelerometers(i)))
+      call sampler_create(sampler, gearbox, [(i, i=1, size(gearbox%output_counts))])
+      call sample_outputs(sampler, gearbox, 1, [t], reshape(y, [1, gearbox%n_states]), integers, reals, check, told, status)
+      values = told(1, :)
+   end subroutine gearbox_outputs
+
+   !> Values of the requested outputs at states that share their discrete state, as in a step. Those of eight at once are those of
+   !> one, to the bit.
+   subroutine sample_outputs(self, gearbox, n, t, y, integers, reals, check, values, status)
+      type(output_sampler), intent(inout), target :: self !! scratch of it changes
+      type(gearbox_t), intent(in), target :: gearbox
+      integer, intent(in) :: n                    !! the first n states count
+      real(wp), intent(in) :: t(:), reals(size(gearbox%contacts))
+      real(wp), intent(in), contiguous :: y(:, :) !! (states, n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      logical, intent(in) :: check                !! as of `gearbox_outputs`
+      real(wp), intent(inout), contiguous :: values(:, :) !! (states, requested values)
+      type(status_t), intent(inout) :: status
+      integer :: first, last
+
+      do first = 1, n, lanes
+         last = min(size(t), first + lanes - 1)
+         call evaluate_states(self%states, gearbox, self%needed, check, min(lanes, n - first + 1), t(first:last), &
+                              y(first:last, :), integers, reals, status)
+         if (has_failed(status)) return
+         call store_outputs(self, gearbox)
+         call take(self, gearbox, first, values)
       end do
-   end subroutine tell_housing
+   end subroutine sample_outputs
 
-   !> Of arrays that are not targets, as which they would be copied twice.
-   pure subroutine copy(n, from, to)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: from(n)
-      real(wp), intent(out) :: to(n)
+   !> From the lanes to the states; and the values that never change.
+   pure subroutine take(self, gearbox, first, values)
+      type(output_sampler), intent(in) :: self
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: first !! state of the first lane
+      real(wp), intent(inout) :: values(:, :)
+      integer :: from, i, k
 
-      to = from
-   end subroutine copy
+      associate (last => first + self%states%n - 1)
+         do i = 1, size(self%wanted)
+            from = self%before(i)
+            if (self%copies(i) > 0) from = self%before(self%copies(i))
+            do k = 1, self%before(i + 1) - self%before(i)
+               if (gearbox%output_is_constant(self%wanted(i))) then
+                  values(first:last, self%before(i) + k) = gearbox%constants(gearbox%output_offsets(self%wanted(i)) + k)
+               else
+                  values(first:last, &
+                         self%before(i) + k) = self%values(lanes*(from + k - 1) + 1:lanes*(from + k - 1) + self%states%n)
+               end if
+            end do
+         end do
+      end associate
+   end subroutine take
+
+   !> All rows that have something to compute.
+   subroutine store_outputs(self, gearbox)
+      type(output_sampler), intent(inout), target :: self !! with its states
+      type(gearbox_t), intent(in), target :: gearbox
+      type(registry_t) :: registry
+      type(gearbox_lanes) :: whole
+      real(wp), dimension(lanes, size(gearbox%wheels)) :: mesh_torque, load_torque, needed
+      integer :: i
+
+      call store_in(registry, gearbox%rows_before, self%columns, lanes, self%values)
+      mesh_torque = 0
+      load_torque = 0
+      if (asks(self, needs_meshes)) call store_meshes(self, registry, gearbox, mesh_torque)
+      do i = 1, merge(size(gearbox%pairs), 0, asks(self, needs_pairs))
+         call add_pairs(registry, gearbox, i, self%states, asks(self, needs_pressures))
+      end do
+      if (asks(self, needs_torques)) call find_load_torques(gearbox, self%states, mesh_torque, load_torque, needed)
+      call find_energies(gearbox, self%states, asks(self, needs_rates), whole)
+      call add_gearbox_outputs(registry, whole)
+      call store_wheels(self, registry, gearbox, load_torque)
+      call store_shafts(self, registry, gearbox, needed)
+      call store_housing(self, registry, gearbox)
+   end subroutine store_outputs
+
+   !> The meshes; their torques on every wheel are returned.
+   subroutine store_meshes(self, registry, gearbox, torque)
+      type(output_sampler), intent(in) :: self
+      type(registry_t), intent(inout) :: registry
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(inout) :: torque(lanes, size(gearbox%wheels)) !! so far [N m]
+      type(mesh_lanes) :: mesh
+      type(mesh_points) :: points
+      integer :: m
+
+      do m = 1, size(gearbox%pairs)
+         call evaluate_mesh(gearbox, m, self%states, asks(self, needs_places), mesh)
+         if (asks(self, needs_points)) call find_points(gearbox, mesh, self%states, points)
+         call add_mesh_outputs(registry, m, mesh, points)
+         if (gearbox%n_pair_places > gearbox%n_drive_places) call add_coast_outputs(registry, m, mesh)
+         associate (contact => gearbox%contacts(gearbox%first(m)))
+            torque(:, contact%wheel_a) = torque(:, contact%wheel_a) + mesh%torque_a
+            torque(:, contact%wheel_b) = torque(:, contact%wheel_b) + mesh%torque_b
+         end associate
+      end do
+   end subroutine store_meshes
+
+   !> The wheels, and what they do to the housing.
+   subroutine store_wheels(self, registry, gearbox, load_torque)
+      type(output_sampler), intent(in) :: self
+      type(registry_t), intent(inout) :: registry
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: load_torque(lanes, size(gearbox%wheels)) !! [N m]
+      type(wheel_lanes) :: wheel
+      real(wp), allocatable :: reactions(:, :, :)
+      integer :: i
+
+      do i = 1, size(gearbox%wheels)
+         call find_wheel_motion(gearbox%wheels(i), self%states, asks(self, needs_rates), wheel)
+         wheel%load_torque = load_torque(:, i)
+         call add_wheel_outputs(registry, i, wheel)
+      end do
+      if (.not. asks(self, needs_reactions)) return
+      allocate (reactions(lanes, 6, size(gearbox%wheels)))
+      call find_reactions(gearbox, self%states, load_torque, reactions)
+      do i = 1, size(gearbox%wheels)
+         call add_bearing_outputs(registry, i, reactions(:, :, i))
+      end do
+   end subroutine store_wheels
+
+   !> The shafts.
+   subroutine store_shafts(self, registry, gearbox, needed)
+      type(output_sampler), intent(in) :: self
+      type(registry_t), intent(inout) :: registry
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: needed(lanes, size(gearbox%wheels)) !! as of `find_load_torques`
+      type(shaft_lanes) :: shaft
+      integer :: i
+
+      do i = 1, size(gearbox%shafts)
+         call find_shaft_motion(gearbox%shafts(i), self%states%y, shaft)
+         if (asks(self, needs_torques)) call find_shaft_torque(gearbox%shafts(i), self%states%y, needed, shaft%torque)
+         call add_shaft_outputs(registry, i, shaft)
+      end do
+   end subroutine store_shafts
+
+   !> The housing, if it moves, and what it carries.
+   subroutine store_housing(self, registry, gearbox)
+      type(output_sampler), intent(in) :: self
+      type(registry_t), intent(inout) :: registry
+      type(gearbox_t), intent(in) :: gearbox
+      integer :: i
+
+      associate (housing => gearbox%housing, frames => self%states%frames)
+         if (housing%kind /= housing_fixed) call add_pose(registry, frames, housing%gravity)
+         if (housing%is_mounted) call add_mount(registry, housing, frames)
+         do i = 1, size(housing%accelerometers)
+            call add_accelerometer(registry, i, housing, frames)
+         end do
+      end associate
+   end subroutine store_housing
 
 end module evl_outputs

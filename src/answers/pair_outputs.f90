@@ -1,98 +1,151 @@
-!> What the tooth pairs of a mesh tell one by one. Every mesh has the same places for them: the slots of the drive flank, then those
-!> of the coast flank. A place where no tooth pair is on the path has no force, and no point.
+!> Outputs of the tooth pairs of a mesh, one by one, in eight states. Every mesh has the same places for them: the slots of the
+!> drive flank, then those of the coast flank. A place where no tooth pair is on the path has no force, and no point.
 module evl_pair_outputs
    use, intrinsic :: iso_fortran_env, only: int64
+   use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_point
+   use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
-   use evl_kinds, only: wp
-   use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs
-   use evl_teller, only: begin, fills, needs, tell, teller_t
-   use evl_tooth_contact, only: contact_force, contact_mode, contact_state, edge_wheel, feet_of, flank_coast, flanks_off, &
-                                no_force, no_mode, tooth_contact_t, tooth_of_a, tooth_of_b
+   use evl_kinds, only: lanes, wp
+   use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs, needs_places, needs_pressures
+   use evl_output_registry, only: add_output, begin_section, needs, registry_t
+   use evl_output_states, only: output_states
+   use evl_tooth_contact, only: beyond_flank, contact_mode, edge_wheel, flank_coast, flanks_loaded, flanks_off, no_mode, &
+                                tooth_contact_t, tooth_of_a, tooth_of_b
    use evl_touching_flanks, only: contact_pressure
    implicit none (type, external)
    private
 
-   public :: no_point, nowhere, tell_pair, tell_pairs
+   public :: add_pair_outputs, add_pairs, pair_lanes
 
    real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
-   !> Off the path.
-   type(contact_point), parameter :: no_point = contact_point(exists=.false., h=nan, h_dot=nan, rho_a=nan, rho_b=nan, s=nan, &
-                                                              c=nan, &
-                                                              l_a=nan, l_b=nan, v_t=nan, arm_a=nan, arm_b=nan, tilt=nan, &
-                                                              rho_dot=nan, omega_a=nan, omega_b=nan, multiplier=nan)
-   real(wp), parameter :: nowhere(2) = [nan, nan]
+
+   !> A tooth pair. Off the path as it is declared.
+   type :: pair_lanes
+      type(contact_mode) :: mode = no_mode
+      integer :: tooth_a = 0, tooth_b = 0                !! its teeth, from 0
+      real(wp) :: normal(lanes) = 0.0_wp, friction(lanes) = 0.0_wp !! [N]
+      real(wp) :: pressure(lanes) = 0.0_wp               !! [Pa]
+      real(wp) :: rho_a(lanes) = nan, h(lanes) = nan, v_t(lanes) = nan !! as of `lane_contact`
+   end type pair_lanes
 
 contains
 
-   !> A tooth contact; off the path without point and force.
-   subroutine tell_pair(teller, place, contact, mode, point, foot, force, tooth_a, tooth_b)
-      type(teller_t), intent(inout) :: teller
-      integer, intent(in) :: place            !! of all of all meshes
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      real(wp), intent(in) :: foot(2)         !! roll lengths at which A and B are loaded [m]
-      type(contact_force), intent(in) :: force
-      integer, intent(in) :: tooth_a, tooth_b !! its teeth, from 0
-      real(wp) :: pressure
+   include "contact/lane_point.inc"
 
-      call begin(teller, in_pairs, dims_mesh_pair, place)
-      call needs(teller, needs_pairs)
-      call tell(teller, "pair_normal_force", "N", "F_nk", "normal force of a tooth pair", force%normal)
-      call tell(teller, "pair_friction_force", "N", "F_tk", "friction force of a tooth pair on the driving wheel along t", &
-                force%friction)
-      call tell(teller, "pair_position", "m", "rho_Ak", &
-                "radius of curvature of the driving flank at the contact; NaN off the path", point%rho_a)
-      pressure = 0
-      if (fills(teller)) pressure = contact_pressure(contact, mode, force%normal, point, foot)
-      call tell(teller, "pair_contact_pressure", "Pa", "p_k", &
-                "largest contact pressure; NaN where a hollow flank has no Hertzian one, and on a sharp tip edge", pressure)
-      call tell(teller, "pair_on_path", "1", "", "1 if the tooth pair is on the path of contact, or within reach of its edges", &
-                mode%flanks /= flanks_off)
-      call tell(teller, "pair_number", "1", "k", "the tooth pair: pitches since the start", mode%tooth_pair)
-      call tell(teller, "pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0, counterclockwise", tooth_a)
-      call tell(teller, "pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0, counterclockwise", tooth_b)
-      call tell(teller, "pair_contact_mode", "1", "", &
-                "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", mode%flanks)
-      call tell(teller, "pair_contact_kind", "1", "", &
-                "0 flank meets flank, or may; 1 a tip edge of the driving wheel; 2 one of the driven wheel", edge_wheel(mode))
-      call tell(teller, "pair_penetration", "m", "h_k", "penetration of the flanks, negative for a gap; NaN off the path", point%h)
-      call tell(teller, "pair_sliding_velocity", "m s-1", "v_tk", "sliding velocity of a tooth pair along t; NaN off the path", &
-                point%v_t, no_rate="difference of the velocities of two flanks: no output has its integral")
-   end subroutine tell_pair
+   !> Rows of a tooth pair.
+   subroutine add_pair_outputs(registry, place, pair)
+      type(registry_t), intent(inout) :: registry
+      integer, intent(in) :: place !! of all of all meshes
+      type(pair_lanes), intent(in) :: pair
+
+      call begin_section(registry, in_pairs, dims_mesh_pair, place)
+      call needs(registry, needs_pairs)
+      call add_output(registry, "pair_normal_force", "N", "F_nk", "normal force of a tooth pair", pair%normal)
+      call add_output(registry, "pair_friction_force", "N", "F_tk", &
+                      "friction force of a tooth pair on the driving wheel along t", pair%friction)
+      call needs(registry, ior(needs_pairs, needs_places))
+      call add_output(registry, "pair_position", "m", "rho_Ak", &
+                      "radius of curvature of the driving flank at the contact; NaN off the path", pair%rho_a)
+      call needs(registry, needs_pressures)
+      call add_output(registry, "pair_contact_pressure", "Pa", "p_k", &
+                      "largest contact pressure; NaN where a hollow flank has no Hertzian one, and on a sharp tip edge", &
+                      pair%pressure)
+      call needs(registry, needs_pairs)
+      call add_output(registry, "pair_on_path", "1", "", &
+                      "1 if the tooth pair is on the path of contact, or within reach of its edges", pair%mode%flanks /= flanks_off)
+      call add_output(registry, "pair_number", "1", "k", "the tooth pair: pitches since the start", pair%mode%tooth_pair)
+      call add_output(registry, "pair_tooth_driving", "1", "", "its tooth of the driving wheel, from 0, counterclockwise", &
+                      pair%tooth_a)
+      call add_output(registry, "pair_tooth_driven", "1", "", "its tooth of the driven wheel, from 0, counterclockwise", &
+                      pair%tooth_b)
+      call add_output(registry, "pair_contact_mode", "1", "", &
+                      "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", pair%mode%flanks)
+      call add_output(registry, "pair_contact_kind", "1", "", &
+                      "0 flank meets flank, or may; 1 a tip edge of the driving wheel; 2 one of the driven wheel", &
+                      edge_wheel(pair%mode))
+      call needs(registry, ior(needs_pairs, needs_places))
+      call add_output(registry, "pair_penetration", "m", "h_k", &
+                      "penetration of the flanks, negative for a gap; NaN off the path", pair%h)
+      call add_output(registry, "pair_sliding_velocity", "m s-1", "v_tk", &
+                      "sliding velocity of a tooth pair along t; NaN off the path", pair%v_t, &
+                      no_rate="difference of the velocities of two flanks: no output has its integral")
+   end subroutine add_pair_outputs
 
    !> All tooth pairs of a mesh.
-   subroutine tell_pairs(teller, gearbox, mesh, contacts)
-      type(teller_t), intent(inout) :: teller
+   subroutine add_pairs(registry, gearbox, mesh, states, has_pressure)
+      type(registry_t), intent(inout) :: registry
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
-      type(contact_state), intent(in) :: contacts(:) !! all of them, with their points
-      type(contact_mode) :: nothing
-      integer :: m, before, place
+      type(output_states), intent(in) :: states
+      logical, intent(in) :: has_pressure !! contact pressures are requested, which take time
+      type(pair_lanes) :: pair
+      integer :: before, c, place
 
-      nothing = no_mode
-      nothing%flanks = flanks_off
       before = (mesh - 1)*gearbox%n_pair_places
       if (gearbox%first(mesh + 1) - gearbox%first(mesh) < gearbox%n_pair_places) then
+         pair%mode%flanks = flanks_off
          do place = before + 1, before + gearbox%n_pair_places
-            call tell_pair(teller, place, gearbox%contacts(gearbox%first(mesh)), nothing, no_point, nowhere, no_force, 0, 0)
+            call add_pair_outputs(registry, place, pair)
          end do
       end if
-      do m = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
-         associate (contact => gearbox%contacts(m), mode => contacts(m)%mode)
+      do c = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
+         associate (contact => gearbox%contacts(c))
+            call find_pair(gearbox, contact, states%slots(c), states%aside(c), pair)
+            if (has_pressure) call find_pressure(contact, states%slots(c), states%n, pair)
             place = before + 1 + contact%slot + merge(gearbox%n_drive_places, 0, contact%flank == flank_coast)
-            associate (tooth_a => modulo(tooth_of_a(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_a)%teeth), &
-                       tooth_b => modulo(tooth_of_b(contact, mode%tooth_pair), gearbox%wheels(contact%wheel_b)%teeth))
-               if (mode%flanks == flanks_off) then
-                  call tell_pair(teller, place, contact, mode, no_point, nowhere, no_force, tooth_a, tooth_b)
-               else
-                  call tell_pair(teller, place, contact, mode, contacts(m)%point, feet_of(contacts(m)), contacts(m)%force, &
-                                 tooth_a, tooth_b)
-               end if
-            end associate
+            call add_pair_outputs(registry, place, pair)
          end associate
       end do
-   end subroutine tell_pairs
+   end subroutine add_pairs
+
+   !> A tooth contact; off the path without point and force.
+   pure subroutine find_pair(gearbox, contact, slot, aside, pair)
+      type(gearbox_t), intent(in) :: gearbox
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_slot), intent(in) :: slot, aside
+      type(pair_lanes), intent(out) :: pair
+
+      pair%mode = slot%mode
+      pair%tooth_a = modulo(tooth_of_a(contact, slot%mode%tooth_pair), gearbox%wheels(contact%wheel_a)%teeth)
+      pair%tooth_b = modulo(tooth_of_b(contact, slot%mode%tooth_pair), gearbox%wheels(contact%wheel_b)%teeth)
+      if (slot%touches) then
+         call take_place(slot%at, pair)
+      else if (slot%mode%flanks /= flanks_off) then
+         call take_place(aside%at, pair)
+      end if
+      if (slot%mode%flanks /= flanks_loaded) return
+      pair%normal = slot%force%unclipped
+      pair%friction = -slot%force%unclipped*slot%force%factor
+   end subroutine find_pair
+
+   !> Where it is.
+   pure subroutine take_place(at, pair)
+      type(lane_contact), intent(in) :: at
+      type(pair_lanes), intent(inout) :: pair
+
+      pair%rho_a = at%rho_a
+      pair%h = at%h
+      pair%v_t = at%v_t
+   end subroutine take_place
+
+   !> Contact pressure of a pair under load, in one state after the other.
+   pure subroutine find_pressure(contact, slot, n, pair)
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_slot), intent(in) :: slot
+      integer, intent(in) :: n !! the first n states count
+      type(pair_lanes), intent(inout) :: pair
+      type(contact_point) :: point
+      real(wp) :: foot(2)
+      integer :: l
+
+      if (slot%mode%flanks /= flanks_loaded) return
+      do l = 1, n
+         call take_lane(slot%at, l, point)
+         foot = [point%rho_a, point%rho_b]
+         if (beyond_flank(slot%mode)) foot = slot%at%edge%foot(l, :)
+         pair%pressure(l) = contact_pressure(contact, slot%mode, slot%force%unclipped(l), point, foot)
+      end do
+   end subroutine find_pressure
 
 end module evl_pair_outputs

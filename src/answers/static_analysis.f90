@@ -14,7 +14,7 @@ module evl_static_analysis
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank, only: exactly_one
    use evl_flank_deviation, only: flank_deviation_t
-   use evl_gearbox, only: gearbox_t, section_t
+   use evl_gearbox, only: gearbox_t
    use evl_johnson, only: johnson_t
    use evl_kinds, only: pi, wp
    use evl_mesh_at_rest, only: mesh_at_rest
@@ -25,12 +25,12 @@ module evl_static_analysis
    use evl_static_extremes, only: extremes_t, finish_extremes, n_before, take_position
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_static_node, only: touch
-   use evl_static_outputs, only: n_harmonics, static_sections, static_sum, tell_static_harmonic, tell_static_mesh, &
-                                 tell_static_pair, tell_static_position, tell_static_start, tell_static_torque, youngest
+   use evl_static_outputs, only: n_harmonics, static_columns, static_sum, add_static_harmonic, add_static_mesh, &
+                                 add_static_pair, add_static_position, add_static_start, add_static_torque, youngest
    use evl_static_search, only: static_search
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
-   use evl_teller, only: fill, teller_t
+   use evl_output_registry, only: registry_t, store_in
    use evl_tooth_contact, only: contact_mode, tooth_contact_t
    implicit none (type, external)
    private
@@ -61,7 +61,7 @@ contains
       integer, intent(in) :: points !! a pitch
       type(static_plan_t), intent(out) :: plan
       type(status_t), intent(inout) :: status
-      type(section_t), allocatable :: sections(:)
+      integer, allocatable :: rows_before(:), columns(:)
 
       call measure_mesh(gearbox, mesh, plan, status)
       if (has_failed(status)) return
@@ -77,7 +77,7 @@ contains
       plan%points = points
       plan%n_positions = points*plan%n_pitches
       plan%torque = sign(gearbox%nominal%mesh_load(mesh), gearbox%nominal%force(mesh))*gearbox%pairs(mesh)%base_radius_a
-      call static_sections(plan%n_positions, plan%n_pairs, sections, plan%n_values)
+      call static_columns(plan%n_positions, plan%n_pairs, rows_before, columns, plan%n_values)
    end subroutine plan_static
 
    !> How far pairs reach, how many are asked, and after how many pitches they come again.
@@ -140,7 +140,7 @@ contains
       text = quantity(real(n, wp), "")
    end function counted
 
-   !> All values at one torque, where the sections of evl_static_outputs have them.
+   !> All values at one torque, where the columns of evl_static_outputs have them.
    !> Errors: code_invalid_input for a torque that presses nothing; of evl_static_mesh where the mesh finds no rest.
    subroutine solve_static_mesh(gearbox, mesh, plan, torque, speed, values, status)
       type(gearbox_t), intent(in), target :: gearbox
@@ -150,24 +150,24 @@ contains
       real(wp), intent(in) :: speed           !! of it in that sense, at which flanks rub; 0: none do [rad/s]
       real(wp), intent(inout), target, contiguous :: values(:)
       type(status_t), intent(inout) :: status
-      type(section_t), allocatable, target :: sections(:)
+      integer, allocatable, target :: rows_before(:), columns(:)
       type(static_mesh_t), target :: at_rest
       type(static_search) :: search
       type(static_state) :: state
       type(static_sum) :: total
-      type(teller_t) :: teller
+      type(registry_t) :: registry
       complex(wp) :: harmonics(n_harmonics)
       type(pressed_t) :: flank
       integer :: i, n_values
 
       call find_pressed(gearbox, mesh, torque, speed, flank, status)
       if (has_failed(status)) return
-      call static_sections(plan%n_positions, plan%n_pairs, sections, n_values)
-      call fill(teller, sections, values)
+      call static_columns(plan%n_positions, plan%n_pairs, rows_before, columns, n_values)
+      call store_in(registry, rows_before, columns, 1, values)
       associate (contact => gearbox%contacts(flank%contact), pair => gearbox%pairs(mesh))
          call mesh_at_rest(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
                            gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, speed, at_rest)
-         call tell_static_mesh(teller, pair, at_rest%width, speed)
+         call add_static_mesh(registry, pair, at_rest%width, speed)
          call start_sum(gearbox, mesh, at_rest, abs(torque), total)
          harmonics = 0
          call start_search(search, contact, at_rest, flank, total%force)
@@ -180,9 +180,9 @@ contains
                   return
                end if
                if (i < 0) cycle
-               call tell_static_start(teller, i + 1, x*pair%base_pitch/pair%base_radius_a, lag_of(flank, state%h_0))
-               call tell_static_position(teller, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
-               call tell_pairs(teller, contact, flank, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, state)
+               call add_static_start(registry, i + 1, x*pair%base_pitch/pair%base_radius_a, lag_of(flank, state%h_0))
+               call add_static_position(registry, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
+               call add_pairs(registry, contact, flank, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, state)
             end associate
             call add_position(state, lag_of(flank, state%h), plan%n_positions, total)
             call add_harmonics(i, plan, lag_of(flank, state%h), harmonics)
@@ -195,9 +195,9 @@ contains
       end if
       total%share = total%extremes%force/total%force
       total%per_width = total%secant/at_rest%width
-      call tell_static_torque(teller, total)
+      call add_static_torque(registry, total)
       do i = 1, n_harmonics
-         call tell_static_harmonic(teller, i, harmonics(i))
+         call add_static_harmonic(registry, i, harmonics(i))
       end do
    end subroutine solve_static_mesh
 
@@ -296,8 +296,8 @@ contains
    end subroutine name_place
 
    !> The tooth pairs at a position.
-   subroutine tell_pairs(teller, contact, flank, at_rest, pitches, before, n_pairs, force_of_teeth, state)
-      type(teller_t), intent(inout) :: teller
+   subroutine add_pairs(registry, contact, flank, at_rest, pitches, before, n_pairs, force_of_teeth, state)
+      type(registry_t), intent(inout) :: registry
       type(tooth_contact_t), intent(in) :: contact
       type(pressed_t), intent(in) :: flank
       type(static_mesh_t), intent(in) :: at_rest
@@ -320,9 +320,9 @@ contains
             share = force/force_of_teeth
             if (force > 0) call touch(contact, flank%turns*state%numbers(i), at_rest, state, i, mode, pressure)
          end if
-         call tell_static_pair(teller, before + place, state, i, share, force, pressure)
+         call add_static_pair(registry, before + place, state, i, share, force, pressure)
       end do
-   end subroutine tell_pairs
+   end subroutine add_pairs
 
    !> What a position adds to the sums.
    pure subroutine add_position(state, lag, n, total)

@@ -6,7 +6,7 @@ module evl_capi_sampler
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_gearbox, only: gearbox_t
-   use evl_output_sampler, only: output_sampler, sample_outputs, sampler_create
+   use evl_outputs, only: output_sampler, sample_outputs, sampler_create
    use evl_status, only: code_ok, status_t
    implicit none (type, external)
    private
@@ -39,7 +39,7 @@ contains
       type(sampler_t), pointer :: self
 
       call c_f_pointer(handle, self)
-      in_lanes = logical(self%outputs%in_lanes, c_bool)
+      in_lanes = logical(self%outputs%states%in_lanes, c_bool)
    end function evl_sampler_in_lanes
 
    subroutine evl_sampler_delete(handle) bind(c)

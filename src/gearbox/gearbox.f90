@@ -39,7 +39,7 @@ module evl_gearbox
    private
 
    public :: add_turn, of_angle, of_speed
-   public :: gearbox_t, load_slot, nominal_point_t, section_t, wheel_t
+   public :: gearbox_t, load_slot, nominal_point_t, wheel_t
    public :: axle_acceleration, carried_acceleration, gearbox_local, wheel_position, wheel_reference, wheel_speed
    public :: i_turns
 
@@ -73,12 +73,6 @@ module evl_gearbox
       class(load_t), allocatable :: load
    end type load_slot
 
-   !> A section of the table of outputs: outputs of the same elements, wheels for instance.
-   type :: section_t
-      integer :: values_before = 0 !! of the outputs before it
-      integer :: elements = 0
-   end type section_t
-
    !> Nominal operating point, see evl_nominal_point.
    type :: nominal_point_t
       logical :: is_balanced = .true.       !! whether the loads balance at some speed; if not, they accelerate the wheels
@@ -107,9 +101,9 @@ module evl_gearbox
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing
       integer, allocatable :: output_offsets(:), output_counts(:) !! indices of what it tells among the values, offsets from 0
-      type(section_t), allocatable :: output_sections(:) !! of their table
-      integer, allocatable :: output_needs(:)     !! what has to be found for each output
-      integer, allocatable :: output_lanes(:)     !! which of its columns each is in evl_lane_columns
+      integer, allocatable :: rows_before(:)      !! each section of their table
+      integer, allocatable :: output_needs(:)     !! what has to be computed for each output
+      logical, allocatable :: output_is_constant(:)
       real(wp), allocatable :: constants(:)       !! [n_values] the values that never change; 0 where others come
       integer :: n_pair_places = 0, n_drive_places = 0 !! for tooth pairs of a mesh in the outputs; of the drive flank
       type(status_t), allocatable :: warnings(:) !! of the creation

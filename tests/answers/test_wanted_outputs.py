@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 
 import numpy as np
@@ -100,26 +99,22 @@ def near(gearbox: Gearbox, state: State, n: int) -> list[State]:
 @EVERY_CASE
 def test_each_output_asked_for_alone_is_that_of_the_whole_table_to_the_bit(kernel, make):
     gearbox, state = make(kernel)
-    told, kept = gearbox.values(state), np.pi
+    told = gearbox.values(state)
     for entry in gearbox.table:
-        mine = np.full((1, gearbox.sizes.n_values), kept)
-        gearbox.wanted([state], {entry.name.decode()}, mine)
         here = slice(entry.offset, entry.offset + entry.count)
-        np.testing.assert_array_equal(mine[0, here], told[here], err_msg=entry.name.decode())
-        mine[0, here] = kept
-        assert (mine == kept).all(), entry.name
+        name = entry.name.decode()
+        mine = gearbox.sampled([state], name)
+        np.testing.assert_array_equal(mine[0], told[here], err_msg=name)
 
 
 @EVERY_CASE
-def test_eight_states_are_eight_times_one_to_the_bit(kernel, make):
+def test_some_states_are_each_state_to_the_bit(kernel, make):
+    """Five do not fill the lanes; an output may be asked for twice."""
     gearbox, state = make(kernel)
-    states = near(gearbox, state, 8)
+    states = near(gearbox, state, 5)
     told = np.array([gearbox.values(one) for one in states])
-    np.testing.assert_array_equal(gearbox.wanted(states, names(gearbox)), told)
-    for entry in gearbox.table:
-        here = slice(entry.offset, entry.offset + entry.count)
-        mine = gearbox.wanted(states, {entry.name.decode()})[:, here]
-        np.testing.assert_array_equal(mine, told[:, here], err_msg=entry.name.decode())
+    twice = [*names(gearbox), *names(gearbox)]
+    np.testing.assert_array_equal(gearbox.sampled(states, *twice), np.hstack([told, told]))
 
 
 @EVERY_CASE
@@ -133,26 +128,6 @@ def test_eight_states_at_once_tell_what_one_tells_to_the_bit(kernel, make):
         name = entry.name.decode()
         np.testing.assert_array_equal(gearbox.sampled(states, name), told[:, here], err_msg=name)
     np.testing.assert_array_equal(gearbox.sampled(states), told)
-
-
-def lane_table(kernel: Kernel, n_rows: int) -> tuple[int, int, np.ndarray]:
-    """Count the outputs that are told in lanes, and those found; which rows are told one by one."""
-    n, n_found, one_by_one = ctypes.c_int(), ctypes.c_int(), np.zeros(n_rows, np.int32)
-    kernel.library.test_lane_outputs(
-        ctypes.byref(n), ctypes.byref(n_found), ctypes.c_void_p(one_by_one.ctypes.data)
-    )
-    return n.value, n_found.value, one_by_one
-
-
-@EVERY_CASE
-def test_what_a_gearbox_in_lanes_tells_is_told_in_lanes(kernel, make):
-    """An output without a line there would have each state found once more for it alone."""
-    gearbox, _ = make(kernel)
-    n, n_found, one_by_one = lane_table(kernel, len(gearbox.table))
-    assert n_found == n > 60
-    if kernel.library.lanes_serves(gearbox.handle):
-        alone = zip(gearbox.table, one_by_one, strict=True)
-        assert [entry.name for entry, is_alone in alone if is_alone and entry.count > 0] == []
 
 
 @EVERY_CASE
@@ -179,11 +154,8 @@ def test_what_only_other_outputs_need_is_not_computed(kernel):
     gearbox = paper_gearbox(kernel)
     state = in_mode(gearbox, np.random.default_rng(SEED), (LOADED, 1))
     set_gap(gearbox, state, 0, -0.2)
-    known = {"teeth", "angle", "centre_velocity", "load_work"}
-    values = gearbox.wanted([state], known)
-    assert np.isfinite(values).sum() == sum(
-        entry.count for entry in gearbox.table if entry.name.decode() in known
-    )
+    known = ("teeth", "angle", "centre_velocity", "load_work")
+    assert np.isfinite(gearbox.sampled([state], *known)).all()
     with pytest.raises(GearboxError) as caught:
-        gearbox.wanted([state], {*known, "normal_force"})
+        gearbox.sampled([state], *known, "normal_force")
     assert caught.value.code == OUT_OF_DOMAIN

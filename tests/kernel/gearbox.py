@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
@@ -518,25 +518,6 @@ class Gearbox:
         self._call(
             "evl_gearbox_outputs", _double(state.t), *map(_at, arrays), _bool(check), _at(result)
         )
-        return result
-
-    def wanted(
-        self,
-        states: Sequence[State],
-        names: Collection[str],
-        result: Floats | None = None,
-    ) -> Floats:
-        """Values of the named outputs at states that share the first one's discrete state.
-
-        The other places of each state's row keep what is in `result`, NaN unless given.
-        """
-        if result is None:
-            result = np.full((len(states), self.sizes.n_values), np.nan)
-        wanted = np.array([entry.name.decode() in names for entry in self.table])
-        times = np.array([state.t for state in states])
-        y = np.array([state.y for state in states])
-        arrays = (times, y, states[0].integers, states[0].reals, wanted, result)
-        self._call("test_wanted_outputs", len(states), *map(_at, arrays))
         return result
 
     def sampled(

@@ -1,0 +1,254 @@
+!> Up to eight states that share their discrete state, with what outputs need of them: found at once where the lanes of the rates
+!> serve the gearbox, else one by one and put into lanes. What is not needed is not found. The lanes behind the last state hold it
+!> once more.
+module evl_output_states
+   use evl_contacts_at_state, only: flank_place, place_contact
+   use evl_discrete_state, only: take_mode
+   use evl_force_lanes, only: lane_slot
+   use evl_gearbox, only: gearbox_t
+   use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_ode, only: settle_aside, settle_slots
+   use evl_housing, only: frame_t, housing_fixed, housing_frame
+   use evl_housing_dynamics, only: coupled_rates
+   use evl_kinds, only: lanes, wp
+   use evl_mode_check, only: check_modes, modes_agree
+   use evl_output, only: needs_meshes, needs_places, needs_rates
+   use evl_root_kinds, only: side_of_rate
+   use evl_roots_lanes, only: roots_in_lanes
+   use evl_status, only: has_failed, status_t
+   use evl_tooth_contact, only: beyond_flank, contact_state, flanks_off, tooth_contact_t, touches, unclipped
+   implicit none (type, external)
+   private
+
+   public :: evaluate_states, output_states, states_create
+
+   type :: output_states
+      integer :: n = 0                           !! the first n lanes count
+      logical :: in_lanes = .false.              !! eight are found at once
+      logical :: has_frames = .false.            !! the housing moves, or gravity acts
+      real(wp) :: t(lanes) = 0.0_wp              !! [s]
+      real(wp), allocatable :: y(:, :), f(:, :)  !! (lanes, states), rates
+      integer, allocatable :: integers(:)
+      real(wp), allocatable :: reals(:)
+      type(lane_slot), allocatable :: slots(:)   !! tooth contacts with their modes; those that touch with places and forces
+      type(lane_slot), allocatable :: aside(:)   !! the others with their places
+      type(frame_t) :: frames(lanes)             !! of the housing, with has_frames
+      real(wp), allocatable, private :: roots(:, :)
+      real(wp), allocatable, private :: y_1(:), f_1(:) !! of one state
+      type(contact_state), allocatable, private :: contacts(:) !! the same
+   end type output_states
+
+contains
+
+   !> Room for states of a gearbox.
+   subroutine states_create(self, gearbox)
+      type(output_states), intent(inout) :: self
+      type(gearbox_t), intent(in) :: gearbox
+
+      self%in_lanes = lanes_serve(gearbox)
+      self%has_frames = gearbox%housing%acts .or. gearbox%housing%kind /= housing_fixed &
+                        .or. size(gearbox%housing%accelerometers) > 0
+      associate (n => gearbox%n_states, m => size(gearbox%contacts))
+         allocate (self%y(lanes, n), self%f(lanes, n), self%y_1(n), self%f_1(n), self%roots(lanes, gearbox%n_roots))
+         allocate (self%slots(m), self%aside(m), self%contacts(m))
+      end associate
+   end subroutine states_create
+
+   !> States with what is needed of them.
+   subroutine evaluate_states(self, gearbox, needed, check, n, t, y, integers, reals, status)
+      type(output_states), intent(inout) :: self
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: needed               !! bits of evl_output
+      logical, intent(in) :: check                !! whether to refuse a state that contradicts its modes, as `check_modes` does
+      integer, intent(in) :: n                    !! the first n states count
+      real(wp), intent(in) :: t(:), y(:, :)       !! up to eight, (states, n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: reals(size(gearbox%contacts))
+      type(status_t), intent(inout) :: status
+      logical :: with_places
+      integer :: l
+
+      self%n = n
+      do l = 1, lanes
+         self%t(l) = t(min(l, size(t)))
+         self%y(l, :) = y(min(l, size(t)), :)
+      end do
+      call settle(self, gearbox, integers, reals)
+      with_places = check .or. iand(needed, needs_places) == needs_places
+      if (.not. (check .or. iand(needed, needs_rates) == needs_rates)) then
+         if (self%has_frames) call find_frames(self, gearbox)
+      else if (self%in_lanes .and. size(t) == lanes) then
+         call find_at_once(self, gearbox, check, with_places, status)
+      else
+         call find_one_by_one(self, gearbox, check, with_places, status)
+      end if
+   end subroutine evaluate_states
+
+   !> Settle the slots, unless they are.
+   subroutine settle(self, gearbox, integers, reals)
+      type(output_states), intent(inout) :: self
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: reals(:)
+
+      if (allocated(self%integers)) then
+         if (all(self%integers == integers) .and. .not. any(abs(self%reals - reals) > 0)) return
+      end if
+      if (.not. allocated(self%integers)) allocate (self%integers(size(integers)), self%reals(size(reals)))
+      self%integers(:) = integers
+      self%reals(:) = reals
+      call settle_slots(gearbox, integers, reals, self%slots)
+      call settle_aside(self%slots, self%aside)
+   end subroutine settle
+
+   !> The frame of the housing in states whose rates nobody needs.
+   subroutine find_frames(self, gearbox)
+      type(output_states), intent(inout) :: self
+      type(gearbox_t), intent(in) :: gearbox
+      integer :: l
+
+      self%f_1 = 0
+      do l = 1, lanes
+         self%y_1 = self%y(l, :)
+         call housing_frame(gearbox%housing, self%t(l), self%y_1, self%frames(l), self%f_1)
+      end do
+   end subroutine find_frames
+
+   !> All that the lanes find; states that contradict their modes are asked one by one for the reason.
+   subroutine find_at_once(self, gearbox, check, with_places, status)
+      type(output_states), intent(inout) :: self
+      type(gearbox_t), intent(in) :: gearbox
+      logical, intent(in) :: check, with_places
+      type(status_t), intent(inout) :: status
+      logical :: agrees
+
+      call rates_in_lanes(gearbox, self%t, self%y, self%integers, self%reals, self%slots, self%f, status)
+      if (.not. has_failed(status) .and. with_places) &
+         call roots_in_lanes(gearbox, self%y, self%integers, self%reals, self%slots, self%aside, .true., self%roots, status)
+      if (has_failed(status)) return
+      agrees = .true.
+      if (check) agrees = modes_agree(gearbox, self%slots, self%roots)
+      if (.not. agrees) call find_one_by_one(self, gearbox, check, with_places, status)
+   end subroutine find_at_once
+
+   !> One state after the other.
+   subroutine find_one_by_one(self, gearbox, check, with_places, status)
+      type(output_states), intent(inout) :: self
+      type(gearbox_t), intent(in) :: gearbox
+      logical, intent(in) :: check, with_places
+      type(status_t), intent(inout) :: status
+      integer :: l, s
+
+      do s = 1, self%n
+         self%y_1 = self%y(s, :)
+         call coupled_rates(gearbox, self%t(s), self%y_1, self%integers, self%reals, self%f_1, status, self%contacts)
+         if (has_failed(status)) return
+         if (with_places) call place_others(gearbox, self%y_1, self%integers, self%reals, self%contacts)
+         if (check) call check_modes(gearbox, self%contacts, status)
+         if (has_failed(status)) return
+         if (self%has_frames) call housing_frame(gearbox%housing, self%t(s), self%y_1, self%frames(s), self%f_1)
+         do l = s, merge(lanes, s, s == self%n)
+            self%y(l, :) = self%y_1
+            self%f(l, :) = self%f_1
+            self%frames(l) = self%frames(s)
+            call put_contacts(gearbox, self%contacts, with_places, l, self%slots, self%aside)
+         end do
+      end do
+   end subroutine find_one_by_one
+
+   !> The tooth contacts that do not touch, beside those that do.
+   subroutine place_others(gearbox, y, integers, reals, contacts)
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
+      type(contact_state), intent(inout) :: contacts(size(gearbox%contacts)) !! as `coupled_rates` leaves them
+      type(flank_place) :: place
+      integer :: i, m
+
+      do i = 1, size(gearbox%flanks)
+         associate (flank => gearbox%flanks(i)%flank)
+            place%of = 0
+            do m = flank%first, flank%last
+               if (touches(contacts(m)%mode)) cycle
+               call take_mode(gearbox, m, integers, reals, contacts(m)%mode)
+               call place_contact(gearbox, m, y, integers, place, contacts)
+            end do
+            call flank%find_overlaps(gearbox%contacts, flank%first, flank%last, contacts)
+         end associate
+      end do
+   end subroutine place_others
+
+   !> Put the contacts of one state into a lane.
+   pure subroutine put_contacts(gearbox, contacts, with_places, l, slots, aside)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_state), intent(in) :: contacts(:)
+      logical, intent(in) :: with_places !! of those that do not touch too
+      integer, intent(in) :: l
+      type(lane_slot), intent(inout) :: slots(:), aside(:)
+      integer :: i
+
+      do i = 1, size(contacts)
+         if (slots(i)%touches) then
+            call put_place(gearbox%contacts(i), contacts(i), l, slots(i))
+            call put_force(contacts(i), l, slots(i))
+         else if (with_places) then
+            call put_place(gearbox%contacts(i), contacts(i), l, aside(i))
+         end if
+      end do
+   end subroutine put_contacts
+
+   !> Where a contact is; off its path the radii of curvature, and of tracked contacts the whole point.
+   pure subroutine put_place(of, contact, l, slot)
+      type(tooth_contact_t), intent(in) :: of
+      type(contact_state), intent(in) :: contact
+      integer, intent(in) :: l
+      type(lane_slot), intent(inout) :: slot
+
+      associate (at => slot%at, point => contact%point)
+         at%e_star = of%e_star
+         at%width = of%width
+         at%v0 = contact%mode%v0
+         at%side = contact%mode%sides(side_of_rate)
+         at%rho_a0(l) = contact%rho_a0
+         at%overlap(l) = contact%overlap
+         at%h(l) = point%h
+         at%h_dot(l) = point%h_dot
+         at%rho_a(l) = point%rho_a
+         at%rho_b(l) = point%rho_b
+         at%s(l) = point%s
+         at%c(l) = point%c
+         at%l_a(l) = point%l_a
+         at%l_b(l) = point%l_b
+         at%v_t(l) = point%v_t
+         at%arm_a(l) = point%arm_a
+         at%arm_b(l) = point%arm_b
+         at%tilt(l) = point%tilt
+         at%rho_dot(l) = point%rho_dot
+         at%omega_a(l) = point%omega_a
+         at%omega_b(l) = point%omega_b
+         if (slot%mode%flanks /= flanks_off .and. beyond_flank(slot%mode)) at%edge%foot(l, :) = contact%edge%foot
+      end associate
+   end subroutine put_place
+
+   !> What acts there.
+   pure subroutine put_force(contact, l, slot)
+      type(contact_state), intent(in) :: contact
+      integer, intent(in) :: l
+      type(lane_slot), intent(inout) :: slot
+
+      associate (to => slot%force, force => contact%force)
+         to%elastic(l) = contact%elastic%force
+         to%d_energy(l) = contact%elastic%d_energy
+         to%excess(l) = contact%elastic%excess
+         to%viscous(l) = contact%viscous%force
+         to%unclipped(l) = unclipped(contact)
+         to%factor(l) = contact%factor
+         to%torque_a(l) = force%torque_a
+         to%torque_b(l) = force%torque_b
+         to%on_a_t(l) = force%on_a(1)
+         to%on_a_e(l) = force%on_a(2)
+         to%dissipation(l) = force%dissipation
+      end associate
+   end subroutine put_force
+
+end module evl_output_states
