@@ -16,6 +16,7 @@ from kernel.kernel import Kernel
 pytest_plugins = ("leftovers", "helper_programs")
 
 ROOT = Path(__file__).resolve().parents[1]
+os.environ["EVOLVENT_CACHE"] = "off"  # the elements of wheels are computed in every test
 BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none
 
 # A shell that starts the tests in the background has them ignore SIGINT, and all that they start

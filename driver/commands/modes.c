@@ -1,5 +1,6 @@
 #include "analyses/modes_find.h"
 #include "base/interrupt.h"
+#include "commands/cached_case.h"
 #include "commands/command.h"
 #include "commands/warn.h"
 
@@ -31,7 +32,7 @@ static evl_exit modes(const char *file, const void *given, evl_error *error)
     modes_place place;
     interrupt_install();
     if (modes_read(&options->request, &place, error) &&
-        prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
+        cached_case(&prepared, file, options->set.n, options->set.values, error)) {
         modes_of(&prepared, options, &place, error);
     }
     prepared_case_free(&prepared);

@@ -2,6 +2,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "commands/cached_case.h"
 #include "commands/command.h"
 #include "commands/result.h"
 #include "commands/static_print.h"
@@ -63,7 +64,7 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
     OWNED char *path = result_path("result", options->output, file, "-static.h5", error);
     a->prepared = &prepared;
     a->path = path;
-    if (path != NULL && prepare_case(&prepared, file, options->set.n, options->set.values, error)) {
+    if (path != NULL && cached_case(&prepared, file, options->set.n, options->set.values, error)) {
         analyse_case(a, options, points, error);
     }
     static_analysis_free(a);

@@ -1,5 +1,6 @@
 #include "base/memory.h"
 #include "case/case.h"
+#include "commands/cached_case.h"
 #include "commands/command.h"
 #include "commands/warn.h"
 #include "simulate/prepare.h"
@@ -16,7 +17,7 @@ static evl_exit validate(const char *file, const void *given, evl_error *error)
     const validate_options *options = given;
     evl_error refusal = {.code = EVL_EXIT_OK};
     prepared_case prepared;
-    const bool good = prepare_case(&prepared, file, options->set.n, options->set.values, &refusal) &&
+    const bool good = cached_case(&prepared, file, options->set.n, options->set.values, &refusal) &&
                       prepare_check_start(&prepared, &refusal);
     if (!good) {
         (void)fflush(stdout); /* the lines come in the order of the cases */

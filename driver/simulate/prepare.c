@@ -117,8 +117,14 @@ static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, m
 
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error)
 {
+    return prepare_case_with(prepared, path, n_set, set, NULL, error);
+}
+
+bool prepare_case_with(prepared_case *prepared, const char *path, int n_set, const char *const *set,
+                       const evl_wheel_store *wheels, evl_error *error)
+{
     *prepared = (prepared_case){.file = case_read(path, n_set, set, model_schema(), error)};
-    return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
+    return prepared->file != NULL && make_model(prepared, wheels, NULL, error);
 }
 
 bool prepare_text(prepared_case *prepared, const char *name, const char *text, int n_set, const char *const *set,

@@ -14,6 +14,9 @@ typedef struct {
 /** Read and check the case and make its model. @return false with the reason in `error`: `file` is NULL if it could not be read,
  *  `model` if there is none. In any case it is to be freed */
 bool prepare_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
+/** The same with wheels whose compliance may be known. */
+bool prepare_case_with(prepared_case *prepared, const char *path, int n_set, const char *const *set,
+                       const evl_wheel_store *wheels, evl_error *error);
 /** The same of the text of a case. @param name  what errors call it */
 bool prepare_text(prepared_case *prepared, const char *name, const char *text, int n_set, const char *const *set,
                   evl_error *error);
