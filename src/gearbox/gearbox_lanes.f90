@@ -239,14 +239,15 @@ contains
       real(wp), intent(in) :: omega(lanes)     !! speed of its wheel [rad/s]
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(inout) :: torque(lanes) !! [N m]
-      real(wp) :: angle(lanes), revolutions
+      real(wp) :: angle(lanes), revolutions, mine(lanes)
 
       revolutions = 0
       angle = 0
       associate (load => gearbox%loads(index)%load)
          if (load%by_angle) call angle_of(gearbox%wheels(load%wheel), y, integers, revolutions, angle)
-         call load%add_in_lanes(t, omega, angle, revolutions, segment_of(load, integers), torque)
+         call load%evaluate(lanes, t, omega, angle, revolutions, segment_of(load, integers), mine)
       end associate
+      call add_row(mine, torque)
    end subroutine add_load
 
    !> Acceleration of a support from the forces on it, and what its dampers take.

@@ -49,7 +49,8 @@ contains
       class(constant_load), intent(in) :: self
       integer, intent(in) :: n, segment
       real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
-      real(wp), intent(inout) :: torque(n), damping(n), stiffness(n)
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
       torque = self%value
    end subroutine evaluate

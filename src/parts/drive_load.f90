@@ -72,10 +72,11 @@ contains
       class(drive_load), intent(in) :: self
       integer, intent(in) :: n, segment
       real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
-      real(wp), intent(inout) :: torque(n), damping(n), stiffness(n)
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
       torque = self%torque + self%slope*(omega - self%at_speed)
-      damping = -self%slope
+      if (present(damping)) damping = -self%slope
    end subroutine evaluate
 
 end module evl_drive_load

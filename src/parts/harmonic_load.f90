@@ -6,7 +6,7 @@
 !> The argument is kept in cycles, of which whole ones are taken off before the sine: it is as precise after many as at the start.
 module evl_harmonic_load
    use evl_given, only: given_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: lanes, pi, wp
    use evl_load, only: load_t
    use evl_row, only: kind_t, parameter_row, positive, span_t
    implicit none (type, external)
@@ -82,21 +82,20 @@ contains
       class(harmonic_load), intent(in) :: self
       integer, intent(in) :: n, segment
       real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
-      real(wp), intent(inout) :: torque(n), damping(n), stiffness(n)
-      real(wp) :: mean, amplitude, frequency, order, start, sine, cosine
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
+      real(wp) :: frequency, order, start, sine(lanes), cosine(lanes)
       integer :: l
 
-      mean = self%mean
-      amplitude = self%swing
       frequency = self%frequency
       order = self%order
       start = start_of(self, revolutions)
-      !$omp simd private(sine, cosine)
+      !$omp simd
       do l = 1, n
-         call sine_cosine(argument(frequency*t(l) + order*(angle(l)/(2*pi)), start), sine, cosine)
-         torque(l) = mean + amplitude*sine
-         stiffness(l) = -amplitude*order*cosine
+         call sine_cosine(argument(frequency*t(l) + order*(angle(l)/(2*pi)), start), sine(l), cosine(l))
       end do
+      torque = self%mean + self%swing*sine(:n)
+      if (present(stiffness)) stiffness = -self%swing*self%order*cosine(:n)
    end subroutine evaluate
 
    !> Of the cycles, those that have nothing to do with time and angle: the phase, and the part of a cycle in which whole turns end.

@@ -5,7 +5,7 @@
 module evl_load
    use evl_given, only: given_t
    use evl_kind_finder, only: described_t
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: wp
    use evl_knots, only: knots_t
    use evl_row, only: short_length
    implicit none (type, external)
@@ -42,7 +42,6 @@ module evl_load
       procedure(torque_formula), deferred :: evaluate
       procedure, nopass :: refusal => no_refusal
       procedure, non_overridable :: ask
-      procedure, non_overridable :: add_in_lanes
       procedure, non_overridable :: spin_torque
       procedure :: feed => feed_nothing
       procedure :: speed => no_speed
@@ -59,8 +58,8 @@ module evl_load
          type(given_t), intent(in) :: given
       end subroutine take_numbers
 
-      !> The torque in n states that share the whole turns and the segment, and its derivatives. All come as zero: a prescribed speed
-      !> has no torque of its own.
+      !> The torque in n states that share the whole turns and the segment; a prescribed speed has none of its own. If they are
+      !> present, its derivatives, both of them: they come as zero.
       pure subroutine torque_formula(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
          import :: load_t, wp
          implicit none (type, external)
@@ -69,9 +68,9 @@ module evl_load
          real(wp), intent(in) :: t(n), omega(n), angle(n) !! as in `load_point`
          real(wp), intent(in) :: revolutions
          integer, intent(in) :: segment
-         real(wp), intent(inout) :: torque(n)    !! M, counterclockwise positive [N m]
-         real(wp), intent(inout) :: damping(n)   !! -dM/domega [N m s]; 0 without by_speed
-         real(wp), intent(inout) :: stiffness(n) !! -dM/dphi [N m]; 0 without by_angle
+         real(wp), intent(out) :: torque(n)                !! M, counterclockwise positive [N m]
+         real(wp), intent(inout), optional :: damping(n)   !! -dM/domega [N m s]; 0 without by_speed
+         real(wp), intent(inout), optional :: stiffness(n) !! -dM/dphi [N m]; 0 without by_angle
       end subroutine torque_formula
 
    end interface
@@ -94,7 +93,6 @@ contains
       real(wp), intent(out) :: torque, damping, stiffness !! as of `evaluate`
       real(wp) :: there(1), by_speed(1), by_angle(1)
 
-      there = 0
       by_speed = 0
       by_angle = 0
       call self%evaluate(1, [at%t], [at%omega], [at%angle], at%revolutions, at%segment, there, by_speed, by_angle)
@@ -102,22 +100,6 @@ contains
       damping = by_speed(1)
       stiffness = by_angle(1)
    end subroutine ask
-
-   !> Add the torques in eight states.
-   pure subroutine add_in_lanes(self, t, omega, angle, revolutions, segment, torque)
-      class(load_t), intent(in) :: self
-      real(wp), dimension(lanes), intent(in) :: t, omega, angle
-      real(wp), intent(in) :: revolutions
-      integer, intent(in) :: segment
-      real(wp), intent(inout) :: torque(lanes) !! [N m]
-      real(wp), dimension(lanes) :: there, damping, stiffness
-
-      there = 0
-      damping = 0
-      stiffness = 0
-      call self%evaluate(lanes, t, omega, angle, revolutions, segment, there, damping, stiffness)
-      torque = torque + there
-   end subroutine add_in_lanes
 
    !> What the turning of the housing adds to a torque against the ground: it follows the speed seen from there [N m].
    !>

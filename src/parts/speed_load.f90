@@ -82,8 +82,10 @@ contains
       class(speed_load), intent(in) :: self
       integer, intent(in) :: n, segment
       real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
-      real(wp), intent(inout) :: torque(n), damping(n), stiffness(n)
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
+      torque = 0
    end subroutine evaluate
 
    pure real(wp) function speed(self, t, segment)

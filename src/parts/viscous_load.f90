@@ -44,10 +44,11 @@ contains
       class(viscous_load), intent(in) :: self
       integer, intent(in) :: n, segment
       real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
-      real(wp), intent(inout) :: torque(n), damping(n), stiffness(n)
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
       torque = -self%coefficient*omega
-      damping = self%coefficient
+      if (present(damping)) damping = self%coefficient
    end subroutine evaluate
 
 end module evl_viscous_load

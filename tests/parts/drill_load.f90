@@ -48,10 +48,11 @@ contains
       class(drill_load), intent(in) :: self
       integer, intent(in) :: n, segment
       real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
-      real(wp), intent(inout) :: torque(n), damping(n), stiffness(n)
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
       torque = -(self%coefficient + self%quadratic*abs(omega))*omega
-      damping = self%coefficient + 2*self%quadratic*abs(omega)
+      if (present(damping)) damping = self%coefficient + 2*self%quadratic*abs(omega)
    end subroutine evaluate
 
 end module evl_drill_load
