@@ -96,10 +96,6 @@ int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const d
 /** Whether so many states cost less than as many times one. */
 bool model_sampler_in_lanes(const model_sampler *sampler);
 
-/** Compare the formulas of every load with each other at a state. @return false with the two values if two differ by more than this part
- *  of the load's torque: a defect of the kernel */
-bool model_loads_agree(const model *model, const dae_state *state, double part, char message[DAE_MESSAGE_LENGTH]);
-
 /** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
 typedef struct {
     const char *output;       /**< of which output */

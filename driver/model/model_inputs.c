@@ -33,22 +33,6 @@ double model_wheel_speed(const model *model, int wheel, const dae_state *state)
     return evl_gearbox_wheel_speed(model->gearbox, wheel, state->t, state->y);
 }
 
-bool model_loads_agree(const model *model, const dae_state *state, double part, char message[DAE_MESSAGE_LENGTH])
-{
-    static const char *const formulas[] = {[EVL_FORMULA_IN_LANES] = "those for eight states at once",
-                                           [EVL_FORMULA_OF_SPIN] = "what a change of its speed adds"};
-    evl_load_conflict found;
-    if (!evl_gearbox_load_conflict(model->gearbox, state->t, state->y, state->integers, part, &found)) {
-        return true;
-    }
-    (void)snprintf(message, DAE_MESSAGE_LENGTH,
-                   "the torque of a load of wheel '%.60s' at %.9g rad/s is %.9g N m by its formula for one state and "
-                   "%.9g N m by %s",
-                   model->about.names.wheels.names[found.wheel], found.omega, found.here, found.other,
-                   formulas[found.formula]);
-    return false;
-}
-
 int model_rates(const model *model, dae_state *state, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status;

@@ -5,7 +5,6 @@ module evl_capi_outputs
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_int, c_ptr
    use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, gearbox_of, to_c
    use evl_gearbox, only: gearbox_t
-   use evl_load_formulas, only: find_load_conflict, load_conflict
    use evl_output, only: output_t
    use evl_output_list, only: list_extremes, list_outputs
    use evl_outputs, only: gearbox_outputs
@@ -14,7 +13,7 @@ module evl_capi_outputs
    implicit none (type, external)
    private
 
-   public :: c_output, evl_gearbox_constants, evl_gearbox_load_conflict, evl_gearbox_output_places, evl_gearbox_outputs, evl_table
+   public :: c_output, evl_gearbox_constants, evl_gearbox_output_places, evl_gearbox_outputs, evl_table
    public :: output_to_c
 
    !> evl_output
@@ -26,12 +25,6 @@ module evl_capi_outputs
       real(c_double) :: value(2)
       character(kind=c_char) :: rate_of(c_name_length), no_rate(c_text_length)
    end type c_output
-
-   !> evl_load_conflict
-   type, bind(c) :: c_load_conflict
-      integer(c_int) :: wheel, formula
-      real(c_double) :: omega, here, other
-   end type c_load_conflict
 
    integer, parameter :: of_static = 1, of_extremes = 2 !! evl_table_of
 
@@ -86,19 +79,6 @@ contains
       call gearbox_outputs(gearbox_of(handle), t, y, integers, reals, logical(check), values, s)
       code = answer(s, status)
    end function evl_gearbox_outputs
-
-   logical(c_bool) function evl_gearbox_load_conflict(handle, t, y, integers, part, conflict) result(is_found) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in), value :: t, part
-      real(c_double), intent(in) :: y(*)
-      integer(c_int), intent(in) :: integers(*)
-      type(c_load_conflict), intent(inout) :: conflict
-      type(load_conflict) :: found
-
-      call find_load_conflict(gearbox_of(handle), t, y, integers, part, found)
-      is_found = logical(found%wheel > 0, c_bool)
-      conflict = c_load_conflict(found%wheel - 1, found%formula, found%omega, found%here, found%other)
-   end function evl_gearbox_load_conflict
 
    elemental subroutine output_to_c(entry, output)
       type(output_t), intent(in) :: entry

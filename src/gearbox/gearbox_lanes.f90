@@ -9,7 +9,6 @@ module evl_gearbox_lanes
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: lane_line, line_in_lanes, turn_wheel
-   use evl_load, only: lane_points
    use evl_local_variables, only: i_omega, i_theta, wheel_link
    use evl_shaft, only: shaft_t
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
@@ -198,23 +197,13 @@ contains
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: omega(lanes)  !! [rad/s]
       real(wp), intent(out) :: torque(lanes) !! [N m]
-      type(lane_points) :: at
       integer :: j
 
-      associate (wheel => gearbox%wheels(index))
-         call speed_of(wheel, y, at%omega)
-         at%t = t
-         at%angle = 0
-         torque = 0
-         do j = 1, size(wheel%loads)
-            associate (load => gearbox%loads(wheel%loads(j))%load)
-               at%segment = segment_of(load, integers)
-               if (load%by_angle) call angle_of(wheel, y, integers, at)
-               call load%add_in_lanes(at, torque)
-            end associate
-         end do
-      end associate
-      omega = at%omega
+      call speed_of(gearbox%wheels(index), y, omega)
+      torque = 0
+      do j = 1, size(gearbox%wheels(index)%loads)
+         call add_load(gearbox, gearbox%wheels(index)%loads(j), t, y, omega, integers, torque)
+      end do
    end subroutine loads_in_lanes
 
    !> The part of the torque of a wheel's loads whose reaction goes to the housing, as `wheel_housing_torque` has it in one state.
@@ -225,29 +214,41 @@ contains
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: torque(lanes) !! [N m]
-      type(lane_points) :: at
-      real(wp) :: mine(lanes)
+      real(wp) :: omega(lanes), mine(lanes)
       logical :: follows
       integer :: j
 
       follows = wheel_follows_ground(gearbox, index)
       torque = merge(0.0_wp, total, follows)
-      associate (wheel => gearbox%wheels(index))
-         do j = 1, size(wheel%loads)
-            associate (load => gearbox%loads(wheel%loads(j))%load)
-               if (load%against_housing .neqv. follows) cycle
-               call speed_of(wheel, y, at%omega)
-               at%t = t
-               at%angle = 0
-               at%segment = segment_of(load, integers)
-               if (load%by_angle) call angle_of(wheel, y, integers, at)
-               mine = 0
-               call load%add_in_lanes(at, mine)
-               torque = torque + merge(1.0_wp, -1.0_wp, follows)*mine
-            end associate
-         end do
-      end associate
+      call speed_of(gearbox%wheels(index), y, omega)
+      do j = 1, size(gearbox%wheels(index)%loads)
+         associate (number => gearbox%wheels(index)%loads(j))
+            if (gearbox%loads(number)%load%against_housing .neqv. follows) cycle
+            mine = 0
+            call add_load(gearbox, number, t, y, omega, integers, mine)
+            torque = torque + merge(1.0_wp, -1.0_wp, follows)*mine
+         end associate
+      end do
    end subroutine housing_torque_in_lanes
+
+   !> Add the torque of one load.
+   subroutine add_load(gearbox, index, t, y, omega, integers, torque)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index             !! of the load
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
+      real(wp), intent(in) :: omega(lanes)     !! speed of its wheel [rad/s]
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(inout) :: torque(lanes) !! [N m]
+      real(wp) :: angle(lanes), revolutions, mine(lanes)
+
+      revolutions = 0
+      angle = 0
+      associate (load => gearbox%loads(index)%load)
+         if (load%by_angle) call angle_of(gearbox%wheels(load%wheel), y, integers, revolutions, angle)
+         call load%evaluate(lanes, t, omega, angle, revolutions, segment_of(load, integers), mine)
+      end associate
+      call add_row(mine, torque)
+   end subroutine add_load
 
    !> Acceleration of a support from the forces on it, and what its dampers take.
    pure subroutine accelerate_support(gearbox, support, y, f)
@@ -300,17 +301,17 @@ contains
       omega = wheel%ratio*y(:, i_omega) + psi_dot
    end subroutine speed_of
 
-   !> Angle of a wheel in the housing [rad].
-   pure subroutine angle_of(wheel, y, integers, at)
+   !> Angle of a wheel in the housing: its whole turns, and the rest [rad].
+   pure subroutine angle_of(wheel, y, integers, revolutions, angle)
       type(wheel_t), intent(in) :: wheel
       real(wp), intent(in) :: y(lanes, *)
       integer, intent(in) :: integers(*)
-      type(lane_points), intent(inout) :: at
+      real(wp), intent(out) :: revolutions, angle(lanes)
       real(wp) :: psi(lanes), psi_dot(lanes), turned
 
       call turn_wheel(wheel%i_psi, y, psi, psi_dot)
-      call turns_of_wheel(wheel, integers, at%revolutions, turned)
-      at%angle = turned + wheel%ratio*y(:, i_theta) + psi
+      call turns_of_wheel(wheel, integers, revolutions, turned)
+      angle = turned + wheel%ratio*y(:, i_theta) + psi
    end subroutine angle_of
 
 end module evl_gearbox_lanes

@@ -3,7 +3,7 @@
 !> Source: Coulomb's law, regularised piecewise linearly as in Kosenko & Gusev 2011, section 7.2.
 module evl_coulomb
    use evl_friction_law, only: friction_law_t, regularisation
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: wp
    use evl_row, only: kind_t, not_negative, parameter_row, span_t
    implicit none (type, external)
    private
@@ -13,8 +13,7 @@ module evl_coulomb
    type, extends(friction_law_t) :: coulomb_t
    contains
       procedure :: describe
-      procedure :: factor
-      procedure :: factor_lanes
+      procedure :: evaluate
       procedure :: knee
    end type coulomb_t
 
@@ -33,32 +32,24 @@ contains
                    regularisation("sliding velocity at which friction is fully developed")]
    end subroutine describe
 
-   !> The factor.
-   pure subroutine factor(self, branch, v_t, phi, d_v)
+   !> phi and its slope.
+   pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
       class(coulomb_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t
-      real(wp), intent(out) :: phi, d_v
-
-      call coulomb_factor(branch, v_t, self%parameters(1), self%parameters(2), phi, d_v)
-   end subroutine factor
-
-   !> The same in eight states.
-   pure subroutine factor_lanes(self, branch, v_t, phi)
-      class(coulomb_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t(lanes)
-      real(wp), intent(out) :: phi(lanes)
-      real(wp) :: coefficient, delta, d_v
-      integer :: l
+      integer, intent(in) :: n, branch
+      real(wp), intent(in) :: v_t(n)
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_v(n)
+      real(wp) :: coefficient, delta
 
       coefficient = self%parameters(1)
       delta = self%parameters(2)
-      !$omp simd private(d_v)
-      do l = 1, lanes
-         call coulomb_factor(branch, v_t(l), coefficient, delta, phi(l), d_v)
-      end do
-   end subroutine factor_lanes
+      if (branch == 0) then
+         phi = coefficient*(v_t/delta)
+         if (present(d_v)) d_v = coefficient/delta
+      else
+         phi = sign(coefficient, real(branch, wp))
+      end if
+   end subroutine evaluate
 
    !> Where the branch changes; without friction (f = 0) there is nothing to locate.
    pure real(wp) function knee(self)
@@ -66,23 +57,5 @@ contains
 
       knee = merge(self%parameters(2), 0.0_wp, self%parameters(1) > 0.0_wp)
    end function knee
-
-   !> phi and its slope.
-   elemental subroutine coulomb_factor(branch, v_t, coefficient, delta, phi, d_v)
-      integer, intent(in) :: branch       !! -1, 0 or +1
-      real(wp), intent(in) :: v_t         !! sliding velocity [m/s]
-      real(wp), intent(in) :: coefficient !! f, >= 0
-      real(wp), intent(in) :: delta       !! regularisation velocity [m/s], > 0
-      real(wp), intent(out) :: phi
-      real(wp), intent(out) :: d_v        !! dphi/dv_t [s/m]
-
-      if (branch == 0) then
-         d_v = coefficient/delta
-         phi = coefficient*(v_t/delta)
-      else
-         d_v = 0.0_wp
-         phi = sign(coefficient, real(branch, wp))
-      end if
-   end subroutine coulomb_factor
 
 end module evl_coulomb

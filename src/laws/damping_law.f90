@@ -3,7 +3,7 @@
 !>
 !> A law's force is that of the overlapping flanks; that a contact never pulls is the business of the tooth contact.
 module evl_damping_law
-   use evl_contact_context, only: contact_context, context_of_lane, lane_context
+   use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_result
    use evl_force_law, only: force_law_t, no
    use evl_kinds, only: lanes, wp
@@ -11,7 +11,7 @@ module evl_damping_law
    implicit none (type, external)
    private
 
-   public :: damping_law_t, lane_by_lane, no_viscous, viscous_force, viscous_result
+   public :: damping_law_t, no_viscous, viscous_force, viscous_result
 
    !> A viscous force with its derivatives.
    type :: viscous_result
@@ -25,8 +25,8 @@ module evl_damping_law
 
    type, abstract, extends(force_law_t) :: damping_law_t
    contains
-      procedure(force), deferred :: force
-      procedure :: force_lanes => lane_by_lane
+      procedure(force_formula), deferred :: evaluate
+      procedure, non_overridable :: force_lanes
       procedure, nopass :: has_sides => no
       procedure, nopass :: remembers => no !! the approach speed at the last closing
       procedure :: left_to_mesh
@@ -37,15 +37,20 @@ module evl_damping_law
 
    abstract interface
 
-      !> The force of overlapping flanks. Of the elastic contact its force is all that a damping law may know.
-      pure subroutine force(self, ctx, elastic, result)
-         import :: contact_context, damping_law_t, viscous_result, wp
+      !> The force of overlapping flanks in n states with one discrete state. If they are present, its derivatives, all of them:
+      !> they come as zero. Of the elastic contact its force is all that a damping law may know.
+      pure subroutine force_formula(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
+         import :: damping_law_t, wp
          implicit none (type, external)
          class(damping_law_t), intent(in) :: self
-         type(contact_context), intent(in) :: ctx
-         real(wp), intent(in) :: elastic             !! elastic force there [N]
-         type(viscous_result), intent(inout) :: result !! comes as zero
-      end subroutine force
+         integer, intent(in) :: n                !! 1 or 8: loops over them become vector instructions
+         real(wp), intent(in) :: h(n), h_dot(n)  !! as in `contact_context`
+         real(wp), intent(in) :: elastic(n)      !! elastic force there [N]
+         real(wp), intent(in) :: v0              !! as in `contact_context`
+         integer, intent(in) :: side             !! likewise
+         real(wp), intent(out) :: force(n)       !! as in `viscous_result`
+         real(wp), dimension(n), intent(inout), optional :: d_h, d_h_dot, d_elastic !! likewise
+      end subroutine force_formula
 
    end interface
 
@@ -57,29 +62,27 @@ contains
       type(contact_context), intent(in) :: ctx
       type(elastic_result), intent(in) :: elastic !! elastic force there
       type(viscous_result), intent(out) :: result
+      real(wp), dimension(1) :: force, d_h, d_h_dot, d_elastic
 
-      result = no_viscous
-      call law%force(ctx, elastic%force, result)
+      d_h = 0
+      d_h_dot = 0
+      d_elastic = 0
+      call law%evaluate(1, [ctx%h], [ctx%h_dot], [elastic%force], ctx%v0, ctx%side, force, d_h, d_h_dot, d_elastic)
+      result = viscous_result(force(1), d_h(1), 0.0_wp, 0.0_wp, d_h_dot(1), d_elastic(1))
       result%d_h = result%d_h + result%d_elastic*elastic%d_h
       result%d_rho_a = result%d_rho_a + result%d_elastic*elastic%d_rho_a
       result%d_rho_b = result%d_rho_b + result%d_elastic*elastic%d_rho_b
    end subroutine viscous_force
 
-   !> The force in eight states: a law without a loop of its own is asked state by state.
-   pure subroutine lane_by_lane(self, at, elastic, force)
+   !> The force in eight states.
+   pure subroutine force_lanes(self, at, elastic, force)
       class(damping_law_t), intent(in) :: self
       type(lane_context), intent(in) :: at
       real(wp), intent(in) :: elastic(lanes) !! elastic force [N]
       real(wp), intent(out) :: force(lanes)  !! [N]
-      type(viscous_result) :: viscous
-      integer :: l
 
-      do l = 1, lanes
-         viscous = no_viscous
-         call self%force(context_of_lane(at, l), elastic(l), viscous)
-         force(l) = viscous%force
-      end do
-   end subroutine lane_by_lane
+      call self%evaluate(lanes, at%h, at%h_dot, elastic, at%v0, at%side, force)
+   end subroutine force_lanes
 
    !> Which parameter only the mesh can give: its name, or that of the parameter that needs the mesh; "" if none.
    pure function left_to_mesh(self) result(name)

@@ -2,8 +2,7 @@
 !>
 !> It acts as a linear damper once the mesh is known.
 module evl_damping_ratio
-   use evl_contact_context, only: contact_context
-   use evl_damping_law, only: damping_law_t, viscous_result
+   use evl_damping_law, only: damping_law_t
    use evl_kinds, only: wp
    use evl_linear_damping, only: linear_damping_t
    use evl_row, only: kind_t, parameter_row, range_t, short_length
@@ -15,7 +14,7 @@ module evl_damping_ratio
    type, extends(damping_law_t) :: damping_ratio_t
    contains
       procedure :: describe
-      procedure :: force
+      procedure :: evaluate
       procedure :: left_to_mesh
       procedure :: refuse_mesh
       procedure :: acting
@@ -36,14 +35,15 @@ contains
    end subroutine describe
 
    !> None as long as no mesh is known.
-   pure subroutine force(self, ctx, elastic, result)
+   pure subroutine evaluate(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(damping_ratio_t), intent(in) :: self
-      type(contact_context), intent(in) :: ctx
-      real(wp), intent(in) :: elastic
-      type(viscous_result), intent(inout) :: result
+      integer, intent(in) :: n, side
+      real(wp), intent(in) :: h(n), h_dot(n), elastic(n), v0
+      real(wp), intent(out) :: force(n)
+      real(wp), dimension(n), intent(inout), optional :: d_h, d_h_dot, d_elastic
 
-      result%force = 0
-   end subroutine force
+      force = 0
+   end subroutine evaluate
 
    !> The parameter that needs the mesh.
    pure function left_to_mesh(self) result(name)

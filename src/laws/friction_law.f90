@@ -11,30 +11,33 @@ module evl_friction_law
    implicit none (type, external)
    private
 
-   public :: friction_law_t, lane_by_lane, regularisation
+   public :: friction_law_t, regularisation
 
    type, abstract, extends(force_law_t) :: friction_law_t
    contains
-      procedure(factor), deferred :: factor
+      procedure(factor_formula), deferred :: evaluate
+      procedure, non_overridable :: factor
+      procedure, non_overridable :: factor_lanes
       procedure :: acts
       procedure :: falls => never
       procedure :: branch
       procedure :: knee
-      procedure :: factor_lanes => lane_by_lane
    end type friction_law_t
 
    abstract interface
 
-      !> phi of F_t = -F_n phi(v_t) on a branch, also where v_t has left it.
-      pure subroutine factor(self, branch, v_t, phi, d_v)
+      !> phi of F_t = -F_n phi(v_t) in n states on one branch, also where v_t has left it; and its slope, if that is
+      !> present: it comes as zero.
+      pure subroutine factor_formula(self, n, branch, v_t, phi, d_v)
          import :: friction_law_t, wp
          implicit none (type, external)
          class(friction_law_t), intent(in) :: self
-         integer, intent(in) :: branch !! -1, 0 or +1, as `branch` gives it
-         real(wp), intent(in) :: v_t   !! sliding velocity [m/s]
-         real(wp), intent(out) :: phi
-         real(wp), intent(out) :: d_v  !! dphi/dv_t [s/m]
-      end subroutine factor
+         integer, intent(in) :: n          !! 1 or 8: loops over them become vector instructions
+         integer, intent(in) :: branch     !! -1, 0 or +1, as `branch` gives it
+         real(wp), intent(in) :: v_t(n)    !! sliding velocity [m/s]
+         real(wp), intent(out) :: phi(n)
+         real(wp), intent(inout), optional :: d_v(n) !! dphi/dv_t [s/m]
+      end subroutine factor_formula
 
    end interface
 
@@ -54,19 +57,29 @@ contains
       never = .false.
    end function never
 
-   !> phi in eight states on one branch: a law without a loop of its own is asked state by state.
-   pure subroutine lane_by_lane(self, branch, v_t, phi)
+   !> phi in one state, and its slope.
+   pure subroutine factor(self, branch, v_t, phi, d_v)
+      class(friction_law_t), intent(in) :: self
+      integer, intent(in) :: branch     !! -1, 0 or +1
+      real(wp), intent(in) :: v_t       !! sliding velocity [m/s]
+      real(wp), intent(out) :: phi, d_v !! as of `evaluate`
+      real(wp) :: there(1), slope(1)
+
+      slope = 0
+      call self%evaluate(1, branch, [v_t], there, slope)
+      phi = there(1)
+      d_v = slope(1)
+   end subroutine factor
+
+   !> phi in eight states on one branch.
+   pure subroutine factor_lanes(self, branch, v_t, phi)
       class(friction_law_t), intent(in) :: self
       integer, intent(in) :: branch      !! -1, 0 or +1
       real(wp), intent(in) :: v_t(lanes) !! sliding velocity [m/s]
       real(wp), intent(out) :: phi(lanes)
-      real(wp) :: d_v
-      integer :: l
 
-      do l = 1, lanes
-         call self%factor(branch, v_t(l), phi(l), d_v)
-      end do
-   end subroutine lane_by_lane
+      call self%evaluate(lanes, branch, v_t, phi)
+   end subroutine factor_lanes
 
    !> The branch that belongs to a sliding velocity: -1, 0 or +1.
    pure integer function branch(self, v_t)

@@ -12,10 +12,9 @@
 !> Source: P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in multibody
 !> dynamics, Multibody Syst. Dyn. 25 (2011) 357, which compares them. That of each chi stands with it; docs/laws.md has the titles.
 module evl_impact_damping
-   use evl_contact_context, only: contact_context, lane_context
-   use evl_damping_law, only: damping_law_t, viscous_result
+   use evl_damping_law, only: damping_law_t
    use evl_force_law, only: yes
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: wp
    use evl_row, only: kind_t, parameter_row, positive, range_t, span_t
    implicit none (type, external)
    private
@@ -44,8 +43,7 @@ module evl_impact_damping
       integer :: factor = 1 !! which of them
    contains
       procedure :: describe
-      procedure :: force
-      procedure :: force_lanes
+      procedure :: evaluate
       procedure, nopass :: remembers => yes
       procedure :: complete
    end type impact_damping_t
@@ -82,29 +80,20 @@ contains
       share = share/max(v0, self%parameters(2))
    end function share_of
 
-   !> The force.
-   pure subroutine force(self, ctx, elastic, result)
+   !> F = share F_e h'.
+   pure subroutine evaluate(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(impact_damping_t), intent(in) :: self
-      type(contact_context), intent(in) :: ctx
-      real(wp), intent(in) :: elastic
-      type(viscous_result), intent(inout) :: result
+      integer, intent(in) :: n, side
+      real(wp), intent(in) :: h(n), h_dot(n), elastic(n), v0
+      real(wp), intent(out) :: force(n)
+      real(wp), dimension(n), intent(inout), optional :: d_h, d_h_dot, d_elastic
       real(wp) :: share
 
-      share = share_of(self, ctx%v0)
-      result%force = impact_damping(share, elastic, ctx%h_dot)
-      result%d_h_dot = share*elastic
-      result%d_elastic = share*ctx%h_dot
-   end subroutine force
-
-   !> The same in eight states.
-   pure subroutine force_lanes(self, at, elastic, force)
-      class(impact_damping_t), intent(in) :: self
-      type(lane_context), intent(in) :: at
-      real(wp), intent(in) :: elastic(lanes)
-      real(wp), intent(out) :: force(lanes)
-
-      force = impact_damping(share_of(self, at%v0), elastic, at%h_dot)
-   end subroutine force_lanes
+      share = share_of(self, v0)
+      force = share*h_dot*elastic
+      if (present(d_h_dot)) d_h_dot = share*elastic
+      if (present(d_elastic)) d_elastic = share*h_dot
+   end subroutine evaluate
 
    !> v0_min, if it was left open, is the speed amplitude of a vibration as large as the penetration under the nominal load.
    pure subroutine complete(self, stiffness, mass, h_0)
@@ -113,14 +102,5 @@ contains
 
       if (self%left_to_mesh() /= "") self%parameters(2) = h_0*sqrt(stiffness/mass)
    end subroutine complete
-
-   !> F = share F_e h'.
-   elemental real(wp) function impact_damping(share, elastic, h_dot) result(force)
-      real(wp), intent(in) :: share   !! chi/v0 [s/m]
-      real(wp), intent(in) :: elastic !! elastic force F_e [N]
-      real(wp), intent(in) :: h_dot   !! rate of penetration [m/s]
-
-      force = share*h_dot*elastic
-   end function impact_damping
 
 end module evl_impact_damping

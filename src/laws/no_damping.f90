@@ -1,9 +1,8 @@
 !> No viscous force.
 module evl_no_damping
-   use evl_contact_context, only: contact_context, lane_context
-   use evl_damping_law, only: damping_law_t, viscous_result
+   use evl_damping_law, only: damping_law_t
    use evl_force_law, only: yes
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: wp
    use evl_row, only: kind_t
    implicit none (type, external)
    private
@@ -14,8 +13,7 @@ module evl_no_damping
    contains
       procedure :: describe
       procedure, nopass :: is_none => yes
-      procedure :: force
-      procedure :: force_lanes
+      procedure :: evaluate
    end type no_damping_t
 
 contains
@@ -30,23 +28,14 @@ contains
    end subroutine describe
 
    !> Zero.
-   pure subroutine force(self, ctx, elastic, result)
+   pure subroutine evaluate(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(no_damping_t), intent(in) :: self
-      type(contact_context), intent(in) :: ctx
-      real(wp), intent(in) :: elastic
-      type(viscous_result), intent(inout) :: result
-
-      result%force = 0
-   end subroutine force
-
-   !> Zero in eight states.
-   pure subroutine force_lanes(self, at, elastic, force)
-      class(no_damping_t), intent(in) :: self
-      type(lane_context), intent(in) :: at
-      real(wp), intent(in) :: elastic(lanes)
-      real(wp), intent(out) :: force(lanes)
+      integer, intent(in) :: n, side
+      real(wp), intent(in) :: h(n), h_dot(n), elastic(n), v0
+      real(wp), intent(out) :: force(n)
+      real(wp), dimension(n), intent(inout), optional :: d_h, d_h_dot, d_elastic
 
       force = 0
-   end subroutine force_lanes
+   end subroutine evaluate
 
 end module evl_no_damping

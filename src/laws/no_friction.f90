@@ -2,7 +2,7 @@
 module evl_no_friction
    use evl_force_law, only: yes
    use evl_friction_law, only: friction_law_t
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: wp
    use evl_row, only: kind_t
    implicit none (type, external)
    private
@@ -13,8 +13,7 @@ module evl_no_friction
    contains
       procedure :: describe
       procedure, nopass :: is_none => yes
-      procedure :: factor
-      procedure :: factor_lanes
+      procedure :: evaluate
    end type no_friction_t
 
 contains
@@ -29,24 +28,14 @@ contains
    end subroutine describe
 
    !> Zero.
-   pure subroutine factor(self, branch, v_t, phi, d_v)
+   pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
       class(no_friction_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t
-      real(wp), intent(out) :: phi, d_v
+      integer, intent(in) :: n, branch
+      real(wp), intent(in) :: v_t(n)
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_v(n)
 
       phi = 0
-      d_v = 0
-   end subroutine factor
-
-   !> Zero in eight states.
-   pure subroutine factor_lanes(self, branch, v_t, phi)
-      class(no_friction_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t(lanes)
-      real(wp), intent(out) :: phi(lanes)
-
-      phi = 0
-   end subroutine factor_lanes
+   end subroutine evaluate
 
 end module evl_no_friction

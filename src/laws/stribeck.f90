@@ -18,8 +18,7 @@ module evl_stribeck
    contains
       procedure :: describe
       procedure :: check
-      procedure :: factor
-      procedure :: factor_lanes
+      procedure :: evaluate
       procedure :: falls
    end type stribeck_t
 
@@ -63,33 +62,31 @@ contains
                 //quantity(self%parameters(2), "")
    end subroutine check
 
-   !> The factor.
-   pure subroutine factor(self, branch, v_t, phi, d_v)
+   !> phi and its slope.
+   pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
       class(stribeck_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t
-      real(wp), intent(out) :: phi, d_v
+      integer, intent(in) :: n, branch
+      real(wp), intent(in) :: v_t(n)
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_v(n)
+      real(wp) :: static, kinetic, stribeck_velocity, delta
+      real(wp), dimension(lanes) :: share, d_share, excess
+      integer :: i
 
-      associate (p => self%parameters)
-         call stribeck_factor(v_t, p(1), p(2), p(3), p(4), phi, d_v)
-      end associate
-   end subroutine factor
-
-   !> The same in eight states.
-   pure subroutine factor_lanes(self, branch, v_t, phi)
-      class(stribeck_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t(lanes)
-      real(wp), intent(out) :: phi(lanes)
-      real(wp) :: p(4), d_v
-      integer :: l
-
-      p = self%parameters(:4)
-      !$omp simd private(d_v)
-      do l = 1, lanes
-         call stribeck_factor(v_t(l), p(1), p(2), p(3), p(4), phi(l), d_v)
+      static = self%parameters(1)
+      kinetic = self%parameters(2)
+      stribeck_velocity = self%parameters(3)
+      delta = self%parameters(4)
+      !$omp simd
+      do i = 1, n
+         call smooth_sign(v_t(i), delta, share(i), d_share(i))
+         excess(i) = (static - kinetic)*exponential(-(v_t(i)/stribeck_velocity)**2)
       end do
-   end subroutine factor_lanes
+      phi = (kinetic + excess(:n))*share(:n)
+      if (.not. present(d_v)) return
+      d_v = (kinetic + excess(:n))*(1/delta*d_share(:n)) &
+            - 2.0_wp*excess(:n)*(v_t/stribeck_velocity)/stribeck_velocity*share(:n)
+   end subroutine evaluate
 
    !> It falls from static to kinetic.
    pure logical function falls(self)
@@ -97,22 +94,5 @@ contains
 
       falls = self%parameters(1) > self%parameters(2)
    end function falls
-
-   !> phi and its slope.
-   elemental subroutine stribeck_factor(v_t, static, kinetic, stribeck_velocity, delta, phi, d_v)
-      real(wp), intent(in) :: v_t               !! sliding velocity [m/s]
-      real(wp), intent(in) :: static            !! f_s, >= f_k
-      real(wp), intent(in) :: kinetic           !! f_k, >= 0
-      real(wp), intent(in) :: stribeck_velocity !! v_s [m/s], > 0
-      real(wp), intent(in) :: delta             !! regularisation velocity [m/s], > 0
-      real(wp), intent(out) :: phi
-      real(wp), intent(out) :: d_v              !! dphi/dv_t [s/m]
-      real(wp) :: share, d_share, excess
-
-      call smooth_sign(v_t, delta, share, d_share)
-      excess = (static - kinetic)*exponential(-(v_t/stribeck_velocity)**2)
-      phi = (kinetic + excess)*share
-      d_v = (kinetic + excess)*(1/delta*d_share) - 2.0_wp*excess*(v_t/stribeck_velocity)/stribeck_velocity*share
-   end subroutine stribeck_factor
 
 end module evl_stribeck

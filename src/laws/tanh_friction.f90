@@ -15,8 +15,7 @@ module evl_tanh_friction
    type, extends(friction_law_t) :: tanh_friction_t
    contains
       procedure :: describe
-      procedure :: factor
-      procedure :: factor_lanes
+      procedure :: evaluate
    end type tanh_friction_t
 
 contains
@@ -38,45 +37,23 @@ contains
                    regularisation("sliding velocity at which friction is developed to 76 %")]
    end subroutine describe
 
-   !> The factor.
-   pure subroutine factor(self, branch, v_t, phi, d_v)
-      class(tanh_friction_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t
-      real(wp), intent(out) :: phi, d_v
-
-      call tanh_factor(v_t, self%parameters(1), self%parameters(2), phi, d_v)
-   end subroutine factor
-
-   !> The same in eight states.
-   pure subroutine factor_lanes(self, branch, v_t, phi)
-      class(tanh_friction_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t(lanes)
-      real(wp), intent(out) :: phi(lanes)
-      real(wp) :: coefficient, delta, d_v
-      integer :: l
-
-      coefficient = self%parameters(1)
-      delta = self%parameters(2)
-      !$omp simd private(d_v)
-      do l = 1, lanes
-         call tanh_factor(v_t(l), coefficient, delta, phi(l), d_v)
-      end do
-   end subroutine factor_lanes
-
    !> phi and its slope.
-   elemental subroutine tanh_factor(v_t, coefficient, delta, phi, d_v)
-      real(wp), intent(in) :: v_t         !! sliding velocity [m/s]
-      real(wp), intent(in) :: coefficient !! f, >= 0
-      real(wp), intent(in) :: delta       !! regularisation velocity [m/s], > 0
-      real(wp), intent(out) :: phi
-      real(wp), intent(out) :: d_v        !! dphi/dv_t [s/m]
-      real(wp) :: share, d_share
+   pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
+      class(tanh_friction_t), intent(in) :: self
+      integer, intent(in) :: n, branch
+      real(wp), intent(in) :: v_t(n)
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_v(n)
+      real(wp) :: delta, share(lanes), d_share(lanes)
+      integer :: i
 
-      call smooth_sign(v_t, delta, share, d_share)
-      phi = coefficient*share
-      d_v = coefficient/delta*d_share
-   end subroutine tanh_factor
+      delta = self%parameters(2)
+      !$omp simd
+      do i = 1, n
+         call smooth_sign(v_t(i), delta, share(i), d_share(i))
+      end do
+      phi = self%parameters(1)*share(:n)
+      if (present(d_v)) d_v = self%parameters(1)/delta*d_share(:n)
+   end subroutine evaluate
 
 end module evl_tanh_friction

@@ -1,8 +1,8 @@
 !> A constant torque.
 module evl_constant_load
    use evl_given, only: given_t
-   use evl_kinds, only: lanes, wp
-   use evl_load, only: lane_points, load_point, load_t
+   use evl_kinds, only: wp
+   use evl_load, only: load_t
    use evl_row, only: kind_t, parameter_row, span_t
    implicit none (type, external)
    private
@@ -15,8 +15,7 @@ module evl_constant_load
       procedure :: describe
       procedure :: take
       procedure :: feed
-      procedure :: ask
-      procedure :: add_in_lanes
+      procedure :: evaluate
    end type constant_load
 
 contains
@@ -46,28 +45,14 @@ contains
       self%value = value
    end subroutine feed
 
-   pure subroutine ask(self, at, torque, damping, stiffness)
+   pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(constant_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(out) :: torque, damping, stiffness
+      integer, intent(in) :: n, segment
+      real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
       torque = self%value
-      damping = 0
-      stiffness = 0
-   end subroutine ask
-
-   pure subroutine add_in_lanes(self, at, torque)
-      class(constant_load), intent(in) :: self
-      type(lane_points), intent(in) :: at
-      real(wp), intent(inout) :: torque(lanes)
-      real(wp) :: value
-      integer :: l
-
-      value = self%value
-      !$omp simd
-      do l = 1, lanes
-         torque(l) = torque(l) + value
-      end do
-   end subroutine add_in_lanes
+   end subroutine evaluate
 
 end module evl_constant_load

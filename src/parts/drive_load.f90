@@ -3,8 +3,8 @@
 !>    M = torque + slope (omega - speed)
 module evl_drive_load
    use evl_given, only: given_t
-   use evl_kinds, only: lanes, wp
-   use evl_load, only: lane_points, load_point, load_t
+   use evl_kinds, only: wp
+   use evl_load, only: load_t
    use evl_row, only: kind_t, parameter_row, span_t
    use evl_status, only: quantity
    implicit none (type, external)
@@ -20,9 +20,7 @@ module evl_drive_load
       procedure :: describe
       procedure, nopass :: refusal
       procedure :: take
-      procedure :: ask
-      procedure :: add_in_lanes
-      procedure :: spin_torque
+      procedure :: evaluate
    end type drive_load
 
 contains
@@ -70,38 +68,15 @@ contains
       self%sense = "speed"
    end subroutine take
 
-   pure subroutine ask(self, at, torque, damping, stiffness)
+   pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(drive_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(out) :: torque, damping, stiffness
+      integer, intent(in) :: n, segment
+      real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
-      torque = self%torque + self%slope*(at%omega - self%at_speed)
-      damping = -self%slope
-      stiffness = 0
-   end subroutine ask
-
-   pure subroutine add_in_lanes(self, at, torque)
-      class(drive_load), intent(in) :: self
-      type(lane_points), intent(in) :: at
-      real(wp), intent(inout) :: torque(lanes)
-      real(wp) :: there, slope, speed
-      integer :: l
-
-      there = self%torque
-      slope = self%slope
-      speed = self%at_speed
-      !$omp simd
-      do l = 1, lanes
-         torque(l) = torque(l) + (there + slope*(at%omega(l) - speed))
-      end do
-   end subroutine add_in_lanes
-
-   pure real(wp) function spin_torque(self, at, spin) result(torque)
-      class(drive_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(in) :: spin
-
-      torque = self%slope*spin
-   end function spin_torque
+      torque = self%torque + self%slope*(omega - self%at_speed)
+      if (present(damping)) damping = -self%slope
+   end subroutine evaluate
 
 end module evl_drive_load

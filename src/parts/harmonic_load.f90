@@ -7,7 +7,7 @@
 module evl_harmonic_load
    use evl_given, only: given_t
    use evl_kinds, only: lanes, pi, wp
-   use evl_load, only: lane_points, load_point, load_t
+   use evl_load, only: load_t
    use evl_row, only: kind_t, parameter_row, positive, span_t
    implicit none (type, external)
    private
@@ -23,8 +23,7 @@ module evl_harmonic_load
       procedure :: describe
       procedure, nopass :: refusal
       procedure :: take
-      procedure :: ask
-      procedure :: add_in_lanes
+      procedure :: evaluate
    end type harmonic_load
 
 contains
@@ -79,17 +78,25 @@ contains
       self%sense = "mean"
    end subroutine take
 
-   pure subroutine ask(self, at, torque, damping, stiffness)
+   pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(harmonic_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(out) :: torque, damping, stiffness
-      real(wp) :: sine, cosine
+      integer, intent(in) :: n, segment
+      real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
+      real(wp) :: frequency, order, start, sine(lanes), cosine(lanes)
+      integer :: l
 
-      call sine_cosine(argument(self%frequency*at%t + self%order*(at%angle/(2*pi)), start_of(self, at%revolutions)), sine, cosine)
-      torque = self%mean + self%swing*sine
-      damping = 0
-      stiffness = -self%swing*self%order*cosine
-   end subroutine ask
+      frequency = self%frequency
+      order = self%order
+      start = start_of(self, revolutions)
+      !$omp simd
+      do l = 1, n
+         call sine_cosine(argument(frequency*t(l) + order*(angle(l)/(2*pi)), start), sine(l), cosine(l))
+      end do
+      torque = self%mean + self%swing*sine(:n)
+      if (present(stiffness)) stiffness = -self%swing*self%order*cosine(:n)
+   end subroutine evaluate
 
    !> Of the cycles, those that have nothing to do with time and angle: the phase, and the part of a cycle in which whole turns end.
    pure real(wp) function start_of(self, revolutions) result(cycles)
@@ -108,24 +115,5 @@ contains
       all = cycles + start
       x = 2*pi*(all - ((all + to_whole) - to_whole))
    end function argument
-
-   pure subroutine add_in_lanes(self, at, torque)
-      class(harmonic_load), intent(in) :: self
-      type(lane_points), intent(in) :: at
-      real(wp), intent(inout) :: torque(lanes)
-      real(wp) :: mean, amplitude, frequency, order, start, sine, cosine
-      integer :: l
-
-      mean = self%mean
-      amplitude = self%swing
-      frequency = self%frequency
-      order = self%order
-      start = start_of(self, at%revolutions)
-      !$omp simd private(sine, cosine)
-      do l = 1, lanes
-         call sine_cosine(argument(frequency*at%t(l) + order*(at%angle(l)/(2*pi)), start), sine, cosine)
-         torque(l) = torque(l) + (mean + amplitude*sine)
-      end do
-   end subroutine add_in_lanes
 
 end module evl_harmonic_load

@@ -6,7 +6,7 @@ module evl_knots
    implicit none (type, external)
    private
 
-   public :: knot_slope, knot_value, knots_passed, knots_t, next_knot, varies_between
+   public :: knot_slope, knot_value, knot_values, knots_passed, knots_t, next_knot
 
    type :: knots_t
       real(wp), allocatable :: time(:)   !! [s], strictly increasing
@@ -21,12 +21,36 @@ contains
       real(wp), intent(in) :: t      !! [s]
       integer, intent(in) :: segment !! number of knots passed
 
-      if (varies_between(knots, segment)) then
-         value = between_knots(t, knots%time(segment), knots%time(segment + 1), knots%values(segment), knots%values(segment + 1))
-      else
-         value = knots%values(merge(1, size(knots%time), segment < 1))
-      end if
+      real(wp) :: there(1)
+
+      call knot_values(knots, 1, [t], segment, there)
+      value = there(1)
    end function knot_value
+
+   !> The same at n times of one segment.
+   pure subroutine knot_values(knots, n, t, segment, values)
+      type(knots_t), intent(in) :: knots
+      integer, intent(in) :: n
+      real(wp), intent(in) :: t(n) !! [s]
+      integer, intent(in) :: segment
+      real(wp), intent(out) :: values(n)
+      real(wp) :: t_1, t_2, value_1, value_2, share
+      integer :: l
+
+      if (.not. varies_between(knots, segment)) then
+         values = knots%values(merge(1, size(knots%time), segment < 1))
+         return
+      end if
+      t_1 = knots%time(segment)
+      t_2 = knots%time(segment + 1)
+      value_1 = knots%values(segment)
+      value_2 = knots%values(segment + 1)
+      !$omp simd private(share)
+      do l = 1, n
+         share = (t(l) - t_1)/(t_2 - t_1)
+         values(l) = (1 - share)*value_1 + share*value_2
+      end do
+   end subroutine knot_values
 
    !> Its rate [per s].
    pure real(wp) function knot_slope(knots, segment) result(slope)
@@ -37,8 +61,6 @@ contains
       if (.not. varies_between(knots, segment)) return
       slope = (knots%values(segment + 1) - knots%values(segment))/(knots%time(segment + 1) - knots%time(segment))
    end function knot_slope
-
-   include "parts/between_knots.inc"
 
    !> Whether the segment lies between two knots.
    pure logical function varies_between(knots, segment) result(varies)

@@ -1,17 +1,17 @@
 !> A load: a torque on a wheel from outside, or a prescribed speed. What a kind of load is asked, whichever it is.
 !>
+!> The torque of a kind has one formula, `evaluate`, of one state or eight; all else that a torque is asked here derives from it.
 !> A kind extends load_t in a file of its own and has a line in evl_load_kinds; nobody else knows which kinds there are.
 module evl_load
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_given, only: given_t
    use evl_kind_finder, only: described_t
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: wp
    use evl_knots, only: knots_t
    use evl_row, only: short_length
    implicit none (type, external)
    private
 
-   public :: lane_points, load_point, load_t
+   public :: load_point, load_t
 
    !> Where a load is asked. The wheel's angle in the housing is 2 pi revolutions + angle.
    type :: load_point
@@ -21,13 +21,6 @@ module evl_load
       real(wp) :: angle = 0.0_wp       !! the rest [rad]; likewise
       integer :: segment = 0           !! knots passed, if it has any
    end type load_point
-
-   !> The same of eight states.
-   type :: lane_points
-      real(wp) :: t(lanes), omega(lanes), angle(lanes) !! as above
-      real(wp) :: revolutions = 0.0_wp
-      integer :: segment = 0
-   end type lane_points
 
    type, abstract, extends(described_t) :: load_t
       integer :: wheel = 0                  !! which wheel it acts on
@@ -46,10 +39,10 @@ module evl_load
       character(len=short_length) :: sense = "value" !! parameter that gives its torque or speed its sense
    contains
       procedure(take_numbers), deferred :: take
-      procedure(torque_there), deferred :: ask
+      procedure(torque_formula), deferred :: evaluate
       procedure, nopass :: refusal => no_refusal
-      procedure :: add_in_lanes => ask_one_by_one
-      procedure :: spin_torque
+      procedure, non_overridable :: ask
+      procedure, non_overridable :: spin_torque
       procedure :: feed => feed_nothing
       procedure :: speed => no_speed
       procedure :: acceleration => no_acceleration
@@ -65,16 +58,20 @@ module evl_load
          type(given_t), intent(in) :: given
       end subroutine take_numbers
 
-      !> The torque; a prescribed speed has none of its own.
-      pure subroutine torque_there(self, at, torque, damping, stiffness)
-         import :: load_point, load_t, wp
+      !> The torque in n states that share the whole turns and the segment; a prescribed speed has none of its own. If they are
+      !> present, its derivatives, both of them: they come as zero.
+      pure subroutine torque_formula(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
+         import :: load_t, wp
          implicit none (type, external)
          class(load_t), intent(in) :: self
-         type(load_point), intent(in) :: at
-         real(wp), intent(out) :: torque    !! M, counterclockwise positive [N m]
-         real(wp), intent(out) :: damping   !! -dM/domega [N m s]; 0 without by_speed
-         real(wp), intent(out) :: stiffness !! -dM/dphi [N m]; 0 without by_angle
-      end subroutine torque_there
+         integer, intent(in) :: n                         !! 1 or 8: loops over them become vector instructions
+         real(wp), intent(in) :: t(n), omega(n), angle(n) !! as in `load_point`
+         real(wp), intent(in) :: revolutions
+         integer, intent(in) :: segment
+         real(wp), intent(out) :: torque(n)                !! M, counterclockwise positive [N m]
+         real(wp), intent(inout), optional :: damping(n)   !! -dM/domega [N m s]; 0 without by_speed
+         real(wp), intent(inout), optional :: stiffness(n) !! -dM/dphi [N m]; 0 without by_angle
+      end subroutine torque_formula
 
    end interface
 
@@ -89,35 +86,39 @@ contains
       field = ""
    end subroutine no_refusal
 
-   !> Add the torques of eight states, asked one by one: for a kind that has no loop of its own.
-   pure subroutine ask_one_by_one(self, at, torque)
+   !> The torque in one state; that of a prescribed speed is 0.
+   pure subroutine ask(self, at, torque, damping, stiffness)
       class(load_t), intent(in) :: self
-      type(lane_points), intent(in) :: at
-      real(wp), intent(inout) :: torque(lanes) !! [N m]
-      real(wp) :: mine, damping, stiffness
-      integer :: l
+      type(load_point), intent(in) :: at
+      real(wp), intent(out) :: torque, damping, stiffness !! as of `evaluate`
+      real(wp) :: there(1), by_speed(1), by_angle(1)
 
-      do l = 1, lanes
-         call self%ask(load_point(at%t(l), at%omega(l), at%revolutions, at%angle(l), at%segment), mine, damping, stiffness)
-         torque(l) = torque(l) + mine
-      end do
-   end subroutine ask_one_by_one
+      by_speed = 0
+      by_angle = 0
+      call self%evaluate(1, [at%t], [at%omega], [at%angle], at%revolutions, at%segment, there, by_speed, by_angle)
+      torque = there(1)
+      damping = by_speed(1)
+      stiffness = by_angle(1)
+   end subroutine ask
 
    !> What the turning of the housing adds to a torque against the ground: it follows the speed seen from there [N m].
+   !>
+   !> The tangent stands for the difference where both agree to rounding: it is exact if the torque is linear in the speed.
    pure real(wp) function spin_torque(self, at, spin) result(torque)
       class(load_t), intent(in) :: self
       type(load_point), intent(in) :: at !! in the housing
       real(wp), intent(in) :: spin       !! Omega_z of the housing [rad/s]
       type(load_point) :: seen
-      real(wp) :: here, damping, stiffness
+      real(wp) :: here, there, damping, stiffness
 
-      torque = 0
-      if (.not. self%by_speed) return
       seen = at
       seen%omega = at%omega + spin
       call self%ask(at, here, damping, stiffness)
-      call self%ask(seen, torque, damping, stiffness)
-      torque = torque - here
+      call self%ask(seen, there, damping, stiffness)
+      torque = -damping*spin
+      associate (difference => there - here, size => abs(here) + abs(there) + abs(damping*at%omega))
+         if (.not. abs(difference - torque) <= 4*epsilon(size)*size) torque = difference
+      end associate
    end function spin_torque
 
    !> Take the torque, or the prescribed speed and its rate, that holds from now on; only of a load that is an input.

@@ -3,7 +3,7 @@ module evl_speed_load
    use evl_given, only: given_t
    use evl_kinds, only: wp
    use evl_knots, only: knot_slope, knot_value, knots_t
-   use evl_load, only: load_point, load_t
+   use evl_load, only: load_t
    use evl_row, only: kind_t, parameter_row, span_t, type_at_knots, type_knots
    implicit none (type, external)
    private
@@ -18,7 +18,7 @@ module evl_speed_load
       procedure, nopass :: refusal
       procedure :: take
       procedure :: feed
-      procedure :: ask
+      procedure :: evaluate
       procedure :: speed
       procedure :: acceleration
    end type speed_load
@@ -78,15 +78,15 @@ contains
       self%rate = rate
    end subroutine feed
 
-   pure subroutine ask(self, at, torque, damping, stiffness)
+   pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(speed_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(out) :: torque, damping, stiffness
+      integer, intent(in) :: n, segment
+      real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
       torque = 0
-      damping = 0
-      stiffness = 0
-   end subroutine ask
+   end subroutine evaluate
 
    pure real(wp) function speed(self, t, segment)
       class(speed_load), intent(in) :: self

@@ -1,9 +1,9 @@
 !> A torque over time from a table.
 module evl_table_load
    use evl_given, only: given_t
-   use evl_kinds, only: lanes, wp
-   use evl_knots, only: knot_value, knots_t, varies_between
-   use evl_load, only: lane_points, load_point, load_t
+   use evl_kinds, only: wp
+   use evl_knots, only: knot_values, knots_t
+   use evl_load, only: load_t
    use evl_row, only: kind_t, parameter_row, span_t, type_at_knots, type_knots
    implicit none (type, external)
    private
@@ -14,13 +14,10 @@ module evl_table_load
    contains
       procedure :: describe
       procedure :: take
-      procedure :: ask
-      procedure :: add_in_lanes
+      procedure :: evaluate
    end type table_load
 
 contains
-
-   include "parts/between_knots.inc"
 
    pure subroutine describe(self, info)
       class(table_load), intent(in) :: self
@@ -44,35 +41,14 @@ contains
       self%sense = "torque"
    end subroutine take
 
-   pure subroutine ask(self, at, torque, damping, stiffness)
+   pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(table_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(out) :: torque, damping, stiffness
+      integer, intent(in) :: n, segment
+      real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
-      torque = knot_value(self%knots, at%t, at%segment)
-      damping = 0
-      stiffness = 0
-   end subroutine ask
-
-   pure subroutine add_in_lanes(self, at, torque)
-      class(table_load), intent(in) :: self
-      type(lane_points), intent(in) :: at
-      real(wp), intent(inout) :: torque(lanes)
-      real(wp) :: t_1, t_2, value_1, value_2
-      integer :: l
-
-      if (.not. varies_between(self%knots, at%segment)) then
-         torque = torque + knot_value(self%knots, at%t(1), at%segment)
-         return
-      end if
-      t_1 = self%knots%time(at%segment)
-      t_2 = self%knots%time(at%segment + 1)
-      value_1 = self%knots%values(at%segment)
-      value_2 = self%knots%values(at%segment + 1)
-      !$omp simd
-      do l = 1, lanes
-         torque(l) = torque(l) + between_knots(at%t(l), t_1, t_2, value_1, value_2)
-      end do
-   end subroutine add_in_lanes
+      call knot_values(self%knots, n, t, segment, torque)
+   end subroutine evaluate
 
 end module evl_table_load

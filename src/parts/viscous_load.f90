@@ -1,8 +1,8 @@
 !> A torque against the speed, proportional to it.
 module evl_viscous_load
    use evl_given, only: given_t
-   use evl_kinds, only: lanes, wp
-   use evl_load, only: lane_points, load_point, load_t
+   use evl_kinds, only: wp
+   use evl_load, only: load_t
    use evl_row, only: kind_t, not_negative, parameter_row, span_t
    implicit none (type, external)
    private
@@ -14,9 +14,7 @@ module evl_viscous_load
    contains
       procedure :: describe
       procedure :: take
-      procedure :: ask
-      procedure :: add_in_lanes
-      procedure :: spin_torque
+      procedure :: evaluate
    end type viscous_load
 
 contains
@@ -42,36 +40,15 @@ contains
       self%sense = "coefficient"
    end subroutine take
 
-   pure subroutine ask(self, at, torque, damping, stiffness)
+   pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(viscous_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(out) :: torque, damping, stiffness
+      integer, intent(in) :: n, segment
+      real(wp), intent(in) :: t(n), omega(n), angle(n), revolutions
+      real(wp), intent(out) :: torque(n)
+      real(wp), intent(inout), optional :: damping(n), stiffness(n)
 
-      torque = -self%coefficient*at%omega
-      damping = self%coefficient
-      stiffness = 0
-   end subroutine ask
-
-   pure subroutine add_in_lanes(self, at, torque)
-      class(viscous_load), intent(in) :: self
-      type(lane_points), intent(in) :: at
-      real(wp), intent(inout) :: torque(lanes)
-      real(wp) :: coefficient
-      integer :: l
-
-      coefficient = self%coefficient
-      !$omp simd
-      do l = 1, lanes
-         torque(l) = torque(l) - coefficient*at%omega(l)
-      end do
-   end subroutine add_in_lanes
-
-   pure real(wp) function spin_torque(self, at, spin) result(torque)
-      class(viscous_load), intent(in) :: self
-      type(load_point), intent(in) :: at
-      real(wp), intent(in) :: spin
-
-      torque = -self%coefficient*spin
-   end function spin_torque
+      torque = -self%coefficient*omega
+      if (present(damping)) damping = self%coefficient
+   end subroutine evaluate
 
 end module evl_viscous_load

@@ -1,6 +1,6 @@
 """A reported rate is the rate of what it names, or the run fails.
 
-The kernel of the drill has one kind of load more, of which one procedure is wrong on purpose.
+The kernel of the drill has one kind of load more: a drag with a quadratic term.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import machine
 from evolvent import check_history
@@ -23,7 +24,9 @@ from kernel.kernel import Kernel
 from system.runs import Run, Runs
 
 UNITS = {"W", "rad s-2", "m s-2", "rad s-1", "m s-1"}
-WRONG = {"ask": 1, "add_in_lanes": 2, "spin_torque": 3}
+LINEAR, QUADRATIC = 10, 2
+SPIN = 2.0  # of the housing [rad/s]
+TURNING = {"kind": "prescribed", "rotation": [{"kind": "rate", "axis": "z", "value": SPIN}]}
 STEEL = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800}
 CASE: dict[str, Any] = {
     "format": 1,
@@ -36,7 +39,7 @@ CASE: dict[str, Any] = {
         },
         {
             **{"name": "gear", "teeth": 30, "width": 0.1, "material": "steel"},
-            "loads": [{"kind": "drill", "coefficient": 10, "quadratic": 2, "wrong": 0}],
+            "loads": [{"kind": "drill", "coefficient": LINEAR, "quadratic": QUADRATIC}],
         },
     ],
     "meshes": [
@@ -56,7 +59,7 @@ CASE: dict[str, Any] = {
 
 @pytest.fixture(scope="session")
 def drill() -> Path:
-    """Kernel with the load that may be wrong."""
+    """Kernel with one kind of load more."""
     folder = Path(os.environ["EVOLVENT_TEST_LIBRARY"]).parent
     library = folder / "libkernel_drill.so"
     if not library.exists():
@@ -64,42 +67,36 @@ def drill() -> Path:
     return library
 
 
-def run_drill(
-    runs: Runs, folder: Path, drill: Path, *settings: str
-) -> subprocess.CompletedProcess[str]:
-    case = folder / "case.yaml"
-    case.write_text(json.dumps(CASE))
-    options = [word for setting in settings for word in ("--set", setting)]
-    return subprocess.run(
-        [runs.executable, "run", "-q", case, "-o", folder / "case.h5", *options],
-        **{"capture_output": True, "text": True, "timeout": 300, "check": False},
-        env={**os.environ, "LD_PRELOAD": str(drill)},
-    )
-
-
 @pytest.mark.parametrize(
     ("integrator", "tracking"),
     [("radau", "closed_form"), ("ida", "closed_form"), ("ida", "differential")],
 )
-@pytest.mark.parametrize("procedure", ["none", *WRONG])
-def test_a_load_with_one_wrong_procedure_fails_the_run(
-    runs: Runs, drill: Path, tmp_path: Path, procedure: str, integrator: str, tracking: str
+@pytest.mark.parametrize("housing", [None, TURNING], ids=["fixed", "turning"])
+def test_the_one_formula_of_a_load_serves_every_integrator_and_housing(
+    runs: Runs,
+    drill: Path,
+    tmp_path: Path,
+    housing: dict[str, Any] | None,
+    integrator: str,
+    tracking: str,
 ) -> None:
-    settings = [
-        f"simulation.integrator={integrator}",
-        f"meshes.0.tracking={tracking}",
-        f"wheels.gear.loads.0.wrong={WRONG.get(procedure, 0)}",
-    ]
-    done = run_drill(runs, tmp_path, drill, *settings)
-    if procedure == "none":
-        assert done.returncode == 0, done.stderr
-        return
-    assert done.returncode == 4, done.stderr
-    (line,) = done.stderr.splitlines()
-    assert "the torque of a load of wheel 'gear' at " in line
-    assert "this is a defect of the program" in line
-    assert (tmp_path / "case.h5.partial").exists()
-    assert not (tmp_path / "case.h5").exists()
+    case = tmp_path / "case.yaml"
+    case.write_text(json.dumps(CASE if housing is None else {**CASE, "housing": housing}))
+    settings = (f"simulation.integrator={integrator}", f"meshes.0.tracking={tracking}")
+    options = [word for setting in settings for word in ("--set", setting)]
+    done = subprocess.run(
+        [runs.executable, "run", "-q", case, "-o", tmp_path / "case.h5", *options],
+        **{"capture_output": True, "text": True, "timeout": 300, "check": False},
+        env={**os.environ, "LD_PRELOAD": str(drill)},
+    )
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(tmp_path / "case.h5", engine="h5netcdf") as history:
+        gear = history.isel(wheel=1)
+        speed = gear["angular_velocity"].values + (0 if housing is None else SPIN)
+        torque = gear["load_torque"].values
+    assert np.ptp(speed) > 0.02
+    expected = -(LINEAR + QUADRATIC * abs(speed)) * speed
+    np.testing.assert_allclose(torque, expected, rtol=0, atol=1e-13 * abs(expected).max())
 
 
 def test_every_output_with_the_unit_of_a_rate_names_its_integral(kernel: Kernel) -> None:

@@ -334,24 +334,6 @@ EVL_API void evl_gearbox_constants(const evl_gearbox *gearbox, double *values);
 EVL_API int evl_gearbox_outputs(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
                                 const double *reals, bool check, double *values, evl_status *status);
 
-/** Formulas of a load that state one torque. */
-typedef enum {
-    EVL_FORMULA_IN_LANES = 1, /**< `add_in_lanes`: of eight states at once */
-    EVL_FORMULA_OF_SPIN = 2   /**< `spin_torque`: what a change of the speed adds */
-} evl_load_formula;
-/** Two formulas of a load that differ: a defect of the kernel. */
-typedef struct {
-    int wheel;          /**< index of the wheel of the load */
-    int formula;        /**< evl_load_formula that differs from `ask`, of one state */
-    double omega;       /**< speed of the wheel at which they do [rad/s] */
-    double here, other; /**< torque by `ask`, by the other formula [N m] */
-} evl_load_conflict;
-/** Compare the formulas of every load with each other, at a state and at speeds near it.
- *  @param part  of the load's largest torque by which they may differ
- *  @return whether two differ by more */
-EVL_API bool evl_gearbox_load_conflict(const evl_gearbox *gearbox, double t, const double *y, const int *integers,
-                                       double part, evl_load_conflict *conflict);
-
 /** How many states the kernel takes at once. */
 enum { EVL_LANES = 8 };
 

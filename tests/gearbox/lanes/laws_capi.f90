@@ -2,9 +2,9 @@
 module laws_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_contact_context, only: contact_context, lane_context
-   use evl_damping_law, only: damping_law_t, damping_one_by_one => lane_by_lane, viscous_result
+   use evl_damping_law, only: damping_law_t
    use evl_elastic_law, only: elastic_law_t, elastic_one_by_one => lane_by_lane, elastic_result
-   use evl_friction_law, only: friction_law_t, friction_one_by_one => lane_by_lane
+   use evl_friction_law, only: friction_law_t
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: lanes, wp
    use evl_row, only: kind_t
@@ -14,7 +14,7 @@ module laws_capi
 
    public :: lanes_damping, lanes_elastic, lanes_friction, lanes_strip_laws
 
-   !> A law of the table that has no loop: one who enters a law need not write one.
+   !> A law of the table, asked state by state.
    type, extends(elastic_law_t) :: bare_elastic_t
       class(elastic_law_t), allocatable :: law
    contains
@@ -29,14 +29,14 @@ module laws_capi
       class(damping_law_t), allocatable :: law
    contains
       procedure :: describe => describe_damping
-      procedure :: force => damping_force
+      procedure :: evaluate => each_damping
    end type bare_damping_t
 
    type, extends(friction_law_t) :: bare_friction_t
       class(friction_law_t), allocatable :: law
    contains
       procedure :: describe => describe_friction
-      procedure :: factor
+      procedure :: evaluate => each_factor
       procedure :: acts
       procedure :: falls
       procedure :: knee
@@ -70,13 +70,15 @@ contains
       real(c_double), intent(in) :: elastic(lanes)
       real(c_double), intent(inout) :: force(lanes)
       class(damping_law_t), allocatable :: law
+      type(bare_damping_t) :: stripped
       type(lane_context) :: at
 
       call given_damping(choice, law)
       at = context_of_lanes(contexts)
       at%side = side
       if (bare == 1) then
-         call damping_one_by_one(law, at, elastic, force)
+         call move_alloc(law, stripped%law)
+         call stripped%force_lanes(at, elastic, force)
       else
          call law%force_lanes(at, elastic, force)
       end if
@@ -89,10 +91,12 @@ contains
       real(c_double), intent(in) :: v_t(lanes)
       real(c_double), intent(inout) :: factor(lanes)
       class(friction_law_t), allocatable :: law
+      type(bare_friction_t) :: stripped
 
       call given_friction(choice, law)
       if (bare == 1) then
-         call friction_one_by_one(law, branch, v_t, factor)
+         call move_alloc(law, stripped%law)
+         call stripped%factor_lanes(branch, v_t, factor)
       else
          call law%factor_lanes(branch, v_t, factor)
       end if
@@ -203,23 +207,37 @@ contains
       call self%law%limit_message(ctx, message)
    end subroutine limit_message
 
-   pure subroutine damping_force(self, ctx, elastic, result)
+   pure subroutine each_damping(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(bare_damping_t), intent(in) :: self
-      type(contact_context), intent(in) :: ctx
-      real(wp), intent(in) :: elastic
-      type(viscous_result), intent(inout) :: result
+      integer, intent(in) :: n, side
+      real(wp), intent(in) :: h(n), h_dot(n), elastic(n), v0
+      real(wp), intent(out) :: force(n)
+      real(wp), dimension(n), intent(inout), optional :: d_h, d_h_dot, d_elastic
+      integer :: i
 
-      call self%law%force(ctx, elastic, result)
-   end subroutine damping_force
+      do i = 1, n
+         if (present(d_h)) then
+            call self%law%evaluate(1, h(i), h_dot(i), elastic(i), v0, side, force(i), d_h(i), d_h_dot(i), d_elastic(i))
+         else
+            call self%law%evaluate(1, h(i), h_dot(i), elastic(i), v0, side, force(i))
+         end if
+      end do
+   end subroutine each_damping
 
-   pure subroutine factor(self, branch, v_t, phi, d_v)
+   pure subroutine each_factor(self, n, branch, v_t, phi, d_v)
       class(bare_friction_t), intent(in) :: self
-      integer, intent(in) :: branch
-      real(wp), intent(in) :: v_t
-      real(wp), intent(out) :: phi, d_v
+      integer, intent(in) :: n, branch
+      real(wp), intent(in) :: v_t(n)
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_v(n)
+      real(wp) :: slope
+      integer :: i
 
-      call self%law%factor(branch, v_t, phi, d_v)
-   end subroutine factor
+      do i = 1, n
+         call self%law%factor(branch, v_t(i), phi(i), slope)
+         if (present(d_v)) d_v(i) = slope
+      end do
+   end subroutine each_factor
 
    pure logical function acts(self)
       class(bare_friction_t), intent(in) :: self
