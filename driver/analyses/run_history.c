@@ -237,7 +237,7 @@ static bool put_numbers(const run_history *self, evl_error *error)
     const model_names *names = &model_about(self->prepared->model)->names;
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&pool, names, rows);
+    const int n = number_rows_place(names, rows);
     OWNED double *values = xcalloc((size_t)n, sizeof *values);
     numbers_conclude(self->numbers, values);
     for (int i = 0; i < N_NUMBER_ROWS; i++) {

@@ -85,7 +85,7 @@ static void add(statistics_table *table, const char *name, const char *units, co
 static int add_number(statistics_table *table, const model_output *row, int k)
 {
     memory_pool *pool = &table->pool;
-    const name_list *of = number_row_elements(row, &table->names);
+    const name_list *of = number_elements(row->dims, &table->names);
     const int each = row->count / of->n;
     const char *name = row->name, *text = row->long_name;
     if (words_contain(row->dims, "harmonic")) {
@@ -111,7 +111,7 @@ static int add_number(statistics_table *table, const model_output *row, int k)
 static void add_numbers(statistics_table *table)
 {
     model_output rows[N_NUMBER_ROWS];
-    (void)number_rows_place(&table->pool, &table->names, rows);
+    (void)number_rows_place(&table->names, rows);
     for (int i = 0; i < N_NUMBER_ROWS; i++) {
         for (int k = 0; k < rows[i].count && table->taken[i]; k++) {
             table->numbers[table->n_numbers++] =
@@ -126,7 +126,7 @@ static const char *begin_table(statistics_table *table, const model_names *names
 {
     *table = (statistics_table){.names = *names, .n_meshes = names->meshes.n, .settled = -1, .multiplier = -1};
     model_output rows[N_NUMBER_ROWS];
-    const int most = number_rows_place(&table->pool, names, rows);
+    const int most = number_rows_place(names, rows);
     table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
     table->numbers = pool_calloc(&table->pool, (size_t)most, sizeof *table->numbers);
     table->scalars = pool_calloc(&table->pool, (size_t)most + (size_t)more, sizeof *table->scalars);
@@ -383,7 +383,7 @@ static void put_numbers(const statistics *statistics, double *results)
     const statistics_table *table = statistics->table;
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&pool, &table->names, rows);
+    const int n = number_rows_place(&table->names, rows);
     OWNED double *values = xcalloc((size_t)n, sizeof *values);
     numbers_conclude(statistics->numbers, values);
     for (int i = 0; i < table->n_numbers; i++) {

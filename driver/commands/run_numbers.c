@@ -36,22 +36,22 @@ void tell_numbers(const numbers *numbers, const model_names *names)
 {
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    OWNED double *values = xcalloc((size_t)number_rows_place(&pool, names, rows), sizeof *values);
+    OWNED double *values = xcalloc((size_t)number_rows_place(names, rows), sizeof *values);
     numbers_conclude(numbers, values);
     const number_span span = numbers_span(numbers);
     for (int m = 0; m < names->meshes.n && span.periods > 0; m++) {
-        const double first = values[rows[number_row(NUMBER_ERROR, TELLS_AMPLITUDE)].offset + m * NUMBER_HARMONICS];
+        const double first = values[rows[NUMBER_transmission_error_amplitude].offset + m * NUMBER_HARMONICS];
         char impacts[64];
-        write_impacts(impacts, sizeof impacts, of_mesh(rows, values, number_row_of_contact(NUMBER_IMPACTS), m),
-                      of_mesh(rows, values, number_row_of_contact(NUMBER_IMPACT_SPEED), m));
+        write_impacts(impacts, sizeof impacts, of_mesh(rows, values, NUMBER_impacts, m),
+                      of_mesh(rows, values, NUMBER_impact_speed_max, m));
         log_note(
             "mesh %s from %.6g to %.6g s: force %.5g N, dynamic factor %.4g; transmission error %.4g um, peak to peak "
             "%.4g um, first order %.4g um; without contact %.3g %%%s",
-            names->meshes.names[m], span.from, span.to, of_mesh(rows, values, number_row(NUMBER_FORCE, TELLS_MEAN), m),
-            of_mesh(rows, values, number_row_of_contact(NUMBER_DYNAMIC), m),
-            1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_MEAN), m),
-            1e6 * of_mesh(rows, values, number_row(NUMBER_ERROR, TELLS_RANGE), m), 1e6 * first,
-            100 * of_mesh(rows, values, number_row_of_contact(NUMBER_NO_CONTACT), m), impacts);
+            names->meshes.names[m], span.from, span.to, of_mesh(rows, values, NUMBER_normal_force_mean, m),
+            of_mesh(rows, values, NUMBER_dynamic_factor, m),
+            1e6 * of_mesh(rows, values, NUMBER_transmission_error_mean, m),
+            1e6 * of_mesh(rows, values, NUMBER_transmission_error_peak_to_peak, m), 1e6 * first,
+            100 * of_mesh(rows, values, NUMBER_share_no_contact, m), impacts);
     }
     tell_settled(numbers_settled(numbers), &span);
 }

@@ -97,7 +97,7 @@ orbit_end branch_look(branch *b, double value, carried *state, response_point *p
 
 static double *deviations(branch *b, const response_point *point)
 {
-    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
     double *copy = pool_calloc(&b->pool, (size_t)row->count, sizeof *copy);
     return memcpy(copy, point->values + row->offset, (size_t)row->count * sizeof *copy);
 }
@@ -125,7 +125,7 @@ typedef struct {
  *  @param size  difference of the motions at first; *jumps: it stays */
 static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error *error)
 {
-    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
     carried trial = {.exists = false};
     orbit_end end = ORBIT_FOUND;
     *jumps = true;
@@ -154,7 +154,7 @@ static orbit_end look_between(branch *b, double last, const response_point *befo
                               carried *state, evl_error *error)
 {
     enum { MOST_ROUNDS = 24 };
-    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
     gap gap = {.values = {last, value}, .points = {*before, *point}};
     bool jumps = true;
     carried_copy(&gap.state, &b->state);
@@ -197,7 +197,7 @@ orbit_end branch_step(branch *b, evl_error *error)
 {
     const branch_place at = branch_at(b, b->step);
     const double value = value_range_at(b->range, at.index);
-    const model_output *row = &b->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
     response_point point = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
     carried state = {.exists = false};
     carried_copy(&state, &b->state);

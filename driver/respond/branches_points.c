@@ -50,7 +50,7 @@ double *branches_numbers(branches *o, const model_orbit *orbit)
 /** A mesh that has no time without contact on either side of a touch does not part there: one of its tooth pairs does. */
 static void check_touches(branches *o, int first, int n)
 {
-    const model_output *row = &o->sweep->rows[number_row_of_contact(NUMBER_NO_CONTACT)];
+    const model_output *row = &o->sweep->rows[NUMBER_share_no_contact];
     for (int k = first + 1; k + 1 < first + n; k++) {
         model_orbit *orbit = &o->points[k].orbit;
         const double *before = o->points[k - 1].values, *after = o->points[k + 1].values;
@@ -94,7 +94,7 @@ void branches_take_points(branches *o, int n)
 static bool are_alike(const branches *o, const double *a, const double *b)
 {
     static const double near = 1e-4;
-    const model_output *row = &o->sweep->rows[number_row(NUMBER_ERROR, TELLS_DEVIATION)];
+    const model_output *row = &o->sweep->rows[NUMBER_transmission_error_standard_deviation];
     for (int i = 0; i < row->count; i++) {
         const double x = a[row->offset + i], y = b[row->offset + i];
         if (!(fabs(x - y) <= near * fmax(fabs(x), fabs(y)))) {

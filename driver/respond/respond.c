@@ -285,7 +285,7 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     b->interrupt = run->interrupt;
     b->wheels = options->wheels != NULL ? options->wheels : wheel_store_create();
     b->names = &model_about(run->first.model)->names;
-    b->n_values = number_rows_place(&b->pool, b->names, b->rows);
+    b->n_values = number_rows_place(b->names, b->rows);
     b->goes[0] = options->up;
     b->goes[1] = options->down;
     b->n_steps = (options->up + options->down) * run->range.n;

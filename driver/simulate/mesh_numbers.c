@@ -4,126 +4,114 @@
 
 #include <math.h>
 
-/* ---- what is asked ---- */
+/** How a period counts in a total, or a part of a step in a period. */
+#define SUM(a, b) ((a) + (b))
+#define HIGHEST(a, b) fmax(a, b)
+#define LOWER_END(a, b) (is_new ? (b) : fmin(a, b))
+#define UPPER_END(a, b) (is_new ? (b) : fmax(a, b))
 
-const char *mesh_output(at_mesh what)
-{
-    static const char *const names[N_AT_MESH] = {
-        [AT_ANGLE] = "angle",       [AT_SPEED] = "angular_velocity",     [AT_PAIRS] = "pairs_in_contact",
-        [AT_COAST] = "coast_force", [AT_TORQUE] = "mesh_torque_driving", [AT_PAIR_FORCE] = "pair_normal_force",
-    };
-    return names[what];
-}
+/** A part of a step. */
+typedef struct {
+    const step_nodes *nodes;
+    const double *speed; /**< of the wheel that drives the mesh, at the nodes [rad/s] */
+    double time;         /**< [s] */
+} mesh_part;
 
-static bool takes(const bool *taken, number_of_contact first, number_of_contact last)
-{
-    bool any = false;
-    for (int i = (int)first; i <= (int)last; i++) {
-        any = any || taken[number_row_of_contact((number_of_contact)i)];
-    }
-    return any;
-}
+/* ---- sums: `x` is an output at the nodes ---- */
 
-void mesh_numbers_want(const bool *taken, step_nodes *nodes, mesh_places *places)
-{
-    const bool is_wanted[N_AT_MESH] = {
-        [AT_ANGLE] = true,
-        [AT_SPEED] = true,
-        [AT_PAIRS] = takes(taken, NUMBER_NO_CONTACT, NUMBER_MORE_PAIRS),
-        [AT_COAST] = takes(taken, NUMBER_COAST, NUMBER_COAST),
-        [AT_TORQUE] =
-            takes(taken, NUMBER_ENERGY, NUMBER_RATTLE) || takes(taken, NUMBER_PAIR_DYNAMIC, NUMBER_PAIR_DYNAMIC),
-        [AT_PAIR_FORCE] = takes(taken, NUMBER_PAIR_FORCE, NUMBER_PAIR_DYNAMIC),
-    };
-    for (int i = 0; i < N_AT_MESH; i++) {
-        places->at[i] = is_wanted[i] ? step_nodes_want(nodes, mesh_output((at_mesh)i)) : -1;
-    }
-}
-
-static bool is_asked(const mesh_places *places, at_mesh what)
-{
-    return places->at[what] >= 0;
-}
-
-static const double *at_nodes(const mesh_places *places, at_mesh what, int index, const step_nodes *nodes)
-{
-    return step_nodes_value(nodes, places->at[what] + index);
-}
-
-/* ---- sums ---- */
-
-/** The mesh was between two positions. */
-static void add_range(mesh_sums *sums, double first, double last)
-{
-    const bool is_new = !(sums->time > 0);
-    sums->first = is_new ? first : fmin(sums->first, first);
-    sums->last = is_new ? last : fmax(sums->last, last);
-}
-
-static void add_torque(mesh_sums *sums, const step_nodes *nodes, const double *torque, const double *speed)
+static void add_torque(mesh_numbers *mesh, const mesh_part *part, const double *x)
 {
     double work = 0, energy = 0;
-    for (int k = 0; k < nodes->n; k++) {
-        work += nodes->weight[k] * torque[k];
-        energy += nodes->weight[k] * fabs(torque[k] * speed[k]);
+    for (int k = 0; k < part->nodes->n; k++) {
+        work += part->nodes->weight[k] * x[k];
+        energy += part->nodes->weight[k] * fabs(x[k] * part->speed[k]);
     }
-    sums->torque += work;
-    sums->energy += energy;
+    mesh->period.torque += work;
+    mesh->period.energy += energy;
 }
 
-static void add_pairs(mesh_sums *sums, const step_nodes *nodes, double time, const double *pairs)
+static void add_pairs(mesh_numbers *mesh, const mesh_part *part, const double *x)
 {
+    mesh_sums *sums = &mesh->period;
+    double *const shares[] = {&sums->no_contact, &sums->one_pair, &sums->two_pairs, &sums->more_pairs};
     bool is_one = true; /* as always, but where pairs without an event of their own lose their force */
-    for (int k = 1; k < nodes->n; k++) {
-        is_one = is_one && !(fabs(pairs[k] - pairs[0]) > 0);
+    for (int k = 1; k < part->nodes->n; k++) {
+        is_one = is_one && !(fabs(x[k] - x[0]) > 0);
     }
-    for (int k = 0; k < (is_one ? 1 : nodes->n); k++) {
-        const int touching = (int)(pairs[k] + 0.5);
-        sums->shares[touching > 3 ? 3 : touching] += is_one ? time : nodes->weight[k];
+    for (int k = 0; k < (is_one ? 1 : part->nodes->n); k++) {
+        const int touching = (int)(x[k] + 0.5);
+        *shares[touching > 3 ? 3 : touching] += is_one ? part->time : part->nodes->weight[k];
     }
 }
 
-static void add_coast(mesh_sums *sums, const step_nodes *nodes, const double *force)
+static void add_coast(mesh_numbers *mesh, const mesh_part *part, const double *x)
 {
     double time = 0;
-    for (int k = 0; k < nodes->n; k++) {
-        time += isnan(force[k]) ? NAN : force[k] > 0 ? nodes->weight[k] : 0; /* NaN: it has no coast flanks */
+    for (int k = 0; k < part->nodes->n; k++) {
+        time += isnan(x[k]) ? NAN : x[k] > 0 ? part->nodes->weight[k] : 0; /* NaN: it has no coast flanks */
     }
-    sums->shares[NUMBER_COAST] += time;
+    mesh->period.coast += time;
+}
+
+static void add_pair_force(mesh_numbers *mesh, const mesh_part *part, const double *x)
+{
+    double *largest = &mesh->period.pair_force;
+    if (step_nodes_range(part->nodes, x).may_reach > fmax(*largest, mesh->total.pair_force)) {
+        *largest = fmax(*largest, step_nodes_peak(part->nodes, x, 1));
+    }
+}
+
+static const struct {
+    const char *output;
+    bool is_of_pairs;
+    void (*add)(mesh_numbers *mesh, const mesh_part *part, const double *x);
+} at_nodes[N_AT_MESH] = {
+#define OUTPUT(key, ...) {__VA_ARGS__},
+    MESH_OUTPUTS(OUTPUT)
+#undef OUTPUT
+};
+
+void mesh_numbers_want(unsigned needs, step_nodes *nodes, mesh_places *places)
+{
+    for (int i = 0; i < N_AT_MESH; i++) {
+        const bool is_wanted = at_nodes[i].add == NULL || (needs >> i & 1) != 0;
+        places->at[i] = is_wanted ? step_nodes_want(nodes, at_nodes[i].output) : -1;
+    }
+}
+
+bool mesh_numbers_have(const mesh_places *places, unsigned needs)
+{
+    bool have = true;
+    for (int i = 0; i < N_AT_MESH; i++) {
+        have = have && ((needs >> i & 1) == 0 || places->at[i] >= 0);
+    }
+    return have;
 }
 
 void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places *places, const step_nodes *nodes,
                       number_waves *waves)
 {
     mesh_sums *sums = &mesh->period;
-    const double *angle = at_nodes(places, AT_ANGLE, mesh->wheel, nodes);
-    const double *speed = at_nodes(places, AT_SPEED, mesh->wheel, nodes);
-    double xi[STEP_NODES_MOST], rate[STEP_NODES_MOST], time = 0, pitches = 0;
-    double first = INFINITY, last = -INFINITY;
+    const double *angle = step_nodes_value(nodes, places->at[AT_ANGLE] + mesh->wheel);
+    mesh_part part = {.nodes = nodes, .speed = step_nodes_value(nodes, places->at[AT_SPEED] + mesh->wheel)};
+    double xi[STEP_NODES_MOST], rate[STEP_NODES_MOST], pitches = 0, first = INFINITY, last = -INFINITY;
     for (int k = 0; k < nodes->n; k++) {
         xi[k] = mesh->xi_0 + mesh->per_turn * angle[k];
-        rate[k] = mesh->per_turn * speed[k];
+        rate[k] = mesh->per_turn * part.speed[k];
         first = xi[k] < first ? xi[k] : first;
         last = xi[k] > last ? xi[k] : last;
-        time += nodes->weight[k];
+        part.time += nodes->weight[k];
         pitches += nodes->weight[k] * rate[k];
     }
-    add_range(sums, first, last);
-    sums->time += time;
+    const bool is_new = !(sums->time > 0);
+    sums->first = LOWER_END(sums->first, first);
+    sums->last = UPPER_END(sums->last, last);
+    sums->time += part.time;
     sums->pitches += pitches;
-    if (is_asked(places, AT_TORQUE)) {
-        add_torque(sums, nodes, at_nodes(places, AT_TORQUE, m, nodes), speed);
-    }
-    if (is_asked(places, AT_PAIRS)) {
-        add_pairs(sums, nodes, time, at_nodes(places, AT_PAIRS, m, nodes));
-    }
-    if (is_asked(places, AT_COAST)) {
-        add_coast(sums, nodes, at_nodes(places, AT_COAST, m, nodes));
-    }
-    for (int p = 0; p < n_pairs && is_asked(places, AT_PAIR_FORCE); p++) {
-        const double *force = at_nodes(places, AT_PAIR_FORCE, m * n_pairs + p, nodes);
-        if (step_nodes_range(nodes, force).may_reach > fmax(sums->pair_force, mesh->total.pair_force)) {
-            sums->pair_force = fmax(sums->pair_force, step_nodes_peak(nodes, force, 1));
+    for (int i = 0; i < N_AT_MESH; i++) {
+        const int n = at_nodes[i].add == NULL || places->at[i] < 0 ? 0 : at_nodes[i].is_of_pairs ? n_pairs : 1;
+        for (int k = 0; k < n; k++) {
+            at_nodes[i].add(mesh, &part, step_nodes_value(nodes, places->at[i] + m * n + k));
         }
     }
     number_waves_find(waves, nodes->n, xi, rate);
@@ -144,52 +132,17 @@ void mesh_numbers_complete(mesh_numbers *mesh)
 {
     mesh_sums *total = &mesh->total;
     const mesh_sums *period = &mesh->period;
-    add_range(total, period->first, period->last);
-    total->time += period->time;
-    total->pitches += period->pitches;
-    total->torque += period->torque;
-    total->energy += period->energy;
-    total->impact_energy += period->impact_energy;
-    total->impacts += period->impacts;
-    for (int i = 0; i <= NUMBER_COAST; i++) {
-        total->shares[i] += period->shares[i];
-    }
-    total->impact_speed = fmax(total->impact_speed, period->impact_speed);
-    total->pair_force = fmax(total->pair_force, period->pair_force);
+    const bool is_new = !(total->time > 0);
+#define ACCUMULATOR(type, name, join) total->name = join(total->name, period->name);
+    MESH_ACCUMULATORS(ACCUMULATOR)
+#undef ACCUMULATOR
     mesh->period = (mesh_sums){0};
 }
 
-/* ---- results ---- */
-
-static void put(const int *offsets, double *values, number_of_contact what, int mesh, double value)
+double mesh_numbers_force_at_rest(const mesh_numbers *mesh, int m, const model *model)
 {
-    values[offsets[number_row_of_contact(what)] + mesh] = value;
-}
-
-void mesh_numbers_conclude(const mesh_numbers *mesh, int m, const mesh_places *places, const model *model,
-                           const bool *taken, const int *offsets, double *values)
-{
+    static const double margin = 2; /* coast flanks have an own start of contact, and a loaded mesh lags */
     const mesh_sums *sums = &mesh->total;
-    for (int i = 0; i <= NUMBER_COAST; i++) {
-        if (is_asked(places, i == NUMBER_COAST ? AT_COAST : AT_PAIRS)) {
-            put(offsets, values, (number_of_contact)i, m, sums->shares[i] / sums->time);
-        }
-    }
-    if (is_asked(places, AT_PAIR_FORCE)) {
-        put(offsets, values, NUMBER_PAIR_FORCE, m, sums->pair_force);
-    }
-    if (takes(taken, NUMBER_PAIR_DYNAMIC, NUMBER_PAIR_DYNAMIC)) {
-        const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
-        const double margin = 2; /* coast flanks have an own start of contact, and a loaded mesh lags */
-        const double at_rest = model_static_pair_force(model, m, sums->first - margin, sums->last + margin, mean);
-        put(offsets, values, NUMBER_PAIR_DYNAMIC, m, sums->pair_force / at_rest);
-    }
-    put(offsets, values, NUMBER_IMPACTS, m, (double)sums->impacts);
-    put(offsets, values, NUMBER_IMPACT_SPEED, m, sums->impact_speed);
-    const double impact_energy = isnan(mesh->mass) ? NAN : sums->impact_energy;
-    put(offsets, values, NUMBER_IMPACT_ENERGY, m, impact_energy);
-    if (is_asked(places, AT_TORQUE)) {
-        put(offsets, values, NUMBER_ENERGY, m, sums->energy);
-        put(offsets, values, NUMBER_RATTLE, m, sums->energy > 0 ? impact_energy / sums->energy : NAN);
-    }
+    const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
+    return model_static_pair_force(model, m, sums->first - margin, sums->last + margin, mean);
 }

@@ -3,22 +3,52 @@
 #pragma once
 
 #include "simulate/number_channel.h"
-#include "simulate/number_rows.h"
 #include "simulate/step_nodes.h"
 
-/** Values at the nodes of what meshes are asked for. */
-typedef enum { AT_ANGLE, AT_SPEED, AT_PAIRS, AT_COAST, AT_TORQUE, AT_PAIR_FORCE, N_AT_MESH } at_mesh;
+/** OUTPUT(key, output, whether each tooth pair has one, what adds it to the accumulators; NULL: always requested) */
+#define MESH_OUTPUTS(OUTPUT)                                                                                           \
+    OUTPUT(ANGLE, "angle", false, NULL)                                                                                \
+    OUTPUT(SPEED, "angular_velocity", false, NULL)                                                                     \
+    OUTPUT(PAIRS, "pairs_in_contact", false, add_pairs)                                                                \
+    OUTPUT(COAST, "coast_force", false, add_coast)                                                                     \
+    OUTPUT(TORQUE, "mesh_torque_driving", false, add_torque)                                                           \
+    OUTPUT(PAIR_FORCE, "pair_normal_force", true, add_pair_force)
+
+enum {
+#define OUTPUT(key, ...) AT_##key,
+    MESH_OUTPUTS(OUTPUT) N_AT_MESH,
+#undef OUTPUT
+/** Which of them a number needs. */
+#define OUTPUT(key, ...) NEEDS_##key = 1 << AT_##key,
+    MESH_OUTPUTS(OUTPUT) NEEDS_NOTHING = 0
+#undef OUTPUT
+};
 typedef struct {
-    int at[N_AT_MESH]; /**< index of the first; -1: it is not asked for */
+    int at[N_AT_MESH]; /**< index of the first value; -1: not requested */
 } mesh_places;
 
-/** Sums, and largest values. */
+/** ACCUMULATOR(type, name, how a period counts in the total), in the order of checkpoints */
+#define MESH_ACCUMULATORS(ACCUMULATOR)                                                                                 \
+    ACCUMULATOR(double, time, SUM) /* [s], as the shares are */                                                        \
+    ACCUMULATOR(double, pitches, SUM)                                                                                  \
+    ACCUMULATOR(double, torque, SUM)                                                                                   \
+    ACCUMULATOR(double, energy, SUM)                                                                                   \
+    ACCUMULATOR(double, impact_energy, SUM)                                                                            \
+    ACCUMULATOR(double, no_contact, SUM)                                                                               \
+    ACCUMULATOR(double, one_pair, SUM)                                                                                 \
+    ACCUMULATOR(double, two_pairs, SUM)                                                                                \
+    ACCUMULATOR(double, more_pairs, SUM)                                                                               \
+    ACCUMULATOR(double, coast, SUM)                                                                                    \
+    ACCUMULATOR(long, impacts, SUM)                                                                                    \
+    ACCUMULATOR(double, impact_speed, HIGHEST)                                                                         \
+    ACCUMULATOR(double, pair_force, HIGHEST)                                                                           \
+    ACCUMULATOR(double, first, LOWER_END) /* positions between which the mesh was [pitches], if time is not 0 */       \
+    ACCUMULATOR(double, last, UPPER_END)
+
 typedef struct {
-    double time, pitches, torque, energy, impact_energy;
-    double shares[NUMBER_COAST + 1]; /**< times [s] */
-    long impacts;
-    double impact_speed, pair_force;
-    double first, last; /**< positions between which the mesh was [pitches], if time is not 0 */
+#define ACCUMULATOR(type, name, join) type name;
+    MESH_ACCUMULATORS(ACCUMULATOR)
+#undef ACCUMULATOR
 } mesh_sums;
 
 typedef struct {
@@ -30,10 +60,10 @@ typedef struct {
     mesh_sums period, total;
 } mesh_numbers;
 
-/** Name of the output that a place is of. */
-const char *mesh_output(at_mesh what);
-/** Ask the nodes for what the rows need. @param taken  [N_NUMBER_ROWS] rows that are wanted */
-void mesh_numbers_want(const bool *taken, step_nodes *nodes, mesh_places *places);
+/** Request the outputs at the nodes. @param needs  of all rows: NEEDS_PAIRS and so on */
+void mesh_numbers_want(unsigned needs, step_nodes *nodes, mesh_places *places);
+/** Whether the model has all of these outputs. */
+bool mesh_numbers_have(const mesh_places *places, unsigned needs);
 /** Add what is known at the nodes, and find the waves of the mesh order there.
  *  @param m, n_pairs  index of the mesh; places of tooth pairs that a mesh has */
 void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places *places, const step_nodes *nodes,
@@ -41,6 +71,5 @@ void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places 
 /** Flanks meet, at a speed [m/s], where no pair touched. */
 void mesh_numbers_impact(mesh_numbers *mesh, double t, double speed);
 void mesh_numbers_complete(mesh_numbers *mesh);
-/** @param values  as number_rows_offsets has the rows */
-void mesh_numbers_conclude(const mesh_numbers *mesh, int m, const mesh_places *places, const model *model,
-                           const bool *taken, const int *offsets, double *values);
+/** Largest force of a tooth pair in static equilibrium under the mean torque of the window [N]; NaN where that does not apply. */
+double mesh_numbers_force_at_rest(const mesh_numbers *mesh, int m, const model *model);

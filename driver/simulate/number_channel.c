@@ -157,7 +157,7 @@ double number_channel_complete(number_channel *channel)
     return integral;
 }
 
-void number_channel_conclude(const number_channel *channel, double time, double pitches, channel_numbers *numbers)
+channel_window number_channel_conclude(const number_channel *channel, double time, double pitches, double least)
 {
     const channel_sums *sums = &channel->total;
     double m[4];
@@ -165,20 +165,17 @@ void number_channel_conclude(const number_channel *channel, double time, double 
         m[i] = sum_of(sums->power[i]) / time;
     }
     const double variance = fmax(m[1] - m[0] * m[0], 0), mean = channel->shift + m[0];
-    const double fourth = m[3] - 4 * m[0] * m[2] + 6 * m[0] * m[0] * m[1] - 3 * m[0] * m[0] * m[0] * m[0];
     const bool has_values = sums->high >= sums->low; /* of a quantity that is NaN there are none */
-    const double furthest = fmax(sums->high - mean, mean - sums->low);
-    *numbers = (channel_numbers){.mean = mean,
-                                 .deviation = sqrt(variance),
-                                 .rms = sqrt(variance + mean * mean),
-                                 .high = has_values ? sums->high : NAN,
-                                 .low = has_values ? sums->low : NAN,
-                                 .crest = variance > 0 ? furthest / sqrt(variance) : NAN,
-                                 .kurtosis = variance > 0 ? fourth / (variance * variance) : NAN};
+    channel_window window = {.mean = mean,
+                             .variance = variance,
+                             .rms = sqrt(variance + mean * mean),
+                             .fourth = m[3] - 4 * m[0] * m[2] + 6 * m[0] * m[0] * m[1] - 3 * m[0] * m[0] * m[0] * m[0],
+                             .high = has_values ? sums->high : NAN,
+                             .low = has_values ? sums->low : NAN,
+                             .least = least};
     for (int n = 0; n < NUMBER_HARMONICS; n++) {
-        const double a = 2 * sum_of(sums->wave[n]) / pitches,
-                     b = 2 * sum_of(sums->wave[NUMBER_HARMONICS + n]) / pitches;
-        numbers->amplitude[n] = hypot(a, b);
-        numbers->phase[n] = atan2(b, a);
+        window.cosine[n] = 2 * sum_of(sums->wave[n]) / pitches;
+        window.sine[n] = 2 * sum_of(sums->wave[NUMBER_HARMONICS + n]) / pitches;
     }
+    return window;
 }

@@ -34,14 +34,20 @@ typedef struct {
     channel_sums period, total; /**< the present period, those that are complete */
 } number_channel;
 
-/** What a window comes to. */
+/** Moments, extremes and waves of a window: what the formulas of number_table.h read. */
 typedef struct {
-    double mean, deviation; /**< standard deviation, over time */
-    double rms, high, low;
-    double crest;    /**< largest distance from the mean over the standard deviation */
-    double kurtosis; /**< fourth central moment over the square of the second: 3 of a normal distribution */
-    double amplitude[NUMBER_HARMONICS], phase[NUMBER_HARMONICS]; /**< A cos(2 pi n xi - phase) [rad] */
-} channel_numbers;
+    double mean, variance, rms;
+    double fourth;                                           /**< central moment */
+    double high, low;                                        /**< NaN of a quantity that is NaN */
+    double least;                                            /**< of the quantity: values below it are rounding */
+    double cosine[NUMBER_HARMONICS], sine[NUMBER_HARMONICS]; /**< of the harmonics of the mesh order */
+} channel_window;
+
+/** Smallest value of the quantity. */
+static inline double channel_window_low(const channel_window *window)
+{
+    return window->low < window->least ? window->least : window->low;
+}
 
 /** Begin; then one call for each part of a step, and one at the end of each period. */
 void number_channel_init(number_channel *channel);
@@ -49,5 +55,6 @@ void number_channel_init(number_channel *channel);
 void number_channel_add(number_channel *channel, const step_nodes *nodes, const number_waves *waves, const double *x);
 /** @return the integral over time of x - shift over the period */
 double number_channel_complete(number_channel *channel);
-/** @param time, pitches  length of the complete periods */
-void number_channel_conclude(const number_channel *channel, double time, double pitches, channel_numbers *numbers);
+/** @param time, pitches  length of the complete periods
+ *  @param least  value of the quantity */
+channel_window number_channel_conclude(const number_channel *channel, double time, double pitches, double least);

@@ -1,68 +1,61 @@
-/** Which numbers of a case there are: the one table. */
+/** Which numbers of a case there are, made of the one table in number_table.h. */
 #pragma once
 
 #include "base/memory.h"
 #include "model/model.h"
+#include "simulate/mesh_numbers.h"
+#include "simulate/number_table.h"
 
-/** What is told of a quantity: one row each. */
-typedef enum {
-    TELLS_MEAN,
-    TELLS_DEVIATION,
-    TELLS_RMS,
-    TELLS_RANGE,
-    TELLS_HIGH,
-    TELLS_LOW,
-    TELLS_CREST,
-    TELLS_KURTOSIS,
-    TELLS_AMPLITUDE,
-    TELLS_PHASE,
-    N_TELLS
-} number_tells;
+/** Quantities: outputs of which the same numbers are computed. */
+enum {
+    QUANTITY_none = -1,
+#define QUANTITY(of, ...) QUANTITY_##of,
+    NUMBER_QUANTITIES(QUANTITY) N_NUMBER_QUANTITIES
+#undef QUANTITY
+};
 
-/** Quantities of which all that is told; they are outputs. */
-enum { NUMBER_ERROR, NUMBER_FORCE, NUMBER_SPIN, NUMBER_AXLE, NUMBER_ACCELEROMETER, N_NUMBER_QUANTITIES };
+/** Rows: NUMBER_transmission_error_mean and so on, then NUMBER_share_no_contact and so on. */
+enum {
+#define ROW(of, key, ...) NUMBER_##of##_##key,
+#define QUANTITY(of, ...) NUMBERS_OF_QUANTITY(ROW, of, , , )
+    NUMBER_QUANTITIES(QUANTITY)
+#undef QUANTITY
+#undef ROW
+#define ROW(key, ...) NUMBER_##key,
+        NUMBERS_OF_MESH(ROW) N_NUMBER_ROWS
+#undef ROW
+};
 
-/** What is told once of a mesh. */
-typedef enum {
-    NUMBER_NO_CONTACT,
-    NUMBER_ONE_PAIR,
-    NUMBER_TWO_PAIRS,
-    NUMBER_MORE_PAIRS,
-    NUMBER_COAST,
-    NUMBER_DYNAMIC,
-    NUMBER_PAIR_FORCE,
-    NUMBER_PAIR_DYNAMIC,
-    NUMBER_IMPACTS,
-    NUMBER_IMPACT_SPEED,
-    NUMBER_IMPACT_ENERGY,
-    NUMBER_ENERGY,
-    NUMBER_RATTLE,
-    N_OF_CONTACT
-} number_of_contact;
+typedef struct {
+    const char *name, *dims;
+    double least; /**< smaller values are rounding at the ends of steps */
+} number_quantity;
+extern const number_quantity number_quantities[N_NUMBER_QUANTITIES];
 
-enum { N_NUMBER_ROWS = N_NUMBER_QUANTITIES * N_TELLS + N_OF_CONTACT };
+/** What a formula reads. */
+typedef struct {
+    const channel_window *window; /**< of an element of the row's quantity, if it has one */
+    const mesh_numbers *mesh;     /**< the mesh, or that whose pitches the element's harmonics are of */
+    int index;                    /**< of the mesh */
+    const model *model;
+} number_source;
 
-/** Row of what is told of a quantity, and of a mesh. */
-static inline int number_row(int quantity, number_tells tells)
-{
-    return quantity * N_TELLS + (int)tells;
-}
-static inline int number_row_of_contact(number_of_contact what)
-{
-    return N_NUMBER_QUANTITIES * N_TELLS + (int)what;
-}
+typedef struct {
+    const char *name, *units, *text, *dims;
+    const char *group; /**< word that names it together with others */
+    int quantity;      /**< that it reads; QUANTITY_none */
+    unsigned outputs;  /**< NEEDS_PAIRS and so on */
+    double (*formula)(const number_source *from, int n);
+} number_row;
+extern const number_row number_rows[N_NUMBER_ROWS];
 
-/** The output that a quantity is. */
-const char *number_quantity(int quantity);
-/** Number of elements of a quantity: of each wheel, mesh or accelerometer one, or one an axis. */
-int number_quantity_elements(const model_names *names, int quantity);
-/** Where the first value of each row stands. @return values of all */
-int number_rows_offsets(const model_names *names, int offsets[N_NUMBER_ROWS]);
-/** The rows for what has these names, with places in an array of all numbers. Texts are in the pool.
+/** The names of what has these dimensions: wheels, meshes or accelerometers. */
+const name_list *number_elements(const char *dims, const model_names *names);
+/** Number of values with these dimensions. */
+int number_count(const char *dims, const model_names *names);
+/** The rows for what has these names, with offsets in an array of all numbers.
  *  @param rows  [N_NUMBER_ROWS] @return the length of the array */
-int number_rows_place(memory_pool *pool, const model_names *names, model_output *rows);
-/** The names of what a row is of: wheels, meshes or accelerometers. */
-const name_list *number_row_elements(const model_output *row, const model_names *names);
+int number_rows_place(const model_names *names, model_output *rows);
 /** Take the rows that words name: a row, a quantity, "contact", "all".
  *  @param taken  [N_NUMBER_ROWS] rows that are not named stay as they are. @return NULL, or the word that names none */
 const char *number_rows_take(int n_words, const char *const *words, bool *taken);

@@ -1,52 +1,41 @@
 #include "simulate/number_sums.h"
 
+#include "base/words.h"
+
 #include <math.h>
 #include <string.h>
 
 static const double two_pi = 6.283185307179586;
 
 struct sums_channel {
-    int row;     /**< first of its rows: those of its quantity */
-    int element; /**< of the quantity */
-    int value;   /**< index at the nodes */
-    int mesh;    /**< whose pitches its harmonics are of */
+    int quantity, element;
+    int value; /**< index at the nodes */
+    int mesh;  /**< whose pitches its harmonics are of */
     number_channel sums;
 };
 
-static bool takes(const number_sums *sums, int first, int n)
-{
-    bool any = false;
-    for (int i = 0; i < n; i++) {
-        any = any || sums->taken[first + i];
-    }
-    return any;
-}
-
-/** Whether a quantity has to be followed: the dynamic factor is made of the force. */
-static bool follows(const number_sums *sums, int quantity)
-{
-    return takes(sums, number_row(quantity, (number_tells)0), N_TELLS) ||
-           (quantity == NUMBER_FORCE && sums->taken[number_row_of_contact(NUMBER_DYNAMIC)]);
-}
-
-/** A channel for each element of the quantities that are requested. */
+/** A channel for each element of the quantities that the rows read. */
 static void open_channels(number_sums *sums, memory_pool *pool)
 {
     const model_names *names = &model_about(sums->model)->names;
-    int counts[N_NUMBER_QUANTITIES], n = 0;
-    for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
-        counts[quantity] = follows(sums, quantity) ? number_quantity_elements(names, quantity) : 0;
-        n += counts[quantity];
+    int counts[N_NUMBER_QUANTITIES] = {0}, n = 0;
+    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+        const int quantity = number_rows[i].quantity;
+        if (sums->taken[i] && quantity != QUANTITY_none && counts[quantity] == 0) {
+            n += counts[quantity] = number_count(number_quantities[quantity].dims, names);
+        }
     }
     if (n == 0) { /* whether the motion has settled is judged by a quantity */
-        n = counts[NUMBER_ERROR] = names->meshes.n;
+        n = counts[QUANTITY_transmission_error] = names->meshes.n;
     }
     sums->channels = pool_calloc(pool, (size_t)n, sizeof *sums->channels);
     for (int quantity = 0; quantity < N_NUMBER_QUANTITIES; quantity++) {
-        const int value = counts[quantity] > 0 ? step_nodes_want(&sums->nodes, number_quantity(quantity)) : -1;
+        const char *name = number_quantities[quantity].name;
+        const int value = counts[quantity] > 0 ? step_nodes_want(&sums->nodes, name) : -1;
+        sums->first[quantity] = value < 0 ? -1 : sums->n_channels;
         for (int i = 0; i < counts[quantity] && value >= 0; i++) {
             sums_channel *one = &sums->channels[sums->n_channels++];
-            *one = (sums_channel){.row = number_row(quantity, (number_tells)0), .element = i, .value = value + i};
+            *one = (sums_channel){.quantity = quantity, .element = i, .value = value + i};
             number_channel_init(&one->sums);
         }
     }
@@ -63,8 +52,12 @@ void number_sums_init(number_sums *self, const model *model, const bool *taken, 
     for (int m = 0; m < self->n_meshes; m++) {
         number_waves_init(&self->waves[m]);
     }
+    unsigned needs = NEEDS_NOTHING;
+    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+        needs |= own[i] ? number_rows[i].outputs : NEEDS_NOTHING;
+    }
     step_nodes_init(&self->nodes, model, pool);
-    mesh_numbers_want(own, &self->nodes, &self->places);
+    mesh_numbers_want(needs, &self->nodes, &self->places);
     open_channels(self, pool);
     number_blocks_init(&self->blocks, self->n_channels, pool);
 }
@@ -108,13 +101,15 @@ void number_sums_begin(number_sums *self, const double *values, int preferred)
                          model_output_value(self->model, values, "teeth", mesh->wheel) / two_pi;
         mesh->mass = model_output_value(self->model, values, "reference_mass", m);
     }
+    const model_names *names = &model_about(self->model)->names;
     for (int i = 0; i < self->n_channels; i++) {
         sums_channel *one = &self->channels[i];
-        const int quantity = one->row / N_TELLS;
-        const int wheel = quantity == NUMBER_AXLE ? one->element / 2 : one->element;
-        one->mesh = quantity == NUMBER_ACCELEROMETER                     ? preferred
-                    : quantity == NUMBER_SPIN || quantity == NUMBER_AXLE ? mesh_of_wheel(self, values, wheel, preferred)
-                                                                         : one->element;
+        const char *dims = number_quantities[one->quantity].dims;
+        const name_list *of = number_elements(dims, names);
+        const int each = number_count(dims, names) / of->n;
+        one->mesh = of == &names->meshes   ? one->element
+                    : of == &names->wheels ? mesh_of_wheel(self, values, one->element / each, preferred)
+                                           : preferred;
     }
 }
 
@@ -141,48 +136,48 @@ void number_sums_complete(number_sums *self)
     }
 }
 
+static channel_window conclude_channel(const number_sums *self, const sums_channel *one)
+{
+    const mesh_sums *mesh = &self->meshes[one->mesh].total;
+    return number_channel_conclude(&one->sums, mesh->time, mesh->pitches, number_quantities[one->quantity].least);
+}
+
 void number_sums_followed(const number_sums *self, int channel, number_followed *followed)
 {
     const sums_channel *one = &self->channels[channel];
-    const mesh_sums *mesh = &self->meshes[one->mesh].total;
-    *followed = (number_followed){.quantity = one->row / N_TELLS, .element = one->element};
-    number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &followed->numbers);
+    *followed =
+        (number_followed){.quantity = one->quantity, .element = one->element, .window = conclude_channel(self, one)};
     followed->has_halves = number_blocks_halves(&self->blocks, channel, &followed->halves);
     followed->halves.first += one->sums.shift;
     followed->halves.second += one->sums.shift;
 }
 
-static void conclude_channel(const number_sums *self, const sums_channel *one, const int *offsets, double *values)
+/** @param windows  of all channels; values [those of the row] */
+static void conclude_row(const number_sums *self, const number_row *row, int n_values, const channel_window *windows,
+                         double *values)
 {
-    channel_numbers told = {0};
-    const mesh_sums *mesh = &self->meshes[one->mesh].total;
-    const bool is_force = one->row == number_row(NUMBER_FORCE, (number_tells)0);
-    number_channel_conclude(&one->sums, mesh->time, mesh->pitches, &told);
-    told.low =
-        is_force && told.low < 0 ? 0 : told.low; /* flanks only push; the rest is rounding at the ends of steps */
-    const double numbers[] = {[TELLS_MEAN] = told.mean,   [TELLS_DEVIATION] = told.deviation,
-                              [TELLS_RMS] = told.rms,     [TELLS_RANGE] = told.high - told.low,
-                              [TELLS_HIGH] = told.high,   [TELLS_LOW] = told.low,
-                              [TELLS_CREST] = told.crest, [TELLS_KURTOSIS] = told.kurtosis};
-    for (int i = 0; i < TELLS_AMPLITUDE; i++) {
-        values[offsets[one->row + i] + one->element] = numbers[i];
+    const int each = words_contain(row->dims, "harmonic") ? NUMBER_HARMONICS : 1;
+    const bool has_quantity = row->quantity != QUANTITY_none;
+    const int first = has_quantity ? self->first[row->quantity] : -1;
+    if ((has_quantity && first < 0) || !mesh_numbers_have(&self->places, row->outputs)) {
+        return;
     }
-    for (int n = 0; n < NUMBER_HARMONICS; n++) {
-        const int place = one->element * NUMBER_HARMONICS + n;
-        values[offsets[one->row + TELLS_AMPLITUDE] + place] = told.amplitude[n];
-        values[offsets[one->row + TELLS_PHASE] + place] = told.phase[n];
-    }
-    if (is_force) {
-        values[offsets[number_row_of_contact(NUMBER_DYNAMIC)] + one->element] = told.high / told.mean;
+    for (int i = 0; i < n_values; i++) {
+        const int channel = first + i / each, m = has_quantity ? self->channels[channel].mesh : i;
+        const number_source source = {has_quantity ? &windows[channel] : NULL, &self->meshes[m], m, self->model};
+        values[i] = row->formula(&source, i % each);
     }
 }
 
-void number_sums_conclude(const number_sums *self, const int *offsets, double *values)
+void number_sums_conclude(const number_sums *self, const model_output *rows, double *values)
 {
+    OWNED channel_window *windows = xcalloc((size_t)self->n_channels, sizeof *windows);
     for (int i = 0; i < self->n_channels; i++) {
-        conclude_channel(self, &self->channels[i], offsets, values);
+        windows[i] = conclude_channel(self, &self->channels[i]);
     }
-    for (int m = 0; m < self->n_meshes; m++) {
-        mesh_numbers_conclude(&self->meshes[m], m, &self->places, self->model, self->taken, offsets, values);
+    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+        if (self->taken[i]) {
+            conclude_row(self, &number_rows[i], rows[i].count, windows, values + rows[i].offset);
+        }
     }
 }

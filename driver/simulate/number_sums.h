@@ -1,8 +1,8 @@
 /** What the numbers of a window are made of: sums of all quantities and meshes over parts of steps. numbers.h has the window. */
 #pragma once
 
-#include "simulate/mesh_numbers.h"
 #include "simulate/number_blocks.h"
+#include "simulate/number_rows.h"
 
 /** One element of an output. */
 typedef struct sums_channel sums_channel;
@@ -13,9 +13,10 @@ typedef struct {
     int n_meshes, n_channels, n_pairs;
     mesh_numbers *meshes;
     sums_channel *channels;
-    number_blocks blocks; /**< of the channels */
-    number_waves *waves;  /**< [n_meshes] */
-    step_nodes nodes;     /**< of the part of a step that is looked at */
+    int first[N_NUMBER_QUANTITIES]; /**< channel of each quantity; -1: it is not followed */
+    number_blocks blocks;           /**< of the channels */
+    number_waves *waves;            /**< [n_meshes] */
+    step_nodes nodes;               /**< of the part of a step that is looked at */
     mesh_places places;
 } number_sums;
 
@@ -34,10 +35,10 @@ void number_sums_complete(number_sums *sums);
 /** A quantity that is followed, and what is known of it. */
 typedef struct {
     int quantity, element; /**< in the table of quantities; of that quantity */
-    channel_numbers numbers;
+    channel_window window;
     bool has_halves; /**< there are means of both halves of the window */
     block_halves halves;
 } number_followed;
 void number_sums_followed(const number_sums *sums, int channel, number_followed *followed);
-/** @param values  as number_rows_offsets has the rows */
-void number_sums_conclude(const number_sums *sums, const int *offsets, double *values);
+/** Values of the rows that are wanted. @param rows  as number_rows_place places them */
+void number_sums_conclude(const number_sums *sums, const model_output *rows, double *values);

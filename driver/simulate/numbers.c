@@ -53,7 +53,7 @@ numbers *numbers_create(const model *model, const number_window *window, const b
     self->y = pool_calloc(pool, (size_t)about->dae.n, sizeof *self->y);
     self->values = pool_calloc(pool, (size_t)about->n_values, sizeof *self->values);
     number_sums_init(&self->sums, model, taken, pool);
-    const int angle = (int)(model_output_named(model, mesh_output(AT_ANGLE)) - about->outputs);
+    const int angle = (int)(model_output_named(model, "angle") - about->outputs);
     self->angles = model_sampler_create(model, 1, &angle);
     return self;
 }
@@ -312,13 +312,13 @@ number_span numbers_span(const numbers *self)
 
 void numbers_conclude(const numbers *self, double *values)
 {
-    int offsets[N_NUMBER_ROWS];
-    const int n = number_rows_offsets(&model_about(self->model)->names, offsets);
+    model_output rows[N_NUMBER_ROWS];
+    const int n = number_rows_place(&model_about(self->model)->names, rows);
     for (int i = 0; i < n; i++) {
         values[i] = NAN;
     }
     if (self->periods > 0) {
-        number_sums_conclude(&self->sums, offsets, values);
+        number_sums_conclude(&self->sums, rows, values);
     }
 }
 

@@ -51,8 +51,8 @@ static void note(worst_case *worst, double left, double allowed, bool is_of_mean
  *  @param size  largest root mean square of the quantity, of all wheels or meshes */
 static void judge_start(const judgement *j, const number_followed *of, double size, worst_case *worst)
 {
-    const model_output *output = model_output_named(j->sums->model, number_quantity(of->quantity));
-    const channel_numbers *numbers = &of->numbers;
+    const model_output *output = model_output_named(j->sums->model, number_quantities[of->quantity].name);
+    const channel_window *window = &of->window;
     const int place = output->offset + of->element;
     double begun = 0, left = 0, in_mean = 0, largest[2] = {0};
     const start_mode *most[2] = {NULL};
@@ -68,15 +68,15 @@ static void judge_start(const judgement *j, const number_followed *of, double si
             largest[i] = fmax(largest[i], parts[i]);
         }
     }
-    const double floor = fmax(least * size, of_start * begun), range = numbers->high - numbers->low;
+    const double floor = fmax(least * size, of_start * begun), range = window->high - window->low;
     note(worst, left, fmax(of_range * range, floor), false, of, most[0], range);
-    note(worst, in_mean, fmax(of_mean * numbers->rms, floor), true, of, most[1], numbers->rms);
+    note(worst, in_mean, fmax(of_mean * window->rms, floor), true, of, most[1], window->rms);
 }
 
 /** The means of both halves. @param size  as above */
 static void judge_halves(const number_followed *of, double size, worst_case *worst)
 {
-    const double apart = fabs(of->halves.second - of->halves.first), rms = of->numbers.rms;
+    const double apart = fabs(of->halves.second - of->halves.first), rms = of->window.rms;
     if (of->has_halves && apart > of_scatter * of->halves.scatter) {
         note(worst, apart, fmax(of_mean * rms, least * size), true, of, NULL, rms);
     }
@@ -86,12 +86,11 @@ static void judge_halves(const number_followed *of, double size, worst_case *wor
 static void name_quantity(const model *model, const number_followed *of, char *text, size_t size)
 {
     const model_names *names = &model_about(model)->names;
-    const model_output row = {.dims = model_output_named(model, number_quantity(of->quantity))->dims};
-    const name_list *elements = number_row_elements(&row, names);
-    const int each = number_quantity_elements(names, of->quantity) / elements->n;
+    const number_quantity *quantity = &number_quantities[of->quantity];
+    const name_list *elements = number_elements(quantity->dims, names);
+    const int each = number_count(quantity->dims, names) / elements->n;
     const char *kind = elements == &names->wheels ? "wheel" : elements == &names->meshes ? "mesh" : "accelerometer";
-    (void)snprintf(text, size, "%s of %s '%s'", number_quantity(of->quantity), kind,
-                   elements->names[of->element / each]);
+    (void)snprintf(text, size, "%s of %s '%s'", quantity->name, kind, elements->names[of->element / each]);
 }
 
 /** "mode of 812 Hz, time constant 0.02 s". */
@@ -140,7 +139,7 @@ void settled_judge(const number_sums *sums, const dae_state *start, bool starts_
     const judgement j = {.sums = sums, .modes = &modes, .age = from - start->t, .span = to - from};
     for (int i = 0; i < sums->n_channels; i++) {
         number_sums_followed(sums, i, &of);
-        sizes[of.quantity] = fmax(sizes[of.quantity], of.numbers.rms);
+        sizes[of.quantity] = fmax(sizes[of.quantity], of.window.rms);
     }
     for (int i = 0; i < sums->n_channels; i++) {
         number_sums_followed(sums, i, &of);

@@ -96,7 +96,7 @@ static void tell_end(listener *l, const prepared_case *prepared, simulate_result
     const model *model = prepared->model;
     POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&pool, &model_about(model)->names, rows);
+    const int n = number_rows_place(&model_about(model)->names, rows);
     double *values = pool_calloc(&pool, (size_t)n, sizeof *values);
     for (int k = 0; k < model_tables()->n_extremes; k++) {
         for (int mesh = 0; mesh < case_description(prepared->file)->n_meshes; mesh++) {
