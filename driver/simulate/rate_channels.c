@@ -13,9 +13,10 @@ static int count_of(const model *model, const char *name)
 static bool is_rate(const model *model, const model_output *output)
 {
     static const char prefix[] = "housing_";
-    const bool is_mounted = count_of(model, "mount_damping_loss") > 0;
-    return output->rate_of != NULL && output->count > 0 && count_of(model, output->rate_of) > 0 &&
-           (is_mounted || strncmp(output->name, prefix, strlen(prefix)) != 0);
+    if (output->rate_of == NULL || output->count == 0 || count_of(model, output->rate_of) == 0) {
+        return false;
+    }
+    return strncmp(output->name, prefix, strlen(prefix)) != 0 || count_of(model, "mount_damping_loss") > 0;
 }
 
 /** The channel of a value; a new one if there is none yet. */

@@ -92,10 +92,12 @@ contains
       real(wp) :: f(gearbox%n_states)
       integer :: l
 
-      do l = 1, lanes
-         call gearbox_rates(gearbox, t(l), y(l, :), integers, reals, f, status)
-         if (has_failed(status)) return
-      end do
+      if (status%in_words) then
+         do l = 1, lanes
+            call gearbox_rates(gearbox, t(l), y(l, :), integers, reals, f, status)
+            if (has_failed(status)) return
+         end do
+      end if
       call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
    end subroutine say_why
 

@@ -30,9 +30,9 @@ module evl_growth
    type, extends(piece_t) :: known_piece_t
       integer, allocatable :: entry(:)          !! numbers of their entries of J
       integer, allocatable :: row(:), column(:) !! places of these among the states of the piece
-      real(wp), allocatable :: known(:, :)      !! [entries, n_known] matrices of which no mode grows
-      real(wp) :: known_change(n_known) = -1    !! how far J may be from them
-      real(wp) :: known_step(n_known) = 0       !! for steps up to this one
+      real(wp), allocatable :: known(:, :)      !! [entries, n_known] matrices whose eigenvalues are known
+      real(wp), allocatable :: re(:, :), length(:, :) !! [states, n_known] of these: real parts and absolute values
+      integer :: n_filled = 0                   !! how many there are
       integer :: next = 1                       !! which of them goes first
    end type known_piece_t
 
@@ -50,7 +50,7 @@ module evl_growth
       real(wp), allocatable, private :: scale(:)    !! [n] of the states
       real(wp), allocatable, private :: x(:)        !! [n] sizes of the states that make the bound a close one
       real(wp), allocatable, private :: product(:), x_piece(:) !! [n] scratch
-      real(wp), allocatable, private :: matrix(:), eigenvalue_re(:), eigenvalue_im(:) !! scratch of the largest piece
+      real(wp), allocatable, private :: matrix(:), eigenvalue_re(:), eigenvalue_im(:), length(:) !! scratch of the largest piece
       real(wp), allocatable, private :: difference(:) !! [entries] scratch: absolute values
       type(known_piece_t), allocatable, private :: pieces(:)
       real(wp), allocatable :: jacobian(:)     !! [nnz] room for df/dy where the integrator asks for one
@@ -83,7 +83,7 @@ contains
          largest = max(largest, size(pieces(i)%states))
       end do
       allocate (self%product(n), self%x_piece(largest), self%matrix(largest**2))
-      allocate (self%eigenvalue_re(largest), self%eigenvalue_im(largest))
+      allocate (self%eigenvalue_re(largest), self%eigenvalue_im(largest), self%length(largest))
       allocate (self%difference(size(self%entry)), self%jacobian(size(row)))
    end subroutine growth_create
 
@@ -104,7 +104,7 @@ contains
       piece%entry = self%entry(inside)
       piece%row = place(self%row(inside))
       piece%column = place(self%column(inside))
-      allocate (piece%known(size(piece%entry), n_known))
+      allocate (piece%known(size(piece%entry), n_known), piece%re(size(states), n_known), piece%length(size(states), n_known))
    end subroutine take_piece
 
    !> Be as after creation: what is known belongs to one integration.
@@ -119,7 +119,7 @@ contains
       self%jacobians = 0
       self%bound_jacobians = 0
       do i = 1, size(self%pieces)
-         self%pieces(i)%known_change = -1
+         self%pieces(i)%n_filled = 0
          self%pieces(i)%next = 1
       end do
       self%x(:) = self%scale
@@ -182,9 +182,9 @@ contains
       integer, intent(in) :: index, n !! piece, and how many states it has
       real(wp), intent(in) :: jacobian(:)
       real(wp), intent(in) :: h
-      real(wp) :: length, least_decay
+      real(wp) :: length
       integer :: i, p
-      logical :: found, grows
+      logical :: found
 
       do i = 1, n
          self%x_piece(i) = self%x(self%pieces(index)%states(i))
@@ -199,20 +199,16 @@ contains
       end associate
       call find_eigenvalues(n, self%matrix, self%eigenvalue_re, self%eigenvalue_im, found)
       if (.not. found) return
-      least_decay = reach/h
-      grows = .false.
       do i = 1, n
          length = hypot(self%eigenvalue_re(i), self%eigenvalue_im(i))
-         if (2*h*length > reach) least_decay = min(least_decay, -self%eigenvalue_re(i))
+         self%length(i) = length
          if (.not. self%eigenvalue_re(i) > least_growth*length) cycle
-         grows = .true.
          if (.not. length*self%longest > aim) cycle
          self%longest = aim/length
          self%re = self%eigenvalue_re(i)
          self%im = abs(self%eigenvalue_im(i))
       end do
-      if (grows .or. .not. least_decay > 0) return
-      call remember(jacobian, 2*h, least_decay, self%pieces(index))
+      call remember(n, jacobian, self%eigenvalue_re, self%length, self%pieces(index))
    end subroutine judge_piece
 
    !> Whether a step of h follows the modes that grow.
@@ -232,32 +228,52 @@ contains
       type(known_piece_t), intent(in) :: piece
       real(wp), intent(inout) :: difference(*), product(n) !! scratch
       logical, intent(out) :: is_known
+      real(wp) :: change
       integer :: k, p
 
       is_known = .false.
-      do k = 1, n_known
-         if (.not. h <= piece%known_step(k) .or. piece%known_change(k) < 0) cycle
+      do k = 1, piece%n_filled
+         change = known_change(n, piece%re(:, k), piece%length(:, k), h)
+         if (.not. change > 0) cycle
          do p = 1, size(piece%entry)
             difference(p) = abs(jacobian(piece%entry(p)) - piece%known(p, k))
          end do
          call apply_entries(n, size(piece%entry), piece%row, piece%column, difference, x, product)
-         is_known = maxval(product/x) <= piece%known_change(k)
+         is_known = maxval(product/x) <= change
          if (is_known) return
       end do
    end subroutine compare
 
-   !> Keep a matrix: up to steps of `step` all modes decay, the slowest by `decay`.
-   pure subroutine remember(jacobian, step, decay, piece)
-      real(wp), intent(in) :: jacobian(:), step, decay
+   !> How far J may be from a matrix with these eigenvalues so that nothing grows which a step of h, or the next one, would not
+   !> follow; 0 or less: something does.
+   pure real(wp) function known_change(n, re, length, h) result(change)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: re(n), length(n) !! of the eigenvalues: real parts and absolute values
+      real(wp), intent(in) :: h
+      real(wp), parameter :: share = 0.25_wp   !! of the slowest decay: how much of it a change of J may take away
+      real(wp), parameter :: ahead = 16        !! a step may be eight times as long as the one before; twice that is safe
+      integer :: i
+
+      change = share*reach/h
+      do i = 1, n
+         if (2*h*length(i) > reach) change = min(change, -share*re(i))
+         if (re(i) > least_growth*length(i) .and. ahead*h*length(i) > reach) change = 0
+      end do
+   end function known_change
+
+   !> Keep a matrix and its eigenvalues.
+   pure subroutine remember(n, jacobian, re, length, piece)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: jacobian(:), re(n), length(n)
       type(known_piece_t), intent(inout) :: piece
-      real(wp), parameter :: share = 0.25_wp !! of the decay: how much of it a change of J may take away
       integer :: p
 
       do p = 1, size(piece%entry)
          piece%known(p, piece%next) = jacobian(piece%entry(p))
       end do
-      piece%known_step(piece%next) = step
-      piece%known_change(piece%next) = share*decay
+      piece%re(:, piece%next) = re
+      piece%length(:, piece%next) = length
+      piece%n_filled = max(piece%n_filled, piece%next)
       piece%next = mod(piece%next, n_known) + 1
    end subroutine remember
 
@@ -289,8 +305,9 @@ contains
       type(known_piece_t), intent(inout) :: self
 
       call keep_reals(archive, size(self%known), self%known)
-      call keep_reals(archive, size(self%known_change), self%known_change)
-      call keep_reals(archive, size(self%known_step), self%known_step)
+      call keep_reals(archive, size(self%re), self%re)
+      call keep_reals(archive, size(self%length), self%length)
+      call keep(archive, self%n_filled)
       call keep(archive, self%next)
    end subroutine keep_piece
 

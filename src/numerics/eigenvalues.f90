@@ -63,6 +63,7 @@ contains
             row = sum(abs(a(i, :))) - abs(a(i, i))
             column = sum(abs(a(:, i))) - abs(a(i, i))
             if (.not. (row > 0 .and. column > 0)) cycle
+            if (row < 2*column .and. column < 2*row) cycle ! no power of 2 brings them nearer
             factor = 2.0_wp**nint(0.5_wp*(exponent(row) - exponent(column)))
             if (.not. column*factor + row/factor < 0.95_wp*(column + row)) cycle
             a(i, :) = a(i, :)/factor
@@ -182,21 +183,27 @@ contains
       real(wp), intent(inout) :: a(n, n)
       real(wp), intent(inout) :: v(3)
       real(wp) :: length, factor, along
-      integer :: i
+      integer :: i, third
 
-      length = maxval(abs(v(:m)))
+      third = min(k + 2, last) ! of two rows the second once more, with weight 0
+      if (m < 3) v(3) = 0
+      length = max(abs(v(1)), abs(v(2)), abs(v(3)))
       if (.not. length > 0) return
-      v(:m) = v(:m)/length
-      length = sqrt(sum(v(:m)**2))
+      v = v/length
+      length = sqrt((v(1)**2 + v(2)**2) + v(3)**2)
       v(1) = v(1) + sign(length, v(1))
-      factor = 2/sum(v(:m)**2)
+      factor = 2/((v(1)**2 + v(2)**2) + v(3)**2)
       do i = max(first, k - 1), last
-         along = factor*sum(v(:m)*a(k:k + m - 1, i))
-         a(k:k + m - 1, i) = a(k:k + m - 1, i) - along*v(:m)
+         along = factor*((v(1)*a(k, i) + v(2)*a(k + 1, i)) + v(3)*a(third, i))
+         a(k, i) = a(k, i) - along*v(1)
+         a(k + 1, i) = a(k + 1, i) - along*v(2)
+         a(third, i) = a(third, i) - along*v(3)
       end do
       do i = first, min(last, k + 3)
-         along = factor*sum(v(:m)*a(i, k:k + m - 1))
-         a(i, k:k + m - 1) = a(i, k:k + m - 1) - along*v(:m)
+         along = factor*((v(1)*a(i, k) + v(2)*a(i, k + 1)) + v(3)*a(i, third))
+         a(i, k) = a(i, k) - along*v(1)
+         a(i, k + 1) = a(i, k + 1) - along*v(2)
+         a(i, third) = a(i, third) - along*v(3)
       end do
       if (k > first) a(k + 1:k + m - 1, k - 1) = 0
    end subroutine reflect
