@@ -1,8 +1,16 @@
 # What the numbers of a wheel with compliance come from, so that a cache of them counts for the program that computed them alone.
-file(GLOB compliance_sources CONFIGURE_DEPENDS src/compliance/*.f90 src/geometry/*.f90 src/numerics/*.f90 src/*/*.inc)
+file(
+  GLOB compliance_sources
+  CONFIGURE_DEPENDS
+  src/compliance/*.f90
+  src/geometry/*.f90
+  src/numerics/*.f90
+  src/*/*.inc
+)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${compliance_sources})
-set(all
-    "${CMAKE_Fortran_COMPILER_ID} ${CMAKE_Fortran_COMPILER_VERSION} ${CMAKE_BUILD_TYPE} ${CMAKE_Fortran_FLAGS} ${LAPACK_LIBRARIES}"
+set(
+  all
+  "${CMAKE_Fortran_COMPILER_ID} ${CMAKE_Fortran_COMPILER_VERSION} ${CMAKE_BUILD_TYPE} ${CMAKE_Fortran_FLAGS} ${LAPACK_LIBRARIES}"
 )
 foreach(source IN LISTS compliance_sources)
   file(SHA256 "${source}" hash)

@@ -211,12 +211,14 @@ def variables(root: Path) -> str:
     for file in sorted((root / "src" / "answers").glob("*.f90")):
         if file.stem == "static_outputs":  # of another analysis, with names of its own
             continue
-        told = set(re.findall(r'^ +call tell\w*\(teller, "(\w+)"', file.read_text(), re.MULTILINE))
-        for name in sorted(names & told):
+        row = r'^ +call add_(?:output|components)\(registry, "(\w+)"'
+        added = set(re.findall(row, file.read_text(), re.MULTILINE))
+        for name in sorted(names & added):
             files.setdefault(file.relative_to(root / "src").as_posix(), []).append(name)
     lines = ["| file (`src/`) | variables |", "|---|---|"]
     lines += [
-        f"| `{file}` | {', '.join(f'`{name}`' for name in told)} |" for file, told in files.items()
+        f"| `{file}` | {', '.join(f'`{name}`' for name in added)} |"
+        for file, added in files.items()
     ]
     return "\n".join(lines) + "\n"
 
