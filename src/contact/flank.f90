@@ -132,7 +132,8 @@ contains
             ctx = context_of(contact, at(k))
             call contact%elastic%force(ctx, elastic, code)
             if (code /= code_ok) then
-               call contact%elastic%limit_message(ctx, message)
+               message = ""
+               if (status%in_words) call contact%elastic%limit_message(ctx, message)
                call fail(status, code, message, subject_mesh, contact%mesh, "contact")
             end if
             call viscous_force(contact%damping, ctx, elastic, viscous)

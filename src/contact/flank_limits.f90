@@ -41,6 +41,10 @@ contains
       type(status_t), intent(inout) :: status
       character(len=7) :: which
 
+      if (.not. status%in_words) then
+         call fail(status, code_out_of_domain, "")
+         return
+      end if
       which = "driven"
       if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
       call fail(status, code_out_of_domain, "the contact has left the involute of the "//trim(which)//" wheel below its base" &

@@ -93,6 +93,10 @@ contains
       real(wp) :: f(gearbox%n_states)
       integer :: l
 
+      if (.not. status%in_words) then
+         call fail(status, code_out_of_domain, "")
+         return
+      end if
       do l = 1, lanes
          call gearbox_rates(gearbox, t(l), y(l, :), integers, reals, f, status)
          if (has_failed(status)) return

@@ -98,6 +98,8 @@ module evl_radau
       logical, private :: restarted = .true.  !! nothing is known of the step from here on
       logical, private :: rejected = .true.   !! the step is repeated, or is the first one
       type(status_t), private :: refusal      !! of the last try that the model had no answer for: to make one anew takes long
+      real(wp), private :: refused_t(lanes) = 0            !! stages of that try
+      real(wp), allocatable, private :: refused_y(:, :)    !! [8, n]
       type(radau_counts), private :: counts
    end type radau_t
 
@@ -223,6 +225,7 @@ contains
       if (has_failed(status)) return
       self%options = options
       allocate (self%y(model%n), self%y_before(model%n), self%old_z(lanes, model%n), self%fired(model%n_roots))
+      allocate (self%refused_y(lanes, model%n))
       allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
       self%old_z = 0
       allocate (self%limited(0))
@@ -352,6 +355,8 @@ contains
             self%h = h/4
             refused = .true.
             self%refusal = status
+            self%refused_t = self%stages%times
+            self%refused_y = self%stages%y
             call clear(status)
          end if
          self%rejected = .true.
@@ -361,11 +366,23 @@ contains
       end do
       if (refused) then
          status = self%refusal
+         if (len_trim(status%message) == 0) call put_into_words(self, model, status)
          return
       end if
       call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
                 ": errors or iterations do not let it grow")
    end subroutine radau_advance
+
+   !> Why the model had no answer at the stages of the last try that it refused.
+   subroutine put_into_words(self, model, status)
+      type(radau_t), intent(inout) :: self
+      class(ode_model), intent(inout) :: model
+      type(status_t), intent(inout) :: status
+
+      call clear(status)
+      call model%rhs_lanes(self%refused_t, self%refused_y, self%stages%f, status)
+      if (.not. has_failed(status)) status = self%refusal
+   end subroutine put_into_words
 
    !> End the step just past the event that is in sight, so that it need not be made anew to end there.
    pure subroutine fit_event(self, h, to_stop)

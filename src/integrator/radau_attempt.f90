@@ -77,7 +77,9 @@ contains
       type(status_t), intent(inout) :: status
 
       self%stages%moved = self%y + self%stages%z(middle, :)
+      status%in_words = .false.
       call model%jacobian(self%t + node(middle)*h, self%stages%moved, self%stages%jacobian, status)
+      status%in_words = .true.
       self%counts%jacobians = self%counts%jacobians + 1
       self%jacobian_is_new = .not. has_failed(status)
       if (status%code /= code_out_of_domain) return

@@ -63,7 +63,9 @@ contains
       type(status_t), intent(inout) :: status
 
       self%stages%moved = self%stages%y(stage, :)
+      status%in_words = .false.
       call model%jacobian(self%t + node(stage)*h, self%stages%moved, self%growth%jacobian, status)
+      status%in_words = .true.
       if (has_failed(status)) then ! past an event the model need not have an answer
          if (status%code == code_out_of_domain) call clear(status)
          self%growth%longest = huge(h)

@@ -38,7 +38,7 @@ module evl_stage_solver
    integer, parameter :: newton_converged = 0 !! the stages are found
    integer, parameter :: newton_slow = 1      !! it would take too many iterations: `advice` says how much smaller a step
    integer, parameter :: newton_diverged = 2  !! it does not converge
-   integer, parameter :: newton_refused = 3   !! the model has no answer at a stage: the status says why
+   integer, parameter :: newton_refused = 3   !! the model has no answer at a stage: the status says so without words
 
    integer, parameter :: most_iterations = 10
    real(wp), parameter :: eps = epsilon(1.0_wp)
@@ -84,6 +84,7 @@ module evl_stage_solver
       real(wp), allocatable :: error_weight(:) !! [n] the smaller one of both
       real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
       real(wp), allocatable :: shifted(:, :) !! [8, n] Lambda/h w, the same transformed
+      real(wp) :: times(lanes) = 0          !! of the stages
       real(wp), allocatable :: y(:, :)      !! [8, n] states at the stages
       real(wp), allocatable :: f(:, :)      !! [8, n] f there
       real(wp), allocatable :: change(:, :) !! [8, n] of an iteration
@@ -274,10 +275,10 @@ contains
       real(wp), intent(in) :: y(self%n)
       integer, intent(out) :: outcome
       type(status_t), intent(inout) :: status
-      real(wp) :: times(lanes), size_now, size_before, ratio, ratio_before, left_over
+      real(wp) :: size_now, size_before, ratio, ratio_before, left_over
       integer :: i
 
-      times = t + node*h
+      self%times = t + node*h
       if (self%factors_are_new) then
          self%rate_sum = max(sqrt(self%rate_sum*sqrt(self%rate_sum)), least_left_over) ! to the power of 3/4
       else
@@ -290,7 +291,9 @@ contains
       do i = 1, most_iterations
          self%iterations = i
          self%counts%iterations = self%counts%iterations + 1
-         call model%rhs_lanes(times, self%y, self%f, status)
+         status%in_words = .false. ! a smaller step needs none
+         call model%rhs_lanes(self%times, self%y, self%f, status)
+         status%in_words = .true.
          if (has_failed(status)) then
             outcome = newton_refused
             return

@@ -36,6 +36,7 @@ module evl_status
 
    !> What an error or a warning is about, and its words. It is an error if and only if `code /= code_ok`.
    type :: status_t
+      logical :: in_words = .true.                 !! false: the code alone is needed, which costs less; `clear` resets it
       integer :: code = code_ok                    !! one of the codes above
       integer :: subject = subject_none            !! one of the subjects above
       integer :: index = 0                         !! which wheel, mesh, load or shaft, from 1; 0 if none
