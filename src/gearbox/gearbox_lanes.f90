@@ -92,12 +92,14 @@ contains
       real(wp) :: f(gearbox%n_states)
       integer :: l
 
-      if (status%in_words) then
-         do l = 1, lanes
-            call gearbox_rates(gearbox, t(l), y(l, :), integers, reals, f, status)
-            if (has_failed(status)) return
-         end do
+      if (.not. status%in_words) then
+         call fail(status, code_out_of_domain, "")
+         return
       end if
+      do l = 1, lanes
+         call gearbox_rates(gearbox, t(l), y(l, :), integers, reals, f, status)
+         if (has_failed(status)) return
+      end do
       call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
    end subroutine say_why
 
