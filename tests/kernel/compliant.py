@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kernel.kernel import Floats, Integers, Kernel, _at, _floats
+from kernel.interface import fields
+from kernel.kernel import Floats, Integers, Kernel, _floats
 
 LANES = 8
 
@@ -29,21 +30,16 @@ def compliant_force(
 ) -> Contact:
     """Johnson's contact in series with a body."""
     given = _floats(h, length, c, e_star)
-    n = len(given[0])
-    result = Contact(*np.empty((5, n)), np.empty(n, np.int32))
-    kernel.library.test_compliant_force(n, *map(_at, given), *map(_at, result))
-    return result
+    shapes = ((), (), (), (), ())
+    return Contact(*kernel.found("test_compliant_force", given, len(given[0]), *shapes))
 
 
 def compliant_lanes(
     kernel: Kernel, h: ArrayLike, length: ArrayLike, c: ArrayLike, e_star: float
 ) -> tuple[Floats, bool]:
     """Eight forces at once, and whether there is an answer."""
-    given = _floats(h, length, c, np.zeros(LANES))
-    force = np.empty(LANES)
-    answer = kernel.library.test_compliant_lanes(
-        *map(_at, given[:3]), ctypes.c_double(e_star), _at(force)
-    )
+    *given, force = _floats(h, length, c, np.zeros(LANES))
+    answer = kernel.library.test_compliant_lanes(*given, e_star, force)
     return force, bool(answer)
 
 
@@ -52,9 +48,7 @@ def compliant_penetration(
 ) -> tuple[Floats, Floats, Integers]:
     """Penetration under a force, its derivative, and the codes."""
     given = _floats(force, length, c, e_star)
-    n = len(given[0])
-    h, d_force, codes = np.empty(n), np.empty(n), np.empty(n, np.int32)
-    kernel.library.test_compliant_penetration(n, *map(_at, given), *map(_at, (h, d_force, codes)))
+    h, d_force, codes = kernel.found("test_compliant_penetration", given, len(given[0]), (), ())
     return h, d_force, codes
 
 
@@ -88,22 +82,9 @@ def coupled_pairs(
     (d_length,) = _floats(np.zeros(len(ways)) if np.size(d_length) == 0 else d_length)
     force, g, change = np.full(n, np.nan), np.full(n, np.nan), np.full_like(ways, np.nan)
     energy, turns = ctypes.c_double(), ctypes.c_int()
-    code = kernel.library.test_coupled_pairs(
-        n,
-        _at(h),
-        ctypes.c_double(length),
-        _at(c),
-        ctypes.c_double(e_star),
-        ctypes.c_bool(pushes_only),
-        len(ways),
-        _at(ways),
-        _at(d_length),
-        _at(force),
-        _at(g),
-        ctypes.byref(energy),
-        _at(change),
-        ctypes.byref(turns),
-    )
+    given = (h, length, c, e_star, pushes_only, len(ways), ways, d_length)
+    results = (force, g, ctypes.byref(energy), change, ctypes.byref(turns))
+    code = kernel.library.test_coupled_pairs(n, *given, *results)
     return Pairs(code, force, g, energy.value, change, turns.value)
 
 
@@ -141,33 +122,20 @@ def edge_place(kernel: Kernel, edge: Edge, x: ArrayLike, rho: ArrayLike) -> Edge
     x, rho = _floats(x, rho)
     places = np.empty((len(x), len(EdgePlace._fields)))
     (numbers,) = _floats(edge)
-    kernel.library.test_edge_place(len(x), _at(numbers), _at(x), _at(rho), _at(places))
+    kernel.library.test_edge_place(len(x), numbers, x, rho, places)
     return EdgePlace(*places.T)
 
 
 def edge_end(kernel: Kernel, edge: Edge, slope: float, rho: float) -> float:
     """Where the edge takes over from a relieved flank."""
-    call = kernel.library.test_edge_end
-    call.restype = ctypes.c_double
     (numbers,) = _floats(edge)
-    return float(call(_at(numbers), ctypes.c_double(slope), ctypes.c_double(rho)))
+    return float(kernel.library.test_edge_end(numbers, slope, rho))
 
 
 class Mesh(ctypes.Structure):
-    """`given_mesh` of the tests: one flank, with wheels that yield as somebody made up."""
+    """One flank, with wheels that yield as somebody made up."""
 
-    _fields_ = [
-        ("sigma", ctypes.c_double),
-        *((name, ctypes.c_double * 2) for name in ("r_b", "ends", "roundings", "fillets")),
-        *(
-            (name, ctypes.c_double)
-            for name in ("line", "base_pitch", "e_star", "width", "k_difference", "reach", "scale")
-        ),
-        ("influence", (ctypes.c_double * 8) * 2),
-        ("lacks", (ctypes.c_double * 5) * 2),
-        ("is_drive", ctypes.c_int),
-        ("couples", ctypes.c_int),
-    ]
+    _fields_ = fields("given_mesh", n_numbers=8)
 
 
 class Potential(NamedTuple):
@@ -199,13 +167,8 @@ def flank_potential(
     (q,) = _floats(q)
     h, force, energy, gradient = np.empty(n), np.empty(n), np.empty(1), np.empty(3)
     second, change, wheels = np.empty((3, 3)), np.empty((3, n)), np.empty(4)
-    code = kernel.library.test_flank_potential(
-        ctypes.byref(mesh),
-        ctypes.c_double(rho_a0),
-        _at(q),
-        n,
-        *map(_at, (numbers, zones, h, force, energy, gradient, second, change, wheels)),
-    )
+    results = (h, force, energy, gradient, second, change, wheels)
+    code = kernel.library.test_flank_potential(mesh, rho_a0, q, n, numbers, zones, *results)
     return Potential(code, zones, h, force, energy[0], gradient, second, change.T, wheels)
 
 
@@ -231,16 +194,8 @@ def static_mesh(kernel: Kernel, mesh: Mesh, rho_a: float, force: float) -> Stati
     numbers, pairs = np.full(7, np.nan), np.full((6, 7), np.nan)
     n, code = ctypes.c_int(), ctypes.c_int()
     message = ctypes.create_string_buffer(320)
-    kernel.library.test_static_mesh(
-        ctypes.byref(mesh),
-        ctypes.c_double(rho_a),
-        ctypes.c_double(force),
-        _at(numbers),
-        ctypes.byref(n),
-        _at(pairs),
-        ctypes.byref(code),
-        message,
-    )
+    results = (numbers, ctypes.byref(n), pairs, ctypes.byref(code), message)
+    kernel.library.test_static_mesh(mesh, rho_a, force, *results)
     pairs = pairs[: n.value]
     return Static(
         *numbers[:4],
@@ -276,15 +231,7 @@ def true_mesh(
     (rho_a,) = _floats(rho_a)
     n = len(rho_a)
     numbers, forces, zones = np.empty((n, 5)), np.empty((n, 3)), np.empty((n, 3), np.int32)
-    kernel.library.test_true_mesh(
-        ctypes.byref(mesh),
-        *(_at(np.ascontiguousarray(s)) for s in samples),
-        ctypes.c_double(3e-3),
-        ctypes.c_double(youngs),
-        n,
-        _at(rho_a),
-        ctypes.c_double(force),
-        *map(_at, (numbers, forces, zones)),
-    )
+    given = (*map(np.ascontiguousarray, samples), 3e-3, youngs, n, rho_a, force)
+    kernel.library.test_true_mesh(mesh, *given, numbers, forces, zones)
     assert not numbers[:, 4].any()
     return Curve(numbers[:, 0], numbers[:, 2], forces, zones)

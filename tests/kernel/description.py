@@ -8,9 +8,11 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
-SHORT, TEXT = 32, 256
+from kernel.interface import Handle, Library, fields
+
 NUMBER, INTEGER = 0, 1
 NAMED, TEXT_TYPE, NAME, REFERENCE, REFERENCES, CHOICE, BLOCK, LIST, MAP = range(8, 17)
 RADIANS_PER_DEGREE = 0.017453292519943295769
@@ -32,50 +34,25 @@ class Block(dict[str, Any]):
 class _Row(ctypes.Structure):
     """`evl_row`."""
 
-    _fields_ = [
-        *((name, ctypes.c_char * SHORT) for name in ("block", "key")),
-        ("type", ctypes.c_int),
-        ("unit", ctypes.c_char * SHORT),
-        ("text", ctypes.c_char * TEXT),
-        *((name, ctypes.c_double) for name in ("minimum", "maximum")),
-        *((name, ctypes.c_double) for name in ("plausible_least", "plausible_most")),
-        *((name, ctypes.c_bool) for name in ("minimum_open", "maximum_open", "required")),
-        ("default_text", ctypes.c_char * (2 * SHORT)),
-        ("words", ctypes.c_char * TEXT),
-        ("holds", ctypes.c_char * SHORT),
-        ("variants", ctypes.c_char * TEXT),
-    ]
+    _fields_ = fields("evl_row")
 
 
 class _Kind(ctypes.Structure):
     """`evl_kind`."""
 
-    _fields_ = [
-        (name, ctypes.c_char * n)
-        for name, n in zip(("name", "text", "source"), (SHORT, TEXT, TEXT), strict=True)
-    ]
+    _fields_ = fields("evl_kind")
 
 
 class Entry(ctypes.Structure):
     """`evl_entry`."""
 
-    _fields_ = [
-        ("row", ctypes.c_int),
-        ("level", ctypes.c_int),
-        ("name", ctypes.c_char_p),
-        ("n", ctypes.c_int),
-        ("numbers", ctypes.POINTER(ctypes.c_double)),
-    ]
+    _fields_ = fields("evl_entry")
 
 
 class Parameter(ctypes.Structure):
     """`evl_parameter`."""
 
-    _fields_ = [
-        ("path", ctypes.c_char * 192),
-        ("unit", ctypes.c_char * SHORT),
-        *((name, ctypes.c_int) for name in ("row", "n")),
-    ]
+    _fields_ = fields("evl_parameter")
 
 
 class Row(NamedTuple):
@@ -107,7 +84,7 @@ class Kind(NamedTuple):
     rows: list[Row]
 
 
-def rows(library: ctypes.CDLL) -> list[Row]:
+def rows(library: Library) -> list[Row]:
     """All rows of the table."""
     n = library.evl_rows(0, None)
     table = (_Row * n)()
@@ -118,7 +95,7 @@ def rows(library: ctypes.CDLL) -> list[Row]:
     ]
 
 
-def kinds(library: ctypes.CDLL, block: str) -> list[Kind]:
+def kinds(library: Library, block: str) -> list[Kind]:
     """Kinds of a block: contact, damping, friction, load or support."""
     n = library.evl_kinds(block.encode(), 0, None)
     table = (_Kind * n)()
@@ -149,17 +126,25 @@ def in_unit(value: float, unit: str) -> float:
     return next((d for d in near if d * RADIANS_PER_DEGREE == value), degrees)
 
 
-def entries(library: ctypes.CDLL, case: dict[str, Any]) -> ctypes.Array[Entry]:
+def entries(library: Library, case: dict[str, Any]) -> ctypes.Array[Entry]:
     """Lay a case out."""
     laid = list(_of_block(rows(library), "case", case, 1))
     return (Entry * len(laid))(*laid)
 
 
-def create(library: ctypes.CDLL, case: dict[str, Any], status: Any) -> ctypes.c_void_p:
+def create(library: Library, case: dict[str, Any], status: Any) -> Handle:
     """Make a description of a case; a null pointer if it is refused."""
-    library.evl_description_create.restype = ctypes.c_void_p
     laid = entries(library, case)
-    return ctypes.c_void_p(library.evl_description_create(len(laid), laid, ctypes.byref(status)))
+    made: Handle = library.evl_description_create(len(laid), laid, status)
+    return made
+
+
+@contextmanager
+def described(library: Library, case: dict[str, Any], status: Any) -> Iterator[Handle]:
+    """Make a description of a case, and free it afterwards."""
+    description = create(library, case, status)
+    yield description
+    library.evl_description_delete(ctypes.byref(description))
 
 
 def _of_block(table: list[Row], block: str, case: dict[str, Any], level: int) -> Iterator[Entry]:

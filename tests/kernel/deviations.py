@@ -14,24 +14,18 @@ import mpmath as mp
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kernel.description import Block, create
-from kernel.kernel import OK, Floats, Kernel, Status, _at, _double, _error, _int
+from kernel.description import Block, described
+from kernel.interface import fields
+from kernel.kernel import OK, Floats, Kernel, Status, _error
 
 LINEAR, PARABOLIC = "linear", "parabolic"
 ROOT, NONE, TIP = -1, 0, 1
 
 
 class Profile(ctypes.Structure):
-    """`given_profile` of the tests."""
+    """A profile of a flank."""
 
-    _fields_ = [
-        ("teeth", _int),
-        ("base_radius", _double),
-        ("reference_radius", _double),
-        ("rho_start", _double),
-        ("rho_tip", _double),
-        ("tooth_angle", _double),
-    ]
+    _fields_ = fields("given_profile")
 
 
 class Deviation(NamedTuple):
@@ -83,10 +77,7 @@ def deviation_at(
 ) -> Deviation:
     """Deviations at radii of curvature; zones: None for those that hold there.
 
-    Raises
-    ------
-    KernelError
-        If the description is refused.
+    Raises KernelError if the description is refused.
     """
     arrays = np.broadcast_arrays(*np.atleast_1d(rho, tooth, side, 0 if zones is None else zones))
     radii = np.ascontiguousarray(arrays[0], dtype=float)
@@ -95,18 +86,10 @@ def deviation_at(
     result = Deviation(np.empty(n), np.empty(n), np.empty(n), np.empty(2))
     status = Status()
     wheel = {"name": "w", "material": "m", "width": 1.0, "module": 1.0, **given}
-    description = create(kernel.library, {"wheels": [wheel]}, status)
-    if description:
-        kernel.library.test_flank_deviation(
-            description,
-            ctypes.byref(profile),
-            n,
-            *map(_at, (teeth, sides, radii)),
-            None if zones is None else _at(held),
-            *map(_at, result),
-            ctypes.byref(status),
-        )
-        kernel.library.evl_description_delete(ctypes.byref(description))
+    with described(kernel.library, {"wheels": [wheel]}, status) as description:
+        if description:
+            places = (teeth, sides, radii, None if zones is None else held)
+            kernel.library.test_flank_deviation(description, profile, n, *places, *result, status)
     if status.code != OK:
         raise _error(status)
     return result
@@ -115,25 +98,10 @@ def deviation_at(
 def pitch_tolerances(
     kernel: Kernel, teeth: int, module: float, accuracy_class: int
 ) -> tuple[float, float]:
-    """f_pT and F_pT [m].
-
-    Raises
-    ------
-    KernelError
-        If the standard has none.
-    """
-    single, total, status = _double(), _double(), Status()
-    kernel.library.test_pitch_tolerances(
-        teeth,
-        _double(module),
-        accuracy_class,
-        ctypes.byref(single),
-        ctypes.byref(total),
-        ctypes.byref(status),
-    )
-    if status.code != OK:
-        raise _error(status)
-    return single.value, total.value
+    """f_pT and F_pT [m]; raises KernelError if the standard has none."""
+    single, total = np.empty((2, 1))
+    kernel.checked("test_pitch_tolerances", teeth, module, accuracy_class, single, total)
+    return float(single[0]), float(total[0])
 
 
 def pitch_error_sequence(
@@ -141,9 +109,7 @@ def pitch_error_sequence(
 ) -> Floats:
     """Cumulative position deviation of every tooth [m]."""
     errors = np.empty(teeth)
-    kernel.library.test_pitch_error_sequence(
-        teeth, _double(single), _double(total), seed, _at(errors)
-    )
+    kernel.library.test_pitch_error_sequence(teeth, single, total, seed, errors)
     return errors
 
 

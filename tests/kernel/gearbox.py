@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kernel.description import Block, create, kinds
-from kernel.gearbox_description import EQUILIBRIUM, REST, _bool, case_of, initial
-from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _int, _pair
+from kernel.description import Block, described, kinds
+from kernel.gearbox_description import EQUILIBRIUM, REST, case_of, initial
+from kernel.interface import fields
+from kernel.kernel import OK, Floats, Integers, Kernel, Status, _int
 from kernel.wheel_store import WheelStore
 
 OPEN, LOADED, UNLOADED, APART, OFF = range(5)
@@ -33,74 +34,31 @@ TRACKED = ("turn", "zeta", "dr_t", "dr_e", "gradient_ratio", "mu")
 class Sizes(ctypes.Structure):
     """`evl_sizes`."""
 
-    _fields_ = [
-        (name, _int)
-        for name in (
-            *("n_wheels", "n_meshes", "n_loads", "n_states", "n_integers", "n_reals"),
-            *("n_roots", "n_outputs", "n_values", "n_warnings"),
-            *("n_pair_places", "n_drive_places", "n_shafts", "n_events", "n_kept"),
-        )
-    ]
+    _fields_ = fields("evl_sizes")
 
 
 class WheelGeometry(ctypes.Structure):
-    """`c_wheel_geometry` of `tests/gearbox/geometry_calls.f90`."""
+    """What `tests/gearbox/geometry_calls.f90` tells of a wheel."""
 
-    _fields_ = [
-        *((name, _double) for name in ("pitch_radius", "base_radius", "tip_radius")),
-        *((name, _double) for name in ("angular_pitch", "mass", "inertia")),
-        ("centre", _pair),
-        *((name, _double) for name in ("speed_ratio", "nominal_speed")),
-        ("is_reference", _bool),
-    ]
+    _fields_ = fields("c_wheel_geometry")
 
 
 class MeshGeometry(ctypes.Structure):
-    """`c_mesh_geometry` there."""
+    """And of a mesh."""
 
-    _fields_ = [
-        ("sigma", _int),
-        *((name, _double) for name in ("transmission_ratio", "centre_distance")),
-        *((name, _double) for name in ("centre_line_angle", "minimum_pressure_angle")),
-        *((name, _double) for name in ("working_pressure_angle", "base_pitch")),
-        *((name, _double) for name in ("contact_ratio", "line_of_action_length")),
-        *((name, _pair) for name in ("point_k_a", "point_k_b", "point_a", "point_b")),
-        ("pitch_point", _pair),
-        *((name, _double) for name in ("tip_radius_driving", "tip_radius_driven")),
-        *((name, _double) for name in ("rho_start_driving", "rho_start_driven")),
-        *((name, _double) for name in ("common_width", "effective_modulus")),
-        *(
-            (name, _double)
-            for name in ("elastic_share_driving", "nominal_force", "reference_force")
-        ),
-        ("reference_penetration", _double),
-        *((name, _double) for name in ("reference_stiffness", "reference_mass")),
-        *((name, _double) for name in ("natural_frequency", "damping_coefficient")),
-        ("damping_ratio", _double),
-    ]
+    _fields_ = fields("c_mesh_geometry")
 
 
 class EventRecord(ctypes.Structure):
     """`evl_event`."""
 
-    _fields_ = [("kind", _int), ("mesh", _int), ("tooth_pair", _int), ("flank", _int)]
+    _fields_ = fields("evl_event")
 
 
 class Output(ctypes.Structure):
     """`evl_output`."""
 
-    _fields_ = [
-        ("name", ctypes.c_char * 32),
-        ("units", ctypes.c_char * 32),
-        ("symbol", ctypes.c_char * 32),
-        ("long_name", ctypes.c_char * 96),
-        ("dims", _int),
-        *((name, _bool) for name in ("is_static", "is_integer", "is_largest")),
-        *((name, _int) for name in ("watched", "n")),
-        ("value", _pair),
-        ("rate_of", ctypes.c_char * 32),
-        ("no_rate", ctypes.c_char * 96),
-    ]
+    _fields_ = fields("evl_output")
     offset: int  # among the values of a gearbox
     count: int
 
@@ -150,6 +108,16 @@ class State:
     integers: Integers
     reals: Floats
 
+    @property
+    def arrays(self) -> tuple[Floats, Integers, Floats]:
+        """What a state is without its derivative."""
+        return self.y, self.integers, self.reals
+
+    @property
+    def all_arrays(self) -> tuple[Floats, Floats, Integers, Floats]:
+        """And with it."""
+        return self.y, self.yp, self.integers, self.reals
+
     def copy(self) -> State:
         """Return a copy that shares nothing."""
         return deepcopy(self)
@@ -176,23 +144,17 @@ class Gearbox:
     ) -> None:
         self.kernel = kernel
         self.library = kernel.library
-        self.library.evl_gearbox_create.restype = ctypes.c_void_p
-        self.library.evl_gearbox_next_time_event.restype = _double
-        status = Status()
         case, self.load_order = case_of(kernel, wheels, loads, meshes, housing, shafts)
-        description = create(self.library, case, status)
-        handle = None
-        if description:
-            handle = self.library.evl_gearbox_create(
-                description, None if store is None else ctypes.byref(store), ctypes.byref(status)
+        status = Status()
+        with described(self.library, case, status) as description:
+            self.handle = description and self.library.evl_gearbox_create(
+                description, store, status
             )
-            self.library.evl_description_delete(ctypes.byref(description))
-        self.handle = ctypes.c_void_p(handle)
-        if not handle:
+        if not self.handle:
             self.check(status.code, status)
         assert status.code == OK
         self.sizes = Sizes()
-        self.library.evl_gearbox_sizes(self.handle, ctypes.byref(self.sizes))
+        self.library.evl_gearbox_sizes(self.handle, self.sizes)
         self.names = [self._name(i)[0] for i in range(self.sizes.n_states)]
         self.units = [self._name(i)[1] for i in range(self.sizes.n_states)]
         self.table = self._outputs()
@@ -224,7 +186,7 @@ class Gearbox:
         entries = output_table(self.library, OUTPUTS_OF_STATE)
         assert len(entries) == n
         offsets, counts = np.empty(n, np.int32), np.empty(n, np.int32)
-        self.library.evl_gearbox_output_places(self.handle, _at(offsets), _at(counts))
+        self.library.evl_gearbox_output_places(self.handle, offsets, counts)
         for entry, offset, count in zip(entries, offsets, counts, strict=True):
             entry.offset, entry.count = int(offset), int(count)
         return entries
@@ -239,9 +201,8 @@ class Gearbox:
         return slice(first, first + len(TRACKED))
 
     def _warning(self, index: int, start: Any = None) -> Warned | None:
-        status, ask = Status(), self.library.evl_gearbox_warning
-        ask.restype = _bool
-        if not ask(self.handle, start, index, ctypes.byref(status)):
+        status = Status()
+        if not self.library.evl_gearbox_warning(self.handle, start, index, status):
             return None
         assert status.code == OK
         return Warned(*self._about(status))
@@ -255,18 +216,18 @@ class Gearbox:
 
     def speed_warning(self, kind: int = REST, speeds: ArrayLike | None = None) -> Warned | None:
         """What is worth knowing of the speeds of the loads and of a start; None if nothing is."""
-        return self._warning(self.sizes.n_warnings, ctypes.byref(initial(kind, speeds)))
+        return self._warning(self.sizes.n_warnings, initial(kind, speeds))
 
     def wheel_geometry(self, index: int) -> WheelGeometry:
         """Geometry of a wheel."""
         geometry = WheelGeometry()
-        self.library.test_wheel_geometry(self.handle, index, ctypes.byref(geometry))
+        self.library.test_wheel_geometry(self.handle, index, geometry)
         return geometry
 
     def mesh_geometry(self, index: int = 0) -> MeshGeometry:
         """Geometry of a mesh."""
         geometry = MeshGeometry()
-        self.library.test_mesh_geometry(self.handle, index, ctypes.byref(geometry))
+        self.library.test_mesh_geometry(self.handle, index, geometry)
         return geometry
 
     def quantities(self, of: int, index: int) -> dict[str, Any]:
@@ -302,76 +263,61 @@ class Gearbox:
         self.initial = initial(kind, speeds, gaps)
         default = 0.0 if kind == EQUILIBRIUM else math.nan
         self.initial.mesh_position = default if mesh_position is None else mesh_position
-        status = Status()
-        arrays = (state.y, state.yp, state.integers, state.reals)
-        code = self.library.evl_gearbox_initial_state(
-            self.handle,
-            ctypes.byref(self.initial),
-            _double(t),
-            *map(_at, arrays),
-            ctypes.byref(status),
-        )
-        self.check(code, status)
+        self._call("evl_gearbox_initial_state", self.initial, t, *state.all_arrays)
         return state
 
     def scales(self, duration: float = math.inf) -> tuple[Floats, Floats]:
         """Scales of states and rows for the last start of a run so long."""
         state, row = np.empty(self.sizes.n_states), np.empty(self.sizes.n_states)
-        self.library.evl_gearbox_scales(
-            self.handle, ctypes.byref(self.initial), _double(duration), _at(state), _at(row)
-        )
+        self.library.evl_gearbox_scales(self.handle, self.initial, duration, state, row)
         return state, row
 
     def _call(self, name: str, *arguments: Any) -> None:
+        self.call(name, self.handle, *arguments)
+
+    def call(self, name: str, *arguments: Any) -> None:
+        """Call a procedure that takes a status at last; raises a GearboxError."""
         status = Status()
-        code = getattr(self.library, name)(self.handle, *arguments, ctypes.byref(status))
-        if code != OK:
-            self.check(code, status)
+        self.check(getattr(self.library, name)(*arguments, status), status)
+
+    def _filled(self, name: str, shape: int | tuple[int, int], *arguments: Any) -> Floats:
+        """Array that a call fills."""
+        result = np.empty(shape, order="F")
+        self._call(name, *arguments, result)
+        return result
 
     def residual(self, state: State) -> Floats:
         """F(t, y, y')."""
-        result = np.empty(self.sizes.n_states)
-        arrays = (state.y, state.yp, state.integers, state.reals, result)
-        self._call("evl_gearbox_residual", _double(state.t), *map(_at, arrays))
-        return result
+        n = self.sizes.n_states
+        return self._filled("evl_gearbox_residual", n, state.t, *state.all_arrays)
 
     def jacobian(self, state: State, cj: float) -> Floats:
         """Matrix dF/dy + cj dF/dy'."""
         n = self.sizes.n_states
-        result = np.empty((n, n), order="F")
-        arrays = (state.y, state.yp, state.integers, state.reals, result)
-        self._call("evl_gearbox_jacobian", _double(state.t), _double(cj), *map(_at, arrays))
-        return result
+        return self._filled("evl_gearbox_jacobian", (n, n), state.t, cj, *state.all_arrays)
 
     def listed_jacobian(self, state: State, cj: float) -> Floats | None:
         """Return the same from its entries that may differ from zero; None if all may."""
         library, n, n_entries = self.library, self.sizes.n_states, ctypes.c_int()
-        library.evl_pattern_create.restype = ctypes.c_void_p
-        pattern = ctypes.c_void_p(library.evl_pattern_create(self.handle, ctypes.byref(n_entries)))
+        pattern = library.evl_pattern_create(self.handle, ctypes.byref(n_entries))
         if not pattern:
             return None
         rows, columns = (np.empty(n_entries.value, np.int32) for _ in range(2))
-        library.evl_pattern_places(pattern, _at(rows), _at(columns))
+        library.evl_pattern_places(pattern, rows, columns)
         assert np.all(np.diff(columns.astype(np.int64) * n + rows) > 0)  # in order, none twice
-        values, status = np.full(n_entries.value, np.nan), Status()
-        arrays = (state.y, state.yp, state.integers, state.reals, values)
-        times = (_double(state.t), _double(cj))
-        code = library.evl_pattern_jacobian(
-            pattern, *times, *map(_at, arrays), ctypes.byref(status)
-        )
-        library.evl_pattern_delete(ctypes.byref(pattern))
-        if code != OK:
-            self.check(code, status)
+        values = np.full(n_entries.value, np.nan)
+        try:
+            self.call("evl_pattern_jacobian", pattern, state.t, cj, *state.all_arrays, values)
+        finally:
+            library.evl_pattern_delete(ctypes.byref(pattern))
         result = np.zeros((n, n))
         result[rows, columns] = values
         return result
 
     def derivative(self, state: State) -> Floats:
         """The y' that belongs to y."""
-        result = np.empty(self.sizes.n_states)
-        arrays = (state.y, state.integers, state.reals, result)
-        self._call("evl_gearbox_derivative", _double(state.t), *map(_at, arrays))
-        return result
+        n = self.sizes.n_states
+        return self._filled("evl_gearbox_derivative", n, state.t, *state.arrays)
 
     # ---- modes and events
 
@@ -434,10 +380,7 @@ class Gearbox:
 
     def roots(self, state: State) -> Floats:
         """Root functions."""
-        result = np.empty(self.sizes.n_roots)
-        arrays = (state.y, state.integers, state.reals, result)
-        self._call("evl_gearbox_roots", *map(_at, arrays))
-        return result
+        return self._filled("evl_gearbox_roots", self.sizes.n_roots, *state.arrays)
 
     def root(self, state: State, name: str, contact: int = 0) -> float:
         """One root function of a tooth contact; 1 if it does not have it."""
@@ -447,7 +390,7 @@ class Gearbox:
     def root_directions(self, state: State) -> Integers:
         """Directions that count in the present modes."""
         result = np.empty(self.sizes.n_roots, np.int32)
-        self.library.evl_gearbox_root_directions(self.handle, _at(state.integers), _at(result))
+        self.library.evl_gearbox_root_directions(self.handle, state.integers, result)
         return result
 
     def root_direction(self, state: State, name: str, contact: int = 0) -> int:
@@ -457,7 +400,7 @@ class Gearbox:
 
     def next_time_event(self, state: State) -> float:
         """Time of the next knot of a table."""
-        return float(self.library.evl_gearbox_next_time_event(self.handle, _at(state.integers)))
+        return float(self.library.evl_gearbox_next_time_event(self.handle, state.integers))
 
     def apply(
         self, state: State, *roots: str, contact: int = 0, time_event: bool = False
@@ -476,15 +419,8 @@ class Gearbox:
         after = state.copy()
         events = (EventRecord * (self.sizes.n_events))()
         n_events = _int(-1)
-        self._call(
-            "evl_gearbox_apply_event",
-            _double(state.t),
-            _at(fired),
-            _bool(time_event),
-            *map(_at, (after.y, after.yp, after.integers, after.reals)),
-            events,
-            ctypes.byref(n_events),
-        )
+        results = (*after.all_arrays, events, ctypes.byref(n_events))
+        self._call("evl_gearbox_apply_event", state.t, fired, time_event, *results)
         happened = [
             Event(event_names(self.kernel)[e.kind], e.mesh, e.tooth_pair, e.flank)
             for e in events[: n_events.value]
@@ -495,30 +431,22 @@ class Gearbox:
 
     def pitches(self, state: State, mesh: int = 0) -> float:
         """Pitches of the driving wheel of a mesh."""
-        ask = self.library.evl_gearbox_pitches
-        ask.restype = _double
-        return float(ask(self.handle, mesh, _at(state.y), _at(state.integers)))
+        y, integers, _ = state.arrays
+        return float(self.library.evl_gearbox_pitches(self.handle, mesh, y, integers))
 
     def turns(self, state: State, wheel: int = 0) -> float:
         """Turns of a wheel in its nominal sense."""
-        ask = self.library.evl_gearbox_turns
-        ask.restype = _double
-        return float(ask(self.handle, wheel, _at(state.y), _at(state.integers)))
+        y, integers, _ = state.arrays
+        return float(self.library.evl_gearbox_turns(self.handle, wheel, y, integers))
 
     def can_turn(self, state: State, wheel: int = 0) -> bool:
         """Whether anything turns a wheel from this state on."""
-        ask = self.library.evl_gearbox_can_turn
-        ask.restype = ctypes.c_bool
-        return bool(ask(self.handle, wheel, _at(state.y), _at(state.yp)))
+        return bool(self.library.evl_gearbox_can_turn(self.handle, wheel, state.y, state.yp))
 
     def values(self, state: State, *, check: bool = False) -> Floats:
         """All outputs in one array, as the kernel fills it; with `check` modes have to agree."""
-        result = np.empty(self.sizes.n_values)
-        arrays = (state.y, state.integers, state.reals)
-        self._call(
-            "evl_gearbox_outputs", _double(state.t), *map(_at, arrays), _bool(check), _at(result)
-        )
-        return result
+        n = self.sizes.n_values
+        return self._filled("evl_gearbox_outputs", n, state.t, *state.arrays, check)
 
     def sampled(
         self, states: Sequence[State], *names: str, n: int | None = None, check: bool = False
@@ -530,28 +458,16 @@ class Gearbox:
         """
         table = {entry.name.decode(): i for i, entry in enumerate(self.table)}
         places = np.array([table[name] for name in names or table], np.int32)
-        self.library.evl_sampler_create.restype = ctypes.c_void_p
-        sampler = ctypes.c_void_p(
-            self.library.evl_sampler_create(self.handle, len(places), _at(places))
-        )
+        sampler = self.library.evl_sampler_create(self.handle, len(places), places)
         result = np.full((sum(self.table[i].count for i in places), len(states)), np.nan)
         times = np.array([state.t for state in states])
         y = np.array([state.y for state in states]).T.copy()
-        arrays = (times, y, states[0].integers, states[0].reals)
-        status = Status()
-        meant, checks = len(states) if n is None else n, ctypes.c_bool(check)
-        code = self.library.evl_sampler_ask(
-            sampler,
-            len(states),
-            meant,
-            *map(_at, arrays),
-            checks,
-            _at(result),
-            ctypes.byref(status),
-        )
-        self.library.evl_sampler_delete(ctypes.byref(sampler))
-        if code != OK:
-            self.check(code, status)
+        arrays = (times, y, *states[0].arrays[1:])
+        meant = len(states) if n is None else n
+        try:
+            self.call("evl_sampler_ask", sampler, len(states), meant, *arrays, check, result)
+        finally:
+            self.library.evl_sampler_delete(ctypes.byref(sampler))
         return result.T
 
     def outputs(self, state: State) -> dict[str, Floats]:

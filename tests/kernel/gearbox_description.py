@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kernel.description import Block, kinds
-from kernel.kernel import FAMILIES, Kernel, LawChoice, _double, _int
+from kernel.interface import fields
+from kernel.kernel import FAMILIES, Kernel, LawChoice, _double
 
 FIXED, SLIDER, BEARING = "fixed", "slider", "bearing"
 TORQUE, VISCOUS, TABLE, SPEED = "torque", "viscous", "table", "speed"
@@ -22,18 +23,11 @@ CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL = "closed_form", "algebraic", "differential
 EQUILIBRIUM, REST, STEADY, SPEEDS = range(-1, 3)
 ROTATIONS: dict[int | str, str] = {-1: "clockwise", 1: "counterclockwise"}
 
-_bool = ctypes.c_bool
-
 
 class InitialDescription(ctypes.Structure):
     """`evl_initial`."""
 
-    _fields_ = [
-        ("kind", _int),
-        ("speeds", ctypes.POINTER(_double)),
-        ("gaps", ctypes.POINTER(_double)),
-        ("mesh_position", _double),
-    ]
+    _fields_ = fields("evl_initial")
 
 
 def _given(fields: dict[str, Any]) -> Block:

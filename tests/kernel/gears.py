@@ -12,49 +12,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kernel.description import Block, create
+from kernel.description import Block, described
 from kernel.gearbox import Gearbox
-from kernel.gearbox_description import _bool
-from kernel.kernel import OK, Floats, Integers, Kernel, Status, _at, _double, _error, _int
+from kernel.interface import fields
+from kernel.kernel import OK, Floats, Integers, Kernel, Status, _error, _floats
 
 
 class GearGeometry(ctypes.Structure):
-    """`gear_t` of the kernel."""
+    """A gear."""
 
-    _fields_ = [
-        ("teeth", _int),
-        *((name, _double) for name in ("normal_module", "pressure_angle", "profile_shift")),
-        *((name, _double) for name in ("generating_shift", "undercut_shift", "tip_alteration")),
-        *((name, _double) for name in ("pitch", "base_pitch", "reference_radius", "base_radius")),
-        *((name, _double) for name in ("tip_radius", "tip_rounding", "tip_form_radius")),
-        *((name, _double) for name in ("root_radius", "form_radius", "bore_radius")),
-        *((name, _double) for name in ("tooth_depth", "thickness", "thickness_allowance")),
-        *((name, _double) for name in ("tip_thickness", "tooth_angle", "tool_depth")),
-        ("tool_rounding", _double),
-        ("is_undercut", _bool),
-    ]
+    _fields_ = fields("gear_t")
 
     def fields(self) -> list[float]:
         """All of them: the bytes between them may be any."""
         return [getattr(self, name) for name, _ in self._fields_]
 
 
-_MESH_NUMBERS = (
-    *("centre_distance", "reference_distance", "tight_distance", "base_radius_sum"),
-    "working_pressure_angle",
-    *("pitch_radius_a", "pitch_radius_b", "line_of_action", "base_pitch"),
-    *("path_of_contact", "approach", "recess", "contact_ratio"),
-    *("rho_tip_a", "rho_tip_b", "rho_end_a", "rho_end_b"),
-    *("active_radius_a", "active_radius_b"),
-    *("clearance_a", "clearance_b"),
-    *("backlash", "circumferential_backlash", "radial_backlash"),
-)
-
-
 class GearMesh(ctypes.Structure):
-    """`gear_mesh_t` of the kernel."""
+    """Two gears in mesh."""
 
-    _fields_ = [*((name, _double) for name in _MESH_NUMBERS), ("exists", _bool)]
+    _fields_ = fields("gear_mesh_t")
 
 
 def gear_description(module: float = 0.002, **given: Any) -> Block:
@@ -70,10 +47,9 @@ def gear(kernel: Kernel, teeth: int, module: float = 0.002, **given: Any) -> Gea
     geometry, status = GearGeometry(), Status()
     form = gear_description(module, **given)
     wheel = {"name": "w", "material": "m", "width": 1.0, "teeth": teeth, **form}
-    description = create(kernel.library, {"wheels": [wheel]}, status)
-    if description:
-        kernel.library.test_gear_derive(description, ctypes.byref(geometry), ctypes.byref(status))
-        kernel.library.evl_description_delete(ctypes.byref(description))
+    with described(kernel.library, {"wheels": [wheel]}, status) as description:
+        if description:
+            kernel.library.test_gear_derive(description, geometry, status)
     if status.code != OK:
         raise _error(status)
     return geometry
@@ -88,19 +64,10 @@ def gear_mesh(
     backlash: float | None = None,
 ) -> GearMesh:
     """Geometry of two gears in mesh; raises KernelError if it is refused."""
-    mesh, status = GearMesh(), Status()
-    kernel.library.test_gear_mesh_derive(
-        ctypes.byref(a),
-        ctypes.byref(b),
-        _bool(centre_distance is not None),
-        _double(centre_distance or 0.0),
-        _bool(backlash is not None),
-        _double(backlash or 0.0),
-        ctypes.byref(mesh),
-        ctypes.byref(status),
-    )
-    if status.code != OK:
-        raise _error(status)
+    mesh = GearMesh()
+    distance = (centre_distance is not None, centre_distance or 0.0)
+    gap = (backlash is not None, backlash or 0.0)
+    kernel.checked("test_gear_mesh_derive", a, b, *distance, *gap, mesh)
     return mesh
 
 
@@ -109,9 +76,7 @@ def mesh_geometry(
 ) -> GearMesh:
     """Geometry of two gears at a centre distance, whether they can mesh or not."""
     mesh = GearMesh()
-    kernel.library.test_gear_mesh_geometry(
-        ctypes.byref(a), ctypes.byref(b), _double(centre_distance), ctypes.byref(mesh)
-    )
+    kernel.library.test_gear_mesh_geometry(a, b, centre_distance, mesh)
     return mesh
 
 
@@ -124,51 +89,43 @@ def tip_gap(
     rho_tip: float,
 ) -> float:
     """Smallest gap between the tip of a mate and an undercut gear."""
-    ask = kernel.library.test_tip_gap
-    ask.restype = _double
-    numbers = (_double(centre_distance), _double(working_pressure_angle), _double(rho_tip))
-    return float(ask(ctypes.byref(a), ctypes.byref(mate), *numbers))
+    numbers = (centre_distance, working_pressure_angle, rho_tip)
+    return float(kernel.library.test_tip_gap(a, mate, *numbers))
 
 
 def tooth_thickness(
     kernel: Kernel, geometry: GearGeometry, radii: ArrayLike
 ) -> tuple[Floats, Integers]:
     """Tooth thickness at radii, and the codes."""
-    r = np.ascontiguousarray(np.atleast_1d(radii), dtype=float)
+    (r,) = _floats(radii)
     thickness, codes = np.empty(len(r)), np.empty(len(r), np.int32)
-    kernel.library.test_gear_tooth_thickness(
-        ctypes.byref(geometry), len(r), _at(r), _at(thickness), _at(codes)
-    )
+    kernel.library.test_gear_tooth_thickness(geometry, len(r), r, thickness, codes)
     return thickness, codes
 
 
 def involute_value(kernel: Kernel, angles: ArrayLike) -> Floats:
     """Return inv alpha of angles."""
-    alpha = np.ascontiguousarray(np.atleast_1d(angles), dtype=float)
+    (alpha,) = _floats(angles)
     values = np.empty(len(alpha))
-    kernel.library.test_involute_value(len(alpha), _at(alpha), _at(values))
+    kernel.library.test_involute_value(len(alpha), alpha, values)
     return values
 
 
 def involute_inverse(kernel: Kernel, involutes: ArrayLike) -> Floats:
     """Return the angles whose involutes these are."""
-    values = np.ascontiguousarray(np.atleast_1d(involutes), dtype=float)
+    (values,) = _floats(involutes)
     angles = np.empty(len(values))
-    kernel.library.test_involute_inverse(len(values), _at(values), _at(angles))
+    kernel.library.test_involute_inverse(len(values), values, angles)
     return angles
 
 
 def gear_of(gearbox: Gearbox, wheel: int) -> GearGeometry | None:
     """Geometry of a wheel of a gearbox as a real gear; None if it is none."""
     geometry = GearGeometry()
-    ask = gearbox.library.test_gear_of
-    ask.restype = _bool
-    return geometry if ask(gearbox.handle, wheel, ctypes.byref(geometry)) else None
+    return geometry if gearbox.library.test_gear_of(gearbox.handle, wheel, geometry) else None
 
 
 def mesh_of(gearbox: Gearbox, mesh: int) -> GearMesh | None:
     """Geometry of a mesh of a gearbox; None if it is not one of two real gears."""
     geometry = GearMesh()
-    ask = gearbox.library.test_mesh_of
-    ask.restype = _bool
-    return geometry if ask(gearbox.handle, mesh, ctypes.byref(geometry)) else None
+    return geometry if gearbox.library.test_mesh_of(gearbox.handle, mesh, geometry) else None

@@ -8,6 +8,7 @@ numpy.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kernel.description import Kind, kinds
+from kernel.interface import Library, fields
 
 OK, INVALID_INPUT, OUT_OF_DOMAIN, SINGULAR, NO_SOLUTION, NO_MEMORY, STORE_FAILED = range(7)
 CONTACT, DAMPING, FRICTION = range(3)
@@ -23,7 +25,6 @@ FAMILIES = ("contact", "damping", "friction")
 
 _double = ctypes.c_double
 _int = ctypes.c_int
-_pair = _double * 2
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
@@ -32,49 +33,25 @@ Integers = NDArray[np.int32]
 class Status(ctypes.Structure):
     """`evl_status`."""
 
-    _fields_ = [
-        ("code", _int),
-        ("subject", _int),
-        ("index", _int),
-        ("field", ctypes.c_char * 48),
-        ("message", ctypes.c_char * 320),
-    ]
+    _fields_ = fields("evl_status")
 
 
 class LawChoice(ctypes.Structure):
-    """A law of its family with its parameters: `given_law` of the tests."""
+    """A law of its family with its parameters."""
 
-    _fields_ = [("law", _int), ("parameters", _double * 8)]
+    _fields_ = fields("given_law", max_law_parameters=8)
 
 
 class ContactContext(ctypes.Structure):
-    """`given_contact` of the tests."""
+    """What a law may know about a contact."""
 
-    _fields_ = [
-        (name, _double) for name in ("h", "h_dot", "rho_a", "rho_b", "e_star", "width", "v0")
-    ]
-
-
-_PAIR_NUMBERS = (
-    *("ratio", "pitch_radius_a", "pitch_radius_b", "centre_distance", "gamma_a"),
-    *("alpha_inf", "alpha_w", "base_radius_a", "base_radius_b", "base_radius_sum", "rho"),
-    *("base_pitch", "tip_radius_a", "tip_radius_b", "rho_start_a", "rho_start_b"),
-    *("phi_a", "phi_b"),
-)
-_PAIR_POINTS = (
-    *("centre_a", "centre_b", "t", "e", "point_k_a", "point_k_b"),
-    *("point_a", "point_b", "pitch_point"),
-)
+    _fields_ = fields("given_contact")
 
 
 class SpurPair(ctypes.Structure):
-    """`c_spur_pair` of the tests; the points read as lists of two numbers."""
+    """Geometry of a pair; the points read as lists of two numbers."""
 
-    _fields_ = [
-        *((name, _double) for name in _PAIR_NUMBERS),
-        *((name, _pair) for name in _PAIR_POINTS),
-        ("contains_pitch_point", ctypes.c_bool),
-    ]
+    _fields_ = fields("c_spur_pair")
 
 
 class Flank(NamedTuple):
@@ -152,38 +129,53 @@ class Kernel:
     """The parts of the kernel in a shared library."""
 
     def __init__(self, path: str | Path) -> None:
-        self.library = ctypes.CDLL(str(path))
-        self.library.test_law_friction_knee.restype = _double
+        self.library = Library(path)
+
+    def checked(self, name: str, *given: Any) -> None:
+        """Call a procedure that takes a status at last.
+
+        Raises
+        ------
+        KernelError
+            If the input is refused.
+        """
+        status = Status()
+        getattr(self.library, name)(*given, status)
+        if status.code != OK:
+            raise _error(status)
+
+    def found(self, name: str, given: Sequence[Any], n: int, *shapes: tuple[int, ...]) -> list[Any]:
+        """Call a procedure of n elements; arrays of numbers of these shapes, and the codes."""
+        results = [*(np.empty((n, *shape)) for shape in shapes), np.empty(n, np.int32)]
+        getattr(self.library, name)(n, *given, *results)
+        return results
 
     # ---- flank
 
     def _flank(self, name: str, points: ArrayLike, *between: Any) -> Flank:
         points = np.ascontiguousarray(points, dtype=float).reshape(-1, 2)
-        n = len(points)
-        result = Flank(np.empty(n), np.empty((n, 2)), np.empty((n, 2, 2)), np.empty(n, np.int32))
-        getattr(self.library, name)(n, _at(points), *between, *map(_at, result))
-        return result
+        shapes = ((), (2,), (2, 2))
+        return Flank(*self.found(name, [points, *between], len(points), *shapes))
 
     def involute_flank(
         self, points: ArrayLike, base_radius: float, hand: int = 1, form: str = "short"
     ) -> Flank:
         """Flank function in the wheel's frame; form: short, or the paper's polar one."""
         name = {"short": "test_involute_flank", "polar": "test_involute_flank_polar"}[form]
-        return self._flank(name, points, _double(base_radius), hand)
+        return self._flank(name, points, base_radius, hand)
 
     def involute_flank_housing(
         self, points: ArrayLike, centre: ArrayLike, angle: float, base_radius: float, hand: int = 1
     ) -> Flank:
         """Flank function in the housing frame."""
-        centre = np.array(centre, dtype=float)
-        between = (_at(centre), _double(angle), _double(base_radius), hand)
+        between = (np.array(centre, dtype=float), angle, base_radius, hand)
         return self._flank("test_involute_flank_housing", points, *between)
 
     def involute_points(self, roll_angles: ArrayLike, base_radius: float, hand: int = 1) -> Floats:
         """Points (n, 2) of the flank in the wheel's frame."""
         (xi,) = _floats(roll_angles)
         points = np.empty((len(xi), 2))
-        self.library.test_involute_points(len(xi), _at(xi), _double(base_radius), hand, _at(points))
+        self.library.test_involute_points(len(xi), xi, base_radius, hand, points)
         return points
 
     # ---- geometry of a pair
@@ -199,29 +191,10 @@ class Kernel:
         sigma: int = 1,
         centre_a: ArrayLike = (0.0, 0.0),
     ) -> SpurPair:
-        """Geometry of a pair, by the paper's rule if alpha_w is None.
-
-        Raises
-        ------
-        KernelError
-            If the input is refused.
-        """
-        pair, status = SpurPair(), Status()
-        centre = np.array(centre_a, dtype=float)
-        self.library.test_spur_pair_derive(
-            teeth_a,
-            teeth_b,
-            _double(pitch_radius_a),
-            ctypes.c_bool(alpha_w is None),
-            _double(alpha_w or 0.0),
-            _double(chi),
-            sigma,
-            _at(centre),
-            ctypes.byref(pair),
-            ctypes.byref(status),
-        )
-        if status.code != OK:
-            raise _error(status)
+        """Geometry of a pair, by the paper's rule if alpha_w is None; raises KernelError."""
+        pair, centre = SpurPair(), np.array(centre_a, dtype=float)
+        given = (teeth_a, teeth_b, pitch_radius_a, alpha_w is None, alpha_w or 0.0, chi, sigma)
+        self.checked("test_spur_pair_derive", *given, centre, pair)
         return pair
 
     # ---- Johnson's force
@@ -229,33 +202,27 @@ class Kernel:
     def johnson_force(self, h: ArrayLike, rho_sum: ArrayLike, e_star: ArrayLike) -> Force:
         """Force per unit width with its derivatives."""
         given = _floats(h, rho_sum, e_star)
-        n = len(given[0])
-        result = Force(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int32))
-        self.library.test_johnson_force(n, *map(_at, given), *map(_at, result))
-        return result
+        return Force(*self.found("test_johnson_force", given, len(given[0]), (), (), ()))
 
     def johnson_penetration(
         self, force: ArrayLike, rho_sum: ArrayLike, e_star: ArrayLike
     ) -> tuple[Floats, Integers]:
         """Penetration from the force per unit width, and the codes."""
         given = _floats(force, rho_sum, e_star)
-        n = len(given[0])
-        h, codes = np.empty(n), np.empty(n, np.int32)
-        self.library.test_johnson_penetration(n, *map(_at, given), _at(h), _at(codes))
+        h, codes = self.found("test_johnson_penetration", given, len(given[0]), ())
         return h, codes
 
     def johnson_limits(self, rho_sum: float, e_star: float) -> tuple[float, float]:
         """Return the limits (15) of penetration and force."""
-        rho, modulus = _floats(rho_sum, e_star)
-        h, force = np.empty(1), np.empty(1)
-        self.library.test_johnson_limits(1, _at(rho), _at(modulus), _at(h), _at(force))
+        h, force = np.empty((2, 1))
+        self.library.test_johnson_limits(1, *_floats(rho_sum, e_star), h, force)
         return float(h[0]), float(force[0])
 
     def johnson_iteration(self, eta: ArrayLike, nu: ArrayLike) -> Floats:
         """One turn of the paper's iteration."""
-        eta, nu = _floats(eta, nu)
-        result = np.empty(len(eta))
-        self.library.test_johnson_iteration(len(eta), _at(eta), _at(nu), _at(result))
+        given = _floats(eta, nu)
+        result = np.empty(len(given[0]))
+        self.library.test_johnson_iteration(len(result), *given, result)
         return result
 
     def johnson_iteration_force(
@@ -270,11 +237,8 @@ class Kernel:
         """Force per unit width by the paper's iteration, the turns, and the codes."""
         given = _floats(h, rho_sum, e_star, start)
         n = len(given[0])
-        force, turns, codes = np.empty(n), np.empty(n, np.int32), np.empty(n, np.int32)
-        results = (force, turns, codes)
-        self.library.test_johnson_iteration_force(
-            n, *map(_at, given), _double(tolerance), max_turns, *map(_at, results)
-        )
+        results = (np.empty(n), np.empty(n, np.int32), np.empty(n, np.int32))
+        self.library.test_johnson_iteration_force(n, *given, tolerance, max_turns, *results)
         return results
 
     # ---- laws
@@ -297,30 +261,19 @@ class Kernel:
         raise KeyError(name)
 
     def law_validate(self, family: int, choice: LawChoice) -> None:
-        """Check a choice.
-
-        Raises
-        ------
-        KernelError
-            If it is refused.
-        """
-        status = Status()
-        self.library.test_law_validate(family, ctypes.byref(choice), ctypes.byref(status))
-        if status.code != OK:
-            raise _error(status)
+        """Check a choice; raises KernelError if it is refused."""
+        self.checked("test_law_validate", family, choice)
 
     def law_elastic_force(self, choice: LawChoice, **context: ArrayLike) -> LawForce:
         """Elastic force over the width, at contexts given as arrays of their fields."""
         n, contexts = _contexts(context)
-        result = LawForce(*np.empty((4, n)), np.empty(n, np.int32))
-        self.library.test_law_elastic_force(n, ctypes.byref(choice), contexts, *map(_at, result))
-        return result
+        shapes = ((), (), (), ())
+        return LawForce(*self.found("test_law_elastic_force", [choice, contexts], n, *shapes))
 
     def law_elastic_limit(self, choice: LawChoice, **context: ArrayLike) -> str:
         """Return why the elastic force is out of its domain."""
-        _, contexts = _contexts(context)
         message = ctypes.create_string_buffer(320)
-        self.library.test_law_elastic_limit(ctypes.byref(choice), contexts, message)
+        self.library.test_law_elastic_limit(choice, _contexts(context)[1], message)
         return message.value.decode()
 
     def law_penetration(
@@ -329,61 +282,45 @@ class Kernel:
         """Penetration from the elastic force over the width, and the codes."""
         (force,) = _floats(force)
         n, contexts = _contexts({"h": np.zeros(len(force)), **context})
-        h, codes = np.empty(n), np.empty(n, np.int32)
-        self.library.test_law_penetration(
-            n, ctypes.byref(choice), contexts, _at(force), _at(h), _at(codes)
-        )
+        h, codes = self.found("test_law_penetration", [choice, contexts, force], n, ())
         return h, codes
 
     def law_elastic_potential(self, choice: LawChoice, **context: ArrayLike) -> Energy:
         """Elastic energy over the width."""
         n, contexts = _contexts(context)
-        result = Energy(np.empty(n), np.empty(n), np.empty(n), np.empty(n, np.int32))
-        self.library.test_law_elastic_potential(
-            n, ctypes.byref(choice), contexts, *map(_at, result)
-        )
-        return result
+        given = [choice, contexts]
+        return Energy(*self.found("test_law_elastic_potential", given, n, (), (), ()))
 
     def law_viscous_force(
         self, contact: LawChoice, damping: LawChoice, **context: ArrayLike
     ) -> Viscous:
         """Viscous force over the width, and its derivatives."""
         n, contexts = _contexts(context)
-        results = Viscous(*np.empty((5, n)))
-        codes = np.empty(n, np.int32)
-        self.library.test_law_viscous_force(
-            n,
-            ctypes.byref(contact),
-            ctypes.byref(damping),
-            contexts,
-            *map(_at, results),
-            _at(codes),
-        )
+        given = [contact, damping, contexts]
+        *results, codes = self.found("test_law_viscous_force", given, n, (), (), (), (), ())
         assert not codes.any()
-        return results
+        return Viscous(*results)
 
     def law_friction_factor(
         self, choice: LawChoice, modes: ArrayLike, v_t: ArrayLike
     ) -> tuple[Floats, Floats]:
         """Friction factor on the branches `modes`, and its derivative to v_t."""
         branches, v = _floats(modes, v_t)
-        branches = branches.astype(np.int32)
-        factor, d_v = np.empty(len(v)), np.empty(len(v))
-        self.library.test_law_friction_factor(
-            len(v), ctypes.byref(choice), *map(_at, (branches, v, factor, d_v))
-        )
+        factor, d_v = np.empty((2, len(v)))
+        given = (choice, branches.astype(np.int32), v)
+        self.library.test_law_friction_factor(len(v), *given, factor, d_v)
         return factor, d_v
 
     def law_friction_mode(self, choice: LawChoice, v_t: ArrayLike) -> Integers:
         """Branch of the friction law that belongs to each sliding velocity."""
         (v,) = _floats(v_t)
         modes = np.empty(len(v), np.int32)
-        self.library.test_law_friction_mode(len(v), ctypes.byref(choice), _at(v), _at(modes))
+        self.library.test_law_friction_mode(len(v), choice, v, modes)
         return modes
 
     def law_friction_knee(self, choice: LawChoice) -> float:
         """Sliding velocity at which the branch changes."""
-        return float(self.library.test_law_friction_knee(ctypes.byref(choice)))
+        return float(self.library.test_law_friction_knee(choice))
 
 
 def _error(status: Status) -> KernelError:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from kernel.gearbox import OUTPUTS_OF_STATIC, Gearbox, Output, output_table
-from kernel.kernel import Floats, Status, _at, _double, _int
+from kernel.interface import fields
+from kernel.kernel import Floats
 
 POSITION, POSITION_PAIR, HARMONIC = 10, 11, 12
 NO_FORCE, ON_FLANKS, EDGE_DRIVING, EDGE_DRIVEN = range(4)
@@ -18,11 +19,7 @@ NO_FORCE, ON_FLANKS, EDGE_DRIVING, EDGE_DRIVEN = range(4)
 class Plan(ctypes.Structure):
     """`evl_static_plan`."""
 
-    _fields_ = [
-        *((name, _int) for name in ("n_pitches", "n_positions", "n_pairs", "first_pair")),
-        ("n_values", _int),
-        ("torque", _double),
-    ]
+    _fields_ = fields("evl_static_plan")
 
 
 @dataclass
@@ -52,11 +49,8 @@ def table(gearbox: Gearbox) -> list[Output]:
 
 def static_plan(gearbox: Gearbox, mesh: int = 0, points: int = 200) -> Plan:
     """What the analysis comes to; raises GearboxError if it is refused."""
-    plan, status = Plan(), Status()
-    code = gearbox.library.evl_gearbox_static_plan(
-        gearbox.handle, mesh, points, ctypes.byref(plan), ctypes.byref(status)
-    )
-    gearbox.check(code, status)
+    plan = Plan()
+    gearbox.call("evl_gearbox_static_plan", gearbox.handle, mesh, points, plan)
     return plan
 
 
@@ -64,21 +58,12 @@ def static_curve(
     gearbox: Gearbox, torque: float, mesh: int = 0, points: int = 200, speed: float = 0.0
 ) -> Curve:
     """The mesh at rest under a torque of the driving wheel, which creeps at a speed."""
-    plan, status = static_plan(gearbox, mesh, points), Status()
+    plan = static_plan(gearbox, mesh, points)
     values = np.full(plan.n_values, -1e300)
-    code = gearbox.library.evl_gearbox_static(
-        gearbox.handle,
-        mesh,
-        points,
-        _double(torque),
-        _double(speed),
-        _at(values),
-        ctypes.byref(status),
-    )
-    gearbox.check(code, status)
+    gearbox.call("evl_gearbox_static", gearbox.handle, mesh, points, torque, speed, values)
     rows = table(gearbox)
     offsets, counts = np.empty(len(rows), np.int32), np.empty(len(rows), np.int32)
-    gearbox.library.evl_gearbox_static_places(ctypes.byref(plan), _at(offsets), _at(counts))
+    gearbox.library.evl_gearbox_static_places(plan, offsets, counts)
     found: dict[str, Any] = {}
     for row, offset, count in zip(rows, offsets, counts, strict=True):
         part = values[offset : offset + count]
@@ -98,15 +83,7 @@ def pair_force_at_rest(
     gearbox: Gearbox, torque: float, first: int = 0, pitches: int = 1_000_000, mesh: int = 0
 ) -> float:
     """The largest force of a tooth pair of a mesh at rest under a torque, in some pitches [N]."""
-    force, status = _double(), Status()
-    code = gearbox.library.evl_gearbox_static_pair_force(
-        gearbox.handle,
-        mesh,
-        first,
-        pitches,
-        _double(torque),
-        ctypes.byref(force),
-        ctypes.byref(status),
-    )
-    gearbox.check(code, status)
+    force = ctypes.c_double()
+    given = (gearbox.handle, mesh, first, pitches, torque)
+    gearbox.call("evl_gearbox_static_pair_force", *given, ctypes.byref(force))
     return force.value
