@@ -49,6 +49,7 @@ contains
       type(pair_lanes) :: tooth_pair
       type(shaft_t) :: shaft
       type(shaft_lanes) :: twisted
+      real(wp), parameter :: reaction(lanes, 6) = 0.0_wp
 
       if (present(without_texts)) then
          if (without_texts) call list_places(registry)
@@ -65,8 +66,8 @@ contains
       call add_coast_outputs(registry, 1, mesh)
       call add_wheel_position(registry, 1, wheel)
       call add_mesh_position(registry, 1, contact)
-      call add_bearing_outputs(registry, 1, spread(motion%load_torque, 2, 6))
-      call add_pose(registry, frames, spread(0.0_wp, 1, 3))
+      call add_bearing_outputs(registry, 1, reaction)
+      call add_pose(registry, frames, [0.0_wp, 0.0_wp, 0.0_wp])
       call add_mount(registry, housing, frames)
       call add_accelerometer(registry, 1, housing, frames)
       call add_shaft_constants(registry, 1, shaft)

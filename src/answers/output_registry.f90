@@ -192,10 +192,11 @@ contains
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in), contiguous :: value(:, :) !! (lanes, components)
       character(len=*), intent(in), optional :: rate_of, no_rate
+      real(wp), parameter :: nothing(4) = 0.0_wp !! no output has more components
       integer :: before, k
 
       if (.not. associated(registry%values)) then
-         call append_row(registry%rows, name, units, symbol, text, spread(0.0_wp, 1, size(value, 2)), .false., rate_of, no_rate)
+         call append_row(registry%rows, name, units, symbol, text, nothing(:size(value, 2)), .false., rate_of, no_rate)
          return
       end if
       call find_place(registry, size(value, 2), before)

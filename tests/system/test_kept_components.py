@@ -31,7 +31,10 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
         "integrator/radau_archive.f90",
         "keep_radau",
         "self",
-        {"options": GIVEN, "limited": GIVEN, "refusal": "of one step"},
+        {
+            **alike(GIVEN, "options limited"),
+            **alike("of one step", "refusal refused_t refused_y"),
+        },
     ),
     "step_control_t": (
         "integrator/step_control.f90",
@@ -69,6 +72,7 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
             "tolerance": GIVEN,
             "output_factor": GIVEN,
             "newton_stop": GIVEN,
+            "times": ROOM,
         },
     ),
     "stage_counts": (
@@ -138,7 +142,10 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
         "self",
         {
             **alike(PATTERN, "n row column entry scale"),
-            **alike(ROOM, "product x_piece matrix eigenvalue_re eigenvalue_im difference jacobian"),
+            **alike(
+                ROOM,
+                "product x_piece matrix eigenvalue_re eigenvalue_im length difference jacobian",
+            ),
         },
     ),
     "known_piece_t": (
@@ -258,7 +265,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/number_sums.c",
         "number_sums_keep",
         {
-            **alike(GIVEN, "model taken n_meshes n_channels n_pairs places"),
+            **alike(GIVEN, "model taken n_meshes n_channels n_pairs first places"),
             "nodes": ROOM,
             "channels": "one by one, as of `sums_channel`",
         },
@@ -267,7 +274,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/number_sums.c",
         "simulate/number_sums.c",
         "number_sums_keep",
-        alike(GIVEN, "row element value"),
+        alike(GIVEN, "quantity element value"),
     ),
 }
 
@@ -340,6 +347,9 @@ def c_struct(name: str, path: Path) -> dict[str, str]:
         or re.search(rf"struct {name} {braces}", text)
     )
     assert found, f"{path} has no struct {name}"
+    if row := re.search(r"#define (\w+)\(", found[1]):  # a member for each row of a table
+        rows = re.findall(rf"^ +{row[1]}\((\w+), (\w+),", text, re.M)
+        return {member: f"{kind} {member}" for kind, member in rows}
     body = re.sub(r"\{[^{}]*\}", " ", found[1])
     members = {}
     for declaration in filter(str.strip, body.split(";")):
