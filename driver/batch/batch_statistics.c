@@ -381,7 +381,6 @@ static double reduce(const statistics *statistics, int row, int mesh, double spa
 static void put_numbers(const statistics *statistics, double *results)
 {
     const statistics_table *table = statistics->table;
-    POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
     const int n = number_rows_place(&table->names, rows);
     OWNED double *values = xcalloc((size_t)n, sizeof *values);

@@ -34,7 +34,6 @@ static void tell_settled(const number_settled *settled, const number_span *span)
 
 void tell_numbers(const numbers *numbers, const model_names *names)
 {
-    POOLED memory_pool pool = {NULL};
     model_output rows[N_NUMBER_ROWS];
     OWNED double *values = xcalloc((size_t)number_rows_place(names, rows), sizeof *values);
     numbers_conclude(numbers, values);

@@ -5,15 +5,12 @@
 void gather_init(gather *gather, const wanted_outputs *wanted, bool waits)
 {
     const dae *dae = &model_about(wanted->model)->dae;
-    *gather = (struct gather){.wanted = wanted, .capacity = 1};
+    *gather = (struct gather){.wanted = wanted, .capacity = waits ? DAE_LANES : 1};
     memory_pool *pool = &gather->pool;
     gather->last = dae_state_create(dae, pool);
     gather->values = pool_calloc(pool, (size_t)wanted->n_values * DAE_LANES, sizeof *gather->values);
     gather->y = pool_calloc(pool, (size_t)dae->n * DAE_LANES, sizeof *gather->y);
     gather->sampler = model_sampler_create(wanted->model, wanted->n, wanted->outputs);
-    if (waits && model_sampler_in_lanes(gather->sampler)) {
-        gather->capacity = DAE_LANES;
-    }
 }
 
 void gather_free(gather *gather)
@@ -58,25 +55,10 @@ void gather_put(gather *gather, const dae_state *state, const output_mark *mark)
     gather->t[gather->n++] = state->t;
 }
 
-/** Of a few states the last one once more, in the room for others. */
-static void fill_up(gather *gather)
-{
-    const int last = gather->n - 1, n = model_about(gather->wanted->model)->dae.n;
-    for (int k = gather->n; k < DAE_LANES; k++) {
-        gather->t[k] = gather->t[last];
-        for (int i = 0; i < n; i++) {
-            gather->y[i * DAE_LANES + k] = gather->y[i * DAE_LANES + last];
-        }
-    }
-}
-
 int gather_find(gather *gather, bool check, output_block *block, char message[DAE_MESSAGE_LENGTH])
 {
     *block = (output_block){
         .n = gather->n, .t = gather->t, .values = gather->values, .marks = gather->has_marks ? gather->marks : NULL};
-    if (model_sampler_in_lanes(gather->sampler)) {
-        fill_up(gather);
-    }
     gather->n = 0;
     return model_sampler_lanes(gather->sampler, block->n, check, gather->t, gather->y, &gather->last, gather->values,
                                message);

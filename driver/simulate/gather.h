@@ -17,7 +17,7 @@ typedef struct gather {
     double *values;
 } gather;
 
-/** @param waits  whether it may wait for more states than one, which the kernel has to take at once */
+/** @param waits  whether it waits for as many states as the kernel takes at once */
 void gather_init(gather *gather, const wanted_outputs *wanted, bool waits);
 void gather_free(gather *gather);
 

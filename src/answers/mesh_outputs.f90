@@ -152,7 +152,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       type(mesh_lanes), intent(in) :: mesh
       type(output_states), intent(in) :: states
-      type(mesh_points), intent(inout) :: points
+      type(mesh_points), intent(out) :: points !! NaN where the contact is not tracked
       type(tangent_line_t) :: line
       real(wp) :: q(n_local), residual(n_track), y(gearbox%n_states)
       logical :: exists, tracks

@@ -4,7 +4,7 @@
 module evl_output_states
    use evl_contacts_at_state, only: flank_place, place_contact
    use evl_discrete_state, only: take_mode
-   use evl_force_lanes, only: lane_slot
+   use evl_force_lanes, only: lane_slot, put_force, put_place
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_ode, only: settle_aside, settle_slots
@@ -13,10 +13,9 @@ module evl_output_states
    use evl_kinds, only: lanes, wp
    use evl_mode_check, only: check_modes, modes_agree
    use evl_output, only: needs_meshes, needs_places, needs_rates
-   use evl_root_kinds, only: side_of_rate
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: has_failed, status_t
-   use evl_tooth_contact, only: beyond_flank, contact_state, flanks_off, tooth_contact_t, touches, unclipped
+   use evl_tooth_contact, only: contact_state, touches
    implicit none (type, external)
    private
 
@@ -70,8 +69,8 @@ contains
 
       self%n = n
       do l = 1, lanes
-         self%t(l) = t(min(l, size(t)))
-         self%y(l, :) = y(min(l, size(t)), :)
+         self%t(l) = t(min(l, n))
+         self%y(l, :) = y(min(l, n), :)
       end do
       call settle(self, gearbox, integers, reals)
       with_places = check .or. iand(needed, needs_places) == needs_places
@@ -196,59 +195,5 @@ contains
          end if
       end do
    end subroutine put_contacts
-
-   !> Where a contact is; off its path the radii of curvature, and of tracked contacts the whole point.
-   pure subroutine put_place(of, contact, l, slot)
-      type(tooth_contact_t), intent(in) :: of
-      type(contact_state), intent(in) :: contact
-      integer, intent(in) :: l
-      type(lane_slot), intent(inout) :: slot
-
-      associate (at => slot%at, point => contact%point)
-         at%e_star = of%e_star
-         at%width = of%width
-         at%v0 = contact%mode%v0
-         at%side = contact%mode%sides(side_of_rate)
-         at%rho_a0(l) = contact%rho_a0
-         at%overlap(l) = contact%overlap
-         at%h(l) = point%h
-         at%h_dot(l) = point%h_dot
-         at%rho_a(l) = point%rho_a
-         at%rho_b(l) = point%rho_b
-         at%s(l) = point%s
-         at%c(l) = point%c
-         at%l_a(l) = point%l_a
-         at%l_b(l) = point%l_b
-         at%v_t(l) = point%v_t
-         at%arm_a(l) = point%arm_a
-         at%arm_b(l) = point%arm_b
-         at%tilt(l) = point%tilt
-         at%rho_dot(l) = point%rho_dot
-         at%omega_a(l) = point%omega_a
-         at%omega_b(l) = point%omega_b
-         if (slot%mode%flanks /= flanks_off .and. beyond_flank(slot%mode)) at%edge%foot(l, :) = contact%edge%foot
-      end associate
-   end subroutine put_place
-
-   !> What acts there.
-   pure subroutine put_force(contact, l, slot)
-      type(contact_state), intent(in) :: contact
-      integer, intent(in) :: l
-      type(lane_slot), intent(inout) :: slot
-
-      associate (to => slot%force, force => contact%force)
-         to%elastic(l) = contact%elastic%force
-         to%d_energy(l) = contact%elastic%d_energy
-         to%excess(l) = contact%elastic%excess
-         to%viscous(l) = contact%viscous%force
-         to%unclipped(l) = unclipped(contact)
-         to%factor(l) = contact%factor
-         to%torque_a(l) = force%torque_a
-         to%torque_b(l) = force%torque_b
-         to%on_a_t(l) = force%on_a(1)
-         to%on_a_e(l) = force%on_a(2)
-         to%dissipation(l) = force%dissipation
-      end associate
-   end subroutine put_force
 
 end module evl_output_states

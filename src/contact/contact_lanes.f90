@@ -20,7 +20,7 @@ module evl_contact_lanes
    implicit none (type, external)
    private
 
-   public :: lane_contact, contact_in_lanes, gap_in_lanes
+   public :: lane_contact, contact_in_lanes, gap_in_lanes, store_lane
 
    !> A tooth contact in eight states; the components mean what those of `contact_point` mean, and those that laws may know stand in
    !> the parent.

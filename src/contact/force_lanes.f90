@@ -2,17 +2,18 @@
 !>
 !> The loop of a law stands in the law's own file; a law without one is asked state by state.
 module evl_force_lanes
-   use evl_contact_lanes, only: lane_contact
+   use evl_contact_lanes, only: lane_contact, store_lane
    use evl_contact_point, only: contact_point
    use evl_elastic_law, only: elastic_result
    use evl_kinds, only: lanes, wp
    use evl_pair_place, only: by_line
-   use evl_root_kinds, only: n_root_kinds
-   use evl_tooth_contact, only: contact_force, contact_mode, flanks_unloaded, tooth_contact_t
+   use evl_root_kinds, only: n_root_kinds, side_of_rate
+   use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, &
+                                tooth_contact_t, unclipped
    implicit none (type, external)
    private
 
-   public :: lane_force, lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes
+   public :: lane_force, lane_slot, laws_of_pair, lift_in_lanes, put_force, put_place, resolve_in_lanes
 
    !> Forces of a tooth contact in eight states; the components mean what those of `elastic_result` and `contact_force` mean.
    type :: lane_force
@@ -136,5 +137,45 @@ contains
       elastic%d_energy = force%d_energy(l)
       elastic%excess = force%excess(l)
    end function elastic_of_lane
+
+   !> Put the place of a contact that was found in one state into a lane.
+   pure subroutine put_place(contact, at_state, l, slot)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at_state
+      integer, intent(in) :: l
+      type(lane_slot), intent(inout) :: slot
+
+      associate (at => slot%at)
+         at%e_star = contact%e_star
+         at%width = contact%width
+         at%v0 = at_state%mode%v0
+         at%side = at_state%mode%sides(side_of_rate)
+         at%rho_a0(l) = at_state%rho_a0
+         at%overlap(l) = at_state%overlap
+         call store_lane(at_state%point, l, at)
+         if (slot%mode%flanks /= flanks_off .and. beyond_flank(slot%mode)) at%edge%foot(l, :) = at_state%edge%foot
+      end associate
+   end subroutine put_place
+
+   !> Put what acts there into the same lane.
+   pure subroutine put_force(at_state, l, slot)
+      type(contact_state), intent(in) :: at_state
+      integer, intent(in) :: l
+      type(lane_slot), intent(inout) :: slot
+
+      associate (to => slot%force, force => at_state%force)
+         to%elastic(l) = at_state%elastic%force
+         to%d_energy(l) = at_state%elastic%d_energy
+         to%excess(l) = at_state%elastic%excess
+         to%viscous(l) = at_state%viscous%force
+         to%unclipped(l) = unclipped(at_state)
+         to%factor(l) = at_state%factor
+         to%torque_a(l) = force%torque_a
+         to%torque_b(l) = force%torque_b
+         to%on_a_t(l) = force%on_a(1)
+         to%on_a_e(l) = force%on_a(2)
+         to%dissipation(l) = force%dissipation
+      end associate
+   end subroutine put_force
 
 end module evl_force_lanes

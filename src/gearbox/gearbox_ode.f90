@@ -7,7 +7,7 @@ module evl_gearbox_ode
    use evl_contact_roots, only: contact_root_directions
    use evl_discrete_state, only: take_mode
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern
-   use evl_force_lanes, only: lane_slot
+   use evl_force_lanes, only: lane_slot, put_force, put_place
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
@@ -21,7 +21,7 @@ module evl_gearbox_ode
    use evl_ode_model, only: growth_by_coupling, growth_by_damping, growth_never, never, ode_model
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
-   use evl_tooth_contact, only: contact_state, nominal_start, touches, tracking_closed_form, unclipped
+   use evl_tooth_contact, only: contact_state, nominal_start, touches, tracking_closed_form
    use evl_watch_lanes, only: most_rows, rough_channels, watched_in_lanes
    implicit none (type, external)
    private
@@ -251,14 +251,18 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: y_lane(self%n), f_lane(self%n)
       type(contact_state) :: contacts(size(self%gearbox%contacts))
-      integer :: lane
+      integer :: i, lane
 
       do lane = 1, lanes
          y_lane = y(lane, :)
          call gearbox_rates(self%gearbox, t(lane), y_lane, self%integers, self%reals, f_lane, status, contacts=contacts)
          if (has_failed(status)) return
          f(lane, :) = f_lane
-         call put_down(contacts, lane, self%slots)
+         do i = 1, size(contacts)
+            if (.not. self%slots(i)%touches) cycle
+            call put_place(self%gearbox%contacts(i), contacts(i), lane, self%slots(i))
+            call put_force(contacts(i), lane, self%slots(i))
+         end do
       end do
    end subroutine rhs_one_by_one
 
@@ -380,26 +384,5 @@ contains
          aside(i)%rho_start = slots(i)%rho_start
       end do
    end subroutine settle_aside
-
-   !> Put down the contacts of one state, where the states were evaluated one by one.
-   pure subroutine put_down(contacts, lane, slots)
-      type(contact_state), intent(in) :: contacts(:) !! as from `gearbox_rates`
-      integer, intent(in) :: lane
-      type(lane_slot), intent(inout) :: slots(:)
-      integer :: i
-
-      do i = 1, size(slots)
-         if (.not. slots(i)%touches) cycle
-         associate (at => slots(i)%at, point => contacts(i)%point)
-            at%h(lane) = point%h
-            at%overlap(lane) = contacts(i)%overlap
-            at%v_t(lane) = point%v_t
-            at%rho_a(lane) = point%rho_a
-            at%rho_b(lane) = point%rho_b
-            slots(i)%force%unclipped(lane) = unclipped(contacts(i))
-            slots(i)%force%factor(lane) = contacts(i)%factor
-         end associate
-      end do
-   end subroutine put_down
 
 end module evl_gearbox_ode

@@ -46,7 +46,7 @@ MAKERS: dict[str, Callable[[Kernel], Gearbox]] = {
             ("differential", DIFFERENTIAL),
         )
     },
-    "four wheels": lambda kernel: chain(kernel, 4, CLOSED_FORM, -1),
+    "four wheels": lambda kernel: chain(kernel, 4, CLOSED_FORM, sigma=-1),
 }
 
 
@@ -237,7 +237,7 @@ def check_look(radau: Radau, before: float, state: State) -> int:
 def test_a_look_at_a_step_finds_the_extremes_of_its_states_and_none_within_wide_limits(kernel):
     looked = 0
     for seed in range(12):
-        gearbox = chain(kernel, 4, CLOSED_FORM, -1)
+        gearbox = chain(kernel, 4, CLOSED_FORM, sigma=-1)
         state = in_mode(gearbox, np.random.default_rng(seed), MODES["sliding"])
         radau = Radau(gearbox, max_step=1e-3)
         radau.start(state)

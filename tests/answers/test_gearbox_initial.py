@@ -58,7 +58,7 @@ def accelerations(gearbox: Gearbox, state: State) -> np.ndarray:
 @TRACKINGS
 @FLANKS
 def test_at_rest_nothing_moves_and_the_flanks_touch(kernel: Kernel, tracking: str, sigma: int):
-    gearbox = chain(kernel, 4, tracking, sigma)
+    gearbox = chain(kernel, 4, tracking, sigma=sigma)
     state = gearbox.start()
     moving = [n for n, y in zip(gearbox.names, state.y, strict=True) if y != 0]
     assert all(n.startswith("gradient_ratio") for n in moving)
@@ -88,7 +88,7 @@ def test_touching_flanks_are_loaded_if_the_loads_press_them_together(kernel: Ker
 @TRACKINGS
 @FLANKS
 def test_given_speeds_and_gaps_are_those_of_the_state(kernel: Kernel, tracking: str, sigma: int):
-    gearbox = chain(kernel, 4, tracking, sigma)
+    gearbox = chain(kernel, 4, tracking, sigma=sigma)
     speeds = np.array([-3.0, 1.9, -2.2, 3.1]) * sigma
     gaps = [2e-6, -3e-8, 0.0]
     state = gearbox.start(SPEEDS, speeds, gaps)

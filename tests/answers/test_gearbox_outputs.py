@@ -103,6 +103,22 @@ def test_what_is_not_computed_is_nan_and_never_zero(kernel: Kernel):
     }
 
 
+@pytest.mark.parametrize("tracked", [ALGEBRAIC, DIFFERENTIAL])
+@pytest.mark.parametrize("first", [True, False], ids=["first", "last"])
+def test_a_mesh_reports_nothing_of_its_neighbour_s_tracking(
+    kernel: Kernel, tracked: str, first: bool
+):
+    """A mesh in closed form before or behind a tracked one has no tracked point."""
+    gearbox = chain(kernel, 3, *((tracked, CLOSED_FORM) if first else (CLOSED_FORM, tracked)))
+    values = gearbox.outputs(in_mode(gearbox, np.random.default_rng(4), (LOADED, 1)))
+    ends = ("driving", "driven")
+    for kind in ("gradient_ratio", "tracking_residual", "line_distance"):
+        for name in [kind] if kind in values else [f"{kind}_{end}" for end in ends]:
+            empty = np.isnan(values[name]).reshape(2, -1)
+            assert empty[int(first)].all(), name
+            assert not empty[int(not first)].any(), name
+
+
 @TRACKINGS
 def test_the_paper_s_start(kernel: Kernel, tracking: str):
     """Section 7.1 of the paper: at rest, the teeth touch at a, the start of contact."""

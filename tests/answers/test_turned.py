@@ -16,7 +16,7 @@ SENSES = pytest.mark.parametrize("sigma", [1, -1])
 
 def trains(kernel: Kernel, sigma: int) -> list[Gearbox]:
     """Trains whose reference wheel is the first and, of a prescribed speed, the driven one."""
-    return [chain(kernel, 3, CLOSED_FORM, sigma), prescribed(kernel, CLOSED_FORM, sigma)]
+    return [chain(kernel, 3, CLOSED_FORM, sigma=sigma), prescribed(kernel, CLOSED_FORM, sigma)]
 
 
 @SENSES

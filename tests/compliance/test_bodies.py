@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compliance.bodies import Body, Curve, lobatto, straight
-from kernel.kernel import Floats, Kernel, _double
+from kernel.kernel import Floats, Kernel
 
 NU = 0.3
 SQUARE = [(0, 0), (2, 0), (2, 2), (0, 2)]
@@ -171,9 +171,8 @@ def disc(kernel: Kernel, p: int, n: int, w: float) -> float:
             np.add.at(loads[row], 2 * nodes, -values @ (force * np.cos(s)))
             np.add.at(loads[row], 2 * nodes + 1, -values @ (force * np.sin(s)))
     wide, narrow = -2 * np.diag(body.condensed(fixed, [], loads, nu=NU))
-    kernel.library.test_finish.restype = _double
     numbers = (wide, narrow, w, 1.0, NU)
-    return float(kernel.library.test_finish(*map(_double, numbers)))
+    return float(kernel.library.test_finish(*map(float, numbers)))
 
 
 def test_disc_pressed_across_its_diameter_lacks_nothing_of_johnsons_cylinder(

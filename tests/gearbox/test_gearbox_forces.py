@@ -229,9 +229,9 @@ def test_the_axles_feel_opposite_forces_along_the_line_of_action_and_across_it(
 
 GEARBOXES: dict[str, Callable[[Kernel, int, int], Gearbox]] = {
     "prescribed": prescribed,
-    "two": lambda kernel, tracking, sigma: chain(kernel, 2, tracking, sigma),
-    "four": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma),
-    "ring": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma, closed=True),
+    "two": lambda kernel, tracking, sigma: chain(kernel, 2, tracking, sigma=sigma),
+    "four": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma=sigma),
+    "ring": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma=sigma, closed=True),
 }
 SUPPORT_MASS = {"prescribed": (0.0, 0.0)}  # beside the wheel's own; that of `chain` unless here
 

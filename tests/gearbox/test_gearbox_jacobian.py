@@ -28,10 +28,10 @@ MODES = {
 EVERY_MODE = pytest.mark.parametrize("mode", MODES.values(), ids=MODES.keys())
 MAKERS: dict[str, Callable[[Kernel, int, int], Gearbox]] = {
     "pair with a prescribed speed": prescribed,
-    "two wheels": lambda kernel, tracking, sigma: chain(kernel, 2, tracking, sigma),
-    "three wheels": lambda kernel, tracking, sigma: chain(kernel, 3, tracking, sigma),
-    "four wheels": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma),
-    "ring": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma, closed=True),
+    "two wheels": lambda kernel, tracking, sigma: chain(kernel, 2, tracking, sigma=sigma),
+    "three wheels": lambda kernel, tracking, sigma: chain(kernel, 3, tracking, sigma=sigma),
+    "four wheels": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma=sigma),
+    "ring": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma=sigma, closed=True),
 }
 
 

@@ -32,8 +32,8 @@ MODES = {
 }
 MAKERS: dict[str, Callable[[Kernel], Gearbox]] = {
     "pair with a prescribed speed": lambda kernel: prescribed(kernel, CLOSED_FORM, 1),
-    "four wheels": lambda kernel: chain(kernel, 4, CLOSED_FORM, -1),
-    "ring": lambda kernel: chain(kernel, 4, CLOSED_FORM, 1, closed=True),
+    "four wheels": lambda kernel: chain(kernel, 4, CLOSED_FORM, sigma=-1),
+    "ring": lambda kernel: chain(kernel, 4, CLOSED_FORM, sigma=1, closed=True),
 }
 
 
@@ -97,7 +97,7 @@ def test_a_mounted_housing_is_refused(kernel: Kernel):
 
 @pytest.mark.parametrize("tracking", [ALGEBRAIC, DIFFERENTIAL])
 def test_tracked_points_are_refused_at_their_mesh(kernel: Kernel, tracking: str):
-    gearbox = chain(kernel, 3, tracking, 1)
+    gearbox = chain(kernel, 3, tracking, sigma=1)
     with pytest.raises(GearboxError, match="algebraic states") as refused:
         serves(gearbox)
     assert (refused.value.code, refused.value.field) == (INVALID_INPUT, "tracking")

@@ -48,7 +48,7 @@ def test_the_reference_angle_goes_by_a_pitch_and_no_other_state_is_held(kernel: 
 
 
 def test_the_teeth_that_pass_fastest_count(kernel: Kernel):
-    gearbox = chain(kernel, 4, CLOSED_FORM, 1)  # idlers: a pitch is one of all wheels
+    gearbox = chain(kernel, 4, CLOSED_FORM, sigma=1)  # idlers: a pitch is one of all wheels
     teeth = (20, 33, 27, 20)
     theta = sight(gearbox)[0][0]
     assert any(theta == pytest.approx(TURN / z, rel=1e-14) for z in teeth)

@@ -70,7 +70,7 @@ def test_jacobian_of_trains_is_the_derivative_of_the_residual(
     kernel: Kernel, couples: bool, sigma: int, mode: tuple[int, int]
 ):
     """All supports and loads; wheels of different size; flanks that overlap without force."""
-    gearbox = bend(chain(kernel, 3, CLOSED_FORM, sigma), couples, scale=0.2)
+    gearbox = bend(chain(kernel, 3, CLOSED_FORM, sigma=sigma), couples, scale=0.2)
     state = in_mode(gearbox, np.random.default_rng(11), mode, 1e-6)
     check_jacobian(gearbox, state)
 
@@ -95,7 +95,7 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
     kernel: Kernel, couples: bool, sigma: int, mode: tuple[int, int]
 ):
     """d/dt (T + V + D - W) = 0 along the flow, on moving axles."""
-    gearbox = bend(chain(kernel, 3, CLOSED_FORM, sigma), couples, scale=0.2, by=10.0)
+    gearbox = bend(chain(kernel, 3, CLOSED_FORM, sigma=sigma), couples, scale=0.2, by=10.0)
     for seed in range(8):
         state = in_mode(gearbox, np.random.default_rng(seed), mode)
         state.yp = gearbox.derivative(state)

@@ -46,10 +46,11 @@ def paper_gearbox(kernel: Kernel, **fields: Any) -> Gearbox:
     return Gearbox(kernel, wheels, loads, [mesh(kernel, **fields)])
 
 
-def chain(kernel: Kernel, n: int, tracking: str, sigma: int = 1, closed: bool = False) -> Gearbox:
+def chain(kernel: Kernel, n: int, *tracking: str, sigma: int = 1, closed: bool = False) -> Gearbox:
     """Train of n wheels with every support and every load but a prescribed speed.
 
-    Wheels differ in everything; `closed`: the last one meshes with the first, a ring.
+    Wheels differ in everything; `closed`: the last one meshes with the first, a ring. Of several
+    trackings the first is that of mesh 0, the second that of mesh 1, ...
     """
     teeth = (20, 33, 27, 20)[:n]
     radii = [0.005 * z for z in teeth]
@@ -102,7 +103,7 @@ def chain(kernel: Kernel, n: int, tracking: str, sigma: int = 1, closed: bool = 
                 pressure_angle=0.35,
                 friction=(0.2, 2e-3),
                 damping=(3e3, ("one_sided", 1e10), None, 1e3)[m],
-                tracking=tracking,
+                tracking=tracking[m % len(tracking)],
             )
         )
     return Gearbox(kernel, wheels, loads, meshes)

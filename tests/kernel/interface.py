@@ -118,10 +118,15 @@ class Library(ctypes.CDLL):
                     given = tuple(itertools.starmap(_argument, pairs))
                 return super().__call__(*given)
 
+            def __setattr__(self, name: str, value: Any) -> None:
+                assert name == "kinds" or not hasattr(self, "kinds"), "all tests share it"
+                super().__setattr__(name, value)
+
         self._FuncPtr: Any = Call
 
     def __getitem__(self, name: Any) -> Any:
         """Return a call by its name."""
         call: Any = super().__getitem__(name)
-        call.restype, call.kinds = _prototype(name)
+        call.restype, kinds = _prototype(name)
+        call.kinds = kinds
         return call

@@ -161,9 +161,7 @@ def test_every_law_gives_in_lanes_what_it_gives_alone(
 def integrated(gearbox: Gearbox) -> Floats:
     """States of the first 50 ms by radau, (output, state)."""
     library, state, scale = gearbox.library, gearbox.start(), gearbox.scales()[0]
-    library.evl_radau_create.restype = ctypes.c_void_p
-    settings = (ctypes.c_double(1e-6), ctypes.c_double(1e-3), None)
-    radau = ctypes.c_void_p(library.evl_radau_create(gearbox.handle, _at(scale), *settings))
+    radau = library.evl_radau_create(gearbox.handle, scale, 1e-6, 1e-3, None)
     outputs = np.full((20, len(scale)), np.nan)
     at = map(_at, (state.y, state.integers, state.reals))
     duration = ctypes.c_double(0.05)
@@ -202,7 +200,7 @@ def test_a_law_without_a_loop_is_as_right_in_both_integrators(
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_trains_with_every_support_and_table_agree(kernel: Kernel, n: int, sigma: int):
     """Tables are asked at the time of each lane."""
-    gearbox = chain(kernel, n, CLOSED_FORM, sigma)
+    gearbox = chain(kernel, n, CLOSED_FORM, sigma=sigma)
     random = np.random.default_rng(n)
     for _ in range(10):
         check(gearbox, around(in_mode(gearbox, random, (LOADED, 1)), random))
