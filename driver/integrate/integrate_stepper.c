@@ -92,14 +92,19 @@ static integrate_code give_outputs(integration *run, bool *missed)
 }
 
 /* Let the observer look into the step just made. */
-static void watch(void *self)
+static void watch_step(integration *run, bool goes_on)
 {
-    integration *run = self;
-    const integrate_step step = last_step(run);
+    integrate_step step = last_step(run);
+    step.goes_on = goes_on;
     run->t_unwatched = run->state->t;
     if (run->observer->watch != NULL && step.t_to > step.t_from) {
         run->observer->watch(run->observer->self, &step);
     }
+}
+
+static void watch(void *self)
+{
+    watch_step(self, false);
 }
 
 /* One step, and what happened at its end. */
@@ -124,7 +129,7 @@ static integrate_code advance(void *self)
             return code;
         }
         if (run->state->t < run->options->t_end || outcome == DAE_AT_EVENT) {
-            watch(run); /* the end has not proved good yet */
+            watch_step(run, outcome == DAE_STEPPED && run->state->t < t_event); /* the end has not proved good yet */
         }
         if (run->observer->step(run->observer->self, run->state->t) != 0) {
             return INTEGRATE_STOPPED;

@@ -26,6 +26,7 @@ typedef struct {
 typedef struct {
     double t_from, t_to;    /**< the same: a single state, at the start or the end of an integration */
     bool continues;         /**< the step before ended at t_from, and nothing happened there */
+    bool goes_on;           /**< nothing happens at t_to: from there the next step continues, or the integration ends */
     const dae_state *state; /**< at t_to */
     const double
         *watched; /**< the channels there as of dae.roots_and_watched, and then y is of no meaning; else NULL */

@@ -130,30 +130,75 @@ bool extreme_channels_know(extreme_channels *channels, const integrate_step *ste
     return good;
 }
 
-bool extreme_channels_see(extreme_channels *channels, const integrate_step *step, double t)
+/** Take note of what is known of all channels. */
+static void take_all(extreme_channels *channels)
 {
-    if (!extreme_channels_know(channels, step, t)) {
-        return false;
-    }
     channels->has_begun = true;
     if (any_passes(channels->n_padded, channels->values, channels->high, channels->low)) {
         for (int i = 0; i < channels->n; i++) {
             extreme_channels_take(channels, i, channels->values[i], channels->t_values);
         }
     }
+}
+
+/** Take note of what is known of a group. */
+static void take_group(extreme_channels *channels, int group)
+{
+    channels->has_begun = true;
+    for (int i = group * channels->n_in_group; i < (group + 1) * channels->n_in_group; i++) {
+        extreme_channels_take(channels, i, channels->values[i], channels->t_values);
+    }
+}
+
+bool extreme_channels_see(extreme_channels *channels, const integrate_step *step, double t)
+{
+    if (!extreme_channels_know(channels, step, t)) {
+        return false;
+    }
+    take_all(channels);
+    return true;
+}
+
+/** Ask for the channels of a group at a state. */
+static bool ask_group(extreme_channels *channels, const dae_state *state, int group)
+{
+    char message[DAE_MESSAGE_LENGTH];
+    const dae *dae = channels->dae;
+    const bool good = dae->watched_of_group(dae->self, group, state, channels->values, message) == DAE_OK;
+    channels->group = group;
+    channels->t_values = good ? state->t : NAN;
+    return good;
+}
+
+bool extreme_channels_see_state(extreme_channels *channels, const dae_state *state, int channel)
+{
+    if (channels->n_in_group > 0 && channel >= 0) {
+        const int group = channel / channels->n_in_group;
+        const bool good = is_known(channels, state->t, group) || ask_group(channels, state, group);
+        if (good) {
+            take_group(channels, group);
+        }
+        return good;
+    }
+    if (!is_known(channels, state->t, -1)) {
+        channels->group = -1;
+        channels->t_values = NAN;
+        if (!ask(channels, state, NULL)) {
+            return false;
+        }
+        channels->t_values = state->t;
+    }
+    take_all(channels);
     return true;
 }
 
 /** The channels of a group at a place in a step. @return false if they are not known there */
 static bool know_group(extreme_channels *channels, const integrate_step *step, double place, int group)
 {
-    char message[DAE_MESSAGE_LENGTH];
-    const dae *dae = channels->dae;
     if (is_known(channels, place, group)) {
         return true;
     }
     channels->t_values = NAN;
-    channels->group = group;
     dae_state state = *step->state;
     if (place < step->t_to) {
         const int first = channels->first_state[group];
@@ -164,11 +209,7 @@ static bool know_group(extreme_channels *channels, const integrate_step *step, d
             return false;
         }
     }
-    if (dae->watched_of_group(dae->self, group, &state, channels->values, message) != DAE_OK) {
-        return false;
-    }
-    channels->t_values = place;
-    return true;
+    return ask_group(channels, &state, group);
 }
 
 /** As extreme_channels_see, of a channel and those that belong together with it. */
@@ -182,10 +223,7 @@ static bool see_group_of(extreme_channels *channels, const integrate_step *step,
     if (!know_group(channels, step, place, group)) {
         return false;
     }
-    channels->has_begun = true;
-    for (int i = group * channels->n_in_group; i < (group + 1) * channels->n_in_group; i++) {
-        extreme_channels_take(channels, i, channels->values[i], place);
-    }
+    take_group(channels, group);
     return true;
 }
 

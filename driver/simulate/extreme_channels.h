@@ -33,6 +33,8 @@ double *extreme_channels_array(const extreme_channels *channels);
 bool extreme_channels_know(extreme_channels *channels, const integrate_step *step, double t);
 /** The same, and take note of them. */
 bool extreme_channels_see(extreme_channels *channels, const integrate_step *step, double t);
+/** The same at a state. @param channel  which those belong together with that are asked for; -1: all */
+bool extreme_channels_see_state(extreme_channels *channels, const dae_state *state, int channel);
 /** One value of a channel. */
 void extreme_channels_take(extreme_channels *channels, int channel, double value, double t);
 

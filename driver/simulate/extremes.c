@@ -12,6 +12,8 @@ struct extremes {
     extreme_channels channels;
     channel_past past; /**< for an integrator that knows no candidates */
     double from, to;   /**< window */
+    dae_state end;     /**< of the last step */
+    bool rises_on;     /**< an extreme may be there, which was not asked for: where it goes on rising, it never matters */
 };
 
 static int channel_of(int index, int mesh)
@@ -25,6 +27,7 @@ extremes *extremes_create(const model *model, int n_meshes, double from, double 
     *extremes = (struct extremes){.from = from, .to = to};
     extreme_channels_init(&extremes->channels, &model_about(model)->dae, &extremes->pool);
     channel_past_init(&extremes->past, &extremes->channels);
+    extremes->end = dae_state_create(&model_about(model)->dae, &extremes->pool);
     for (int k = 0; k < model_tables()->n_extremes; k++) {
         for (int mesh = 0; mesh < n_meshes; mesh++) {
             const int channel = channel_of(k, mesh);
@@ -51,8 +54,22 @@ void extremes_delete(extremes **pointer)
 
 void extremes_keep(extremes *extremes, archive *archive)
 {
+    const dae *dae = extremes->channels.dae;
     extreme_channels_keep(&extremes->channels, archive);
     channel_past_keep(&extremes->past, &extremes->channels, archive);
+    KEEP(archive, extremes->end.t);
+    KEEP_ARRAY(archive, extremes->end.y, dae->n);
+    KEEP_ARRAY(archive, extremes->end.integers, dae->n_integers);
+    KEEP_ARRAY(archive, extremes->end.reals, dae->n_reals);
+    KEEP(archive, extremes->rises_on);
+}
+
+/** Ask for the end of the last step after all, where that was put off. */
+static void see_end(extremes *extremes, int channel)
+{
+    if (extremes->rises_on) {
+        (void)extreme_channels_see_state(&extremes->channels, &extremes->end, channel);
+    }
 }
 
 const double *extremes_highest(const extremes *extremes)
@@ -60,9 +77,11 @@ const double *extremes_highest(const extremes *extremes)
     return extremes->channels.high;
 }
 
-extreme_found extremes_found(const extremes *extremes, int index, int mesh)
+extreme_found extremes_found(extremes *extremes, int index, int mesh)
 {
     const extreme_channels *channels = &extremes->channels;
+    see_end(extremes, -1);
+    extremes->rises_on = false;
     const int channel = channel_of(index, mesh);
     if (!channels->has_begun) {
         return (extreme_found){NAN, NAN};
@@ -88,16 +107,28 @@ static double within(double t, double from, double to)
     return fmin(fmax(t, from), to);
 }
 
-/** A step of an integrator that knows candidates. */
-static void take_candidates(extreme_channels *channels, const integrate_step *step, double from, double to)
+/** A step of an integrator that knows candidates. One at its end is put off if the next step goes on from there: that has a
+ *  candidate at its start, unless the channel rises on. */
+static void take_candidates(extremes *extremes, const integrate_step *step, double from, double to)
 {
     static const double first_width = 0.02; /* of the bracket: a candidate is near the maximum */
+    static const double same = 1e-12;       /* of the step: the same time */
+    extreme_channels *channels = &extremes->channels;
+    const double a_while = same * (step->t_to - step->t_from);
     const int n = step->look(step->with, channels->high, channels->low);
+    bool rises_on = false;
     for (int i = 0; i < n; i++) {
         dae_candidate one;
         step->candidate(step->with, i, &one);
         if (one.left > to || one.right < from) {
             continue;
+        }
+        if (step->goes_on && one.left >= step->t_to - a_while) {
+            rises_on = true;
+            continue;
+        }
+        if (one.right <= step->t_from + a_while) {
+            see_end(extremes, one.channel);
         }
         const extreme_place place = {.channel = one.channel,
                                      .sense = one.sense,
@@ -107,6 +138,10 @@ static void take_candidates(extreme_channels *channels, const integrate_step *st
                                      .width = first_width * (one.right - one.left),
                                      .expected = one.sense * one.value};
         extreme_channels_climb(channels, step, &place);
+    }
+    extremes->rises_on = rises_on;
+    if (rises_on) {
+        dae_state_copy(channels->dae, &extremes->end, step->state);
     }
 }
 
@@ -129,6 +164,6 @@ void extremes_watch(extremes *extremes, const integrate_step *step)
         (void)extreme_channels_see(channels, step, to);
     }
     if (from < to) {
-        take_candidates(channels, step, from, to);
+        take_candidates(extremes, step, from, to);
     }
 }

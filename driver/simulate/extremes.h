@@ -25,6 +25,6 @@ typedef struct {
     double value, time;
 } extreme_found;
 /** @param index  in the table of extremes */
-extreme_found extremes_found(const extremes *extremes, int index, int mesh);
+extreme_found extremes_found(extremes *extremes, int index, int mesh);
 /** Place of an extreme in the table; -1 if there is none. */
 int extremes_find(const char *output, bool is_largest);
