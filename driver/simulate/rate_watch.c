@@ -36,9 +36,9 @@ static const double part = 1e-8; /* of the largest value or change: what two for
 static const double tolerances_of_collocation = 10, tolerances_of_polynomials = 100;
 static const double roundings = 64 * DBL_EPSILON; /* of values that are subtracted, and of the time */
 
-/* The first step is looked at, then one of 16, of 32, of 64, and one of 128 for the rest of the run: later by up to an eighth of that
+/* The first step is looked at, then one of 32, of 64, ... and one of 512 for the rest of the run: later by up to an eighth of that
  * where it is the first after an event then. */
-enum { FIRST_INTERVAL = 16, LAST_INTERVAL = 128, PATIENCE = 8 };
+enum { FIRST_INTERVAL = 32, LAST_INTERVAL = 512, PATIENCE = 8 };
 
 /** The step in which an integral differs most from the change. */
 typedef struct {
