@@ -36,6 +36,7 @@ contains
    include "contact/contact_point.inc"
    include "contact/closed_form.inc"
    include "contact/deviating_flanks.inc"
+   include "contact/edge_point.inc"
    include "contact/lane_point.inc"
 
    !> The contact along its line of action. Of a slot without a pair on the path the radii of curvature are all that is set.
@@ -288,18 +289,18 @@ contains
       call slopes_in_lanes(own, past, de, at%edge)
       !$omp simd
       do l = 1, lanes
-         call put_lane_on_edge(pair, line, l, at%edge%margin(l), at%edge%line(l), past%x(l), past%lack(l), e(l, by_a), &
+         call put_lane_on_edge(pair, line, l, at%edge%margin(l), past%x(l), past%lack(l), e(l, by_a), &
                                e(l, by_b), at%edge%d_h(l, by_a), at%edge%d_h(l, by_b), at%edge%d_h(l, by_line), arms(l, by_a), &
                                arms(l, by_b), at)
       end do
    end subroutine put_lanes_on_edge
 
    !> One lane of it.
-   pure subroutine put_lane_on_edge(pair, line, l, margin, along, x, lack, e_a, e_b, by_rho_a, by_rho_b, by_rho, arm_a, arm_b, at)
+   pure subroutine put_lane_on_edge(pair, line, l, margin, x, lack, e_a, e_b, by_rho_a, by_rho_b, by_rho, arm_a, arm_b, at)
       type(tracked_pair), intent(in) :: pair
       type(lane_line), intent(in) :: line
       integer, intent(in) :: l
-      real(wp), intent(in) :: margin, along, x, lack, e_a, e_b !! as of `lane_edge` and `lane_lack`; along: its line
+      real(wp), intent(in) :: margin, x, lack, e_a, e_b !! as of `lane_edge` and `lane_lack`
       real(wp), intent(in) :: by_rho_a, by_rho_b, by_rho       !! derivatives of the penetration
       real(wp), intent(in) :: arm_a, arm_b                     !! of the friction force without penetration [m]
       type(lane_contact), intent(inout) :: at
@@ -310,16 +311,7 @@ contains
       call lane_local(line, l, q)
       call take_lane(at, l, point)
       rate = rates_of(pair, q, point)
-      point%h = point%h - lack - (e_a + e_b)
-      point%h = margin*point%h - (1 - margin)*x
-      point%h_dot = point%h_dot + ((by_rho_a - 1)*rate%a + (by_rho_b - 1)*rate%b + (by_rho + 1)*point%rho_dot)
-      point%rho_dot = rate%a + rate%b - point%h_dot
-      point%l_a = arm_a - pair%share_a*point%h
-      point%l_b = arm_b - pair%share_b*point%h
-      point%v_t = pair%sigma*(point%omega_a*point%l_a + point%omega_b*point%l_b) - rate%along
-      point%arm_a = pair%r_ba*by_rho_a
-      point%arm_b = pair%r_bb*by_rho_b
-      point%tilt = (pair%r_ba*(by_rho_a + by_rho) + pair%r_bb*(by_rho_b + by_rho))/along
+      call place_on_edge(pair, rate, margin, x, lack, e_a + e_b, by_rho_a, by_rho_b, by_rho, arm_a, arm_b, point)
       call store_lane(point, l, at)
    end subroutine put_lane_on_edge
 

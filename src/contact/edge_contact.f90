@@ -33,6 +33,8 @@ module evl_edge_contact
 
 contains
 
+   include "contact/edge_point.inc"
+
    !> The tip of a wheel's teeth.
    pure subroutine make_tip(deviation, r_b, r_mate, rho_end, rounding, line, tip)
       type(flank_deviation_t), intent(in) :: deviation
@@ -87,7 +89,7 @@ contains
       type(pair_place) :: place
       type(flank_value) :: lacks(2)
       type(flank_slope) :: turns(2)
-      real(wp) :: arms(2), d_arms(3, 2), rates(3)
+      real(wp) :: arms(2), d_arms(3, 2)
       integer :: w
 
       w = merge(by_a, by_b, zones(by_a) >= zone_end)
@@ -113,20 +115,11 @@ contains
       call penetrate(feet, lacks, place)
       edge%d_h = place%d_h
       edge%d2_h = place%d2_h
-      rates = [rate%a, rate%b, point%rho_dot]
       point%exists = point%exists .and. feet%exists
-      point%h = point%h - feet%lack - sum(lacks%e)
-      if (.not. feet%exists) point%h = -feet%x ! inside the mate's base circle it faces no flank: far from touching
-      point%h_dot = point%h_dot + dot_product(edge%d_h - on_path, rates)
-      point%rho_dot = rate%a + rate%b - point%h_dot
       edge%d_own = d_arms(:, feet%wheel)
       edge%d_mate = d_arms(:, by_a + by_b - feet%wheel)
-      point%l_a = arms(by_a) - pair%share_a*point%h
-      point%l_b = arms(by_b) - pair%share_b*point%h
-      point%v_t = pair%sigma*(point%omega_a*point%l_a + point%omega_b*point%l_b) - rate%along
-      point%arm_a = pair%r_ba*edge%d_h(by_a)
-      point%arm_b = pair%r_bb*edge%d_h(by_b)
-      point%tilt = (pair%r_ba*(edge%d_h(by_a) + edge%d_h(by_line)) + pair%r_bb*(edge%d_h(by_b) + edge%d_h(by_line)))/rate%line
+      call place_on_edge(pair, rate, merge(1.0_wp, 0.0_wp, feet%exists), feet%x, feet%lack, sum(lacks%e), edge%d_h(by_a), &
+                         edge%d_h(by_b), edge%d_h(by_line), arms(by_a), arms(by_b), point)
    end subroutine put_on_edge
 
    !> Arms of the friction force without penetration.
