@@ -54,6 +54,8 @@ module evl_yielding_flank
 
 contains
 
+   include "contact/yielding_sides.inc"
+
    !> Elastic and viscous forces of the contacts that touch.
    subroutine laws(self, contacts, first, last, at, status)
       class(yielding_flank_t), intent(in) :: self
@@ -237,7 +239,7 @@ contains
       associate (force => at%elastic%force, slope => at%yielding%slope)
          a = [force*slope, 0.0_wp]
          if (beyond_flank(at%mode)) a = matmul(at%edge%d_foot, force*slope)
-         a(by_line) = a(by_line) + force**2/(2*pi*contact%e_star*contact%width*line_of(at))
+         a(by_line) = a(by_line) + push_along(force, 2*pi*contact%e_star*contact%width, line_of(at))
       end associate
    end function side_forces
 
@@ -249,20 +251,11 @@ contains
       real(wp) :: a(3)
 
       a = side_forces(contact, at)
-      associate (pair => contact%pair, point => at%point, force => at%force)
-         force%torque_a = force%torque_a - pair%sigma*pair%r_ba*a(by_a)
-         force%torque_b = force%torque_b - pair%sigma*pair%r_bb*a(by_b)
-         force%on_a = force%on_a + a(by_line)*[point%s, -point%c] - across(pair, a)/line_of(at)*[point%c, point%s]
+      associate (point => at%point, force => at%force)
+         call push_sides(contact%pair, line_of(at), point%s, point%c, a(by_a), a(by_b), a(by_line), force%torque_a, &
+                         force%torque_b, force%on_a(1), force%on_a(2))
       end associate
    end subroutine add_yielding
-
-   !> What forces against the three lengths have along t on A, times rho [N m].
-   pure real(wp) function across(pair, a)
-      type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: a(3)
-
-      across = pair%r_ba*a(by_a) + pair%r_bb*a(by_b) + pair%r_b*a(by_line)
-   end function across
 
    !> Add how that changes with the local variables.
    pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
@@ -314,7 +307,8 @@ contains
          push = push + f/(2*pi*contact%e_star*contact%width*line)*(2*elastic - f/line*d_line)
          torque_a = torque_a - (pair%sigma*pair%r_ba)*d_a(:, by_a)
          torque_b = torque_b - (pair%sigma*pair%r_bb)*d_a(:, by_b)
-         d_tangential = (across(pair, a)/line*d_line - pair%r_ba*d_a(:, by_a) - pair%r_bb*d_a(:, by_b) - pair%r_b*push)/line
+         d_tangential = (across(pair, a(by_a), a(by_b), a(by_line))/line*d_line &
+                         - across(pair, d_a(:, by_a), d_a(:, by_b), push))/line
          on_a(:, 1) = on_a(:, 1) + point%s*push + point%c*d_tangential
          on_a(:, 2) = on_a(:, 2) - point%c*push + point%s*d_tangential
          if (at%mode%flanks /= flanks_unloaded) return ! else nothing has turned what acts with the normal

@@ -1,8 +1,7 @@
 !> What flanks that yield do to the wheels in eight states at once, as evl_yielding_flank has it in one.
 module evl_yielding_lanes
-   use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: tracked_pair
-   use evl_force_lanes, only: lane_force, lane_slot
+   use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, pi, wp
    use evl_pair_place, only: by_a, by_b, by_line
    use evl_tooth_contact, only: beyond_flank, tooth_contact_t
@@ -12,6 +11,8 @@ module evl_yielding_lanes
    public :: feet_in_lanes, line_in_lanes, push_sides_in_lanes
 
 contains
+
+   include "contact/yielding_sides.inc"
 
    !> Roll lengths at which A and B are loaded in eight states [m].
    pure subroutine feet_in_lanes(slot, foot)
@@ -43,22 +44,24 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot !! of a pair that touches, with its forces
       real(wp), dimension(lanes) :: a_a, a_b, along, line
-      real(wp) :: p, per_line
+      type(tracked_pair) :: pair
+      real(wp) :: per_line
       integer :: l
 
+      pair = contact%pair
+      per_line = 2*pi*contact%e_star*contact%width
       associate (at => slot%at, force => slot%force)
          call line_in_lanes(slot, line)
          a_a = force%elastic*force%slope_a
          a_b = force%elastic*force%slope_b
          along = 0
          if (beyond_flank(slot%mode)) call feel_at_feet(at%edge%d_foot, a_a, a_b, along)
-         per_line = 2*pi*contact%e_star*contact%width
-         !$omp simd private(p)
+         !$omp simd
          do l = 1, lanes
-            p = force%elastic(l)**2/(per_line*line(l))
-            along(l) = along(l) + p
+            along(l) = along(l) + push_along(force%elastic(l), per_line, line(l))
+            call push_sides(pair, line(l), at%s(l), at%c(l), a_a(l), a_b(l), along(l), force%torque_a(l), force%torque_b(l), &
+                            force%on_a_t(l), force%on_a_e(l))
          end do
-         call add_sides(contact%pair, at, line, a_a, a_b, along, force)
       end associate
    end subroutine push_sides_in_lanes
 
@@ -79,28 +82,5 @@ contains
          along(l) = d_foot(l, by_line, by_a)*on_a + d_foot(l, by_line, by_b)*on_b
       end do
    end subroutine feel_at_feet
-
-   !> Add forces against rho_A, rho_B and rho.
-   pure subroutine add_sides(pair, at, line, a_a, a_b, along, force)
-      type(tracked_pair), intent(in) :: pair
-      type(lane_contact), intent(in) :: at
-      real(wp), intent(in), dimension(lanes) :: line, a_a, a_b, along
-      type(lane_force), intent(inout) :: force
-      real(wp) :: r_b, r_ba, r_bb, sigma, tangential
-      integer :: l
-
-      r_b = pair%r_b
-      r_ba = pair%r_ba
-      r_bb = pair%r_bb
-      sigma = pair%sigma
-      !$omp simd private(tangential)
-      do l = 1, lanes
-         force%torque_a(l) = force%torque_a(l) - sigma*r_ba*a_a(l)
-         force%torque_b(l) = force%torque_b(l) - sigma*r_bb*a_b(l)
-         tangential = -(r_ba*a_a(l) + r_bb*a_b(l) + r_b*along(l))/line(l)
-         force%on_a_t(l) = force%on_a_t(l) + along(l)*at%s(l) + tangential*at%c(l)
-         force%on_a_e(l) = force%on_a_e(l) - along(l)*at%c(l) + tangential*at%s(l)
-      end do
-   end subroutine add_sides
 
 end module evl_yielding_lanes
