@@ -34,6 +34,8 @@ module evl_touching_flanks
 
 contains
 
+   include "contact/hertz_pressure.inc"
+
    !> Largest contact pressure of a tooth pair [Pa], Hertz's for a line contact.
    pure real(wp) function contact_pressure(contact, mode, normal, point, foot) result(pressure)
       type(tooth_contact_t), intent(in) :: contact
@@ -52,7 +54,7 @@ contains
       real(wp), intent(in) :: normal    !! F_n [N] >= 0
       real(wp), intent(in) :: curvature !! as of `touching_curvature`
 
-      pressure = sqrt(normal/contact%width*contact%e_star*curvature/pi)
+      pressure = hertz_pressure(normal, contact%width, contact%e_star, curvature)
    end function pressure_at
 
    !> Sum of the curvatures of two flanks where they touch [1/m]; NaN if it is not positive, as where one is more hollow than the

@@ -22,6 +22,7 @@ module evl_watch_lanes
 
 contains
 
+   include "contact/hertz_pressure.inc"
    include "contact/lane_point.inc"
    include "contact/transmission_error.inc"
 
@@ -99,19 +100,20 @@ contains
       integer, intent(inout) :: channels(:)
       real(wp), intent(inout) :: values(lanes, *)
       real(wp), dimension(lanes), intent(inout) :: normal, friction
-      real(wp) :: pressure(lanes), curvature(lanes), factor
+      real(wp) :: pressure(lanes), curvature(lanes), e_star, width
       integer :: l
 
       associate (contact => gearbox%contacts(c))
          if (contact%flank == flank_drive) call put(channel_of(contact%mesh, watch_penetration), slot%at%h, n, channels, values)
          if (slot%mode%flanks /= flanks_loaded) return
          call put(channel_of(contact%mesh, watch_pair_normal), slot%force%unclipped, n, channels, values)
-         factor = contact%e_star/(contact%width*pi)
+         width = contact%width
+         e_star = contact%e_star
          call curvature_in_lanes(contact, slot, curvature)
          !$omp simd
          do l = 1, lanes
             normal(l) = normal(l) + slot%force%unclipped(l)
-            pressure(l) = pressure_in_lane(factor, slot%force%unclipped(l), curvature(l))
+            pressure(l) = hertz_pressure(max(slot%force%unclipped(l), 0.0_wp), width, e_star, curvature(l))
          end do
          call put(channel_of(contact%mesh, watch_pair_pressure), pressure, n, channels, values)
          if (contact%flank == flank_drive) friction = friction - slot%force%unclipped*slot%force%factor
@@ -156,13 +158,6 @@ contains
          curvature = (1 + margin)*(from + (to - from)*((rho_a - rho_a(lanes))/way))
       end associate
    end subroutine curvature_in_lanes
-
-   !> The contact pressure of one lane.
-   elemental real(wp) function pressure_in_lane(factor, force, curvature) result(pressure)
-      real(wp), intent(in) :: factor, force, curvature
-
-      pressure = sqrt(factor*max(force, 0.0_wp)*curvature)
-   end function pressure_in_lane
 
    !> What a mesh has whether it touches or not.
    subroutine watch_mesh(gearbox, m, y, slot, leader, n, channels, values)
