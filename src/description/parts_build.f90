@@ -74,6 +74,7 @@ contains
          return
       end if
       call load%take(given)
+      call load%find_dependence()
       load%wheel = wheel
       load%against_housing = given%word("against") == "housing"
    end subroutine load_build

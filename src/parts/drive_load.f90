@@ -64,7 +64,6 @@ contains
       self%torque = given%number("torque")
       self%rated = abs(self%torque)
       self%slope = given%number("slope")
-      self%by_speed = self%slope < 0
       self%sense = "speed"
    end subroutine take
 

@@ -28,7 +28,7 @@ module evl_load
       integer :: i_segment = 0              !! index of the segment in the discrete state; 0 without knots
       type(knots_t) :: knots                !! of a table; where the torque or its rate may jump. Not allocated without one
       logical :: prescribes = .false.       !! it prescribes the speed, and brings what torque that needs
-      logical :: by_speed = .false.         !! its torque depends on the speed of the wheel
+      logical :: by_speed = .false.         !! its torque depends on the speed of the wheel: `find_dependence`
       logical :: by_angle = .false.         !! its torque depends on the angle of the wheel
       logical :: may_feed = .false.         !! its torque may grow with the speed: it can feed a vibration
       real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; a steady state sets it to 0
@@ -41,6 +41,7 @@ module evl_load
       procedure(take_numbers), deferred :: take
       procedure(torque_formula), deferred :: evaluate
       procedure, nopass :: refusal => no_refusal
+      procedure, non_overridable :: find_dependence
       procedure, non_overridable :: ask
       procedure, non_overridable :: spin_torque
       procedure :: feed => feed_nothing
@@ -85,6 +86,20 @@ contains
       message = ""
       field = ""
    end subroutine no_refusal
+
+   !> Whether the torque depends on the speed, by its derivative at several speeds and angles.
+   subroutine find_dependence(self)
+      class(load_t), intent(inout) :: self
+      real(wp), parameter :: omega(8) = [-1.0e4_wp, -300.0_wp, -10.0_wp, -0.1_wp, 0.2_wp, 20.0_wp, 500.0_wp, 2.0e4_wp]
+      real(wp), parameter :: angle(8) = [-3.0_wp, -2.0_wp, -1.0_wp, -0.1_wp, 0.3_wp, 1.2_wp, 2.1_wp, 3.1_wp]
+      real(wp), dimension(8) :: t, torque, damping, stiffness
+
+      t = 0
+      damping = 0
+      stiffness = 0
+      call self%evaluate(8, t, omega, angle, 0.0_wp, 1, torque, damping, stiffness)
+      self%by_speed = any(abs(damping) > 0)
+   end subroutine find_dependence
 
    !> The torque in one state; that of a prescribed speed is 0.
    pure subroutine ask(self, at, torque, damping, stiffness)

@@ -36,7 +36,6 @@ contains
       type(given_t), intent(in) :: given
 
       self%coefficient = given%number("coefficient")
-      self%by_speed = self%coefficient > 0
       self%sense = "coefficient"
    end subroutine take
 

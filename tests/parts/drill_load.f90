@@ -40,7 +40,6 @@ contains
 
       self%coefficient = given%number("coefficient")
       self%quadratic = given%number("quadratic")
-      self%by_speed = .true.
       self%sense = "coefficient"
    end subroutine take
 
