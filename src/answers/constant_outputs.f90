@@ -55,11 +55,9 @@ contains
       call add_output(registry, "line_of_action_length", "m", "rho", "length of the line of action between the base circles", &
                       contact%pair%rho_0)
       call add_output(registry, "rho_start_driving", "m", "rho_A", &
-                      "radius of curvature of the driving flank at the start of contact", &
-                      pair%rho_start_a)
+                      "radius of curvature of the driving flank at the start of contact", pair%rho_start_a)
       call add_output(registry, "rho_start_driven", "m", "rho_B", &
-                      "radius of curvature of the driven flank at the start of contact", &
-                      pair%rho_start_b)
+                      "radius of curvature of the driven flank at the start of contact", pair%rho_start_b)
       call add_output(registry, "common_width", "m", "b", "common face width", contact%width)
       call add_output(registry, "effective_modulus", "Pa", "E_star", "effective modulus of elasticity", contact%e_star)
       call add_output(registry, "elastic_share_driving", "1", "w_A", "share of the driving wheel in the elastic compliance", &
@@ -143,8 +141,7 @@ contains
       position = 0
       if (stores(registry)) position = (contact%rho_start - contact%rho_entry)/contact%base_pitch
       call add_output(registry, "start_position", "1", "xi_0", &
-                      "pitches of tooth pair 0 from its start of contact where angles are 0", &
-                      position)
+                      "pitches of tooth pair 0 from its start of contact where angles are 0", position)
    end subroutine add_mesh_teeth
 
    !> Radius where the active profile of a wheel begins, the smallest over its meshes; NaN without a mesh [m].

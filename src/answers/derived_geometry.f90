@@ -64,9 +64,8 @@ contains
       type(registry_t), intent(inout) :: to
 
       associate (wheel => gearbox%wheels(index))
-         if (wheel%has_radius) &
-            call add_output(to, "pitch_radius", "m", "r", merge("pitch radius", "radius      ", wheel%teeth > 0), &
-                            wheel%pitch_radius)
+         if (wheel%has_radius) call add_output(to, "pitch_radius", "m", "r", &
+                                               merge("pitch radius", "radius      ", wheel%teeth > 0), wheel%pitch_radius)
          if (wheel%base_radius > 0) then
             call add_output(to, "base_radius", "m", "r_b", "base radius", wheel%base_radius)
             call add_output(to, "tip_radius", "m", "r_a", "tip radius, the largest over its meshes", wheel%tip_radius)

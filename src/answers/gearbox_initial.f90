@@ -286,8 +286,7 @@ contains
       if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
-         if (at(m)%mode%flanks /= flanks_off) &
-            call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
+         if (at(m)%mode%flanks /= flanks_off) call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
       end do
       do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
          if (at(m)%mode%flanks == flanks_off) cycle
@@ -309,8 +308,7 @@ contains
                if (has_failed(status)) return
             else if (mode%flanks == flanks_open .and. .not. at(m)%overlap < 0) then
                call gearbox_local(gearbox, contact, free, q)
-               parting = contact%pair%sigma*base_arc(contact%pair, q(at_psi_dot_a), q(at_psi_dot_b)) &
-                         + q(at_v_b + 1) - q(at_v_a + 1)
+               parting = contact%pair%sigma*base_arc(contact%pair, q(at_psi_dot_a), q(at_psi_dot_b)) + q(at_v_b + 1) - q(at_v_a + 1)
                if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%flanks = flanks_loaded
             end if
             if (mode%flanks == flanks_loaded) call take_load(contact, at(m))

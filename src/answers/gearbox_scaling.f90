@@ -130,8 +130,7 @@ contains
       state(gearbox%i_dissipated) = merge(energy, 1.0_wp, energy > 0)
       state(gearbox%i_work) = state(gearbox%i_dissipated)
       row = state
-      if (gearbox%housing%is_mounted) &
-         row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
+      if (gearbox%housing%is_mounted) row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
             if (contact%i_normal == 0) cycle

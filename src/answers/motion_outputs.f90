@@ -210,8 +210,7 @@ contains
       call find_axle(wheel%support, states%y, 1, at%velocity)
       at%damping_loss = 0
       do j = 1, wheel%support%n
-         at%damping_loss = at%damping_loss &
-                           + damper_power(wheel%support%damping(j), states%y(:, wheel%support%i_state(j) + 1))
+         at%damping_loss = at%damping_loss + damper_power(wheel%support%damping(j), states%y(:, wheel%support%i_state(j) + 1))
       end do
       if (.not. has_rates) return
       call turn_wheel(wheel%i_psi, states%f, psi, rate)

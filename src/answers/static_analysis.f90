@@ -69,9 +69,8 @@ contains
          call fail(status, code_invalid_input, counted(points)//" positions a pitch are too few: "//counted(least_points) &
                    //" or more show "//counted(n_harmonics)//" harmonics", subject_none)
       else if (points > most_positions/plan%n_pitches) then
-         call fail(status, code_invalid_input, "teeth differ, so that "//counted(plan%n_pitches)//" pitches of " &
-                   //counted(points)//" positions have to be looked at: more than "//counted(most_positions) &
-                   //" positions", subject_none)
+         call fail(status, code_invalid_input, "teeth differ, so that "//counted(plan%n_pitches)//" pitches of "//counted(points) &
+                   //" positions have to be looked at: more than "//counted(most_positions)//" positions", subject_none)
       end if
       if (has_failed(status)) return
       plan%points = points
@@ -290,9 +289,8 @@ contains
       character(len=message_length) :: reason
 
       reason = status%message
-      call fail(status, status%code, &
-                "under "//quantity(torque, "N m")//", "//quantity(position, "")//" pitches from the start of contact: " &
-                //trim(reason), subject_mesh, mesh)
+      call fail(status, status%code, "under "//quantity(torque, "N m")//", "//quantity(position, "") &
+                //" pitches from the start of contact: "//trim(reason), subject_mesh, mesh)
    end subroutine name_place
 
    !> The tooth pairs at a position.

@@ -275,8 +275,7 @@ contains
       call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
       if (has_failed(status)) return
       do i = 1, size(system%speed)
-         if (system%speed(i) > 0) &
-            jacobian(:, i_omega) = jacobian(:, i_omega) + system%slopes(i)*jacobian(:, system%speed(i))
+         if (system%speed(i) > 0) jacobian(:, i_omega) = jacobian(:, i_omega) + system%slopes(i)*jacobian(:, system%speed(i))
       end do
       associate (anchor => system%i_anchor)
          if (anchor > 0) jacobian(:, anchor) = jacobian(:, anchor) - jacobian(:, i_theta)/system%anchor_ratio

@@ -156,8 +156,7 @@ contains
          last_acceleration = path%acceleration
          speed = speed + change
          call walk(gearbox, models, t, speed, y, integers, reals, path)
-         if (abs(speed - last_speed) > 1.0e-8_wp*abs(speed)) &
-            slope = (path%acceleration - last_acceleration)/(speed - last_speed)
+         if (abs(speed - last_speed) > 1.0e-8_wp*abs(speed)) slope = (path%acceleration - last_acceleration)/(speed - last_speed)
       end do
       y(i_omega) = speed
    end subroutine find_path

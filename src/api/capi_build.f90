@@ -14,8 +14,7 @@ module evl_capi_build
    integer, parameter :: length = merge(index(options(first:), " ") - 1, 0, before > 0)
 
    ! Written once, at compile time; C gets their addresses.
-   character(len=len(compiler_version()) + 1, kind=c_char), target, protected :: &
-      compiler = compiler_version()//c_null_char
+   character(len=len(compiler_version()) + 1, kind=c_char), target, protected :: compiler = compiler_version()//c_null_char
    character(len=length + 1, kind=c_char), target, protected :: processor = options(first:first + length - 1)//c_null_char
 
 contains

@@ -170,8 +170,7 @@ contains
       character(kind=c_char), pointer :: name(:)
       integer :: i
 
-      good = c%row + 1 == entry%row .and. c%level == entry%level .and. &
-             merge(c%n, 0, c_associated(c%numbers)) == size(entry%numbers)
+      good = c%row + 1 == entry%row .and. c%level == entry%level .and. merge(c%n, 0, c_associated(c%numbers)) == size(entry%numbers)
       if (.not. good) return
       if (.not. c_associated(c%name)) then
          good = entry%name == ""

@@ -25,8 +25,7 @@ module evl_capi_orbits
    type, bind(c) :: c_setup
       type(c_ptr) :: self
       type(c_funptr) :: take, tell
-      real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step, &
-                        straight_step, largest_change
+      real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step, straight_step, largest_change
       integer(c_int) :: most_points, n_values
       type(c_ptr) :: values
    end type c_setup

@@ -225,9 +225,8 @@ contains
       contact%axial_position = (low + high)/2
       if (contact%width > 0) return
       call fail(status, code_invalid_input, "the faces of the two wheels of a mesh do not overlap: one is at z = " &
-                //quantity(z(1), "m")//" and "//quantity(width(1), "m")//" wide, the other at z = " &
-                //quantity(z(2), "m")//" and "//quantity(width(2), "m")//" wide", subject_wheel, b, &
-                "axial_position")
+                //quantity(z(1), "m")//" and "//quantity(width(1), "m")//" wide, the other at z = "//quantity(z(2), "m")//" and " &
+                //quantity(width(2), "m")//" wide", subject_wheel, b, "axial_position")
    end subroutine take_overlap
 
    !> The wheel that each rigid mesh determines when it is closed. Wheels that rigid meshes join move as one: each such group is
@@ -304,8 +303,7 @@ contains
       if (contact%i_track > 0) &
          contact%links = [contact%links, (local_link(at_track + i, contact%i_track + i, 1.0_wp), i=0, n_track - 1)]
       contact%axles_rest = gearbox%wheels(contact%wheel_a)%support%n == 0 .and. gearbox%wheels(contact%wheel_b)%support%n == 0
-      if (contact%axles_rest) &
-         call find_tangent_line(contact%pair%r_b, contact%pair%rho_0, 0.0_wp, 0.0_wp, contact%rest_line)
+      if (contact%axles_rest) call find_tangent_line(contact%pair%r_b, contact%pair%rho_0, 0.0_wp, 0.0_wp, contact%rest_line)
    end subroutine link_states
 
    !> What a tooth contact has to know of a wheel's motion.

@@ -67,8 +67,7 @@ contains
    !>
    !> Source: Kosenko & Gusev 2011, section 7.1, for any direction of the centre line and either flank.
    !> Errors: code_invalid_input with field pressure_angle. What else is given is in the ranges of its rows.
-   pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, &
-                                    pair, status)
+   pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, pair, status)
       integer, intent(in) :: teeth_a         !! z_A
       integer, intent(in) :: teeth_b         !! z_B, the same
       real(wp), intent(in) :: pitch_radius_a !! operating pitch radius of A [m], > 0

@@ -256,8 +256,7 @@ contains
          if (.not. known(from)) return
          fits = .true.
          ratio = layout%ratio(from)
-         if (subject == subject_mesh) &
-            call rational_scaled(layout%ratio(from), -layout%teeth(from), layout%teeth(to), ratio, fits)
+         if (subject == subject_mesh) call rational_scaled(layout%ratio(from), -layout%teeth(from), layout%teeth(to), ratio, fits)
          if (.not. fits) then
             call fail(status, code_invalid_input, "its speed ratio to the reference wheel is too fine a fraction: too many stages" &
                       //" whose teeth have no common divisor", subject_wheel, to, "teeth")

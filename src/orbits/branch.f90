@@ -196,8 +196,7 @@ contains
          type(branch_point), allocatable :: between(:)
 
          if (allocated(options%values)) then
-            call find_orbits_at(model, options%orbits, options%values, before, told, last, point, &
-                                options%teller, n_told, between)
+            call find_orbits_at(model, options%orbits, options%values, before, told, last, point, options%teller, n_told, between)
             points = [points, between]
          end if
          points = [points, point]
@@ -291,9 +290,8 @@ contains
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
          if (straight >= turn .and. next%orbit%iterations <= hard) exit
-         if (.not. passage%looked) &
-            call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), &
-                                [integer ::], passage)
+         if (.not. passage%looked) call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), &
+                                                       [integer ::], passage)
          if (passage%found) then
             next = passage%next
             step = next%way

@@ -68,8 +68,7 @@ contains
          found(i)%orbit%period = better%period
          error = norm2(way_to(model, options, foreseen, better))
          lack = error
-         if (.not. curve%is_straight) &
-            call learn_lack(model, options, curve, first%orbit, better, lacks, lack, found(i)%begins_anew)
+         if (.not. curve%is_straight) call learn_lack(model, options, curve, first%orbit, better, lacks, lack, found(i)%begins_anew)
          if (.not. lack <= longest) cycle
          is_kept(i) = are_inside(own_multipliers(model, found(i)%orbit))
       end do

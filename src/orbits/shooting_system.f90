@@ -212,8 +212,7 @@ contains
          do j = 1, n
             after%flow%derivative(:, j) = after%flow%derivative(:, j) + left*(change(j)/model%scale(j))
          end do
-         if (allocated(after%by_parameter)) &
-            after%by_parameter = after%by_parameter + left*(change(n + 2)/options%parameter_scale)
+         if (allocated(after%by_parameter)) after%by_parameter = after%by_parameter + left*(change(n + 2)/options%parameter_scale)
       end associate
    end subroutine learn_from_change
 
@@ -230,9 +229,8 @@ contains
 
       by = change(model%n + 2)
       if (.not. abs(by) > least*norm2(change)) return
-      after%by_parameter = after%by_parameter + &
-                           merge(lack_of_round(model, after) - (1 - share)*lack_of_round(model, before), 0.0_wp, after%active) &
-                           /(by*options%parameter_scale)
+      after%by_parameter = after%by_parameter + merge(lack_of_round(model, after) - (1 - share)*lack_of_round(model, before), &
+                                                      0.0_wp, after%active)/(by*options%parameter_scale)
    end subroutine learn_by_parameter
 
 end module evl_shooting_system
