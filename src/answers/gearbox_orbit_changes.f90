@@ -84,8 +84,7 @@ contains
    module subroutine come_back(self, periods, y, derivative)
       class(gearbox_orbits), intent(inout) :: self
       integer, intent(in) :: periods
-      real(wp), intent(inout) :: y(self%n)
-      real(wp), intent(inout) :: derivative(self%n, self%n)
+      real(wp), intent(inout) :: y(self%n), derivative(self%n, self%n)
       real(wp) :: from(size(self%reals)), before(self%n), rows(self%n, self%n), scrap(self%n_gears)
       integer :: moved(size(self%integers)), k, old
       type(contact_mode) :: mode
@@ -116,9 +115,8 @@ contains
    pure module function other_contacts(self, root) result(n)
       class(gearbox_orbits), intent(in) :: self
       integer, intent(in) :: root
-      integer :: n
+      integer :: n, m
       type(contact_mode) :: mode
-      integer :: m
 
       n = 0
       do m = 1, size(self%reals)
@@ -157,8 +155,7 @@ contains
    !> How a root function changes with the states it depends on; none depends on time alone.
    module subroutine root_gradient(self, t, y, root, by_state, by_time, status)
       class(gearbox_orbits), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: t, y(self%n)
       integer, intent(in) :: root
       real(wp), intent(out) :: by_state(self%n), by_time
       type(status_t), intent(inout) :: status

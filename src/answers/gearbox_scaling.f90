@@ -91,9 +91,8 @@ contains
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
       real(wp), intent(in), optional :: duration !! of the run, if it is one [s]
       real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
-      real(wp) :: start_force(size(gearbox%pairs)), start_torque(size(gearbox%shafts))
+      real(wp) :: start_force(size(gearbox%pairs)), start_torque(size(gearbox%shafts)), energy, housing_energy, time
       real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
-      real(wp) :: energy, housing_energy, time
       real(wp), dimension(n_housing_states) :: housing_state, housing_row
       integer :: i, j
 

@@ -33,9 +33,8 @@ contains
       real(wp), intent(in) :: t                         !! [s]
       integer, intent(in) :: n_positions                !! over which the mean is taken; 0: 997, or 1009
       real(wp), intent(out) :: y(gearbox%n_states)      !! the steady state half a pitch from the start of contact
-      integer, intent(out) :: integers(gearbox%n_integers)
+      integer, intent(out) :: integers(gearbox%n_integers), n_modes, n_rigid
       real(wp), intent(out) :: reals(size(gearbox%contacts))
-      integer, intent(out) :: n_modes, n_rigid
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states)
       real(wp), intent(out) :: values(gearbox%n_values) !! outputs
       type(status_t), intent(inout) :: status           !! as gearbox_modes, and of a steady start

@@ -129,8 +129,7 @@ contains
    !> -dF/dy of the closed form, each state in units of its scale [1/s].
    subroutine linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
       real(wp), allocatable, intent(out) :: matrix(:, :)
       type(status_t), intent(inout) :: status
@@ -172,8 +171,7 @@ contains
    !> The same of a gearbox that `hold_still` has made, in the units of the states.
    subroutine still_matrix(closed, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: closed
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(closed%n_states), reals(:)
+      real(wp), intent(in) :: t, y(closed%n_states), reals(:)
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: matrix(closed%n_states, closed%n_states)
       type(status_t), intent(inout) :: status

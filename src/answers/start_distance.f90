@@ -38,9 +38,8 @@ contains
       real(wp), intent(in) :: start(gearbox%n_states)
       integer, intent(in) :: turns                          !! of the reference wheel at the start
       real(wp), intent(out) :: y(gearbox%n_states)          !! a steady state half a pitch from the start
-      integer, intent(out) :: integers(gearbox%n_integers)
+      integer, intent(out) :: integers(gearbox%n_integers), n_modes
       real(wp), intent(out) :: reals(size(gearbox%contacts))
-      integer, intent(out) :: n_modes
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states) !! [1/s]
       complex(wp), intent(out) :: vectors(gearbox%n_states, gearbox%n_states) !! mode k; largest entry: one scale of the states
       complex(wp), intent(out) :: amplitudes(gearbox%n_states) !! a_k
@@ -77,8 +76,7 @@ contains
       real(wp), intent(in) :: t, position                   !! position: of the start [pitches]
       real(wp), intent(out) :: y(gearbox%n_states)
       integer, intent(out) :: integers(gearbox%n_integers)
-      real(wp), intent(out) :: reals(size(gearbox%contacts))
-      real(wp), intent(out) :: samples(:, :), matrix(:, :)
+      real(wp), intent(out) :: reals(size(gearbox%contacts)), samples(:, :), matrix(:, :)
       type(status_t), intent(inout) :: status
       real(wp) :: yp(gearbox%n_states), here(gearbox%n_states), here_reals(size(gearbox%contacts))
       real(wp), allocatable :: there(:, :)

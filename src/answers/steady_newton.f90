@@ -49,10 +49,9 @@ contains
    subroutine solve_steady(gearbox, system, t, y, integers, reals, found, status)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
+      real(wp), intent(in) :: t, reals(:)
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       logical, intent(out) :: found !! false if the corrections do not end
       type(status_t), intent(inout) :: status
       real(wp) :: begin(gearbox%n_states)
@@ -69,17 +68,15 @@ contains
    subroutine iterate(gearbox, system, t, y, integers, reals, by_corrections, found, status)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
+      real(wp), intent(in) :: t, reals(:)
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       logical, intent(in) :: by_corrections !! those too that reduce what the residual asks for
       logical, intent(out) :: found         !! false if the corrections do not end
       type(status_t), intent(inout) :: status
       real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale
       real(wp), dimension(size(system%row), size(system%row)) :: matrix, before
-      real(wp) :: step(size(system%row), 1), positions(size(system%row))
-      real(wp) :: size_now, size_trial, share, last
+      real(wp) :: step(size(system%row), 1), positions(size(system%row)), size_now, size_trial, share, last
       integer :: pivots(size(system%row)), info, turn
 
       found = .false.
@@ -178,10 +175,9 @@ contains
    subroutine relax_steady(gearbox, system, t, y, integers, reals, rate, force, distance, status)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
+      real(wp), intent(in) :: t, reals(:)
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       real(wp), intent(inout) :: rate    !! inverse of the step; 0: the largest of M's diagonal [1/s]
       real(wp), intent(out) :: force     !! norm of a before the step, in units of the scales
       real(wp), intent(out) :: distance  !! length of the step, in units of the scales
@@ -219,9 +215,8 @@ contains
    subroutine find_slopes(gearbox, system, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(inout) :: system
-      real(wp), intent(in) :: t, y(gearbox%n_states)
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       type(status_t), intent(inout) :: status
       real(wp), dimension(gearbox%n_states) :: zero, scale, row_scale
       real(wp) :: jacobian(gearbox%n_states, gearbox%n_states)

@@ -44,9 +44,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
       real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
+      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(equilibrium_models) :: models
       type(steady_place) :: place
@@ -60,9 +59,8 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
       real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
+      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(equilibrium_models) :: models
       type(steady_place) :: place
@@ -165,8 +163,7 @@ contains
    subroutine walk(gearbox, models, t, speed, y_guess, guess, reals, path)
       type(gearbox_t), intent(in) :: gearbox
       type(equilibrium_models), intent(in) :: models
-      real(wp), intent(in) :: t, speed
-      real(wp), intent(in) :: y_guess(:)
+      real(wp), intent(in) :: t, speed, y_guess(:)
       integer, intent(in) :: guess(:)
       real(wp), intent(inout) :: reals(:)
       type(path_t), intent(inout) :: path
@@ -254,8 +251,7 @@ contains
       type(status_t), intent(inout) :: status
       integer, allocatable :: speeds(:), positions(:)
       real(wp), allocatable :: vectors(:, :), mean(:), stiffness(:, :), damping(:, :)
-      real(wp) :: matrix(gearbox%n_states, gearbox%n_states), slopes(gearbox%n_states), y_place(gearbox%n_states)
-      real(wp) :: mean_speed
+      real(wp) :: matrix(gearbox%n_states, gearbox%n_states), slopes(gearbox%n_states), y_place(gearbox%n_states), mean_speed
       type(steady_system) :: system
       type(status_t) :: refusal
       integer :: k, n

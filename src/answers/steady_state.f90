@@ -64,9 +64,8 @@ contains
       type(equilibrium_models), intent(in) :: models
       type(steady_place), intent(in) :: place
       real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
+      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(steady_system) :: system
       type(status_t) :: refusal
@@ -102,9 +101,8 @@ contains
       type(equilibrium_models), intent(in) :: models
       type(steady_system), intent(inout) :: system
       real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
+      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
       integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
 
       reals = 0

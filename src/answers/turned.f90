@@ -16,9 +16,8 @@ contains
    !> static analysis. They grow in the nominal sense of that wheel.
    pure real(wp) function pitches_turned(gearbox, mesh, y, integers) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: mesh
+      integer, intent(in) :: mesh, integers(:)
       real(wp), intent(in) :: y(:)
-      integer, intent(in) :: integers(:)
 
       associate (contact => gearbox%contacts(gearbox%first(mesh)))
          associate (wheel => gearbox%wheels(contact%wheel_a), rho => nominal_start(contact, integers(i_turns), 0))

@@ -41,12 +41,11 @@ contains
 
    integer(c_int) function evl_gearbox_modes(handle, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, means, &
                                              n_positions, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      type(c_ptr), intent(in), value :: handle, eigenvalues, vectors
       real(c_double), intent(in), value :: t
       real(c_double), intent(inout) :: y(*), reals(*)
       integer(c_int), intent(inout) :: integers(*)
       integer(c_int), intent(out) :: n_modes, n_rigid
-      type(c_ptr), intent(in), value :: eigenvalues, vectors
       real(c_double), intent(inout), optional :: means(*)
       integer(c_int), intent(in), value :: n_positions
       type(c_status), intent(inout), optional :: status

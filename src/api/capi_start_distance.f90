@@ -16,14 +16,13 @@ contains
 
    integer(c_int) function evl_gearbox_start_distance(handle, t, start, start_integers, y, integers, reals, n_modes, eigenvalues, &
                                                       vectors, amplitudes, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      type(c_ptr), intent(in), value :: handle, eigenvalues, vectors, amplitudes
       real(c_double), intent(in), value :: t
       real(c_double), intent(in) :: start(*)
       integer(c_int), intent(in) :: start_integers(*)
       real(c_double), intent(inout) :: y(*), reals(*)
       integer(c_int), intent(inout) :: integers(*)
       integer(c_int), intent(out) :: n_modes
-      type(c_ptr), intent(in), value :: eigenvalues, vectors, amplitudes
       type(c_status), intent(inout), optional :: status
       complex(c_double_complex), pointer :: lambda(:), v(:, :), a(:)
       type(gearbox_t), pointer :: g

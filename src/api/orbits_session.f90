@@ -31,9 +31,8 @@ module evl_orbits_session
          implicit none (type, external)
          type(c_ptr), value :: self
          integer(c_int), value :: number, periods
-         real(c_double), intent(inout) :: period
+         real(c_double), intent(inout) :: period, y(*), reals(*)
          real(c_double), value :: t
-         real(c_double), intent(inout) :: y(*), reals(*)
          integer(c_int), intent(inout) :: integers(*)
          type(c_status), intent(inout) :: status
       end function c_tell

@@ -52,11 +52,10 @@ contains
       type(wheel_compliance_t), intent(out) :: compliance
       type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
       type(status_t), intent(inout) :: status
-      type(given_t) :: given
+      type(given_t) :: given, rack
       type(tooth_outline_t) :: outline
       type(elasticity_t) :: law
       type(influence_t) :: influence
-      type(given_t) :: rack
       real(wp) :: hub, e, rho(0:n_own), c(0:n_own)
 
       if (.not. wheel%has("compliance")) return

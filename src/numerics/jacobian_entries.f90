@@ -245,10 +245,8 @@ contains
 
    !> y = J x of a list of entries; arrays of known shape, so that no descriptor is looked at.
    pure subroutine apply_entries(n, entries, row, column, jacobian, x, y)
-      integer, intent(in) :: n, entries
-      integer, intent(in) :: row(entries), column(entries)
-      real(wp), intent(in) :: jacobian(entries)
-      real(wp), intent(in) :: x(n)
+      integer, intent(in) :: n, entries, row(entries), column(entries)
+      real(wp), intent(in) :: jacobian(entries), x(n)
       real(wp), intent(out) :: y(n)
       integer :: p
 

@@ -11,8 +11,7 @@ contains
    !> Where a mask is true, in ascending order.
    pure function places(mask) result(found)
       logical, intent(in) :: mask(:)
-      integer :: found(count(mask))
-      integer :: i, n
+      integer :: found(count(mask)), i, n
 
       n = 0
       do i = 1, size(mask)

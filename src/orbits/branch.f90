@@ -108,10 +108,9 @@ contains
       type(branch_walk), intent(inout) :: walk
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
       type(status_t), intent(inout) :: status
-      type(branch_point), allocatable :: special(:)
+      type(branch_point), allocatable :: special(:), told(:)
       type(branch_point) :: last ! of the points
       type(orbit_t) :: before    ! the last one
-      type(branch_point), allocatable :: told(:)
       type(branch_point) :: next, target
       type(touch_passage) :: passage
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
@@ -235,9 +234,8 @@ contains
    pure logical function comes_by(model, options, now, way, first)
       class(orbit_model), intent(in) :: model
       type(branch_options), intent(in) :: options
-      type(branch_point), intent(in) :: now
+      type(branch_point), intent(in) :: now, first
       real(wp), intent(in) :: way
-      type(branch_point), intent(in) :: first
       real(wp), parameter :: beside = 0.1_wp, alike = 0.9_wp !! over the way; cosine of the angle between tangents
       real(wp) :: to_first(model%n + 2), along
 

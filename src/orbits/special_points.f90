@@ -164,9 +164,8 @@ contains
       real(wp), parameter :: narrow = 0.2_wp       !! between two orbits, over the way: the branch goes on there
       real(wp), parameter :: near = 1.0e-7_wp      !! that far from where it was expected, the next one is found at once
       real(wp) :: a, b, at_a, at_b, at, value, enough, error, size_of
-      type(orbit_t) :: left, right
+      type(orbit_t) :: left, right, foreseen
       type(curve_t) :: curve
-      type(orbit_t) :: foreseen
       type(lacks_t) :: lacks, nothing
       logical :: forgets
       type(orbit_options) :: few
