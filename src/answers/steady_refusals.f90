@@ -6,9 +6,9 @@ module evl_steady_refusals
    use evl_discrete_state, only: flanks_of, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: housing_prescribed
-   use evl_joined, only: joined_to
    use evl_kinds, only: wp
    use evl_load, only: load_point
+   use evl_places, only: joined_to
    use evl_start_positions, only: closed_form_point
    use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
                          subject_load, subject_mesh

@@ -2,12 +2,11 @@
 module evl_orbits_session
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_null_ptr, c_ptr
    use evl_branch, only: branch_options, branch_walk
-   use evl_branch_point, only: branch_point
+   use evl_branch_point, only: branch_point, orbit_teller
    use evl_capi_types, only: c_status, gearbox_of, status_from_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_state
    use evl_kinds, only: wp
-   use evl_orbit_teller, only: orbit_teller
    use evl_periodic_orbit, only: orbit_t
    use evl_shooting, only: correct_orbit
    use evl_status, only: code_no_solution, code_ok, fail, has_failed, status_t

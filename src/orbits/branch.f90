@@ -9,18 +9,17 @@ module evl_branch
    use evl_branch_curve, only: curve_t, curve_through, lack_of, orbit_on_curve, way_to
    use evl_branch_doubling, only: repeats_sooner
    use evl_branch_lacks, only: lacks_t, orbit_at_value
-   use evl_branch_point, only: branch_point, kind_fold, kind_ordinary, kind_touch
+   use evl_branch_point, only: branch_point, kind_fold, kind_ordinary, kind_touch, orbit_teller
    use evl_branch_values, only: find_orbits_at
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
-   use evl_orbit_teller, only: orbit_teller
    use evl_periodic_orbit, only: orbit_options, orbit_t
    use evl_places, only: places
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent
    use evl_special_points, only: find_special_points
-   use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
+   use evl_touch_passage, only: pass_touch, touch_passage
    implicit none (type, external)
    private
 
