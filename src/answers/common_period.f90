@@ -8,7 +8,7 @@ module evl_common_period
    use evl_flank_deviation, only: flank_deviation_t
    use evl_gearbox, only: gearbox_t
    use evl_housing_motion, only: term_constant, term_harmonic
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: wp
    use evl_rational, only: divisor_of
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_housing, subject_load, subject_none
    implicit none (type, external)

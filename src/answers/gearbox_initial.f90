@@ -11,7 +11,7 @@ module evl_gearbox_initial
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
    use evl_knots, only: knots_passed
-   use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, i_theta, n_local, n_track
+   use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
    use evl_row, only: range_t, row_t, span_t, type_choice, type_named, type_number
    use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
@@ -127,8 +127,7 @@ contains
       if (has_failed(status)) return
       if (any(initial%kind == [initial_steady, initial_equilibrium])) reals = 0 ! it follows from no approach
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
-      if (has_failed(status)) return
-      call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
+      if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
 
    contains
 

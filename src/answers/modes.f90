@@ -56,8 +56,7 @@ contains
       eigenvalues = 0
       vectors = 0
       call linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
-      if (has_failed(status)) return
-      call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
+      if (.not. has_failed(status)) call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
    end subroutine gearbox_modes
 
    !> The modes of A, each state in units of its scale, as gearbox_modes gives them.
@@ -179,8 +178,7 @@ contains
 
       yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
       if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
-      if (has_failed(status)) return
-      call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
+      if (.not. has_failed(status)) call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
       if (has_failed(status)) return
       if (closed%housing%is_mounted) call explicit_matrix(closed, t, y, yp, matrix, status)
       if (has_failed(status)) return

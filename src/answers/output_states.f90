@@ -12,7 +12,7 @@ module evl_output_states
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: lanes, wp
    use evl_mode_check, only: check_modes, modes_agree
-   use evl_output, only: needs_meshes, needs_places, needs_rates
+   use evl_output, only: needs_places, needs_rates
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, touches

@@ -6,7 +6,7 @@
 !> this response and sum a_k v_k exp(lambda_k t), which decays: a_k is the start less the mean less the response at the start.
 !> Rigid-body modes, whose eigenvalue is 0, take no part.
 module evl_start_distance
-   use evl_gearbox, only: gearbox_t, i_turns
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_initial, only: gearbox_start, initial_at, initial_steady
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_housing, only: at_orientation, small_turns

@@ -10,7 +10,7 @@
 !>
 !> Source: docs/static_analysis.md.
 module evl_static_analysis
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank, only: exactly_one
    use evl_flank_deviation, only: flank_deviation_t
@@ -20,17 +20,17 @@ module evl_static_analysis
    use evl_mesh_at_rest, only: mesh_at_rest
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
+   use evl_output_registry, only: registry_t, store_in
    use evl_pressed_flank, only: find_pressed, lag_of, pressed_t
    use evl_rational, only: divisor_of
    use evl_static_extremes, only: extremes_t, finish_extremes, n_before, take_position
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_static_node, only: touch
-   use evl_static_outputs, only: n_harmonics, static_columns, static_sum, add_static_harmonic, add_static_mesh, &
-                                 add_static_pair, add_static_position, add_static_start, add_static_torque, youngest
+   use evl_static_outputs, only: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_start, &
+                                 add_static_torque, n_harmonics, static_columns, static_sum, youngest
    use evl_static_search, only: static_search
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
-   use evl_output_registry, only: registry_t, store_in
    use evl_tooth_contact, only: contact_mode, tooth_contact_t
    implicit none (type, external)
    private

@@ -191,8 +191,7 @@ contains
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
       call follow(system, y)
       call steady_residual(gearbox, t, y, integers, reals, f, status)
-      if (has_failed(status)) return
-      call steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
+      if (.not. has_failed(status)) call steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
       if (has_failed(status)) return
       if (.not. rate > 0) rate = maxval([(abs(matrix(i, i)), i=1, size(system%row))])
       do i = 1, size(system%row)

@@ -6,7 +6,7 @@ module evl_steady_state
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: at_omega, at_position, at_velocity
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_omega, i_theta
+   use evl_local_variables, only: i_omega
    use evl_no_damping, only: no_damping_t
    use evl_no_friction, only: no_friction_t
    use evl_nominal_point, only: speed_in_balance

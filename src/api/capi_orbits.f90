@@ -2,19 +2,19 @@
 !>
 !> The header's section "orbits" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_orbits
-   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
-                                                                             c_funptr, c_int, c_loc, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_f_procpointer, c_funptr, c_int, &
+                                                                             c_loc, c_null_ptr, c_ptr
    use evl_branch, only: advance_branch, begin_branch, keep_point
    use evl_branch_doubling, only: switch_at_doubling
    use evl_branch_point, only: branch_point, kind_touch, kind_touch_fold
    use evl_capi_types, only: answer, c_name_length, c_status, to_c
    use evl_gearbox_orbits, only: gearbox_orbits_create, gearbox_orbits_start, gearbox_orbits_state
    use evl_kinds, only: wp
-   use evl_orbits_session, only: add_branch, c_take, c_tell, complete, orbits_t
    use evl_multipliers, only: are_inside
+   use evl_orbits_session, only: add_branch, complete, orbits_t
    use evl_periodic_orbit, only: orbit_t, own_multipliers
    use evl_shooting, only: find_orbit
-   use evl_status, only: code_no_memory, code_no_solution, code_ok, fail, has_failed, status_t
+   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 

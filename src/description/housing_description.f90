@@ -1,6 +1,5 @@
 !> The description that a housing is made from, and whether its numbers are in range.
 module evl_housing_description
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_accelerometer, only: accelerometer_take
    use evl_given, only: given_t
    use evl_housing, only: housing_fixed, housing_mounted, housing_prescribed, housing_t

@@ -14,7 +14,6 @@
 !>
 !> Source: ISO 21771:2007, sections 4 and 5; ISO 53:1998, basic rack.
 module evl_gear
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
    use evl_given, only: given_t
    use evl_involute_angle, only: involute_of_tangent

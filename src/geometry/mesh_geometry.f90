@@ -10,7 +10,6 @@
 !>
 !> Source: I. Kosenko, I. Gusev, Implementation of the spur involute gear model on Modelica, 2011, section 7.1.
 module evl_mesh_geometry
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_kinds, only: pi, wp
    use evl_status, only: clear, code_invalid_input, degrees, fail, status_t
    implicit none (type, external)

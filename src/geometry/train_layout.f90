@@ -37,10 +37,8 @@ contains
       type(status_t), intent(inout) :: status
 
       call resolve_radii(layout, status)
-      if (has_failed(status)) return
-      call resolve_ratios(layout, reference, status)
-      if (has_failed(status)) return
-      call resolve_centres(layout, status)
+      if (.not. has_failed(status)) call resolve_ratios(layout, reference, status)
+      if (.not. has_failed(status)) call resolve_centres(layout, status)
    end subroutine layout_resolve
 
    !> Pitch radii from the ratios of teeth.

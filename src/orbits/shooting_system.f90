@@ -75,8 +75,7 @@ contains
 
       phase_row = 0
       if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
-      if (has_failed(status)) return
-      call solve_system(model, options, orbit, phase_row, along, x, status)
+      if (.not. has_failed(status)) call solve_system(model, options, orbit, phase_row, along, x, status)
    end subroutine solve_along
 
    !> The flow's direction at the start.
