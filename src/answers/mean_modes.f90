@@ -6,7 +6,7 @@
 !> at as many places of its own pitch, evenly spread too.
 module evl_mean_modes
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_common_pitches, only: whole_pitches
+   use evl_common_period, only: whole_pitches
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_initial, only: gearbox_start, initial_at, initial_equilibrium
    use evl_kinds, only: wp

@@ -30,21 +30,21 @@ module evl_mesh_outputs
    type :: mesh_lanes
       real(wp), dimension(lanes) :: penetration
       !> F_n of all pairs, and of those on the coast flank; F_t of the drive flank [N].
-      real(wp), dimension(lanes) :: normal, coast, friction
-      real(wp), dimension(lanes) :: torque_a, torque_b     !! [N m]
+      real(wp), dimension(lanes) :: normal = 0.0_wp, coast = 0.0_wp, friction = 0.0_wp
+      real(wp), dimension(lanes) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! [N m]
       !> To friction, to the dampers, and of the elastic energy by itself [W].
-      real(wp), dimension(lanes) :: loss, damping_loss, curvature_loss
-      real(wp), dimension(lanes) :: touching               !! 1 if any flanks overlap, else 0
+      real(wp), dimension(lanes) :: loss = 0.0_wp, damping_loss = 0.0_wp, curvature_loss = 0.0_wp
+      real(wp), dimension(lanes) :: touching = 0.0_wp      !! 1 if any flanks overlap, else 0
       integer :: loaded = 0                                !! pairs that carry load
       !> Largest penetrations; -huge: no pair is on the path; NaN: no such flank [m].
-      real(wp), dimension(lanes) :: h, h_coast
-      real(wp), dimension(lanes) :: deviation              !! of the flanks of the first [m]
+      real(wp), dimension(lanes) :: h = -huge(1.0_wp), h_coast = -huge(1.0_wp)
+      real(wp), dimension(lanes) :: deviation = 0.0_wp     !! of the flanks of the first [m]
       real(wp), dimension(lanes) :: lag                    !! transmission error [m]
       real(wp), dimension(lanes) :: curvature              !! by how much it is more than the penetration [m]
       integer :: leader = 0                                !! the contact that stands for the mesh
       type(contact_mode) :: mode = no_mode                 !! its own
       type(lane_line) :: line                              !! its line of action; its motion alone where places are not needed
-      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a !! the same, as in `lane_contact`
+      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a = 0.0_wp !! the same, as in `lane_contact`
    end type mesh_lanes
 
    !> The points of the contact that stands for its mesh, and how far tracked ones are from where they belong.
@@ -206,7 +206,6 @@ contains
       real(wp), dimension(lanes) :: gap, gap_coast
       integer :: c, first, last
 
-      call start(mesh)
       first = gearbox%first(index)
       last = gearbox%first(index + 1) - 1
       if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = ieee_value(mesh%coast, ieee_quiet_nan)
@@ -237,26 +236,6 @@ contains
       call gap_in_lanes(gearbox%contacts(last), line_coast, gap_coast)
       mesh%h_coast = -gap_coast
    end subroutine evaluate_mesh
-
-   !> Nothing yet.
-   pure subroutine start(mesh)
-      type(mesh_lanes), intent(inout) :: mesh
-
-      mesh%normal = 0
-      mesh%coast = 0
-      mesh%friction = 0
-      mesh%torque_a = 0
-      mesh%torque_b = 0
-      mesh%loss = 0
-      mesh%damping_loss = 0
-      mesh%curvature_loss = 0
-      mesh%touching = 0
-      mesh%loaded = 0
-      mesh%h = -huge(1.0_wp)
-      mesh%h_coast = -huge(1.0_wp)
-      mesh%deviation = 0
-      mesh%omega_a = 0
-   end subroutine start
 
    !> Transmission error, by the motion of the wheels; and the line of action.
    subroutine find_lag(leader, y, has_line, line, lag)

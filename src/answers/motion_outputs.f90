@@ -16,7 +16,7 @@ module evl_motion_outputs
    private
 
    public :: add_gearbox_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs
-   public :: find_energies, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
+   public :: find_axle, find_energies, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
 
    !> The gearbox as a whole.
    type :: gearbox_lanes

@@ -13,7 +13,7 @@ module evl_static_analysis
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank, only: exactly_one
-   use evl_flank_deviation, only: flank_deviation_t
+   use evl_flank_deviation, only: teeth_differ
    use evl_gearbox, only: gearbox_t
    use evl_johnson, only: johnson_t
    use evl_kinds, only: pi, wp
@@ -96,7 +96,8 @@ contains
                       //" edges hold the wheels; give one a compliance, or edge_contact: true", subject_mesh, mesh)
             return
          end if
-         associate (a => int(differing(contact%deviation_a), int64), b => int(differing(contact%deviation_b), int64))
+         associate (a => int(merge(contact%deviation_a%teeth, 1, teeth_differ(contact%deviation_a)), int64), &
+                    b => int(merge(contact%deviation_b%teeth, 1, teeth_differ(contact%deviation_b)), int64))
             plan%n_pitches = int(min(a/divisor_of(a, b)*b, int(huge(1), int64))) ! the least that both divide
          end associate
          plan%n_pairs = floor(pair%contact_ratio + plan%reach/pair%base_pitch) + 1 - youngest
@@ -122,14 +123,6 @@ contains
                    "contact.law")
       end select
    end subroutine check_mesh
-
-   !> Pitches after which the teeth of a wheel come again.
-   pure integer function differing(deviation) result(pitches)
-      type(flank_deviation_t), intent(in) :: deviation
-
-      pitches = 1
-      if (allocated(deviation%pitch) .or. deviation%eccentricity > 0) pitches = deviation%teeth
-   end function differing
 
    !> A whole number in words.
    pure function counted(n) result(text)

@@ -3,7 +3,7 @@
 !> Source: docs/theory.md, section 9.
 module evl_steady_start
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_common_pitches, only: whole_pitches
+   use evl_common_period, only: whole_pitches
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_housing, only: at_orientation, housing_renormalise, small_turns

@@ -9,6 +9,7 @@ module evl_torque_outputs
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: turn_wheel
    use evl_local_variables, only: i_omega
+   use evl_motion_outputs, only: find_axle
    use evl_output, only: dims_wheel, in_bearings, needs_reactions
    use evl_output_registry, only: add_output, begin_section, needs, registry_t
    use evl_output_states, only: output_states
@@ -216,15 +217,11 @@ contains
       real(wp), intent(inout) :: reaction(lanes, 6)
       real(wp) :: acceleration(lanes, 3)
       type(axle_motion) :: reference
-      integer :: j, k, l
+      integer :: l
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
-         acceleration = 0
-         do k = 1, 2
-            do j = 1, support%n
-               acceleration(:, k) = acceleration(:, k) + states%f(:, support%i_state(j) + 1)*support%direction(k, j)
-            end do
-         end do
+         acceleration(:, 3) = 0
+         call find_axle(support, states%f, 1, acceleration(:, 1:2))
          do l = 1, lanes
             reference = wheel_reference(wheel, states%t(l))
             acceleration(l, 1:2) = acceleration(l, 1:2) + reference%acceleration
