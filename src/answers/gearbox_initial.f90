@@ -14,7 +14,7 @@ module evl_gearbox_initial
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
    use evl_row, only: range_t, row_t, span_t, type_choice, type_named, type_number
-   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
+   use evl_start_positions, only: closed_form_point, gearbox_state, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_start, only: find_equilibrium, find_steady_start
@@ -134,13 +134,18 @@ contains
       !> The steady or the balanced state; a position that is NaN is not given.
       subroutine find_at_position()
          real(wp), allocatable :: position
+         type(gearbox_state) :: state
 
+         state = gearbox_state(t, y, integers, reals)
          if (.not. ieee_is_nan(initial%mesh_position)) position = initial%mesh_position
          if (initial%kind == initial_steady) then
-            call find_steady_start(gearbox, position, t, y, integers, reals, status)
+            call find_steady_start(gearbox, position, state, status)
          else
-            call find_equilibrium(gearbox, position, t, y, integers, reals, status)
+            call find_equilibrium(gearbox, position, state, status)
          end if
+         y = state%y
+         integers = state%integers
+         reals = state%reals
       end subroutine find_at_position
 
    end subroutine gearbox_start

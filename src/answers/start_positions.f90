@@ -12,9 +12,18 @@ module evl_start_positions
    implicit none (type, external)
    private
 
-   public :: can_turn, closed_form_point, mesh_position, pitches_turned, place_pairs, prescribed_speed, set_gaps, turns_made
+   public :: can_turn, closed_form_point, gearbox_state, mesh_position, pitches_turned, place_pairs, prescribed_speed, set_gaps, &
+             turns_made
 
    real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: a pair that is no farther outside the path is on it
+
+   !> A state of a gearbox.
+   type :: gearbox_state
+      real(wp) :: t = 0.0_wp             !! [s]
+      real(wp), allocatable :: y(:)      !! [n_states]
+      integer, allocatable :: integers(:) !! [n_integers] discrete state
+      real(wp), allocatable :: reals(:)  !! [contacts] the same
+   end type gearbox_state
 
 contains
 
