@@ -1,10 +1,9 @@
 !> What does not change of wheels and meshes: outputs that are told once, when the gearbox is built.
 module evl_constant_outputs
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank_deviation, only: relief_t
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, wheel_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_output, only: dims_mesh, dims_wheel, in_mesh_constants, in_mesh_teeth, in_wheel_constants, in_wheel_teeth
@@ -15,8 +14,6 @@ module evl_constant_outputs
 
    public :: add_mesh_constants, add_wheel_constants
    public :: active_radius, add_mesh_teeth, add_wheel_teeth
-
-   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
 
 contains
 

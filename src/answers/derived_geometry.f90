@@ -1,10 +1,9 @@
 !> The geometry that follows from a description, as rows to be shown: name, unit, symbol, text, value.
 module evl_derived_geometry
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t
    use evl_gears_in_mesh, only: gear_mesh_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
@@ -127,7 +126,7 @@ contains
       integer, intent(in) :: index
       type(kind_t) :: law
 
-      gives_way = ieee_value(gives_way, ieee_quiet_nan)
+      gives_way = nan
       associate (contact => gearbox%contacts(gearbox%first(index)))
          call contact%elastic%describe(law)
          if (law%name /= "johnson" .or. contact%tracking /= tracking_closed_form) return

@@ -1,7 +1,5 @@
 !> Outputs of the meshes of a gearbox in eight states: what the tooth contacts of a mesh add up to.
 module evl_mesh_outputs
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_closed_form, only: error_of_turns, points_along
    use evl_contact_lanes, only: contact_in_lanes, gap_in_lanes, lane_contact
    use evl_contact_point, only: tracked_pair
@@ -9,7 +7,7 @@ module evl_mesh_outputs
    use evl_discrete_state, only: leading_contact
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_local, gearbox_t, wheel_reference
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: lanes, nan, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_local_variables, only: at_lambda, at_track, n_local, n_track
    use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_places, needs_points
@@ -23,8 +21,6 @@ module evl_mesh_outputs
    private
 
    public :: add_coast_outputs, add_mesh_outputs, evaluate_mesh, find_points, mesh_lanes, mesh_points
-
-   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
 
    !> A mesh; and of the contact that stands for it where that is.
    type :: mesh_lanes
@@ -208,7 +204,7 @@ contains
 
       first = gearbox%first(index)
       last = gearbox%first(index + 1) - 1
-      if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = ieee_value(mesh%coast, ieee_quiet_nan)
+      if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = nan
       mesh%leader = leading_contact(gearbox, index, states%integers)
       mesh%mode = states%slots(mesh%leader)%mode
       call find_lag(gearbox%contacts(mesh%leader), states%y, has_places, mesh%line, mesh%lag)
@@ -229,7 +225,7 @@ contains
       call lead(gearbox%contacts(mesh%leader), states%slots(mesh%leader), states%aside(mesh%leader), gap, mesh)
       if (mesh%h_coast(1) > -huge(1.0_wp)) return
       if (gearbox%contacts(last)%flank /= flank_coast) then
-         mesh%h_coast = ieee_value(mesh%h_coast, ieee_quiet_nan)
+         mesh%h_coast = nan
          return
       end if
       call line_in_lanes(gearbox%contacts(last), states%y, line_coast) ! no pair of the other flank is on the path

@@ -10,13 +10,12 @@
 !>
 !> Source: docs/static_analysis.md.
 module evl_static_analysis
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank, only: exactly_one
    use evl_flank_deviation, only: teeth_differ
    use evl_gearbox, only: gearbox_t
    use evl_johnson, only: johnson_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_at_rest, only: mesh_at_rest
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
@@ -267,7 +266,7 @@ contains
          associate (contact => gearbox%contacts(gearbox%first(mesh)))
             call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, total%force, h, code)
          end associate
-         total%single = ieee_value(h, ieee_quiet_nan)
+         total%single = nan
          if (code == code_ok) total%single = total%line_load/h
          total%iso_single = iso_stiffness(gearbox, mesh, total%line_load)
          total%iso = total%iso_single*(0.75_wp*pair%contact_ratio + 0.25_wp)

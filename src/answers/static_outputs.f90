@@ -1,8 +1,7 @@
 !> What the static analysis of a mesh tells, as rows of a table: of a torque, of the positions in the mesh, of tooth pairs there,
 !> and of the harmonics of the transmission error. Positions and pairs are listed and stored as evl_output_registry says.
 module evl_static_outputs
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_output, only: dims_harmonic, dims_none, dims_position, dims_position_pair, output_t, rows_before_sections
    use evl_pair_place, only: by_a, by_b, edge_of
@@ -202,7 +201,7 @@ contains
       real(wp) :: foot(2), friction
       integer :: kind
 
-      foot = ieee_value(foot, ieee_quiet_nan)
+      foot = nan
       friction = 0
       kind = 0
       if (i > 0) then
@@ -241,7 +240,7 @@ contains
    pure real(wp) function ratio(force, h)
       real(wp), intent(in) :: force, h
 
-      ratio = ieee_value(ratio, ieee_quiet_nan)
+      ratio = nan
       if (h > 0) ratio = force/h
    end function ratio
 

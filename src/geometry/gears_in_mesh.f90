@@ -257,10 +257,9 @@ contains
       type(gear_t), intent(in) :: a, b
       type(status_t), intent(inout) :: status
 
-      if (abs(a%base_pitch - b%base_pitch) > agreement*a%base_pitch) then
+      if (abs(a%base_pitch - b%base_pitch) > agreement*a%base_pitch) &
          call refuse(status, "", "its wheels cannot mesh: the base pitch pi m cos(alpha) of the driving wheel is " &
                      //quantity(a%base_pitch, "m")//", that of the driven wheel "//quantity(b%base_pitch, "m"))
-      end if
    end subroutine check_base_pitch
 
    !> Involutes meet all along the path of contact, and nothing else does.

@@ -200,11 +200,10 @@ contains
          end if
          angle = atan2(c(2), c(1))
          if (layout%has_angle(m)) then
-            if (abs(modulo(angle - layout%angle(m) + pi, 2*pi) - pi) > agreement) then
+            if (abs(modulo(angle - layout%angle(m) + pi, 2*pi) - pi) > agreement) &
                call fail(status, code_invalid_input, "centre line angle "//quantity(layout%angle(m)*180/pi, "deg") &
                          //" does not agree with "//quantity(angle*180/pi, "deg")//", the direction between the centres", &
                          subject_mesh, m, "centre_line_angle")
-            end if
          else
             layout%angle(m) = angle
             layout%has_angle(m) = .true.
