@@ -150,8 +150,8 @@ contains
    !> static analysis. They grow in the nominal sense of that wheel.
    pure real(wp) function pitches_turned(gearbox, mesh, y, integers) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: mesh, integers(:)
-      real(wp), intent(in) :: y(:)
+      integer, intent(in) :: mesh, integers(gearbox%n_integers)
+      real(wp), intent(in) :: y(gearbox%n_states)
 
       associate (contact => gearbox%contacts(gearbox%first(mesh)))
          associate (wheel => gearbox%wheels(contact%wheel_a), rho => nominal_start(contact, integers(i_turns), 0))
@@ -166,8 +166,8 @@ contains
    pure real(wp) function turns_made(gearbox, index, y, integers) result(turns)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the wheel
-      real(wp), intent(in) :: y(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
       real(wp) :: whole, angle
 
       associate (wheel => gearbox%wheels(index))
@@ -182,7 +182,7 @@ contains
    pure logical function can_turn(gearbox, index, y, yp) result(may)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index            !! of the wheel
-      real(wp), intent(in) :: y(:), yp(:)     !! at the start
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)     !! at the start
       integer :: i
 
       associate (prescribed => gearbox%wheels(index)%prescribed)

@@ -326,10 +326,8 @@ contains
       integer(c_int), intent(in), value :: wheel
       real(c_double), intent(in), value :: t
       real(c_double), intent(in) :: y(*)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      speed = followed_speed(g, wheel + 1, t, y)
+      speed = followed_speed(gearbox_of(handle), wheel + 1, t, y)
    end function evl_gearbox_wheel_speed
 
 end module evl_capi

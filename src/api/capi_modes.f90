@@ -6,9 +6,8 @@ module evl_capi_modes
    use evl_capi_types, only: answer, c_status, gearbox_of
    use evl_discrete_state, only: carrying_contact, take_mode
    use evl_gearbox, only: gearbox_t, i_turns
-   use evl_mean_modes, only: gearbox_mean_modes
+   use evl_mean_modes, only: gearbox_mean_modes, gearbox_start_distance
    use evl_modes, only: gearbox_modes, gearbox_shape
-   use evl_start_distance, only: gearbox_start_distance
    use evl_start_positions, only: mesh_position
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_mode

@@ -3,7 +3,7 @@
 !> The header's section "orbits" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_orbits
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_f_procpointer, c_funptr, c_int, &
-                                                                             c_loc, c_null_ptr, c_ptr
+                                                                             c_loc, c_null_char, c_null_ptr, c_ptr
    use evl_branch, only: advance_branch, begin_branch, keep_point
    use evl_branch_doubling, only: switch_at_doubling
    use evl_branch_point, only: branch_point, kind_touch, kind_touch_fold
@@ -33,9 +33,9 @@ module evl_capi_orbits
    !> evl_orbit
    type, bind(c) :: c_orbit
       real(c_double) :: parameter, period, residual
-      integer(c_int) :: periods, kind, mesh, iterations, n_multipliers, told
-      logical(c_bool) :: is_stable, whole_mesh
-      character(kind=c_char) :: root(c_name_length)
+      integer(c_int) :: periods, kind = 0, mesh = -1, iterations, n_multipliers, told = 0
+      logical(c_bool) :: is_stable, whole_mesh = .false.
+      character(kind=c_char) :: root(c_name_length) = c_null_char
    end type c_orbit
 
 contains
@@ -263,11 +263,6 @@ contains
       told%residual = orbit%residual
       told%periods = orbit%periods
       told%iterations = orbit%iterations
-      told%kind = 0
-      told%told = 0
-      told%mesh = -1
-      told%whole_mesh = .false.
-      call to_c("", told%root)
    end subroutine tell
 
    !> What a root function is that touches zero.

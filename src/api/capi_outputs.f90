@@ -125,10 +125,8 @@ contains
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: wheel
       real(c_double), intent(in) :: y(*), yp(*)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      may = logical(can_turn(g, wheel + 1, y(:g%n_states), yp(:g%n_states)), c_bool)
+      may = logical(can_turn(gearbox_of(handle), wheel + 1, y, yp), c_bool)
    end function evl_gearbox_can_turn
 
    real(c_double) function evl_gearbox_pitches(handle, mesh, y, integers) result(pitches) bind(c)
@@ -136,10 +134,8 @@ contains
       integer(c_int), intent(in), value :: mesh
       real(c_double), intent(in) :: y(*)
       integer(c_int), intent(in) :: integers(*)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      pitches = pitches_turned(g, mesh + 1, y(:g%n_states), integers(:g%n_integers))
+      pitches = pitches_turned(gearbox_of(handle), mesh + 1, y, integers)
    end function evl_gearbox_pitches
 
    real(c_double) function evl_gearbox_turns(handle, wheel, y, integers) result(turns) bind(c)
@@ -147,10 +143,8 @@ contains
       integer(c_int), intent(in), value :: wheel
       real(c_double), intent(in) :: y(*)
       integer(c_int), intent(in) :: integers(*)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      turns = turns_made(g, wheel + 1, y(:g%n_states), integers(:g%n_integers))
+      turns = turns_made(gearbox_of(handle), wheel + 1, y, integers)
    end function evl_gearbox_turns
 
    integer(c_int) function evl_gearbox_watched(handle, y, integers, reals, values, status) result(code) bind(c)

@@ -141,11 +141,9 @@ contains
       integer(c_int), intent(in), value :: periods
       real(c_double), intent(inout) :: y(*), reals(*)
       integer(c_int), intent(inout) :: integers(*)
-      type(gearbox_t), pointer :: g
 
-      g => gearbox_of(handle)
-      call take_back(g, period_t(period%pitches, logical(period%by_time), period%sense, period%time), periods, &
-                     y(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)))
+      call take_back(gearbox_of(handle), period_t(period%pitches, logical(period%by_time), period%sense, period%time), periods, &
+                     y, integers, reals)
    end subroutine evl_gearbox_take_back
 
    real(c_double) function evl_gearbox_distance(handle, scale, y_a, integers_a, reals_a, y_b, integers_b, reals_b) &
