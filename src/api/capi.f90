@@ -118,13 +118,10 @@ contains
    end subroutine evl_gearbox_sizes
 
    integer(c_int) function evl_gearbox_initial_state(handle, initial, t, y, yp, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       type(c_initial), intent(in) :: initial
       real(c_double), intent(in), value :: t
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
+      real(c_double), intent(inout) :: yp(*)
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
@@ -156,51 +153,37 @@ contains
    end subroutine evl_gearbox_state_name
 
    integer(c_int) function evl_gearbox_residual(handle, t, y, yp, integers, reals, residual, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(in) :: yp(*)
       real(c_double), intent(inout) :: residual(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_residual(gearbox_of(handle), t, y, yp, integers, reals, residual, s)
       code = answer(s, status)
    end function evl_gearbox_residual
 
    integer(c_int) function evl_gearbox_jacobian(handle, t, cj, y, yp, integers, reals, jacobian, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t, cj
-      real(c_double), intent(in) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(in) :: yp(*)
       real(c_double), intent(inout) :: jacobian(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_jacobian(gearbox_of(handle), t, cj, y, yp, integers, reals, jacobian, s)
       code = answer(s, status)
    end function evl_gearbox_jacobian
 
    integer(c_int) function evl_gearbox_derivative(handle, t, y, integers, reals, yp, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: yp(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_derivative(gearbox_of(handle), t, y, integers, reals, yp, s)
       code = answer(s, status)
    end function evl_gearbox_derivative
 
    integer(c_int) function evl_gearbox_roots(handle, y, integers, reals, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      include "api/at_state.inc"
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_roots(gearbox_of(handle), y, integers, reals, values, s)
       code = answer(s, status)
@@ -224,17 +207,14 @@ contains
 
    integer(c_int) function evl_gearbox_apply_event(handle, t, fired, time_event, y, yp, integers, reals, events, n_events, &
                                                    status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       real(c_double), intent(in), value :: t
       integer(c_int), intent(in) :: fired(*)
       logical(c_bool), intent(in), value :: time_event
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
+      real(c_double), intent(inout) :: yp(*)
       type(c_event), intent(inout) :: events(*)
       integer(c_int), intent(out) :: n_events
-      type(c_status), intent(inout), optional :: status
       type(event_log) :: log
-      type(status_t) :: s
       integer :: i
       type(gearbox_t), pointer :: g
 

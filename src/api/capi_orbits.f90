@@ -103,15 +103,11 @@ contains
    end subroutine evl_orbits_delete
 
    integer(c_int) function evl_orbits_find(handle, value, periods, period, y, integers, reals, orbit, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: value, period
       integer(c_int), intent(in), value :: periods
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
       type(c_orbit), intent(out) :: orbit
-      type(c_status), intent(inout), optional :: status
       type(orbits_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       call self%model%set_parameter(value, s)
@@ -212,14 +208,10 @@ contains
    end subroutine evl_orbits_point
 
    integer(c_int) function evl_orbits_state(handle, branch, point, t, y, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       integer(c_int), intent(in), value :: branch, point
       real(c_double), intent(out) :: t
-      real(c_double), intent(inout) :: y(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
       type(orbits_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       if (branch < 0) then

@@ -80,14 +80,10 @@ contains
    end subroutine evl_gearbox_constants
 
    integer(c_int) function evl_gearbox_outputs(handle, t, y, integers, reals, check, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
       logical(c_bool), intent(in), value :: check
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_outputs(gearbox_of(handle), t, y, integers, reals, logical(check), values, s)
       code = answer(s, status)
@@ -148,25 +144,17 @@ contains
    end function evl_gearbox_turns
 
    integer(c_int) function evl_gearbox_watched(handle, y, integers, reals, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      include "api/at_state.inc"
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call watched_at(gearbox_of(handle), y, integers, reals, values, s)
       code = answer(s, status)
    end function evl_gearbox_watched
 
    integer(c_int) function evl_gearbox_watched_mesh(handle, mesh, y, integers, reals, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       integer(c_int), intent(in), value :: mesh
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call watched_of_mesh(gearbox_of(handle), mesh + 1, y, integers, reals, values, s)
       code = answer(s, status)
@@ -185,13 +173,10 @@ contains
 
    integer(c_int) function evl_gearbox_roots_and_watched(handle, y, integers, reals, near, highest, kept, roots, values, status) &
       result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: y(*), reals(*), highest(*)
-      integer(c_int), intent(in) :: integers(*)
+      include "api/at_state.inc"
+      real(c_double), intent(in) :: highest(*)
       real(c_double), intent(in), value :: near
       real(c_double), intent(inout) :: kept(n_kept, *), roots(*), values(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call watched_at(gearbox_of(handle), y, integers, reals, values, s, roots, near, highest, kept)
       code = answer(s, status)

@@ -61,14 +61,11 @@ contains
    end subroutine evl_pattern_places
 
    integer(c_int) function evl_pattern_jacobian(handle, t, cj, y, yp, integers, reals, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t, cj
-      real(c_double), intent(in) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(in) :: yp(*)
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(inout), optional :: status
       type(pattern_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       call gearbox_jacobian_entries(self%gearbox, t, cj, y, yp, integers, reals, self%entries, values, s)

@@ -65,16 +65,13 @@ contains
 
    integer(c_int) function evl_gearbox_periodic_start(handle, initial, setup, found, y, yp, integers, reals, status) &
       result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       type(c_initial), intent(in) :: initial
       type(c_setup), intent(in) :: setup
       type(c_periodic), intent(out) :: found
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
+      real(c_double), intent(inout) :: yp(*)
       type(callers_search) :: search
       type(periodic_start_t) :: orbit
-      type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
@@ -88,14 +85,11 @@ contains
    end function evl_gearbox_periodic_start
 
    integer(c_int) function evl_gearbox_periodic_check(handle, initial, found, y, yp, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       type(c_initial), intent(in) :: initial
       type(c_periodic), intent(out) :: found
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
+      real(c_double), intent(inout) :: yp(*)
       type(periodic_start_t) :: orbit
-      type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
@@ -156,13 +150,10 @@ contains
    end function evl_gearbox_distance
 
    integer(c_int) function evl_gearbox_take_over(handle, alike, t, y, yp, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       logical(c_bool), intent(in), value :: alike
       real(c_double), intent(in), value :: t
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
+      real(c_double), intent(inout) :: yp(*)
 
       call take_over(gearbox_of(handle), logical(alike), t, y, yp, integers, reals, s)
       code = answer(s, status)

@@ -95,13 +95,9 @@ contains
    end subroutine evl_radau_delete
 
    integer(c_int) function evl_radau_start(handle, t, y, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      type(c_status), intent(inout), optional :: status
       type(integration_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       call gearbox_ode_set(self%model, integers, reals)
