@@ -107,11 +107,9 @@ contains
    end subroutine evl_gearbox_delete
 
    subroutine evl_gearbox_sizes(handle, sizes) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_sizes), intent(out) :: sizes
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
                       g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), g%n_pair_places, g%n_drive_places, &
                       size(g%shafts), gearbox_event_room(g), n_kept*size(g%contacts))
@@ -130,13 +128,11 @@ contains
    end function evl_gearbox_initial_state
 
    subroutine evl_gearbox_scales(handle, initial, duration, state, row) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_initial), intent(in) :: initial
       real(c_double), intent(in), value :: duration
       real(c_double), intent(inout) :: state(*), row(*)
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
                                 state, row, duration)
    end subroutine evl_gearbox_scales
@@ -230,14 +226,12 @@ contains
    end function evl_gearbox_apply_event
 
    logical(c_bool) function evl_gearbox_warning(handle, initial, index, warning) result(exists) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_initial), intent(in), optional :: initial
       integer(c_int), intent(in), value :: index
       type(c_status), intent(out) :: warning
-      type(gearbox_t), pointer :: g
       type(status_t), allocatable :: warnings(:)
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       allocate (warnings, source=g%warnings)
       if (present(initial)) &
          call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
@@ -255,13 +249,11 @@ contains
    end function evl_kernel_processor
 
    logical(c_bool) function evl_gearbox_input(handle, index, input) result(found) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: index
       type(c_input), intent(out) :: input
-      type(gearbox_t), pointer :: g
       integer :: w, k, before
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       found = .false.
       input = c_input(0, 0, 0, .false._c_bool, 0)
       before = 0
@@ -292,12 +284,10 @@ contains
    end function value_of
 
    subroutine evl_gearbox_feed(handle, load, value, rate) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: load
       real(c_double), intent(in), value :: value, rate
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       call g%loads(load + 1)%load%feed(value, rate)
    end subroutine evl_gearbox_feed
 

@@ -25,15 +25,13 @@ module evl_capi_modes
 contains
 
    subroutine evl_gearbox_mesh_mode(handle, mesh, y, integers, reals, mode) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       type(c_mesh_mode), intent(out) :: mode
-      type(gearbox_t), pointer :: g
       type(contact_mode) :: m
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       call take_mode(g, carrying_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
                      reals(:size(g%contacts)), m)
       mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction, mesh_position(g, mesh + 1, y(:g%n_states), integers(i_turns)))

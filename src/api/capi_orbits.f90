@@ -126,14 +126,12 @@ contains
    end function evl_orbits_find
 
    integer(c_int) function evl_orbits_begin(handle, rising, n, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       logical(c_bool), intent(in), value :: rising
       integer(c_int), intent(out) :: n
       type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
       type(status_t) :: s
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call add_branch(self)
       self%options%rising = rising
       self%before = 0
@@ -146,16 +144,14 @@ contains
    end function evl_orbits_begin
 
    integer(c_int) function evl_orbits_advance(handle, n, is_over, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(out) :: n
       logical(c_bool), intent(out) :: is_over
       type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
       type(branch_point), allocatable :: more(:)
       type(status_t) :: s
       integer :: i
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call advance_branch(self%model, self%options, self%walk, more, s)
       associate (branch => self%branches(self%n_branches))
          self%before = merge(branch%n, 0, allocated(self%walk%before%tangent)) ! behind a touch the curve begins anew
@@ -169,14 +165,12 @@ contains
    end function evl_orbits_advance
 
    integer(c_int) function evl_orbits_switch(handle, branch, point, distance, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: branch, point
       real(c_double), intent(in), value :: distance
       type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
       type(status_t) :: s
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call complete(self, self%branches(branch + 1)%points(point + 1), s)
       associate (from => self%branches(branch + 1)%points(point + 1)%orbit)
          if (.not. has_failed(s)) call self%model%set_parameter(from%parameter, s)
@@ -186,15 +180,13 @@ contains
    end function evl_orbits_switch
 
    subroutine evl_orbits_point(handle, branch, point, orbit, multipliers) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: branch, point
       type(c_orbit), intent(out) :: orbit
       real(c_double), intent(inout) :: multipliers(2, *)
-      type(orbits_t), pointer :: self
       complex(wp), allocatable :: mu(:)
       integer :: i
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       associate (at => self%branches(branch + 1)%points(point + 1))
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind

@@ -61,21 +61,17 @@ contains
    end function evl_table
 
    subroutine evl_gearbox_output_places(handle, offsets, counts) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(out) :: offsets(*), counts(*)
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       offsets(:size(g%output_offsets)) = g%output_offsets
       counts(:size(g%output_counts)) = g%output_counts
    end subroutine evl_gearbox_output_places
 
    subroutine evl_gearbox_constants(handle, values) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(out) :: values(*)
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       values(:g%n_values) = g%constants
    end subroutine evl_gearbox_constants
 
@@ -109,11 +105,9 @@ contains
    end subroutine output_to_c
 
    integer(c_int) function evl_gearbox_driving_wheel(handle, mesh) result(wheel) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       wheel = g%contacts(g%first(mesh + 1))%wheel_a - 1
    end function evl_gearbox_driving_wheel
 

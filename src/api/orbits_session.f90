@@ -162,20 +162,16 @@ contains
    end subroutine complete
 
    integer(c_int) function evl_orbits_kept(handle) result(n) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      type(orbits_t), pointer :: self
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       n = n_kept + 3*self%model%n + 2
    end function evl_orbits_kept
 
    subroutine evl_orbits_keep(handle, branch, point, numbers) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: branch, point
       real(c_double), intent(inout) :: numbers(*)
-      type(orbits_t), pointer :: self
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       associate (at => self%branches(branch + 1)%points(point + 1), n => self%model%n)
          associate (o => at%orbit)
             numbers(:n_kept) = [real(wp) :: o%parameter, o%period, o%residual, at%way, o%periods, o%iterations, at%kind, at%root, &
@@ -189,13 +185,11 @@ contains
    end subroutine evl_orbits_keep
 
    subroutine evl_orbits_put(handle, branch, numbers) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: branch
       real(c_double), intent(in), optional :: numbers(*)
-      type(orbits_t), pointer :: self
       type(branch_point) :: at
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       if (branch >= self%n_branches) call add_branch(self)
       if (.not. present(numbers)) return
       associate (n => self%model%n, o => at%orbit)
@@ -218,22 +212,18 @@ contains
    end subroutine evl_orbits_put
 
    subroutine evl_orbits_walk(handle, walk) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_walk), intent(out) :: walk
-      type(orbits_t), pointer :: self
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       walk = c_walk(self%walk%step, self%walk%crawls, self%walk%n_ordinary, self%before, merge(1, 0, self%walk%is_smooth))
    end subroutine evl_orbits_walk
 
    integer(c_int) function evl_orbits_go_on(handle, walk, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_walk), intent(in) :: walk
       type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
       type(status_t) :: s
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       associate (branch => self%branches(self%n_branches))
          call complete(self, branch%points(1), s)
          if (.not. has_failed(s)) call complete(self, branch%points(branch%n), s)
