@@ -123,7 +123,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), t, y, yp, integers, reals, s)
+      call gearbox_start(g, initial_from_c(initial, g), t, y, yp, integers, reals, s)
       code = answer(s, status)
    end function evl_gearbox_initial_state
 
@@ -133,8 +133,7 @@ contains
       real(c_double), intent(inout) :: state(*), row(*)
       include "api/gearbox_of_handle.inc"
 
-      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
-                                state, row, duration)
+      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, g)), state, row, duration)
    end subroutine evl_gearbox_scales
 
    subroutine evl_gearbox_state_name(handle, index, name, units) bind(c)
@@ -233,8 +232,7 @@ contains
       include "api/gearbox_of_handle.inc"
 
       allocate (warnings, source=g%warnings)
-      if (present(initial)) &
-         call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
+      if (present(initial)) call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, g)), warnings)
       exists = logical(index >= 0 .and. index < size(warnings), c_bool)
       call status_to_c(status_t(), warning)
       if (exists) call status_to_c(warnings(index + 1), warning)

@@ -6,6 +6,7 @@ module evl_capi_description
    use evl_capi_types, only: answer, c_status, status_from_c, status_to_c, take_text, to_c
    use evl_case_table, only: case_table, kinds_of
    use evl_description_check, only: check_changed_numbers, check_description, entry_path, path_length, place_of_status
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_initial, only: initial_t
    use evl_given, only: description_t, entry_t
    use evl_row, only: kind_t, row_t, short_length, text_length
@@ -283,14 +284,14 @@ contains
       call to_c(text, path)
    end subroutine evl_description_path
 
-   type(initial_t) function initial_from_c(c, n_wheels, n_meshes) result(initial)
+   type(initial_t) function initial_from_c(c, gearbox) result(initial)
       type(c_initial), intent(in) :: c
-      integer, intent(in) :: n_wheels, n_meshes
+      type(gearbox_t), intent(in) :: gearbox
 
       initial%kind = c%kind
       initial%mesh_position = c%mesh_position
-      allocate (initial%speeds, source=array_from_c(c%speeds, n_wheels))
-      allocate (initial%gaps, source=array_from_c(c%gaps, n_meshes))
+      allocate (initial%speeds, source=array_from_c(c%speeds, size(gearbox%wheels)))
+      allocate (initial%gaps, source=array_from_c(c%gaps, size(gearbox%pairs)))
    end function initial_from_c
 
    !> A copy of a C array; size 0 for NULL.

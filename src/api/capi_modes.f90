@@ -32,8 +32,7 @@ contains
       type(contact_mode) :: m
       include "api/gearbox_of_handle.inc"
 
-      call take_mode(g, carrying_contact(g, mesh + 1, integers(:g%n_integers)), integers(:g%n_integers), &
-                     reals(:size(g%contacts)), m)
+      call take_mode(g, carrying_contact(g, mesh + 1, integers), integers, reals, m)
       mode = c_mesh_mode(m%tooth_pair, m%flanks, m%friction, mesh_position(g, mesh + 1, y(:g%n_states), integers(i_turns)))
    end subroutine evl_gearbox_mesh_mode
 
@@ -88,7 +87,7 @@ contains
       call c_f_pointer(eigenvalues, lambda, [g%n_states])
       call c_f_pointer(vectors, v, [g%n_states, g%n_states])
       call c_f_pointer(amplitudes, a, [g%n_states])
-      call gearbox_start_distance(g, t, start(:g%n_states), start_integers(i_turns), y, integers, reals, n_modes, lambda, v, a, s)
+      call gearbox_start_distance(g, t, start, start_integers(i_turns), y, integers, reals, n_modes, lambda, v, a, s)
       code = answer(s, status)
    end function evl_gearbox_start_distance
 

@@ -221,8 +221,7 @@ contains
       associate (g => self%gearbox, n_values => self%outputs%before(size(self%outputs%before)))
          rows(1:n, 1:n_values) => values(:n*n_values)
          states(1:n, 1:g%n_states) => y(:g%n_states*n)
-         call sample_outputs(self%outputs, g, n_meant, t, states, integers(:g%n_integers), reals(:size(g%contacts)), &
-                             logical(check), rows, self%status)
+         call sample_outputs(self%outputs, g, n_meant, t, states, integers, reals, logical(check), rows, self%status)
       end associate
       code = answer(self%status, status)
       if (code /= code_ok) self%status = status_t()

@@ -78,8 +78,7 @@ contains
       search%self = setup%self
       search%most_flows = setup%most_flows
       if (c_associated(setup%is_over)) call c_f_procpointer(setup%is_over, search%is_over)
-      call periodic_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), search, orbit, y(:g%n_states), &
-                          yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      call periodic_start(g, initial_from_c(initial, g), search, orbit, y, yp, integers, reals, s)
       found = to_c(orbit)
       code = answer(s, status)
    end function evl_gearbox_periodic_start
@@ -93,8 +92,7 @@ contains
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call begin_periodic_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), orbit, y(:g%n_states), &
-                                yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      call begin_periodic_start(g, initial_from_c(initial, g), orbit, y, yp, integers, reals, s)
       found = to_c(orbit)
       code = answer(s, status)
    end function evl_gearbox_periodic_check
