@@ -97,13 +97,8 @@ contains
    end function evl_gearbox_create
 
    subroutine evl_gearbox_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
-      type(gearbox_t), pointer :: gearbox
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, gearbox)
-      if (associated(gearbox)) deallocate (gearbox)
-      handle = c_null_ptr
+      type(gearbox_t), pointer :: self
+      include "api/delete_of_handle.inc"
    end subroutine evl_gearbox_delete
 
    subroutine evl_gearbox_sizes(handle, sizes) bind(c)

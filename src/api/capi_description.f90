@@ -204,13 +204,8 @@ contains
    end subroutine exchange_numbers
 
    subroutine evl_description_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
-      type(description_t), pointer :: description
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, description)
-      if (associated(description)) deallocate (description)
-      handle = c_null_ptr
+      type(description_t), pointer :: self
+      include "api/delete_of_handle.inc"
    end subroutine evl_description_delete
 
    !> The entry of a parameter: one that has numbers. 0 if there is none.

@@ -93,13 +93,8 @@ contains
    end function evl_orbits_create
 
    subroutine evl_orbits_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
       type(orbits_t), pointer :: self
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
-      handle = c_null_ptr
+      include "api/delete_of_handle.inc"
    end subroutine evl_orbits_delete
 
    integer(c_int) function evl_orbits_find(handle, value, periods, period, y, integers, reals, orbit, status) result(code) bind(c)

@@ -197,12 +197,8 @@ contains
    end function evl_sampler_in_lanes
 
    subroutine evl_sampler_delete(handle) bind(c)
-      type(c_ptr), intent(inout) :: handle
       type(sampler_t), pointer :: self
-
-      call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
-      handle = c_null_ptr
+      include "api/delete_of_handle.inc"
    end subroutine evl_sampler_delete
 
    integer(c_int) function evl_sampler_ask(handle, n, n_meant, t, y, integers, reals, check, values, status) result(code) bind(c)

@@ -42,12 +42,8 @@ contains
    end function evl_pattern_create
 
    subroutine evl_pattern_delete(handle) bind(c)
-      type(c_ptr), intent(inout) :: handle
       type(pattern_t), pointer :: self
-
-      call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
-      handle = c_null_ptr
+      include "api/delete_of_handle.inc"
    end subroutine evl_pattern_delete
 
    subroutine evl_pattern_places(handle, rows, columns) bind(c)

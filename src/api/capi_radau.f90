@@ -85,13 +85,8 @@ contains
    end function evl_radau_create
 
    subroutine evl_radau_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
       type(integration_t), pointer :: self
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
-      handle = c_null_ptr
+      include "api/delete_of_handle.inc"
    end subroutine evl_radau_delete
 
    integer(c_int) function evl_radau_start(handle, t, y, integers, reals, status) result(code) bind(c)
