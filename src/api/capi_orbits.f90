@@ -186,7 +186,11 @@ contains
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind
          orbit%told = at%told
-         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) call tell_root(self, at%root, at%orbit, orbit)
+         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) then ! of which root function
+            orbit%mesh = self%model%root_list(at%root)%mesh - 1
+            orbit%whole_mesh = logical(is_whole_mesh(self, at%root, at%orbit), c_bool)
+            call to_c(trim(self%model%root_list(at%root)%name), orbit%root)
+         end if
          allocate (mu, source=own_multipliers(self%model, at%orbit))
       end associate
       do i = 1, size(mu)
@@ -243,18 +247,6 @@ contains
       told%periods = orbit%periods
       told%iterations = orbit%iterations
    end subroutine tell
-
-   !> What a root function is that touches zero.
-   subroutine tell_root(self, root, orbit, told)
-      type(orbits_t), intent(in) :: self
-      integer, intent(in) :: root
-      type(orbit_t), intent(in) :: orbit
-      type(c_orbit), intent(inout) :: told
-
-      told%mesh = self%model%root_list(root)%mesh - 1
-      told%whole_mesh = logical(is_whole_mesh(self, root, orbit), c_bool)
-      call to_c(trim(self%model%root_list(root)%name), told%root)
-   end subroutine tell_root
 
    !> Whether a mesh parts, or touches, as a whole: at a touch no other tooth pair touches, or all that do part with it, as those
    !> that share a load evenly.

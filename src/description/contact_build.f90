@@ -189,7 +189,9 @@ contains
       end associate
       contact%k_a0 = pair%centre_a + pair%base_radius_a*contact%t_0
       tau = pair%tooth_angle_a
-      if (.not. tau > 0) tau = even_tooth_angle(pair)
+      ! if it is not known, both wheels' teeth are equally thick on the pitch circles
+      if (.not. tau > 0) tau = (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2/pair%pitch_radius_a &
+                               + 2*(tan(pair%alpha_w) - pair%alpha_w)
       contact%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
       contact%tooth_b = contact%tooth_b - contact%tooth_sign
       if (.not. contact%handover) return
@@ -199,15 +201,6 @@ contains
       contact%tooth_a = contact%tooth_a + passed*contact%tooth_sign
       contact%tooth_b = contact%tooth_b - passed*contact%tooth_sign
    end subroutine take_coast
-
-   !> Angle that a tooth of the driving wheel fills on its base circle if both wheels' teeth are equally thick on the pitch circles.
-   pure real(wp) function even_tooth_angle(pair) result(tau)
-      type(spur_pair_t), intent(in) :: pair
-
-      associate (thickness => (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2)
-         tau = thickness/pair%pitch_radius_a + 2*(tan(pair%alpha_w) - pair%alpha_w)
-      end associate
-   end function even_tooth_angle
 
    !> The common width of two wheels is the overlap of their faces.
    subroutine take_overlap(wheels, a, b, contact, status)

@@ -179,18 +179,6 @@ contains
       columns = columns(order)
    end subroutine sort_places
 
-   !> Index of an entry that is kept.
-   pure integer function entry_index(entries, row, column) result(index)
-      type(jacobian_entries), intent(in) :: entries
-      integer, intent(in) :: row, column
-
-      if (allocated(entries%table)) then
-         index = entries%table(entries%before(row) + iand(column, entries%mask(row)))
-      else
-         index = row + (column - 1)*entries%n
-      end if
-   end function entry_index
-
    !> Add to an entry that is kept.
    pure subroutine add_entry(entries, row, column, amount, values)
       type(jacobian_entries), intent(in) :: entries
@@ -204,7 +192,11 @@ contains
          if (nint(values(1)) < entries%n_entries) values(nint(values(1)) + 1) = row + (column - 1)*real(entries%n, wp)
          return
       end if
-      index = entry_index(entries, row, column)
+      if (allocated(entries%table)) then
+         index = entries%table(entries%before(row) + iand(column, entries%mask(row)))
+      else
+         index = row + (column - 1)*entries%n
+      end if
       values(index) = values(index) + amount
    end subroutine add_entry
 

@@ -87,7 +87,9 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: along(model%n + 2)
 
-      call check_range(options, orbit, status)
+      if (.not. (options%from < options%to .and. orbit%parameter >= options%from .and. orbit%parameter <= options%to)) &
+         call fail(status, code_invalid_input, "the branch begins at "//quantity(orbit%parameter, "")//", not between "// &
+                   quantity(options%from, "")//" and "//quantity(options%to, ""), field="parameter")
       walk%now%orbit = orbit
       along = 0
       along(model%n + 2) = merge(1, -1, options%rising)
@@ -113,7 +115,7 @@ contains
       type(branch_point) :: next, target
       type(touch_passage) :: passage
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
-      real(wp), parameter :: little = 1.0e-3_wp   !! leap over the way
+      real(wp), parameter :: little = 1.0e-3_wp, same = 1.0e-8_wp !! leap over the way
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
       logical :: at_end, closes, is_missed
       real(wp) :: leap
@@ -150,7 +152,9 @@ contains
             if (has_failed(status)) return
          end if
          if (passage%found .or. (leap < little .and. .not. is_missed)) exit
-         call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, smooth_touches(special, leap), passage)
+         ! where orbits on both sides of a touch that was found are the same nothing jumps
+         call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, &
+                             special(places(special%kind == kind_touch .and. leap <= same))%root, passage)
          if (passage%found) then
             next = passage%next
             walk%step = next%way
@@ -311,16 +315,6 @@ contains
       step = min(step, longest)
    end subroutine go_on
 
-   !> Root functions of touches that were found, if orbits on both sides of each are the same: nothing jumps there.
-   pure function smooth_touches(points, leap) result(roots)
-      type(branch_point), intent(in) :: points(:)
-      real(wp), intent(in) :: leap !! as from find_special_points
-      integer, allocatable :: roots(:)
-      real(wp), parameter :: same = 1.0e-8_wp
-
-      roots = points(places(points%kind == kind_touch .and. leap <= same))%root
-   end function smooth_touches
-
    !> Look past a touch ahead that lies in the range.
    subroutine look_for_touch(model, options, before, now, reach, smooth, passage)
       class(orbit_model), intent(inout) :: model
@@ -337,17 +331,6 @@ contains
          passage%found = p >= options%from .and. p <= options%to
       end associate
    end subroutine look_for_touch
-
-   !> Refuse a branch that begins outside its range.
-   subroutine check_range(options, orbit, status)
-      type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: orbit
-      type(status_t), intent(inout) :: status
-
-      if (options%from < options%to .and. orbit%parameter >= options%from .and. orbit%parameter <= options%to) return
-      call fail(status, code_invalid_input, "the branch begins at "//quantity(orbit%parameter, "")//", not between "// &
-                quantity(options%from, "")//" and "//quantity(options%to, ""), field="parameter")
-   end subroutine check_range
 
    !> Put a point at the end of a list that has room for more.
    subroutine keep_point(points, n, point)
