@@ -199,7 +199,8 @@ contains
       logical, intent(in) :: has_places !! else nothing is needed of where those are that do not touch
       type(mesh_lanes), intent(out) :: mesh
       type(lane_line) :: line_coast
-      real(wp), dimension(lanes) :: gap, gap_coast
+      type(tracked_pair) :: pair
+      real(wp), dimension(lanes) :: gap, gap_coast, turn
       integer :: c, first, last
 
       first = gearbox%first(index)
@@ -207,7 +208,16 @@ contains
       if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = nan
       mesh%leader = leading_contact(gearbox, index, states%integers)
       mesh%mode = states%slots(mesh%leader)%mode
-      call find_lag(gearbox%contacts(mesh%leader), states%y, has_places, mesh%line, mesh%lag)
+      associate (leader => gearbox%contacts(mesh%leader))
+         if (has_places) then
+            call line_in_lanes(leader, states%y, mesh%line)
+         else
+            call motion_in_lanes(leader, states%y, mesh%line)
+         end if
+         pair = leader%pair
+         call centre_turn_in_lanes(leader, mesh%line, turn)
+         mesh%lag = error_of_turns(pair, mesh%line%psi_a, mesh%line%psi_b, turn)
+      end associate
       if (has_places) call gap_in_lanes(gearbox%contacts(mesh%leader), mesh%line, gap)
       do c = first, last
          associate (contact => gearbox%contacts(c), slot => states%slots(c))
@@ -232,26 +242,6 @@ contains
       call gap_in_lanes(gearbox%contacts(last), line_coast, gap_coast)
       mesh%h_coast = -gap_coast
    end subroutine evaluate_mesh
-
-   !> Transmission error, by the motion of the wheels; and the line of action.
-   subroutine find_lag(leader, y, has_line, line, lag)
-      type(tooth_contact_t), intent(in) :: leader !! the contact that stands for the mesh
-      real(wp), intent(in) :: y(lanes, *)
-      logical, intent(in) :: has_line             !! else the motion alone is needed
-      type(lane_line), intent(inout) :: line
-      real(wp), intent(out) :: lag(lanes)
-      type(tracked_pair) :: pair
-      real(wp) :: turn(lanes)
-
-      if (has_line) then
-         call line_in_lanes(leader, y, line)
-      else
-         call motion_in_lanes(leader, y, line)
-      end if
-      pair = leader%pair
-      call centre_turn_in_lanes(leader, line, turn)
-      lag = error_of_turns(pair, line%psi_a, line%psi_b, turn)
-   end subroutine find_lag
 
    !> What a tooth pair that touches adds.
    pure subroutine add_force(is_drive, slot, mesh)

@@ -175,7 +175,12 @@ contains
                call add_static_position(registry, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
                call add_pairs(registry, contact, flank, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, state)
             end associate
-            call add_position(state, lag_of(flank, state%h), plan%n_positions, total)
+            associate (n => plan%n_positions)
+               total%mean = total%mean + lag_of(flank, state%h)/n
+               total%secant = total%secant + total%force/(state%h - state%h_0)/n
+               total%tangent = total%tangent + state%stiffness/n
+               total%carrying = total%carrying + count(state%potential%answer%force(:state%n) > 0)/real(n, wp)
+            end associate
             call add_harmonics(i, plan, lag_of(flank, state%h), harmonics)
          end do
       end associate
@@ -313,19 +318,6 @@ contains
          call add_static_pair(registry, before + place, state, i, share, force, pressure)
       end do
    end subroutine add_pairs
-
-   !> What a position adds to the sums.
-   pure subroutine add_position(state, lag, n, total)
-      type(static_state), intent(in) :: state
-      real(wp), intent(in) :: lag !! of the driven wheel [m]
-      integer, intent(in) :: n !! of how many
-      type(static_sum), intent(inout) :: total
-
-      total%mean = total%mean + lag/n
-      total%secant = total%secant + total%force/(state%h - state%h_0)/n
-      total%tangent = total%tangent + state%stiffness/n
-      total%carrying = total%carrying + count(state%potential%answer%force(:state%n) > 0)/real(n, wp)
-   end subroutine add_position
 
    !> What a position adds to the amplitudes of the harmonics.
    pure subroutine add_harmonics(i, plan, h, harmonics)

@@ -171,6 +171,7 @@ contains
       type(output_states), intent(in) :: states
       real(wp), intent(in) :: load(lanes, size(gearbox%wheels))        !! torque of all loads [N m]
       real(wp), intent(out) :: reactions(lanes, 6, size(gearbox%wheels)) !! force [N], moment [N m]
+      real(wp), dimension(lanes) :: spin, torque
       integer :: c, i
 
       reactions = 0
@@ -183,7 +184,13 @@ contains
       end do
       do i = 1, size(gearbox%wheels)
          call add_inertia(gearbox, i, states, reactions(:, :, i))
-         call add_loads(gearbox, i, states, load(:, i), reactions(:, 6, i))
+         ! the part of the torque of its loads that acts on the housing
+         call housing_torque_in_lanes(gearbox, i, load(:, i), states%t, states%y, states%integers, torque)
+         if (gearbox%housing%acts .and. .not. wheel_follows_ground(gearbox, i)) then
+            call find_spin_torque(gearbox, i, states, spin)
+            torque = torque - spin
+         end if
+         call add_row(-torque, reactions(:, 6, i))
       end do
    end subroutine find_reactions
 
@@ -250,22 +257,5 @@ contains
          reaction(l, 4:5) = reaction(l, 4:5) - moment(1:2)
       end do
    end subroutine add_apparent
-
-   !> Add the part of the torque of a wheel's loads that acts on the housing.
-   subroutine add_loads(gearbox, index, states, load, moment)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      type(output_states), intent(in) :: states
-      real(wp), intent(in) :: load(lanes) !! all of it [N m]
-      real(wp), intent(inout) :: moment(lanes)
-      real(wp), dimension(lanes) :: spin, torque
-
-      call housing_torque_in_lanes(gearbox, index, load, states%t, states%y, states%integers, torque)
-      if (gearbox%housing%acts .and. .not. wheel_follows_ground(gearbox, index)) then
-         call find_spin_torque(gearbox, index, states, spin)
-         torque = torque - spin
-      end if
-      call add_row(-torque, moment)
-   end subroutine add_loads
 
 end module evl_torque_outputs
