@@ -1,5 +1,5 @@
-!> Places of what is so, and which of several things hang together. Places are not listed by `pack`, whose result gfortran's library makes: where it finds no memory for that
-!> it ends the program by itself.
+!> Places of what is so, and which of several things hang together. Places are not listed by `pack`, whose result gfortran's
+!> library makes: where it finds no memory for that it ends the program by itself.
 module evl_places
    implicit none (type, external)
    private
