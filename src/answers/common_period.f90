@@ -5,18 +5,19 @@
 !> housing are recognised.
 module evl_common_period
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_flank_deviation, only: flank_deviation_t
+   use evl_flank_deviation, only: teeth_differ
    use evl_gearbox, only: gearbox_t
    use evl_housing_motion, only: term_constant, term_harmonic
-   use evl_kinds, only: pi, wp
-   use evl_rational, only: divisor_of
+   use evl_kinds, only: wp
+   use evl_rational, only: divisor_of, rational_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_housing, subject_load, subject_none
    implicit none (type, external)
    private
 
-   public :: common_period, period_t
+   public :: common_period, period_t, whole_pitches
 
-   integer(int64), parameter :: most_pitches = 1000000_int64 !! of a common period
+   integer(int64), parameter :: too_many = 1000001_int64 !! pitches of a common period
+   integer(int64), parameter :: most_common_pitches = 10000 !! whole pitches of all meshes may need more
    integer(int64), parameter :: most_cycles = 1000_int64 !! pitches in which the cycles of a load come to whole ones
    real(wp), parameter :: exact = 1.0e-9_wp !! relative: a ratio that is as near to a fraction as that is it
 
@@ -39,12 +40,12 @@ contains
 
       pitches = 1
       call prescribed_pitches(gearbox, period, speed, status)
-      if (.not. has_failed(status)) call take_meshes(gearbox, pitches)
+      if (.not. has_failed(status)) call take_meshes(gearbox, 1, too_many, pitches)
       if (.not. has_failed(status)) call take_teeth(gearbox, pitches)
       if (.not. has_failed(status)) call take_loads(gearbox, period, abs(speed), pitches, status)
       if (.not. has_failed(status)) call take_housing(gearbox, period, abs(speed), pitches, status)
       if (has_failed(status)) return
-      if (pitches > most_pitches) then
+      if (pitches >= too_many) then
          call fail(status, code_invalid_input, "there is no common period within 1e6 pitches of the first mesh: the meshes, the" &
                    //" teeth that differ and the loads hardly ever come together again", subject_none)
          return
@@ -86,16 +87,27 @@ contains
       if (speed < 0) period%sense = -1
    end subroutine prescribed_pitches
 
-   !> Whole pitches of all meshes.
-   pure subroutine take_meshes(gearbox, pitches)
+   !> Pitches of a mesh in which every mesh passes whole pitches, or most_common_pitches if that is less.
+   pure integer(int64) function whole_pitches(gearbox, mesh) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+
+      pitches = 1
+      call take_meshes(gearbox, mesh, most_common_pitches, pitches)
+   end function whole_pitches
+
+   !> Whole pitches of all meshes.
+   pure subroutine take_meshes(gearbox, mesh, most, pitches)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh                !! whose pitches count
+      integer(int64), intent(in) :: most
       integer(int64), intent(inout) :: pitches
       integer :: m
 
-      associate (first => gearbox%contacts(1)%pitches_per_turn)
-         do m = 2, size(gearbox%pairs)
+      associate (mine => gearbox%contacts(gearbox%first(mesh))%pitches_per_turn)
+         do m = 1, size(gearbox%pairs)
             associate (other => gearbox%contacts(gearbox%first(m))%pitches_per_turn)
-               call take_fraction(other%above, other%below, first%above, first%below, pitches)
+               call take_fraction(other, mine, most, pitches)
             end associate
          end do
       end associate
@@ -107,22 +119,13 @@ contains
       integer(int64), intent(inout) :: pitches
       integer :: i
 
-      associate (first => gearbox%contacts(1)%pitches_per_turn)
-         do i = 1, size(gearbox%wheels)
-            associate (wheel => gearbox%wheels(i))
-               if (differ(wheel%deviation)) &
-                  call take_fraction(wheel%exact_ratio%above, wheel%exact_ratio%below, first%above, first%below, pitches)
-            end associate
-         end do
-      end associate
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            if (teeth_differ(wheel%deviation)) &
+               call take_fraction(wheel%exact_ratio, gearbox%contacts(1)%pitches_per_turn, too_many, pitches)
+         end associate
+      end do
    end subroutine take_teeth
-
-   !> Whether the flanks of a wheel are not all the same.
-   pure logical function differ(deviation)
-      type(flank_deviation_t), intent(in) :: deviation
-
-      differ = allocated(deviation%pitch) .or. deviation%eccentricity > 0
-   end function differ
 
    !> Whole cycles of the loads.
    pure subroutine take_loads(gearbox, period, speed, pitches, status)
@@ -185,27 +188,28 @@ contains
       end do
    end subroutine take_housing
 
-   !> Take cycles of which a pitch makes (a/b) / (c/d).
-   pure subroutine take_fraction(a, b, c, d, pitches)
-      integer(int64), intent(in) :: a, b, c, d !! of either sign, not 0
-      integer(int64), intent(inout) :: pitches !! becomes most_pitches + 1 if there would be more
+   !> Take cycles of which a pitch makes other/mine.
+   pure subroutine take_fraction(other, mine, most, pitches)
+      type(rational_t), intent(in) :: other, mine !! of either sign, not 0
+      integer(int64), intent(in) :: most
+      integer(int64), intent(inout) :: pitches    !! becomes `most` if there would be more
       integer(int64) :: above, below
 
-      above = abs(c)/divisor_of(a, c) ! the denominator in lowest terms, as two factors
-      below = abs(b)/divisor_of(b, d)
-      if (real(above, wp)*real(below, wp) > real(most_pitches, wp)) then
-         pitches = most_pitches + 1
+      above = abs(mine%above)/divisor_of(other%above, mine%above) ! the denominator in lowest terms, as two factors
+      below = other%below/divisor_of(other%below, mine%below)
+      if (real(above, wp)*real(below, wp) > real(most, wp)) then
+         pitches = most
       else
-         call take_whole(above*below, pitches)
+         call take_whole(above*below, most, pitches)
       end if
    end subroutine take_fraction
 
    !> Take cycles that come to whole ones in so many pitches.
-   pure subroutine take_whole(cycles, pitches)
-      integer(int64), intent(in) :: cycles     !! 1 .. most_pitches
+   pure subroutine take_whole(cycles, most, pitches)
+      integer(int64), intent(in) :: cycles, most !! cycles: 1 .. most
       integer(int64), intent(inout) :: pitches
 
-      pitches = min(most_pitches + 1, pitches/divisor_of(pitches, cycles)*cycles)
+      pitches = min(most, pitches/divisor_of(pitches, cycles)*cycles)
    end subroutine take_whole
 
    !> Take cycles by how many of them a pitch has, whatever number that is.
@@ -221,7 +225,7 @@ contains
          if (fits(per_pitch, below)) exit
       end do
       if (below <= most_cycles) then
-         call take_whole(below, pitches)
+         call take_whole(below, too_many, pitches)
       else
          call fail(status, code_invalid_input, "there is no common period: it makes "//quantity(per_pitch, "cycles")//" in a" &
                    //" pitch of the first mesh, no fraction of whole numbers up to 1000", subject, index, field)

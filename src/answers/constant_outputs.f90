@@ -1,10 +1,9 @@
 !> What does not change of wheels and meshes: outputs that are told once, when the gearbox is built.
 module evl_constant_outputs
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank_deviation, only: relief_t
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, wheel_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_output, only: dims_mesh, dims_wheel, in_mesh_constants, in_mesh_teeth, in_wheel_constants, in_wheel_teeth
@@ -15,8 +14,6 @@ module evl_constant_outputs
 
    public :: add_mesh_constants, add_wheel_constants
    public :: active_radius, add_mesh_teeth, add_wheel_teeth
-
-   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
 
 contains
 
@@ -55,11 +52,9 @@ contains
       call add_output(registry, "line_of_action_length", "m", "rho", "length of the line of action between the base circles", &
                       contact%pair%rho_0)
       call add_output(registry, "rho_start_driving", "m", "rho_A", &
-                      "radius of curvature of the driving flank at the start of contact", &
-                      pair%rho_start_a)
+                      "radius of curvature of the driving flank at the start of contact", pair%rho_start_a)
       call add_output(registry, "rho_start_driven", "m", "rho_B", &
-                      "radius of curvature of the driven flank at the start of contact", &
-                      pair%rho_start_b)
+                      "radius of curvature of the driven flank at the start of contact", pair%rho_start_b)
       call add_output(registry, "common_width", "m", "b", "common face width", contact%width)
       call add_output(registry, "effective_modulus", "Pa", "E_star", "effective modulus of elasticity", contact%e_star)
       call add_output(registry, "elastic_share_driving", "1", "w_A", "share of the driving wheel in the elastic compliance", &
@@ -143,8 +138,7 @@ contains
       position = 0
       if (stores(registry)) position = (contact%rho_start - contact%rho_entry)/contact%base_pitch
       call add_output(registry, "start_position", "1", "xi_0", &
-                      "pitches of tooth pair 0 from its start of contact where angles are 0", &
-                      position)
+                      "pitches of tooth pair 0 from its start of contact where angles are 0", position)
    end subroutine add_mesh_teeth
 
    !> Radius where the active profile of a wheel begins, the smallest over its meshes; NaN without a mesh [m].

@@ -1,10 +1,9 @@
 !> The geometry that follows from a description, as rows to be shown: name, unit, symbol, text, value.
 module evl_derived_geometry
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t
    use evl_gears_in_mesh, only: gear_mesh_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
@@ -64,9 +63,8 @@ contains
       type(registry_t), intent(inout) :: to
 
       associate (wheel => gearbox%wheels(index))
-         if (wheel%has_radius) &
-            call add_output(to, "pitch_radius", "m", "r", merge("pitch radius", "radius      ", wheel%teeth > 0), &
-                            wheel%pitch_radius)
+         if (wheel%has_radius) call add_output(to, "pitch_radius", "m", "r", &
+                                               merge("pitch radius", "radius      ", wheel%teeth > 0), wheel%pitch_radius)
          if (wheel%base_radius > 0) then
             call add_output(to, "base_radius", "m", "r_b", "base radius", wheel%base_radius)
             call add_output(to, "tip_radius", "m", "r_a", "tip radius, the largest over its meshes", wheel%tip_radius)
@@ -128,7 +126,7 @@ contains
       integer, intent(in) :: index
       type(kind_t) :: law
 
-      gives_way = ieee_value(gives_way, ieee_quiet_nan)
+      gives_way = nan
       associate (contact => gearbox%contacts(gearbox%first(index)))
          call contact%elastic%describe(law)
          if (law%name /= "johnson" .or. contact%tracking /= tracking_closed_form) return

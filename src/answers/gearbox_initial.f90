@@ -11,10 +11,10 @@ module evl_gearbox_initial
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: wp
    use evl_knots, only: knots_passed
-   use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, i_theta, n_local, n_track
+   use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
    use evl_row, only: range_t, row_t, span_t, type_choice, type_named, type_number
-   use evl_start_positions, only: closed_form_point, place_pairs, prescribed_speed, set_gaps
+   use evl_start_positions, only: closed_form_point, gearbox_state, place_pairs, prescribed_speed, set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_start, only: find_equilibrium, find_steady_start
@@ -127,21 +127,25 @@ contains
       if (has_failed(status)) return
       if (any(initial%kind == [initial_steady, initial_equilibrium])) reals = 0 ! it follows from no approach
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
-      if (has_failed(status)) return
-      call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
+      if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
 
    contains
 
       !> The steady or the balanced state; a position that is NaN is not given.
       subroutine find_at_position()
          real(wp), allocatable :: position
+         type(gearbox_state) :: state
 
+         state = gearbox_state(t, y, integers, reals)
          if (.not. ieee_is_nan(initial%mesh_position)) position = initial%mesh_position
          if (initial%kind == initial_steady) then
-            call find_steady_start(gearbox, position, t, y, integers, reals, status)
+            call find_steady_start(gearbox, position, state, status)
          else
-            call find_equilibrium(gearbox, position, t, y, integers, reals, status)
+            call find_equilibrium(gearbox, position, state, status)
          end if
+         y = state%y
+         integers = state%integers
+         reals = state%reals
       end subroutine find_at_position
 
    end subroutine gearbox_start
@@ -286,8 +290,7 @@ contains
       if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
-         if (at(m)%mode%flanks /= flanks_off) &
-            call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
+         if (at(m)%mode%flanks /= flanks_off) call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
       end do
       do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
          if (at(m)%mode%flanks == flanks_off) cycle
@@ -309,8 +312,7 @@ contains
                if (has_failed(status)) return
             else if (mode%flanks == flanks_open .and. .not. at(m)%overlap < 0) then
                call gearbox_local(gearbox, contact, free, q)
-               parting = contact%pair%sigma*base_arc(contact%pair, q(at_psi_dot_a), q(at_psi_dot_b)) &
-                         + q(at_v_b + 1) - q(at_v_a + 1)
+               parting = contact%pair%sigma*base_arc(contact%pair, q(at_psi_dot_a), q(at_psi_dot_b)) + q(at_v_b + 1) - q(at_v_a + 1)
                if (point%h_dot > 0 .or. (.not. point%h_dot < 0 .and. parting <= 0)) mode%flanks = flanks_loaded
             end if
             if (mode%flanks == flanks_loaded) call take_load(contact, at(m))

@@ -35,11 +35,7 @@ contains
    end subroutine take_modes
 
    !> The modes of a state on the section.
-   module subroutine settle(self, t, y, status)
-      class(gearbox_orbits), intent(inout) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(self%n)
-      type(status_t), intent(inout) :: status
+   module procedure settle
       type(contact_mode) :: mode
       type(event_log) :: log
       integer :: nothing(self%n_roots), k
@@ -59,15 +55,10 @@ contains
       if (size(self%memory) > 0) & ! whether flanks pull depends on it
          call gearbox_apply_event(self%gearbox, t, nothing, .false., y(:self%n_gears), yp, self%integers, self%reals, log, status)
       if (.not. has_failed(status)) call take_modes(self)
-   end subroutine settle
+   end procedure settle
 
    !> A state at which a run of the gearbox came back to the section, as one of this system.
-   module subroutine gearbox_orbits_arrive(self, y_gears, integers, reals, y, same_modes)
-      type(gearbox_orbits), intent(inout) :: self
-      real(wp), intent(in) :: y_gears(:), reals(:)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(out) :: y(self%n)
-      logical, intent(out) :: same_modes
+   module procedure gearbox_orbits_arrive
       integer :: began(size(self%modes))
 
       began = self%modes
@@ -78,14 +69,10 @@ contains
       self%reals(self%memory) = reals(self%memory)
       call take_modes(self)
       same_modes = all(self%modes == began)
-   end subroutine gearbox_orbits_arrive
+   end procedure gearbox_orbits_arrive
 
    !> Tooth pairs that are as many pitches further take the names of those where the motion began.
-   module subroutine come_back(self, periods, y, derivative)
-      class(gearbox_orbits), intent(inout) :: self
-      integer, intent(in) :: periods
-      real(wp), intent(inout) :: y(self%n)
-      real(wp), intent(inout) :: derivative(self%n, self%n)
+   module procedure come_back
       real(wp) :: from(size(self%reals)), before(self%n), rows(self%n, self%n), scrap(self%n_gears)
       integer :: moved(size(self%integers)), k, old
       type(contact_mode) :: mode
@@ -110,15 +97,12 @@ contains
          self%reals(self%memory(k)) = y(self%n_gears + k)
       end do
       call take_modes(self)
-   end subroutine come_back
+   end procedure come_back
 
    !> Number of other tooth pairs of the mesh that touch.
-   pure module function other_contacts(self, root) result(n)
-      class(gearbox_orbits), intent(in) :: self
-      integer, intent(in) :: root
-      integer :: n
-      type(contact_mode) :: mode
+   module procedure other_contacts
       integer :: m
+      type(contact_mode) :: mode
 
       n = 0
       do m = 1, size(self%reals)
@@ -126,15 +110,10 @@ contains
          call take_mode(self%gearbox, m, self%integers, self%reals, mode)
          if (touches(mode)) n = n + 1
       end do
-   end function other_contacts
+   end procedure other_contacts
 
    !> How f changes with an approach speed.
-   module subroutine by_memory(self, m, t, y, slope, status)
-      type(gearbox_orbits), intent(in) :: self
-      integer, intent(in) :: m
-      real(wp), intent(in) :: t, y(self%n_gears)
-      real(wp), intent(out) :: slope(self%n_gears)
-      type(status_t), intent(inout) :: status
+   module procedure by_memory
       real(wp) :: reals(size(self%reals)), f(self%n_gears, -2:2)
       type(contact_mode) :: mode
       integer :: i, k
@@ -152,16 +131,10 @@ contains
       do i = 1, self%n_gears
          slope(i) = slope_of(f(i, :))/(step*self%reals(m))
       end do
-   end subroutine by_memory
+   end procedure by_memory
 
    !> How a root function changes with the states it depends on; none depends on time alone.
-   module subroutine root_gradient(self, t, y, root, by_state, by_time, status)
-      class(gearbox_orbits), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
-      integer, intent(in) :: root
-      real(wp), intent(out) :: by_state(self%n), by_time
-      type(status_t), intent(inout) :: status
+   module procedure root_gradient
       real(wp) :: roots(self%n_roots), moved(self%n_gears), values(-2:2)
       integer :: i, k
 
@@ -181,7 +154,7 @@ contains
             by_state(state) = slope_of(values)/(step*self%scale(state))
          end associate
       end do
-   end subroutine root_gradient
+   end procedure root_gradient
 
    !> Slope in the middle of five values, by their number; the middle one is not used.
    pure real(wp) function slope_of(values) result(slope)
@@ -191,14 +164,7 @@ contains
    end function slope_of
 
    !> What an event changes: modes, and the approach speeds of what closes or leaves.
-   module subroutine apply_event(self, t, fired, time_event, y, by_state, by_time, status)
-      class(gearbox_orbits), intent(inout) :: self
-      real(wp), intent(in) :: t
-      integer, intent(in) :: fired(self%n_roots)
-      logical, intent(in) :: time_event
-      real(wp), intent(inout) :: y(self%n)
-      real(wp), intent(out) :: by_state(self%n, self%n), by_time(self%n)
-      type(status_t), intent(inout) :: status
+   module procedure apply_event
       real(wp) :: before(size(self%reals)), yp(self%n_gears)
       type(event_log) :: log
       type(contact_mode) :: mode
@@ -223,7 +189,7 @@ contains
          if (has_failed(status)) return
       end do
       call take_modes(self)
-   end subroutine apply_event
+   end procedure apply_event
 
    !> How the speed at which a contact closes changes with the state.
    subroutine approach_gradient(self, m, y, gradient, status)

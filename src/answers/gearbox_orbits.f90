@@ -97,8 +97,7 @@ module evl_gearbox_orbits
          implicit none (type, external)
          class(gearbox_orbits), intent(inout) :: self
          integer, intent(in) :: periods
-         real(wp), intent(inout) :: y(self%n)
-         real(wp), intent(inout) :: derivative(self%n, self%n)
+         real(wp), intent(inout) :: y(self%n), derivative(self%n, self%n)
       end subroutine come_back
 
       !> Number of other tooth pairs of the mesh that touch.
@@ -123,8 +122,7 @@ module evl_gearbox_orbits
       module subroutine root_gradient(self, t, y, root, by_state, by_time, status)
          implicit none (type, external)
          class(gearbox_orbits), intent(in) :: self
-         real(wp), intent(in) :: t
-         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(in) :: t, y(self%n)
          integer, intent(in) :: root
          real(wp), intent(out) :: by_state(self%n), by_time
          type(status_t), intent(inout) :: status
@@ -303,8 +301,7 @@ contains
    !> f(t, y): a memory rests.
    subroutine rhs(self, t, y, f, status)
       class(gearbox_orbits), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: t, y(self%n)
       real(wp), intent(out) :: f(self%n)
       type(status_t), intent(inout) :: status
 
@@ -315,8 +312,7 @@ contains
    !> f of eight states.
    subroutine rhs_lanes(self, t, y, f, status)
       class(gearbox_orbits), intent(inout) :: self
-      real(wp), intent(in) :: t(lanes)
-      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(in) :: t(lanes), y(lanes, self%n)
       real(wp), intent(out) :: f(lanes, self%n)
       type(status_t), intent(inout) :: status
 
@@ -327,8 +323,7 @@ contains
    !> df/dy; with a memory f changes where its contact touches.
    subroutine jacobian(self, t, y, values, status)
       class(gearbox_orbits), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: t, y(self%n)
       real(wp), intent(out) :: values(:)
       type(status_t), intent(inout) :: status
       integer :: k, first
@@ -345,8 +340,7 @@ contains
    !> Root functions.
    subroutine roots(self, t, y, values, status, only)
       class(gearbox_orbits), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(self%n)
+      real(wp), intent(in) :: t, y(self%n)
       real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status
       integer, intent(in), optional :: only
@@ -357,8 +351,7 @@ contains
    !> Root functions of eight states.
    subroutine roots_lanes(self, t, y, exact, values, status)
       class(gearbox_orbits), intent(inout) :: self
-      real(wp), intent(in) :: t(lanes)
-      real(wp), intent(in) :: y(lanes, self%n)
+      real(wp), intent(in) :: t(lanes), y(lanes, self%n)
       logical, intent(inout) :: exact
       real(wp), intent(inout) :: values(lanes, self%n_roots)
       type(status_t), intent(inout) :: status

@@ -91,9 +91,8 @@ contains
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
       real(wp), intent(in), optional :: duration !! of the run, if it is one [s]
       real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
-      real(wp) :: start_force(size(gearbox%pairs)), start_torque(size(gearbox%shafts))
+      real(wp) :: start_force(size(gearbox%pairs)), start_torque(size(gearbox%shafts)), energy, housing_energy, time
       real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
-      real(wp) :: energy, housing_energy, time
       real(wp), dimension(n_housing_states) :: housing_state, housing_row
       integer :: i, j
 
@@ -130,8 +129,7 @@ contains
       state(gearbox%i_dissipated) = merge(energy, 1.0_wp, energy > 0)
       state(gearbox%i_work) = state(gearbox%i_dissipated)
       row = state
-      if (gearbox%housing%is_mounted) &
-         row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
+      if (gearbox%housing%is_mounted) row(gearbox%housing%i_state:gearbox%housing%i_state + n_housing_states - 1) = housing_row
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
             if (contact%i_normal == 0) cycle

@@ -65,9 +65,8 @@ contains
       call add_output(registry, "housing_acceleration", "m s-2", "v'", "acceleration of the housing's origin, ground frame", &
                       at(:, 11:13), rate_of="housing_velocity")
       call needs(registry, needs_nothing)
-      call add_output(registry, "housing_angular_velocity", "rad s-1", "Omega", &
-                      "angular velocity of the housing, housing frame", at(:, 14:16), &
-                      no_rate="the rate of the orientation is its product with the quaternion")
+      call add_output(registry, "housing_angular_velocity", "rad s-1", "Omega", "angular velocity of the housing, housing frame", &
+                      at(:, 14:16), no_rate="the rate of the orientation is its product with the quaternion")
       call needs(registry, needs_rates)
       call add_output(registry, "housing_angular_acceleration", "rad s-2", "Omega'", &
                       "angular acceleration of the housing, housing frame", at(:, 17:19), rate_of="housing_angular_velocity")

@@ -1,7 +1,5 @@
 !> Outputs of the meshes of a gearbox in eight states: what the tooth contacts of a mesh add up to.
 module evl_mesh_outputs
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_closed_form, only: error_of_turns, points_along
    use evl_contact_lanes, only: contact_in_lanes, gap_in_lanes, lane_contact
    use evl_contact_point, only: tracked_pair
@@ -9,7 +7,7 @@ module evl_mesh_outputs
    use evl_discrete_state, only: leading_contact
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_local, gearbox_t, wheel_reference
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: lanes, nan, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_local_variables, only: at_lambda, at_track, n_local, n_track
    use evl_output, only: dims_mesh, in_coast, in_meshes, needs_meshes, needs_places, needs_points
@@ -24,27 +22,25 @@ module evl_mesh_outputs
 
    public :: add_coast_outputs, add_mesh_outputs, evaluate_mesh, find_points, mesh_lanes, mesh_points
 
-   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
-
    !> A mesh; and of the contact that stands for it where that is.
    type :: mesh_lanes
       real(wp), dimension(lanes) :: penetration
       !> F_n of all pairs, and of those on the coast flank; F_t of the drive flank [N].
-      real(wp), dimension(lanes) :: normal, coast, friction
-      real(wp), dimension(lanes) :: torque_a, torque_b     !! [N m]
+      real(wp), dimension(lanes) :: normal = 0.0_wp, coast = 0.0_wp, friction = 0.0_wp
+      real(wp), dimension(lanes) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! [N m]
       !> To friction, to the dampers, and of the elastic energy by itself [W].
-      real(wp), dimension(lanes) :: loss, damping_loss, curvature_loss
-      real(wp), dimension(lanes) :: touching               !! 1 if any flanks overlap, else 0
+      real(wp), dimension(lanes) :: loss = 0.0_wp, damping_loss = 0.0_wp, curvature_loss = 0.0_wp
+      real(wp), dimension(lanes) :: touching = 0.0_wp      !! 1 if any flanks overlap, else 0
       integer :: loaded = 0                                !! pairs that carry load
       !> Largest penetrations; -huge: no pair is on the path; NaN: no such flank [m].
-      real(wp), dimension(lanes) :: h, h_coast
-      real(wp), dimension(lanes) :: deviation              !! of the flanks of the first [m]
+      real(wp), dimension(lanes) :: h = -huge(1.0_wp), h_coast = -huge(1.0_wp)
+      real(wp), dimension(lanes) :: deviation = 0.0_wp     !! of the flanks of the first [m]
       real(wp), dimension(lanes) :: lag                    !! transmission error [m]
       real(wp), dimension(lanes) :: curvature              !! by how much it is more than the penetration [m]
       integer :: leader = 0                                !! the contact that stands for the mesh
       type(contact_mode) :: mode = no_mode                 !! its own
       type(lane_line) :: line                              !! its line of action; its motion alone where places are not needed
-      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a !! the same, as in `lane_contact`
+      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a = 0.0_wp !! the same, as in `lane_contact`
    end type mesh_lanes
 
    !> The points of the contact that stands for its mesh, and how far tracked ones are from where they belong.
@@ -203,16 +199,25 @@ contains
       logical, intent(in) :: has_places !! else nothing is needed of where those are that do not touch
       type(mesh_lanes), intent(out) :: mesh
       type(lane_line) :: line_coast
-      real(wp), dimension(lanes) :: gap, gap_coast
+      type(tracked_pair) :: pair
+      real(wp), dimension(lanes) :: gap, gap_coast, turn
       integer :: c, first, last
 
-      call start(mesh)
       first = gearbox%first(index)
       last = gearbox%first(index + 1) - 1
-      if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = ieee_value(mesh%coast, ieee_quiet_nan)
+      if (gearbox%contacts(last)%flank /= flank_coast) mesh%coast = nan
       mesh%leader = leading_contact(gearbox, index, states%integers)
       mesh%mode = states%slots(mesh%leader)%mode
-      call find_lag(gearbox%contacts(mesh%leader), states%y, has_places, mesh%line, mesh%lag)
+      associate (leader => gearbox%contacts(mesh%leader))
+         if (has_places) then
+            call line_in_lanes(leader, states%y, mesh%line)
+         else
+            call motion_in_lanes(leader, states%y, mesh%line)
+         end if
+         pair = leader%pair
+         call centre_turn_in_lanes(leader, mesh%line, turn)
+         mesh%lag = error_of_turns(pair, mesh%line%psi_a, mesh%line%psi_b, turn)
+      end associate
       if (has_places) call gap_in_lanes(gearbox%contacts(mesh%leader), mesh%line, gap)
       do c = first, last
          associate (contact => gearbox%contacts(c), slot => states%slots(c))
@@ -230,53 +235,13 @@ contains
       call lead(gearbox%contacts(mesh%leader), states%slots(mesh%leader), states%aside(mesh%leader), gap, mesh)
       if (mesh%h_coast(1) > -huge(1.0_wp)) return
       if (gearbox%contacts(last)%flank /= flank_coast) then
-         mesh%h_coast = ieee_value(mesh%h_coast, ieee_quiet_nan)
+         mesh%h_coast = nan
          return
       end if
       call line_in_lanes(gearbox%contacts(last), states%y, line_coast) ! no pair of the other flank is on the path
       call gap_in_lanes(gearbox%contacts(last), line_coast, gap_coast)
       mesh%h_coast = -gap_coast
    end subroutine evaluate_mesh
-
-   !> Nothing yet.
-   pure subroutine start(mesh)
-      type(mesh_lanes), intent(inout) :: mesh
-
-      mesh%normal = 0
-      mesh%coast = 0
-      mesh%friction = 0
-      mesh%torque_a = 0
-      mesh%torque_b = 0
-      mesh%loss = 0
-      mesh%damping_loss = 0
-      mesh%curvature_loss = 0
-      mesh%touching = 0
-      mesh%loaded = 0
-      mesh%h = -huge(1.0_wp)
-      mesh%h_coast = -huge(1.0_wp)
-      mesh%deviation = 0
-      mesh%omega_a = 0
-   end subroutine start
-
-   !> Transmission error, by the motion of the wheels; and the line of action.
-   subroutine find_lag(leader, y, has_line, line, lag)
-      type(tooth_contact_t), intent(in) :: leader !! the contact that stands for the mesh
-      real(wp), intent(in) :: y(lanes, *)
-      logical, intent(in) :: has_line             !! else the motion alone is needed
-      type(lane_line), intent(inout) :: line
-      real(wp), intent(out) :: lag(lanes)
-      type(tracked_pair) :: pair
-      real(wp) :: turn(lanes)
-
-      if (has_line) then
-         call line_in_lanes(leader, y, line)
-      else
-         call motion_in_lanes(leader, y, line)
-      end if
-      pair = leader%pair
-      call centre_turn_in_lanes(leader, line, turn)
-      lag = error_of_turns(pair, line%psi_a, line%psi_b, turn)
-   end subroutine find_lag
 
    !> What a tooth pair that touches adds.
    pure subroutine add_force(is_drive, slot, mesh)

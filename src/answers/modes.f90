@@ -56,8 +56,7 @@ contains
       eigenvalues = 0
       vectors = 0
       call linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
-      if (has_failed(status)) return
-      call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
+      if (.not. has_failed(status)) call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
    end subroutine gearbox_modes
 
    !> The modes of A, each state in units of its scale, as gearbox_modes gives them.
@@ -129,8 +128,7 @@ contains
    !> -dF/dy of the closed form, each state in units of its scale [1/s].
    subroutine linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(gearbox%n_states), reals(:)
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
       integer, intent(in) :: integers(:)
       real(wp), allocatable, intent(out) :: matrix(:, :)
       type(status_t), intent(inout) :: status
@@ -172,8 +170,7 @@ contains
    !> The same of a gearbox that `hold_still` has made, in the units of the states.
    subroutine still_matrix(closed, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: closed
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(closed%n_states), reals(:)
+      real(wp), intent(in) :: t, y(closed%n_states), reals(:)
       integer, intent(in) :: integers(:)
       real(wp), intent(out) :: matrix(closed%n_states, closed%n_states)
       type(status_t), intent(inout) :: status
@@ -181,8 +178,7 @@ contains
 
       yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
       if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
-      if (has_failed(status)) return
-      call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
+      if (.not. has_failed(status)) call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
       if (has_failed(status)) return
       if (closed%housing%is_mounted) call explicit_matrix(closed, t, y, yp, matrix, status)
       if (has_failed(status)) return

@@ -16,7 +16,7 @@ module evl_motion_outputs
    private
 
    public :: add_gearbox_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs
-   public :: find_energies, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
+   public :: find_axle, find_energies, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
 
    !> The gearbox as a whole.
    type :: gearbox_lanes
@@ -210,8 +210,7 @@ contains
       call find_axle(wheel%support, states%y, 1, at%velocity)
       at%damping_loss = 0
       do j = 1, wheel%support%n
-         at%damping_loss = at%damping_loss &
-                           + damper_power(wheel%support%damping(j), states%y(:, wheel%support%i_state(j) + 1))
+         at%damping_loss = at%damping_loss + damper_power(wheel%support%damping(j), states%y(:, wheel%support%i_state(j) + 1))
       end do
       if (.not. has_rates) return
       call turn_wheel(wheel%i_psi, states%f, psi, rate)

@@ -239,8 +239,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer :: i
 
-      torque = sum([(abs(gearbox%wheels(gearbox%loads(i)%load%wheel)%ratio*gearbox%loads(i)%load%rated), &
-                     i=1, size(gearbox%loads))])
+      torque = sum([(abs(gearbox%wheels(gearbox%loads(i)%load%wheel)%ratio*gearbox%loads(i)%load%rated), i=1, size(gearbox%loads))])
    end function rated_torque
 
    !> Acceleration of the reference wheel at speeds of all wheels: the prescribed one, or that of the loads [rad/s^2].

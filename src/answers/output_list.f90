@@ -1,13 +1,12 @@
 !> The table of outputs: all sections in their order, of empty objects, as a registry lists them; and which of them a gearbox has.
 module evl_output_list
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_constant_outputs, only: active_radius, add_mesh_constants, add_mesh_teeth, add_wheel_constants, add_wheel_teeth
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_watch, only: extremes_table
    use evl_housing, only: frame_t, housing_fixed, housing_t
    use evl_housing_outputs, only: add_accelerometer, add_mesh_position, add_mount, add_pose, add_wheel_position
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: lanes, nan, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_outputs, only: add_coast_outputs, add_mesh_outputs, mesh_lanes, mesh_points
    use evl_mesh_reference, only: mesh_reference_t
@@ -107,7 +106,7 @@ contains
       call rows_before_sections(table, gearbox%rows_before)
       gearbox%output_needs = table%needs
       gearbox%output_is_constant = table%is_static
-      allocate (gearbox%constants(gearbox%n_values), source=ieee_value(1.0_wp, ieee_quiet_nan))
+      allocate (gearbox%constants(gearbox%n_values), source=nan)
       call store_constants(gearbox, gearbox%constants)
    end subroutine place_outputs
 

@@ -12,7 +12,7 @@ module evl_output_states
    use evl_housing_dynamics, only: coupled_rates
    use evl_kinds, only: lanes, wp
    use evl_mode_check, only: check_modes, modes_agree
-   use evl_output, only: needs_meshes, needs_places, needs_rates
+   use evl_output, only: needs_places, needs_rates
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, touches
@@ -75,9 +75,18 @@ contains
       call settle(self, gearbox, integers, reals)
       with_places = check .or. iand(needed, needs_places) == needs_places
       if (.not. (check .or. iand(needed, needs_rates) == needs_rates)) then
-         if (self%has_frames) call find_frames(self, gearbox)
+         if (self%has_frames) self%f_1 = 0 ! nobody needs rates
+         do l = 1, merge(lanes, 0, self%has_frames)
+            self%y_1 = self%y(l, :)
+            call housing_frame(gearbox%housing, self%t(l), self%y_1, self%frames(l), self%f_1)
+         end do
       else if (self%in_lanes .and. size(t) == lanes) then
-         call find_at_once(self, gearbox, check, with_places, status)
+         call rates_in_lanes(gearbox, self%t, self%y, self%integers, self%reals, self%slots, self%f, status)
+         if (.not. has_failed(status) .and. with_places) &
+            call roots_in_lanes(gearbox, self%y, self%integers, self%reals, self%slots, self%aside, .true., self%roots, status)
+         if (has_failed(status) .or. .not. check) return
+         ! states that contradict their modes are asked one by one for the reason
+         if (.not. modes_agree(gearbox, self%slots, self%roots)) call find_one_by_one(self, gearbox, check, with_places, status)
       else
          call find_one_by_one(self, gearbox, check, with_places, status)
       end if
@@ -100,43 +109,13 @@ contains
       call settle_aside(self%slots, self%aside)
    end subroutine settle
 
-   !> The frame of the housing in states whose rates nobody needs.
-   subroutine find_frames(self, gearbox)
-      type(output_states), intent(inout) :: self
-      type(gearbox_t), intent(in) :: gearbox
-      integer :: l
-
-      self%f_1 = 0
-      do l = 1, lanes
-         self%y_1 = self%y(l, :)
-         call housing_frame(gearbox%housing, self%t(l), self%y_1, self%frames(l), self%f_1)
-      end do
-   end subroutine find_frames
-
-   !> All that the lanes find; states that contradict their modes are asked one by one for the reason.
-   subroutine find_at_once(self, gearbox, check, with_places, status)
-      type(output_states), intent(inout) :: self
-      type(gearbox_t), intent(in) :: gearbox
-      logical, intent(in) :: check, with_places
-      type(status_t), intent(inout) :: status
-      logical :: agrees
-
-      call rates_in_lanes(gearbox, self%t, self%y, self%integers, self%reals, self%slots, self%f, status)
-      if (.not. has_failed(status) .and. with_places) &
-         call roots_in_lanes(gearbox, self%y, self%integers, self%reals, self%slots, self%aside, .true., self%roots, status)
-      if (has_failed(status)) return
-      agrees = .true.
-      if (check) agrees = modes_agree(gearbox, self%slots, self%roots)
-      if (.not. agrees) call find_one_by_one(self, gearbox, check, with_places, status)
-   end subroutine find_at_once
-
    !> One state after the other.
    subroutine find_one_by_one(self, gearbox, check, with_places, status)
       type(output_states), intent(inout) :: self
       type(gearbox_t), intent(in) :: gearbox
       logical, intent(in) :: check, with_places
       type(status_t), intent(inout) :: status
-      integer :: l, s
+      integer :: i, l, s
 
       do s = 1, self%n
          self%y_1 = self%y(s, :)
@@ -150,7 +129,14 @@ contains
             self%y(l, :) = self%y_1
             self%f(l, :) = self%f_1
             self%frames(l) = self%frames(s)
-            call put_contacts(gearbox, self%contacts, with_places, l, self%slots, self%aside)
+            do i = 1, size(self%contacts)
+               if (self%slots(i)%touches) then
+                  call put_place(gearbox%contacts(i), self%contacts(i), l, self%slots(i))
+                  call put_force(self%contacts(i), l, self%slots(i))
+               else if (with_places) then
+                  call put_place(gearbox%contacts(i), self%contacts(i), l, self%aside(i))
+               end if
+            end do
          end do
       end do
    end subroutine find_one_by_one
@@ -176,24 +162,5 @@ contains
          end associate
       end do
    end subroutine place_others
-
-   !> Put the contacts of one state into a lane.
-   pure subroutine put_contacts(gearbox, contacts, with_places, l, slots, aside)
-      type(gearbox_t), intent(in) :: gearbox
-      type(contact_state), intent(in) :: contacts(:)
-      logical, intent(in) :: with_places !! of those that do not touch too
-      integer, intent(in) :: l
-      type(lane_slot), intent(inout) :: slots(:), aside(:)
-      integer :: i
-
-      do i = 1, size(contacts)
-         if (slots(i)%touches) then
-            call put_place(gearbox%contacts(i), contacts(i), l, slots(i))
-            call put_force(contacts(i), l, slots(i))
-         else if (with_places) then
-            call put_place(gearbox%contacts(i), contacts(i), l, aside(i))
-         end if
-      end do
-   end subroutine put_contacts
 
 end module evl_output_states

@@ -137,6 +137,7 @@ contains
       type(gearbox_t), intent(in), target :: gearbox
       type(registry_t) :: registry
       type(gearbox_lanes) :: whole
+      type(shaft_lanes) :: shaft
       real(wp), dimension(lanes, size(gearbox%wheels)) :: mesh_torque, load_torque, needed
       integer :: i
 
@@ -151,8 +152,18 @@ contains
       call find_energies(gearbox, self%states, asks(self, needs_rates), whole)
       call add_gearbox_outputs(registry, whole)
       call store_wheels(self, registry, gearbox, load_torque)
-      call store_shafts(self, registry, gearbox, needed)
-      call store_housing(self, registry, gearbox)
+      do i = 1, size(gearbox%shafts)
+         call find_shaft_motion(gearbox%shafts(i), self%states%y, shaft)
+         if (asks(self, needs_torques)) call find_shaft_torque(gearbox%shafts(i), self%states%y, needed, shaft%torque)
+         call add_shaft_outputs(registry, i, shaft)
+      end do
+      associate (housing => gearbox%housing, frames => self%states%frames)
+         if (housing%kind /= housing_fixed) call add_pose(registry, frames, housing%gravity)
+         if (housing%is_mounted) call add_mount(registry, housing, frames)
+         do i = 1, size(housing%accelerometers)
+            call add_accelerometer(registry, i, housing, frames)
+         end do
+      end associate
    end subroutine store_outputs
 
    !> The meshes; their torques on every wheel are returned.
@@ -199,37 +210,5 @@ contains
          call add_bearing_outputs(registry, i, reactions(:, :, i))
       end do
    end subroutine store_wheels
-
-   !> The shafts.
-   subroutine store_shafts(self, registry, gearbox, needed)
-      type(output_sampler), intent(in) :: self
-      type(registry_t), intent(inout) :: registry
-      type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: needed(lanes, size(gearbox%wheels)) !! as of `find_load_torques`
-      type(shaft_lanes) :: shaft
-      integer :: i
-
-      do i = 1, size(gearbox%shafts)
-         call find_shaft_motion(gearbox%shafts(i), self%states%y, shaft)
-         if (asks(self, needs_torques)) call find_shaft_torque(gearbox%shafts(i), self%states%y, needed, shaft%torque)
-         call add_shaft_outputs(registry, i, shaft)
-      end do
-   end subroutine store_shafts
-
-   !> The housing, if it moves, and what it carries.
-   subroutine store_housing(self, registry, gearbox)
-      type(output_sampler), intent(in) :: self
-      type(registry_t), intent(inout) :: registry
-      type(gearbox_t), intent(in) :: gearbox
-      integer :: i
-
-      associate (housing => gearbox%housing, frames => self%states%frames)
-         if (housing%kind /= housing_fixed) call add_pose(registry, frames, housing%gravity)
-         if (housing%is_mounted) call add_mount(registry, housing, frames)
-         do i = 1, size(housing%accelerometers)
-            call add_accelerometer(registry, i, housing, frames)
-         end do
-      end associate
-   end subroutine store_housing
 
 end module evl_outputs

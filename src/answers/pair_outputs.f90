@@ -1,12 +1,11 @@
 !> Outputs of the tooth pairs of a mesh, one by one, in eight states. Every mesh has the same places for them: the slots of the
 !> drive flank, then those of the coast flank. A place where no tooth pair is on the path has no force, and no point.
 module evl_pair_outputs
-   use, intrinsic :: iso_fortran_env, only: int64
    use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_point
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
-   use evl_kinds, only: lanes, wp
+   use evl_kinds, only: lanes, nan, wp
    use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs, needs_places, needs_pressures
    use evl_output_registry, only: add_output, begin_section, needs, registry_t
    use evl_output_states, only: output_states
@@ -17,8 +16,6 @@ module evl_pair_outputs
    private
 
    public :: add_pair_outputs, add_pairs, pair_lanes
-
-   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp)
 
    !> A tooth pair. Off the path as it is declared.
    type :: pair_lanes

@@ -27,6 +27,7 @@ module evl_periodic_search
    integer, parameter :: most_sections = 4   !! places at which the section may be
    integer, parameter :: most_corrections = 8 !! of the time to an angle
 
+   type(orbit_options), parameter :: search_options = orbit_options(most_iterations=16, most_damped=8, most_halvings=4)
    real(wp), parameter :: golden = 0.381966011250105_wp !! of a pitch: from one place of the section to the next
    real(wp), parameter :: settled = 1.0e-4_wp   !! change in a period after which the motion need not settle longer [scales]
    real(wp), parameter :: rough = 1.0e-9_wp     !! tolerance while the motion settles
@@ -121,7 +122,7 @@ contains
          call settle_motion(model, n, found, before, now, period, status)
          if (has_failed(status)) exit
          call clear(refusal)
-         call find_orbit(model, options_of_search(), 0.0_wp, 1, now, period, trial, refusal)
+         call find_orbit(model, search_options, 0.0_wp, 1, now, period, trial, refusal)
          if (.not. is_found) call describe(model, trial, found)
          if (.not. has_failed(refusal)) then
             found%is_reached = is_stable(model, trial) .and. follows_linear_flow(model, trial, before, now)
@@ -146,13 +147,6 @@ contains
          status = refusal
       end if
    end subroutine search_orbit
-
-   pure type(orbit_options) function options_of_search() result(options)
-
-      options%most_iterations = 16
-      options%most_damped = 8
-      options%most_halvings = 4
-   end function options_of_search
 
    !> Move the section, and a state on it, by a part of a pitch that hardly any events are apart.
    subroutine shift_section(model, y, status)

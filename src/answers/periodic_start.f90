@@ -121,8 +121,7 @@ contains
       type(status_t) :: refusal
 
       call begin_periodic_start(gearbox, initial, found, y, yp, integers, reals, status)
-      if (has_failed(status)) return
-      call prepare(gearbox, family, model%gearbox_orbits, found, status)
+      if (.not. has_failed(status)) call prepare(gearbox, family, model%gearbox_orbits, found, status)
       if (has_failed(status)) return
       model%search => search
       model%is_limited = .true.

@@ -1,19 +1,29 @@
-!> Positions and speeds that a start is made of.
+!> Positions and speeds that a start is made of; and how far wheels have turned: the positions by which outputs may go. Those are
+!> linear in the state while its integers stay.
 module evl_start_positions
    use evl_contact_roots, only: ends_of_path, pitches_since_handover
    use evl_discrete_state, only: put_pair
    use evl_flank, only: pair_on_path
-   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
-   use evl_kinds, only: wp
+   use evl_gearbox, only: gearbox_local, gearbox_t, i_turns, wheel_speed
+   use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_theta
-   use evl_tooth_contact, only: contact_state, flanks_off, flanks_open, locate_anywhere, nominal_rho
-   use evl_wheel_loads, only: segment_of
+   use evl_tooth_contact, only: contact_state, flanks_off, flanks_open, locate_anywhere, nominal_rho, nominal_start
+   use evl_wheel_loads, only: segment_of, turns_of_wheel
    implicit none (type, external)
    private
 
-   public :: closed_form_point, mesh_position, place_pairs, prescribed_speed, set_gaps
+   public :: can_turn, closed_form_point, gearbox_state, mesh_position, pitches_turned, place_pairs, prescribed_speed, set_gaps, &
+             turns_made
 
    real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: a pair that is no farther outside the path is on it
+
+   !> A state of a gearbox.
+   type :: gearbox_state
+      real(wp) :: t = 0.0_wp             !! [s]
+      real(wp), allocatable :: y(:)      !! [n_states]
+      integer, allocatable :: integers(:) !! [n_integers] discrete state
+      real(wp), allocatable :: reals(:)  !! [contacts] the same
+   end type gearbox_state
 
 contains
 
@@ -135,5 +145,56 @@ contains
          call locate_anywhere(contact, .true., at)
       end associate
    end subroutine closed_form_point
+
+   !> Pitches of the driving wheel of a mesh from where its tooth pair 0, unloaded, is at the start of contact: the position of the
+   !> static analysis. They grow in the nominal sense of that wheel.
+   pure real(wp) function pitches_turned(gearbox, mesh, y, integers) result(pitches)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh, integers(gearbox%n_integers)
+      real(wp), intent(in) :: y(gearbox%n_states)
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)))
+         associate (wheel => gearbox%wheels(contact%wheel_a), rho => nominal_start(contact, integers(i_turns), 0))
+            pitches = contact%pair%advance*y(i_theta)
+            if (wheel%i_psi > 0) pitches = pitches - contact%pair%sigma*contact%pair%r_ba*y(wheel%i_psi)
+            pitches = (pitches + (rho - contact%rho_entry))/contact%base_pitch
+         end associate
+      end associate
+   end function pitches_turned
+
+   !> Turns of a wheel since its start position. They grow in its nominal sense, which the first mesh gives.
+   pure real(wp) function turns_made(gearbox, index, y, integers) result(turns)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! of the wheel
+      real(wp), intent(in) :: y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp) :: whole, angle
+
+      associate (wheel => gearbox%wheels(index))
+         call turns_of_wheel(wheel, integers, whole, angle)
+         angle = angle + wheel%ratio*y(i_theta)
+         if (wheel%i_psi > 0) angle = angle + y(wheel%i_psi)
+         turns = sign(1.0_wp, gearbox%contacts(1)%pair%advance*wheel%ratio)*(whole + angle/(2*pi))
+      end associate
+   end function turns_made
+
+   !> Whether anything turns a wheel, or may: a wheel that moves at the start, a load, the housing. All wheels are connected.
+   pure logical function can_turn(gearbox, index, y, yp) result(may)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index            !! of the wheel
+      real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)     !! at the start
+      integer :: i
+
+      associate (prescribed => gearbox%wheels(index)%prescribed)
+         may = gearbox%housing%acts .or. gearbox%nominal%torque_scale > 0 .or. gearbox%nominal%speed_scale > 0
+         if (prescribed > 0) may = gearbox%loads(prescribed)%load%fastest > 0
+         if (prescribed > 0 .or. may) return
+      end associate
+      do i = 1, size(gearbox%wheels)
+         associate (wheel => gearbox%wheels(i))
+            may = may .or. abs(wheel_speed(wheel, y)) > 0 .or. abs(wheel_speed(wheel, yp)) > 0
+         end associate
+      end do
+   end function can_turn
 
 end module evl_start_positions

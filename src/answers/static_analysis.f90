@@ -10,27 +10,26 @@
 !>
 !> Source: docs/static_analysis.md.
 module evl_static_analysis
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank, only: exactly_one
-   use evl_flank_deviation, only: flank_deviation_t
+   use evl_flank_deviation, only: teeth_differ
    use evl_gearbox, only: gearbox_t
    use evl_johnson, only: johnson_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_at_rest, only: mesh_at_rest
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
+   use evl_output_registry, only: registry_t, store_in
    use evl_pressed_flank, only: find_pressed, lag_of, pressed_t
    use evl_rational, only: divisor_of
    use evl_static_extremes, only: extremes_t, finish_extremes, n_before, take_position
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_static_node, only: touch
-   use evl_static_outputs, only: n_harmonics, static_columns, static_sum, add_static_harmonic, add_static_mesh, &
-                                 add_static_pair, add_static_position, add_static_start, add_static_torque, youngest
+   use evl_static_outputs, only: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_start, &
+                                 add_static_torque, n_harmonics, static_columns, static_sum, youngest
    use evl_static_search, only: static_search
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
-   use evl_output_registry, only: registry_t, store_in
    use evl_tooth_contact, only: contact_mode, tooth_contact_t
    implicit none (type, external)
    private
@@ -69,9 +68,8 @@ contains
          call fail(status, code_invalid_input, counted(points)//" positions a pitch are too few: "//counted(least_points) &
                    //" or more show "//counted(n_harmonics)//" harmonics", subject_none)
       else if (points > most_positions/plan%n_pitches) then
-         call fail(status, code_invalid_input, "teeth differ, so that "//counted(plan%n_pitches)//" pitches of " &
-                   //counted(points)//" positions have to be looked at: more than "//counted(most_positions) &
-                   //" positions", subject_none)
+         call fail(status, code_invalid_input, "teeth differ, so that "//counted(plan%n_pitches)//" pitches of "//counted(points) &
+                   //" positions have to be looked at: more than "//counted(most_positions)//" positions", subject_none)
       end if
       if (has_failed(status)) return
       plan%points = points
@@ -97,7 +95,8 @@ contains
                       //" edges hold the wheels; give one a compliance, or edge_contact: true", subject_mesh, mesh)
             return
          end if
-         associate (a => int(differing(contact%deviation_a), int64), b => int(differing(contact%deviation_b), int64))
+         associate (a => int(merge(contact%deviation_a%teeth, 1, teeth_differ(contact%deviation_a)), int64), &
+                    b => int(merge(contact%deviation_b%teeth, 1, teeth_differ(contact%deviation_b)), int64))
             plan%n_pitches = int(min(a/divisor_of(a, b)*b, int(huge(1), int64))) ! the least that both divide
          end associate
          plan%n_pairs = floor(pair%contact_ratio + plan%reach/pair%base_pitch) + 1 - youngest
@@ -123,14 +122,6 @@ contains
                    "contact.law")
       end select
    end subroutine check_mesh
-
-   !> Pitches after which the teeth of a wheel come again.
-   pure integer function differing(deviation) result(pitches)
-      type(flank_deviation_t), intent(in) :: deviation
-
-      pitches = 1
-      if (allocated(deviation%pitch) .or. deviation%eccentricity > 0) pitches = deviation%teeth
-   end function differing
 
    !> A whole number in words.
    pure function counted(n) result(text)
@@ -184,7 +175,12 @@ contains
                call add_static_position(registry, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
                call add_pairs(registry, contact, flank, at_rest, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, state)
             end associate
-            call add_position(state, lag_of(flank, state%h), plan%n_positions, total)
+            associate (n => plan%n_positions)
+               total%mean = total%mean + lag_of(flank, state%h)/n
+               total%secant = total%secant + total%force/(state%h - state%h_0)/n
+               total%tangent = total%tangent + state%stiffness/n
+               total%carrying = total%carrying + count(state%potential%answer%force(:state%n) > 0)/real(n, wp)
+            end associate
             call add_harmonics(i, plan, lag_of(flank, state%h), harmonics)
          end do
       end associate
@@ -275,7 +271,7 @@ contains
          associate (contact => gearbox%contacts(gearbox%first(mesh)))
             call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, total%force, h, code)
          end associate
-         total%single = ieee_value(h, ieee_quiet_nan)
+         total%single = nan
          if (code == code_ok) total%single = total%line_load/h
          total%iso_single = iso_stiffness(gearbox, mesh, total%line_load)
          total%iso = total%iso_single*(0.75_wp*pair%contact_ratio + 0.25_wp)
@@ -290,9 +286,8 @@ contains
       character(len=message_length) :: reason
 
       reason = status%message
-      call fail(status, status%code, &
-                "under "//quantity(torque, "N m")//", "//quantity(position, "")//" pitches from the start of contact: " &
-                //trim(reason), subject_mesh, mesh)
+      call fail(status, status%code, "under "//quantity(torque, "N m")//", "//quantity(position, "") &
+                //" pitches from the start of contact: "//trim(reason), subject_mesh, mesh)
    end subroutine name_place
 
    !> The tooth pairs at a position.
@@ -323,19 +318,6 @@ contains
          call add_static_pair(registry, before + place, state, i, share, force, pressure)
       end do
    end subroutine add_pairs
-
-   !> What a position adds to the sums.
-   pure subroutine add_position(state, lag, n, total)
-      type(static_state), intent(in) :: state
-      real(wp), intent(in) :: lag !! of the driven wheel [m]
-      integer, intent(in) :: n !! of how many
-      type(static_sum), intent(inout) :: total
-
-      total%mean = total%mean + lag/n
-      total%secant = total%secant + total%force/(state%h - state%h_0)/n
-      total%tangent = total%tangent + state%stiffness/n
-      total%carrying = total%carrying + count(state%potential%answer%force(:state%n) > 0)/real(n, wp)
-   end subroutine add_position
 
    !> What a position adds to the amplitudes of the harmonics.
    pure subroutine add_harmonics(i, plan, h, harmonics)

@@ -16,7 +16,7 @@ module evl_static_node
    implicit none (type, external)
    private
 
-   public :: border_of, border_t, index_of, is_on_edge, node_of, passes, quantity_at, static_node, touch, value_at
+   public :: border_of, border_t, index_of, node_of, passes, quantity_at, static_node, touch, value_at
    public :: n_quantities, of_edge_force, of_force, of_h, of_less_h, of_less_stiffness, of_pressure, of_stiffness
 
    !> Zones of a flank in the order of their radii of curvature, and the number of borders between them.
@@ -78,7 +78,7 @@ contains
          node%foot(:, i) = state%feet(i)%foot
          node%force(i) = state%potential%answer%force(i)*mesh%width
          if (.not. node%force(i) > 0) cycle
-         node%on_edge(i) = is_on_edge(state, i)
+         node%on_edge(i) = state%feet(i)%zone >= edge_of(by_a)
          call touch(contact, turns*state%numbers(i), mesh, state, i, mode, pressure)
          if (pressure > 0) node%pressure(i) = pressure
          node%bends(by_a, i) = count(node%foot(by_a, i) > contact%smooth(:, by_a))
@@ -86,14 +86,6 @@ contains
          node%ranks(:, i) = [findloc(in_order, mode%zone_a, dim=1), findloc(in_order, mode%zone_b, dim=1)]
       end do
    end function node_of
-
-   !> Whether a pair touches with a tip edge.
-   pure logical function is_on_edge(state, i)
-      type(static_state), intent(in) :: state
-      integer, intent(in) :: i
-
-      is_on_edge = state%feet(i)%zone >= edge_of(by_a)
-   end function is_on_edge
 
    !> Zones and largest contact pressure of a pair that carries.
    pure subroutine touch(contact, number, mesh, state, i, mode, pressure)
@@ -171,7 +163,8 @@ contains
       type(static_node), intent(in) :: left, right
       integer :: i, j, pair, w
 
-      do pair = min_number(left, right), max_number(left, right)
+      do pair = min(minval(left%numbers(:left%n)), minval(right%numbers(:right%n))), &
+         max(maxval(left%numbers(:left%n)), maxval(right%numbers(:right%n)))
          i = index_of(left, pair)
          j = index_of(right, pair)
          if (carries(left, pair) .neqv. carries(right, pair)) then
@@ -191,20 +184,6 @@ contains
       end do
       border = border_t()
    end function border_of
-
-   !> The lowest number of a pair of two nodes.
-   pure integer function min_number(left, right)
-      type(static_node), intent(in) :: left, right
-
-      min_number = min(minval(left%numbers(:left%n)), minval(right%numbers(:right%n)))
-   end function min_number
-
-   !> The highest one.
-   pure integer function max_number(left, right)
-      type(static_node), intent(in) :: left, right
-
-      max_number = max(maxval(left%numbers(:left%n)), maxval(right%numbers(:right%n)))
-   end function max_number
 
    !> On which side of a border a node lies: true where the pair carries, or is in a zone behind it.
    pure logical function passes(node, border)

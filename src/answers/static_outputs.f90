@@ -1,8 +1,7 @@
 !> What the static analysis of a mesh tells, as rows of a table: of a torque, of the positions in the mesh, of tooth pairs there,
 !> and of the harmonics of the transmission error. Positions and pairs are listed and stored as evl_output_registry says.
 module evl_static_outputs
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_output, only: dims_harmonic, dims_none, dims_position, dims_position_pair, output_t, rows_before_sections
    use evl_pair_place, only: by_a, by_b, edge_of
@@ -145,8 +144,7 @@ contains
       call add_output(registry, "peak_to_peak_transmission_error", "m", "h_pp", "largest less smallest transmission error", &
                       total%extremes%highest_h - total%extremes%lowest_h)
       call add_output(registry, "mean_secant_stiffness", "N m-1", "k_s", &
-                      "mean of F/(h - h_0), the transmission error that load adds", &
-                      total%secant)
+                      "mean of F/(h - h_0), the transmission error that load adds", total%secant)
       call add_output(registry, "mean_tangent_stiffness", "N m-1", "k_t", "mean of dF/dh at rest of the driving wheel", &
                       total%tangent)
       call add_output(registry, "loaded_contact_ratio", "1", "eps_F", "mean number of tooth pairs that carry", total%carrying)
@@ -185,11 +183,9 @@ contains
       call add_output(registry, "secant_stiffness", "N m-1", "F/h", &
                       "force over transmission error past the backlash; NaN where that is not positive", ratio(force, state%h))
       call add_output(registry, "loaded_secant_stiffness", "N m-1", "F/(h-h_0)", &
-                      "force over the transmission error that load adds", &
-                      ratio(force, state%h - state%h_0))
+                      "force over the transmission error that load adds", ratio(force, state%h - state%h_0))
       call add_output(registry, "tangent_stiffness", "N m-1", "dF/dh", &
-                      "stiffness for small changes of load, the driving wheel at rest", &
-                      state%stiffness)
+                      "stiffness for small changes of load, the driving wheel at rest", state%stiffness)
       call add_output(registry, "elastic_energy", "J", "U", "elastic energy of teeth, bodies and contacts", state%potential%energy)
       call add_output(registry, "loaded_pairs", "1", "", "number of tooth pairs that carry", &
                       count(state%potential%answer%force(:state%n) > 0))
@@ -205,7 +201,7 @@ contains
       real(wp) :: foot(2), friction
       integer :: kind
 
-      foot = ieee_value(foot, ieee_quiet_nan)
+      foot = nan
       friction = 0
       kind = 0
       if (i > 0) then
@@ -235,8 +231,7 @@ contains
 
       call begin_section(registry, in_harmonics, dims_harmonic, harmonic)
       call add_output(registry, "harmonic_amplitude", "m", "h_n", &
-                      "amplitude of a harmonic of the transmission error over a pitch", &
-                      abs(amplitude))
+                      "amplitude of a harmonic of the transmission error over a pitch", abs(amplitude))
       call add_output(registry, "harmonic_phase", "rad", "phi_n", "its phase: h_n cos(2 pi n position + phi_n)", &
                       atan2(amplitude%im, amplitude%re))
    end subroutine add_static_harmonic
@@ -245,7 +240,7 @@ contains
    pure real(wp) function ratio(force, h)
       real(wp), intent(in) :: force, h
 
-      ratio = ieee_value(ratio, ieee_quiet_nan)
+      ratio = nan
       if (h > 0) ratio = force/h
    end function ratio
 

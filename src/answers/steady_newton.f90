@@ -20,6 +20,7 @@ module evl_steady_newton
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
    use evl_local_variables, only: i_omega, i_theta
+   use evl_start_positions, only: gearbox_state
    use evl_status, only: clear, code_no_solution, fail, has_failed, status_t, subject_initial
    implicit none (type, external)
    private
@@ -46,52 +47,45 @@ contains
    !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta. Corrections are good that reduce the scaled residual; where these
    !> do not come to an end, those too that reduce what it asks for.
    !> Errors: code_no_solution, code_out_of_domain.
-   subroutine solve_steady(gearbox, system, t, y, integers, reals, found, status)
+   subroutine solve_steady(gearbox, system, state, found, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       logical, intent(out) :: found !! false if the corrections do not end
       type(status_t), intent(inout) :: status
       real(wp) :: begin(gearbox%n_states)
 
-      begin = y
-      call iterate(gearbox, system, t, y, integers, reals, .false., found, status)
+      begin = state%y
+      call iterate(gearbox, system, state, .false., found, status)
       if (found .or. has_failed(status)) return
-      y = begin
-      call iterate(gearbox, system, t, y, integers, reals, .true., found, status)
+      state%y = begin
+      call iterate(gearbox, system, state, .true., found, status)
    end subroutine solve_steady
 
    !> The same in one of the two ways, halving corrections that leave the domain or are not good. If however small ones leave the
    !> domain, y has the whole correction: behind the border other modes may hold.
-   subroutine iterate(gearbox, system, t, y, integers, reals, by_corrections, found, status)
+   subroutine iterate(gearbox, system, state, by_corrections, found, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       logical, intent(in) :: by_corrections !! those too that reduce what the residual asks for
       logical, intent(out) :: found         !! false if the corrections do not end
       type(status_t), intent(inout) :: status
-      real(wp), dimension(gearbox%n_states) :: f, trial, scale, row_scale
+      real(wp), dimension(gearbox%n_states) :: f, y, scale, row_scale
       real(wp), dimension(size(system%row), size(system%row)) :: matrix, before
-      real(wp) :: step(size(system%row), 1), positions(size(system%row))
-      real(wp) :: size_now, size_trial, share, last
+      real(wp) :: step(size(system%row), 1), positions(size(system%row)), size_now, size_trial, share, last
       integer :: pivots(size(system%row)), info, turn
 
       found = .false.
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
       last = huge(last)
-      call follow(system, y)
-      call steady_residual(gearbox, t, y, integers, reals, f, status)
+      call follow(system, state%y)
+      call steady_residual(gearbox, state, f, status)
       associate (row => system%row, unknown => system%unknown)
          do turn = 1, max_newton
             if (has_failed(status)) return
             size_now = norm2(f(row)/row_scale(row))
-            call steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
+            call steady_matrix(gearbox, system, state, scale, row_scale, matrix, status)
             if (has_failed(status)) return
             before = matrix
             step(:, 1) = -f(row)/row_scale(row)
@@ -100,14 +94,15 @@ contains
                call undetermined(gearbox, status)
                return
             end if
+            y = state%y
             share = 1
             do
-               trial = y
-               trial(unknown) = y(unknown) + share*step(:, 1)*scale(unknown)
-               if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, trial)
-               call follow(system, trial)
+               state%y = y
+               state%y(unknown) = y(unknown) + share*step(:, 1)*scale(unknown)
+               if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, state%y)
+               call follow(system, state%y)
                call clear(status)
-               call steady_residual(gearbox, t, trial, integers, reals, f, status)
+               call steady_residual(gearbox, state, f, status)
                size_trial = norm2(f(row)/row_scale(row))
                if (.not. has_failed(status)) then
                   if (size_trial < size_now .or. norm2(step) < 1.0e-6_wp) exit
@@ -119,17 +114,17 @@ contains
                if (share < 1.0e-6_wp) exit
             end do
             if (has_failed(status)) then
-               y(unknown) = y(unknown) + step(:, 1)*scale(unknown)
-               if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, y)
-               call follow(system, y)
+               state%y = y
+               state%y(unknown) = y(unknown) + step(:, 1)*scale(unknown)
+               if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, state%y)
+               call follow(system, state%y)
                return
             end if
-            y = trial
             found = norm2(step) < newton_tolerance
             if (.not. found .and. norm2(step) >= last) then
-               positions = merge(y(unknown)/scale(unknown), 0.0_wp, unknown /= i_omega)
-               found = norm2(step) < at_rounding(positions) .or. &
-                       (abs(y(i_omega)) <= scale(i_omega) .and. is_balanced(before, positions, f(row)/row_scale(row)))
+               positions = merge(state%y(unknown)/scale(unknown), 0.0_wp, unknown /= i_omega)
+               found = norm2(step) < at_rounding(positions) .or. (abs(state%y(i_omega)) <= scale(i_omega) .and. &
+                                                                  is_balanced(before, positions, f(row)/row_scale(row)))
             end if
             if (found) return
             last = norm2(step)
@@ -175,13 +170,10 @@ contains
 
    !> One implicit Euler step of the flow q' = a(q), whose rest is the equilibrium: (rate + M) dq = a, in units of the scales.
    !> Errors: code_no_solution, code_out_of_domain.
-   subroutine relax_steady(gearbox, system, t, y, integers, reals, rate, force, distance, status)
+   subroutine relax_steady(gearbox, system, state, rate, force, distance, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       real(wp), intent(inout) :: rate    !! inverse of the step; 0: the largest of M's diagonal [1/s]
       real(wp), intent(out) :: force     !! norm of a before the step, in units of the scales
       real(wp), intent(out) :: distance  !! length of the step, in units of the scales
@@ -193,10 +185,9 @@ contains
       force = huge(force)
       distance = huge(distance)
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
-      call follow(system, y)
-      call steady_residual(gearbox, t, y, integers, reals, f, status)
-      if (has_failed(status)) return
-      call steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
+      call follow(system, state%y)
+      call steady_residual(gearbox, state, f, status)
+      if (.not. has_failed(status)) call steady_matrix(gearbox, system, state, scale, row_scale, matrix, status)
       if (has_failed(status)) return
       if (.not. rate > 0) rate = maxval([(abs(matrix(i, i)), i=1, size(system%row))])
       do i = 1, size(system%row)
@@ -210,18 +201,16 @@ contains
          return
       end if
       distance = norm2(step)
-      y(system%unknown) = y(system%unknown) + step(:, 1)*scale(system%unknown)
-      if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, y)
-      call follow(system, y)
+      state%y(system%unknown) = state%y(system%unknown) + step(:, 1)*scale(system%unknown)
+      if (gearbox%housing%is_mounted) call housing_take_turn(gearbox%housing, state%y)
+      call follow(system, state%y)
    end subroutine relax_steady
 
    !> How the equilibrium at y changes along theta: the slopes dq/dtheta.
-   subroutine find_slopes(gearbox, system, t, y, integers, reals, status)
+   subroutine find_slopes(gearbox, system, state, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(in) :: state
       type(steady_system), intent(inout) :: system
-      real(wp), intent(in) :: t, y(gearbox%n_states)
-      integer, intent(in) :: integers(:)
-      real(wp), intent(in) :: reals(:)
       type(status_t), intent(inout) :: status
       real(wp), dimension(gearbox%n_states) :: zero, scale, row_scale
       real(wp) :: jacobian(gearbox%n_states, gearbox%n_states)
@@ -229,7 +218,7 @@ contains
       integer :: pivots(size(system%speed)), i, info
 
       zero = 0
-      call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
+      call gearbox_jacobian(gearbox, state%t, 0.0_wp, state%y, zero, state%integers, state%reals, jacobian, status)
       if (has_failed(status)) return
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
       associate (n => size(system%speed))
@@ -261,27 +250,26 @@ contains
    end subroutine follow
 
    !> The matrix of Newton's method in units of the scales.
-   subroutine steady_matrix(gearbox, system, t, y, integers, reals, scale, row_scale, matrix, status)
+   subroutine steady_matrix(gearbox, system, state, scale, row_scale, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(in) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:), scale(:), row_scale(:)
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: scale(:), row_scale(:)
       real(wp), intent(out) :: matrix(:, :)
       type(status_t), intent(inout) :: status
       real(wp) :: jacobian(gearbox%n_states, gearbox%n_states), zero(gearbox%n_states)
       integer :: i
 
       zero = 0
-      call gearbox_jacobian(gearbox, t, 0.0_wp, y, zero, integers, reals, jacobian, status)
+      call gearbox_jacobian(gearbox, state%t, 0.0_wp, state%y, zero, state%integers, state%reals, jacobian, status)
       if (has_failed(status)) return
       do i = 1, size(system%speed)
-         if (system%speed(i) > 0) &
-            jacobian(:, i_omega) = jacobian(:, i_omega) + system%slopes(i)*jacobian(:, system%speed(i))
+         if (system%speed(i) > 0) jacobian(:, i_omega) = jacobian(:, i_omega) + system%slopes(i)*jacobian(:, system%speed(i))
       end do
       associate (anchor => system%i_anchor)
          if (anchor > 0) jacobian(:, anchor) = jacobian(:, anchor) - jacobian(:, i_theta)/system%anchor_ratio
       end associate
-      if (gearbox%housing%is_mounted) call housing_turn_columns(gearbox%housing, y, jacobian)
+      if (gearbox%housing%is_mounted) call housing_turn_columns(gearbox%housing, state%y, jacobian)
       associate (row => system%row, unknown => system%unknown)
          do i = 1, size(row)
             matrix(:, i) = jacobian(row, unknown(i))*scale(unknown(i))/row_scale(row)
@@ -290,17 +278,16 @@ contains
    end subroutine steady_matrix
 
    !> The residual where no speed changes.
-   subroutine steady_residual(gearbox, t, y, integers, reals, residual, status)
+   subroutine steady_residual(gearbox, state, residual, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      type(gearbox_state), intent(in) :: state
       real(wp), intent(out) :: residual(gearbox%n_states)
       type(status_t), intent(inout) :: status
       real(wp) :: yp(gearbox%n_states)
 
       yp = 0
-      yp(i_theta) = y(i_omega)
-      call gearbox_residual(gearbox, t, y, yp, integers, reals, residual, status)
+      yp(i_theta) = state%y(i_omega)
+      call gearbox_residual(gearbox, state%t, state%y, yp, state%integers, state%reals, residual, status)
    end subroutine steady_residual
 
    !> The linear system of Newton's method has no solution.

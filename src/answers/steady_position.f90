@@ -5,7 +5,7 @@
 !>
 !> Source: docs/theory.md, section 9.
 module evl_steady_position
-   use evl_common_pitches, only: whole_pitches
+   use evl_common_period, only: whole_pitches
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    implicit none (type, external)

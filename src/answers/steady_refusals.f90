@@ -6,10 +6,10 @@ module evl_steady_refusals
    use evl_discrete_state, only: flanks_of, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t, wheel_speed
    use evl_housing, only: housing_prescribed
-   use evl_joined, only: joined_to
    use evl_kinds, only: wp
    use evl_load, only: load_point
-   use evl_start_positions, only: closed_form_point
+   use evl_places, only: joined_to
+   use evl_start_positions, only: closed_form_point, gearbox_state
    use evl_status, only: code_no_solution, fail, message_length, quantity, status_t, subject_housing, subject_initial, &
                          subject_load, subject_mesh
    use evl_tooth_contact, only: contact_state, flank_coast, flank_values, flanks_loaded, flanks_off, tooth_contact_t, unclipped
@@ -55,47 +55,46 @@ contains
 
    !> In the steady state every tooth pair that carries load pushes.
    !> Errors: code_no_solution with the load that has the wrong sense, the mesh that nothing presses, or the pair that pulls.
-   subroutine check_pressed(gearbox, t, y, integers, reals, status)
+   subroutine check_pressed(gearbox, state, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t, y(:), reals(:)
-      integer, intent(in) :: integers(:)
+      type(gearbox_state), intent(in) :: state
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
       integer :: first, last, m
 
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m), h => at(m)%point%h)
-            if (flanks_of(contact, integers) /= flanks_loaded .or. contact%flank == flank_coast) cycle
+            if (flanks_of(contact, state%integers) /= flanks_loaded .or. contact%flank == flank_coast) cycle
             call gearbox%flanks(contact%i_flank)%flank%company(m, first, last)
-            call look_at(gearbox, first, last, y, integers, reals, at, status)
+            call look_at(gearbox, first, last, state%y, state%integers, state%reals, at, status)
             if (contact%rigid) then
-               if (y(contact%i_normal) > 0) cycle
+               if (state%y(contact%i_normal) > 0) cycle
             else if (h > -touching*contact%h_scale) then
                if (unclipped(at(m)) >= 0 .or. .not. h > 0) cycle
-               call refuse_slope(gearbox, y, integers, reals, status)
+               call refuse_slope(gearbox, state, status)
                return
             end if
-            call refuse_pull(gearbox, contact, t, y, integers, reals, h, status)
+            call refuse_pull(gearbox, contact, state, h, status)
             return
          end associate
       end do
    end subroutine check_pressed
 
    !> The drive flanks of a mesh would have to pull: say which load has the wrong sense.
-   subroutine refuse_pull(gearbox, contact, t, y, integers, reals, h, status)
+   subroutine refuse_pull(gearbox, contact, state, h, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(in) :: state
       type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: t, y(:), reals(:), h
-      integer, intent(in) :: integers(:)
+      real(wp), intent(in) :: h
       type(status_t), intent(inout) :: status
       character(len=16) :: number
       character(len=message_length) :: consequence
       integer :: i
 
       write (number, "(a, i0)") "meshes.", contact%mesh - 1
-      i = wrong_load(gearbox, contact, t, y, integers)
+      i = wrong_load(gearbox, contact, state)
       if (i == 0 .and. contact%deviates) then
-         call refuse_slope(gearbox, y, integers, reals, status)
+         call refuse_slope(gearbox, state, status)
          return
       else if (i == 0) then
          call fail(status, code_no_solution, "there is no steady state: nothing presses its drive flanks together, which would" &
@@ -108,11 +107,12 @@ contains
       associate (load => gearbox%loads(i)%load)
          if (load%prescribes) then
             call fail(status, code_no_solution, "the prescribed speed " &
-                      //quantity(wheel_speed(gearbox%wheels(load%wheel), y), "rad/s")//" "//trim(consequence), subject_load, i, &
-                      trim(load%sense))
+                      //quantity(wheel_speed(gearbox%wheels(load%wheel), state%y), "rad/s")//" "//trim(consequence), subject_load, &
+                      i, trim(load%sense))
          else
-            call fail(status, code_no_solution, "its torque "//quantity(load_torque(gearbox, i, t, y, integers), "N m") &
-                      //" "//trim(consequence), subject_load, i, trim(load%sense))
+            call fail(status, code_no_solution, "its torque "//quantity(load_torque(gearbox, i, state%t, state%y, state%integers), &
+                                                                        "N m")//" "//trim(consequence), subject_load, i, &
+                      trim(load%sense))
          end if
       end associate
    end subroutine refuse_pull
@@ -122,11 +122,10 @@ contains
    !> The contact turns A by sigma F r_bA and B by sigma F r_bB, F > 0: the loads on either side, carried over to A or B by the
    !> speed ratios, have to turn against sigma. Torques that follow the speed have the sense that others give them: where all that
    !> part the flanks do, the prescribed speed is named, or the drive.
-   integer function wrong_load(gearbox, contact, t, y, integers) result(wrong)
+   integer function wrong_load(gearbox, contact, state) result(wrong)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(in) :: state
       type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: t, y(:)
-      integer, intent(in) :: integers(:)
       logical :: beside_a(size(gearbox%wheels)), follower_parts
       real(wp) :: share, largest, ratio, at_rest, damping, stiffness
       integer :: drive, i
@@ -140,7 +139,7 @@ contains
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
             ratio = merge(contact%pair%ratio_a, contact%pair%ratio_b, beside_a(load%wheel))
-            share = contact%pair%sigma*load_torque(gearbox, i, t, y, integers)*gearbox%wheels(load%wheel)%ratio/ratio
+         share = contact%pair%sigma*load_torque(gearbox, i, state%t, state%y, state%integers)*gearbox%wheels(load%wheel)%ratio/ratio
             if (.not. share > 0) cycle
             if (load%by_speed) then
                follower_parts = .true.
@@ -194,10 +193,9 @@ contains
    end subroutine refuse_alternation
 
    !> No steady state was found: where flanks deviate, name the tooth pair on the steepest slope.
-   subroutine refuse_slope(gearbox, y, integers, reals, status)
+   subroutine refuse_slope(gearbox, state, status)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: y(:), reals(:)
-      integer, intent(in) :: integers(:)
+      type(gearbox_state), intent(in) :: state
       type(status_t), intent(inout) :: status
       type(contact_state) :: at
       type(flank_value) :: a, b
@@ -212,9 +210,9 @@ contains
       pair = ""
       do m = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(m), mode => at%mode)
-            call take_mode(gearbox, m, integers, reals, mode)
+            call take_mode(gearbox, m, state%integers, state%reals, mode)
             if (.not. contact%deviates .or. mode%flanks == flanks_off) cycle
-            call closed_form_point(gearbox, m, y, 0, mode%tooth_pair, at)
+            call closed_form_point(gearbox, m, state%y, 0, mode%tooth_pair, at)
             if (at%point%h <= 0 .and. mode%flanks /= flanks_loaded) cycle
             call flank_values(contact, mode, at%point, a, b, turned)
             if (.not. abs(a%de - b%de) > abs(steepest)) cycle

@@ -3,7 +3,7 @@
 !> Source: docs/theory.md, section 9.
 module evl_steady_start
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_common_pitches, only: whole_pitches
+   use evl_common_period, only: whole_pitches
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_housing, only: at_orientation, housing_renormalise, small_turns
@@ -11,11 +11,12 @@ module evl_steady_start
    use evl_local_variables, only: i_omega, i_theta
    use evl_modes, only: free_states, hold_driving_wheel, still_matrix
    use evl_places, only: places
+   use evl_start_positions, only: gearbox_state
    use evl_status, only: clear, has_failed, status_t
    use evl_steady_newton, only: find_slopes, follow, steady_residual, steady_system
    use evl_steady_position, only: default_position, first_mesh, place_at, steady_place
    use evl_steady_split, only: keep_fast_modes
-   use evl_steady_state, only: equilibrium_models, find_balance, find_models, find_static, find_steady_state, list_unknowns
+   use evl_steady_state, only: equilibrium_models, find_balance, find_models, find_steady_state, list_unknowns, settle_steady
    implicit none (type, external)
    private
 
@@ -31,8 +32,7 @@ module evl_steady_start
    !> States of the quasi-static path over the common period.
    type :: path_t
       real(wp), allocatable :: positions(:)             !! of the first mesh [pitches]
-      real(wp), allocatable :: y(:, :)                  !! states
-      integer, allocatable :: integers(:, :)
+      type(gearbox_state), allocatable :: states(:)
       logical, allocatable :: found(:)                  !! positions with an equilibrium
       real(wp) :: acceleration = 0.0_wp                 !! mean of omega' [rad/s^2]
    end type path_t
@@ -40,99 +40,90 @@ module evl_steady_start
 contains
 
    !> The state at a position of the first mesh in which nothing accelerates. Errors: code_no_solution, code_out_of_domain.
-   subroutine find_equilibrium(gearbox, position, t, y, integers, reals, status)
+   subroutine find_equilibrium(gearbox, position, state, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(equilibrium_models) :: models
       type(steady_place) :: place
       real(wp) :: x
 
-      call find_place(gearbox, position, t, y, integers, reals, models, x, place, status)
+      call find_place(gearbox, position, state, models, x, place, status)
    end subroutine find_equilibrium
 
    !> The state at a position of the first mesh. Errors: code_no_solution, code_out_of_domain.
-   subroutine find_steady_start(gearbox, position, t, y, integers, reals, status)
+   subroutine find_steady_start(gearbox, position, state, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(equilibrium_models) :: models
       type(steady_place) :: place
       type(path_t) :: path
       real(wp) :: x
 
-      call find_place(gearbox, position, t, y, integers, reals, models, x, place, status)
+      call find_place(gearbox, position, state, models, x, place, status)
       if (has_failed(status) .or. any(gearbox%contacts%rigid)) return
-      call find_path(gearbox, models, x, place, t, y, integers, reals, path)
+      call find_path(gearbox, models, x, place, state, path)
       if (2*count(path%found) <= size(path%found)) return
-      call split(gearbox, models, place, path, t, y, integers, reals, status)
+      call split(gearbox, models, place, path, state, status)
    end subroutine find_steady_start
 
    !> The equilibrium at the position of the start, with the speed that balances there.
-   subroutine find_place(gearbox, given, t, y, integers, reals, models, position, place, status)
+   subroutine find_place(gearbox, given, state, models, position, place, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       real(wp), intent(in), optional :: given  !! position [pitches]; not present: one inside a zone
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
-      integer, intent(inout) :: integers(:)
       type(equilibrium_models), intent(out) :: models
       real(wp), intent(out) :: position        !! of the start [pitches]
       type(steady_place), intent(out) :: place
       type(status_t), intent(inout) :: status
       type(status_t) :: refusal
-      real(wp) :: y_begin(gearbox%n_states), better
-      integer :: begin(size(integers)), k
+      type(gearbox_state) :: begin
+      real(wp) :: better
+      integer :: k
 
       call find_models(gearbox, models)
       position = default_position(gearbox)
       if (present(given)) position = given
-      y_begin = y
-      begin = integers
-      place = place_at(gearbox, position)
-      y(i_theta) = place%angle
-      call find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+      begin = state
+      call find_there()
       if (present(given)) return
       refusal = status
       do k = 1, other_positions ! where no equilibrium exists at the default
          if (.not. has_failed(status)) exit
          call clear(status)
          position = (k - 0.5_wp)/other_positions
-         place = place_at(gearbox, position)
-         y = y_begin
-         integers = begin
-         y(i_theta) = place%angle
-         call find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+         call find_there()
       end do
       if (has_failed(status)) status = refusal
       if (has_failed(status)) return
-      better = default_position(gearbox, y)
+      better = default_position(gearbox, state%y)
       if (has_failed(refusal) .or. .not. abs(better - position) > 0) return
       position = better
-      place = place_at(gearbox, better)
-      y = y_begin
-      integers = begin
-      y(i_theta) = place%angle
-      call find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+      call find_there()
+
+   contains
+
+      subroutine find_there()
+
+         place = place_at(gearbox, position)
+         state = begin
+         state%y(i_theta) = place%angle
+         call find_steady_state(gearbox, models, place, state, status)
+      end subroutine find_there
+
    end subroutine find_place
 
    !> The static equilibria over the common period, at the speed at which the mean acceleration is 0. y is the first guess, and has
    !> this speed afterwards.
-   subroutine find_path(gearbox, models, position, place, t, y, integers, reals, path)
+   subroutine find_path(gearbox, models, position, place, state, path)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(equilibrium_models), intent(in) :: models
       real(wp), intent(in) :: position !! of the start [pitches]
       type(steady_place), intent(in) :: place
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
       type(path_t), intent(out) :: path
       real(wp) :: slope, speed, last_speed, last_acceleration, change
       integer(int64) :: pitches
@@ -142,12 +133,12 @@ contains
       n = sample_numbers(findloc(gearbox%n_states <= sample_sizes, .true., dim=1))
       if (modulo(pitches, int(n, int64)) == 0) n = n - 2
       path%positions = aint(position) + [((k - 0.5_wp)/n*real(pitches, wp), k=1, n)]
-      allocate (path%y(gearbox%n_states, n), path%integers(size(integers), n), path%found(n))
-      path%found = .false.
-      speed = y(i_omega)
-      call walk(gearbox, models, t, speed, y, integers, reals, path)
+      allocate (path%states(n))
+      allocate (path%found(n), source=.false.)
+      speed = state%y(i_omega)
+      call walk(models, speed, state, path)
       if (gearbox%wheels(gearbox%reference)%prescribed > 0 .or. .not. any(path%found)) return
-      slope = speed_slope(models, place, t, y, integers, reals)
+      slope = speed_slope(models, place, state)
       do pass = 1, most_passes
          if (.not. slope < 0) exit
          change = -path%acceleration/slope
@@ -155,123 +146,106 @@ contains
          last_speed = speed
          last_acceleration = path%acceleration
          speed = speed + change
-         call walk(gearbox, models, t, speed, y, integers, reals, path)
-         if (abs(speed - last_speed) > 1.0e-8_wp*abs(speed)) &
-            slope = (path%acceleration - last_acceleration)/(speed - last_speed)
+         call walk(models, speed, state, path)
+         if (abs(speed - last_speed) > 1.0e-8_wp*abs(speed)) slope = (path%acceleration - last_acceleration)/(speed - last_speed)
       end do
-      y(i_omega) = speed
+      state%y(i_omega) = speed
    end subroutine find_path
 
    !> All equilibria of the path at a speed, each from the one before, or from its own at another speed.
-   subroutine walk(gearbox, models, t, speed, y_guess, guess, reals, path)
-      type(gearbox_t), intent(in) :: gearbox
+   subroutine walk(models, speed, guess, path)
       type(equilibrium_models), intent(in) :: models
-      real(wp), intent(in) :: t, speed
-      real(wp), intent(in) :: y_guess(:)
-      integer, intent(in) :: guess(:)
-      real(wp), intent(inout) :: reals(:)
+      real(wp), intent(in) :: speed
+      type(gearbox_state), intent(in) :: guess
       type(path_t), intent(inout) :: path
       type(steady_system) :: system
       type(steady_place) :: there
       type(status_t) :: status
-      real(wp) :: y(size(y_guess))
-      integer :: integers(size(guess)), k
+      type(gearbox_state) :: state
+      integer :: k
 
-      y = y_guess
-      integers = guess
+      state = guess
       path%acceleration = 0
       do k = 1, size(path%positions)
-         if (path%found(k)) then
-            y = path%y(:, k)
-            integers = path%integers(:, k)
-         end if
-         there = place_at(gearbox, path%positions(k))
-         call list_unknowns(gearbox, there, .false., system)
-         y(i_theta) = there%angle
-         y(i_omega) = speed
-         call follow(system, y)
-         reals = 0
+         if (path%found(k)) state = path%states(k)
+         there = place_at(models%static, path%positions(k))
+         call list_unknowns(models%static, there, .false., system)
+         state%y(i_theta) = there%angle
+         state%y(i_omega) = speed
+         call follow(system, state%y)
          call clear(status)
-         call find_static(models, system, t, y, integers, reals, status)
+         call settle_steady(models%static, system, state, status)
          path%found(k) = .not. has_failed(status)
          if (.not. path%found(k)) then
-            y = y_guess
-            integers = guess
+            state = guess
             cycle
          end if
-         path%y(:, k) = y
-         path%integers(:, k) = integers
-         path%acceleration = path%acceleration + acceleration(models%static, t, y, integers, reals)
+         path%states(k) = state
+         path%acceleration = path%acceleration + acceleration(models%static, state)
       end do
       path%acceleration = path%acceleration/max(count(path%found), 1)
    end subroutine walk
 
    !> Acceleration of the reference wheel at an equilibrium of all deviations [rad/s^2].
-   real(wp) function acceleration(gearbox, t, y, integers, reals)
+   real(wp) function acceleration(gearbox, state)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
-      integer, intent(in) :: integers(:)
+      type(gearbox_state), intent(in) :: state
       real(wp) :: residual(gearbox%n_states)
       type(status_t) :: status
 
-      call steady_residual(gearbox, t, y, integers, reals, residual, status)
+      call steady_residual(gearbox, state, residual, status)
       acceleration = merge(0.0_wp, -residual(i_omega), has_failed(status))
    end function acceleration
 
    !> Derivative of the acceleration by the speed at the position of the start [1/s]; 0 if it is not known.
-   real(wp) function speed_slope(models, place, t, y_start, start, reals) result(slope)
+   real(wp) function speed_slope(models, place, start) result(slope)
       type(equilibrium_models), intent(in) :: models
       type(steady_place), intent(in) :: place
-      real(wp), intent(in) :: t, y_start(:)
-      real(wp), intent(inout) :: reals(:)
-      integer, intent(in) :: start(:)
+      type(gearbox_state), intent(in) :: start
       type(steady_system) :: system
       type(status_t) :: status
-      real(wp) :: y(size(y_start)), at(2)
-      integer :: integers(size(start)), i
+      type(gearbox_state) :: state
+      real(wp) :: at(2)
+      integer :: i
 
       slope = 0
       call list_unknowns(models%static, place, .false., system)
       do i = 1, 2
-         y = y_start
-         integers = start
-         y(i_omega) = y_start(i_omega)*(1 + (i - 1)*speed_step)
-         call find_static(models, system, t, y, integers, reals, status)
+         state = start
+         state%y(i_omega) = start%y(i_omega)*(1 + (i - 1)*speed_step)
+         call settle_steady(models%static, system, state, status)
          if (has_failed(status)) return
-         at(i) = acceleration(models%static, t, y, integers, reals)
+         at(i) = acceleration(models%static, state)
       end do
-      if (abs(y_start(i_omega)) > 0) slope = (at(2) - at(1))/(speed_step*y_start(i_omega))
+      if (abs(start%y(i_omega)) > 0) slope = (at(2) - at(1))/(speed_step*start%y(i_omega))
    end function speed_slope
 
    !> From the equilibrium at the place to the start: mean of the path in slow modes, the place and its slopes in fast ones.
-   subroutine split(gearbox, models, place, path, t, y, integers, reals, status)
+   subroutine split(gearbox, models, place, path, state, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(equilibrium_models), intent(in) :: models
       type(steady_place), intent(in) :: place
       type(path_t), intent(in) :: path
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states), reals(:)
-      integer, intent(inout) :: integers(:)
       type(status_t), intent(inout) :: status
       integer, allocatable :: speeds(:), positions(:)
       real(wp), allocatable :: vectors(:, :), mean(:), stiffness(:, :), damping(:, :)
-      real(wp) :: matrix(gearbox%n_states, gearbox%n_states), slopes(gearbox%n_states), y_place(gearbox%n_states)
-      real(wp) :: mean_speed
+      real(wp) :: matrix(gearbox%n_states, gearbox%n_states), slopes(gearbox%n_states), y_place(gearbox%n_states), mean_speed
       type(steady_system) :: system
       type(status_t) :: refusal
       integer :: k, n
 
       call list_unknowns(gearbox, place, .false., system)
-      call find_static(models, system, t, y, integers, reals, status)
-      if (.not. has_failed(status)) call find_slopes(models%smooth, system, t, y, integers, reals, status)
+      call settle_steady(models%static, system, state, status)
+      if (.not. has_failed(status)) call find_slopes(models%smooth, system, state, status)
       if (has_failed(status)) return
-      mean_speed = y(i_omega)
+      mean_speed = state%y(i_omega)
       slopes = 0
       slopes(system%unknown(:size(system%slopes))) = system%slopes
-      y(i_omega) = mean_speed/(1 + whole_turn(gearbox, slopes))
-      call find_balance(models, system, t, y, integers, reals, status)
+      state%y(i_omega) = mean_speed/(1 + whole_turn(gearbox, slopes))
+      call find_balance(models, system, state, status)
       if (has_failed(status)) return
-      y_place = y
+      y_place = state%y
       call free_states(gearbox, speeds, positions)
       speeds = speeds(places(speeds /= i_omega))
       n = size(positions)
@@ -280,15 +254,17 @@ contains
       stiffness = 0
       do k = 1, size(path%found)
          if (.not. path%found(k)) cycle
-         mean = mean + coordinates(gearbox, positions, path%y(:, k), y_place)
-         call still_matrix(models%smooth, t, path%y(:, k), path%integers(:, k), reals, matrix, refusal)
+         mean = mean + coordinates(gearbox, positions, path%states(k)%y, y_place)
+         associate (there => path%states(k))
+            call still_matrix(models%smooth, there%t, there%y, there%integers, there%reals, matrix, refusal)
+         end associate
          if (has_failed(refusal)) return
          call hold_anchor(gearbox, system, matrix)
          stiffness = stiffness + matrix(speeds, positions)
       end do
       mean = mean/count(path%found)
       stiffness = stiffness/count(path%found)
-      call still_matrix(models%whole, t, y_place, integers, reals, matrix, refusal)
+      call still_matrix(models%whole, state%t, y_place, state%integers, state%reals, matrix, refusal)
       if (has_failed(refusal)) return
       call hold_anchor(gearbox, system, matrix)
       damping = matrix(speeds, speeds)
@@ -297,9 +273,9 @@ contains
       call scale_and_keep(gearbox, positions, stiffness, damping, mesh_frequency(gearbox, mean_speed), vectors)
       slopes = 0
       slopes(positions) = vectors(:, 2)
-      y(i_omega) = mean_speed*(1 - whole_turn(gearbox, slopes))
-      y(speeds) = vectors(:, 2)*mean_speed
-      call put(gearbox, system, positions, mean + vectors(:, 1), y)
+      state%y(i_omega) = mean_speed*(1 - whole_turn(gearbox, slopes))
+      state%y(speeds) = vectors(:, 2)*mean_speed
+      call put(gearbox, system, positions, mean + vectors(:, 1), state%y)
    end subroutine split
 
    !> Derivatives at a constant angle and a constant speed of the driving wheel of the first mesh.

@@ -6,12 +6,12 @@ module evl_steady_state
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: at_omega, at_position, at_velocity
    use evl_kinds, only: wp
-   use evl_local_variables, only: i_omega, i_theta
+   use evl_local_variables, only: i_omega
    use evl_no_damping, only: no_damping_t
    use evl_no_friction, only: no_friction_t
    use evl_nominal_point, only: speed_in_balance
    use evl_places, only: places
-   use evl_start_positions, only: prescribed_speed
+   use evl_start_positions, only: gearbox_state, prescribed_speed
    use evl_status, only: clear, code_out_of_domain, has_failed, status_t
    use evl_steady_contacts, only: load_all, press_flanks
    use evl_steady_newton, only: find_slopes, follow, relax_steady, solve_steady, steady_system
@@ -21,7 +21,7 @@ module evl_steady_state
    implicit none (type, external)
    private
 
-   public :: equilibrium_models, find_balance, find_models, find_static, find_steady_state, list_unknowns
+   public :: equilibrium_models, find_balance, find_models, find_steady_state, list_unknowns, settle_steady
 
    integer, parameter :: max_modes = 30     !! sets of pairs in contact and friction branches that are tried
    integer, parameter :: max_relaxed = 400  !! steps of the relaxation
@@ -59,98 +59,72 @@ contains
    !> is not prescribed is unknown. Its first guess is the speed of the loads, then 0: at the first friction may hardly
    !> depend on it.
    !> Errors: code_no_solution, code_out_of_domain.
-   subroutine find_steady_state(gearbox, models, place, t, y, integers, reals, status)
+   subroutine find_steady_state(gearbox, models, place, state, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(equilibrium_models), intent(in) :: models
       type(steady_place), intent(in) :: place
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
       type(steady_system) :: system
       type(status_t) :: refusal
-      real(wp) :: y_begin(gearbox%n_states)
-      integer :: begin(gearbox%n_integers)
+      type(gearbox_state) :: begin
 
-      call check_steady(gearbox, integers, status)
+      call check_steady(gearbox, state%integers, status)
       if (has_failed(status)) return
-      y_begin = y
-      begin = integers
+      begin = state
       associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
          call list_unknowns(gearbox, place, driver == 0, system)
          if (driver > 0) then
-            y(i_omega) = prescribed_speed(gearbox, driver, t, integers)
+            state%y(i_omega) = prescribed_speed(gearbox, driver, state%t, state%integers)
          else
-            y(i_omega) = speed_in_balance(models%whole, t, integers)
+            state%y(i_omega) = speed_in_balance(models%whole, state%t, state%integers)
          end if
-         call find_from(gearbox, models, system, t, y, integers, reals, status)
+         call find_from(gearbox, models, system, state, status)
          if (driver > 0 .or. .not. has_failed(status)) return
       end associate
       refusal = status
       call clear(status)
-      y = y_begin
-      integers = begin
-      y(i_omega) = 0
-      call find_from(gearbox, models, system, t, y, integers, reals, status)
+      state = begin
+      state%y(i_omega) = 0
+      call find_from(gearbox, models, system, state, status)
       if (has_failed(status)) status = refusal
    end subroutine find_steady_state
 
    !> The same from a speed on.
-   subroutine find_from(gearbox, models, system, t, y, integers, reals, status)
+   subroutine find_from(gearbox, models, system, state, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(equilibrium_models), intent(in) :: models
       type(steady_system), intent(inout) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states)
-      integer, intent(inout) :: integers(:)
-      real(wp), intent(inout) :: reals(:)
       type(status_t), intent(inout) :: status
 
-      reals = 0
+      state%reals = 0
       system%slopes = 0
-      call follow(system, y)
-      call press_flanks(gearbox, y, integers)
-      call find_static(models, system, t, y, integers, reals, status)
-      if (.not. has_failed(status)) call check_pressed(models%static, t, y, integers, reals, status)
+      call follow(system, state%y)
+      call press_flanks(gearbox, state)
+      call settle_steady(models%static, system, state, status)
+      if (.not. has_failed(status)) call check_pressed(models%static, state, status)
       if (has_failed(status) .or. any(gearbox%contacts%rigid)) return
-      call find_slopes(models%smooth, system, t, y, integers, reals, status)
-      if (.not. has_failed(status)) call find_balance(models, system, t, y, integers, reals, status)
+      call find_slopes(models%smooth, system, state, status)
+      if (.not. has_failed(status)) call find_balance(models, system, state, status)
    end subroutine find_from
-
-   !> Static equilibrium from positions that are near to it. Damping of rigid contacts does not exist.
-   subroutine find_static(models, system, t, y, integers, reals, status)
-      type(equilibrium_models), intent(in) :: models
-      type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(:), reals(:)
-      integer, intent(inout) :: integers(:)
-      type(status_t), intent(inout) :: status
-
-      call settle_steady(models%static, system, t, y, integers, reals, status)
-   end subroutine find_static
 
    !> From the static equilibrium to the balance with all dampers, at the speeds of the system's slopes. Where these leave no
    !> balance, the dampers of the contacts are left out.
-   subroutine find_balance(models, system, t, y, integers, reals, status)
+   subroutine find_balance(models, system, state, status)
       type(equilibrium_models), intent(in) :: models
+      type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(:), reals(:)
-      integer, intent(inout) :: integers(:)
       type(status_t), intent(inout) :: status
-      real(wp) :: y_static(size(y))
-      integer :: static(size(integers))
+      type(gearbox_state) :: static
 
-      y_static = y
-      static = integers
-      call settle_steady(models%whole, system, t, y, integers, reals, status)
-      if (.not. has_failed(status)) call check_pressed(models%whole, t, y, integers, reals, status)
+      static = state
+      call settle_steady(models%whole, system, state, status)
+      if (.not. has_failed(status)) call check_pressed(models%whole, state, status)
       if (.not. has_failed(status)) return
       call clear(status)
-      y = y_static
-      integers = static
-      call settle_steady(models%static, system, t, y, integers, reals, status)
+      state = static
+      call settle_steady(models%static, system, state, status)
    end subroutine find_balance
 
    !> What is looked for. A mounted housing has a pose to be found, but it rests.
@@ -199,41 +173,35 @@ contains
       system%target = place%angle
    end subroutine list_unknowns
 
-   !> Positions, speeds and modes that belong together: modes depend on positions and speeds, these on the modes. Where alternating
-   !> between them does not end, the flow to the equilibrium is followed, with the modes of every step.
-   subroutine settle_steady(gearbox, system, t, y, integers, reals, status)
+   !> Positions, speeds and modes that belong together, from such that are near to them: modes depend on positions and speeds, these
+   !> on the modes. Where alternating between them does not end, the flow to the equilibrium is followed, with the modes of every
+   !> step.
+   subroutine settle_steady(gearbox, system, state, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(:), reals(:)
-      integer, intent(inout) :: integers(:)
       type(status_t), intent(inout) :: status
       type(status_t) :: refusal
-      real(wp) :: y_begin(size(y))
-      integer :: begin(size(integers))
+      type(gearbox_state) :: begin
       logical :: found
 
-      y_begin = y
-      begin = integers
-      call alternate(gearbox, system, t, y, integers, reals, found, refusal)
+      begin = state
+      call alternate(gearbox, system, state, found, refusal)
       if (found) return
       if (.not. any(gearbox%contacts%rigid)) then
-         y = y_begin
-         integers = begin
-         call relax(gearbox, system, t, y, integers, reals, found)
+         state = begin
+         call relax(gearbox, system, state, found)
          if (found) return
       end if
       status = refusal
-      if (.not. has_failed(status)) call refuse_slope(gearbox, y, integers, reals, status)
+      if (.not. has_failed(status)) call refuse_slope(gearbox, state, status)
    end subroutine settle_steady
 
    !> Newton's method in the modes of the last solution, until these do not change.
-   subroutine alternate(gearbox, system, t, y, integers, reals, found, status)
+   subroutine alternate(gearbox, system, state, found, status)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(:), reals(:)
-      integer, intent(inout) :: integers(:)
       logical, intent(out) :: found
       type(status_t), intent(inout) :: status !! the cause, if it is known
       integer :: before(gearbox%n_integers), turn
@@ -243,12 +211,12 @@ contains
       found = .false.
       solved = .false.
       do turn = 1, max_modes
-         before = integers
-         call load_all(gearbox, y, integers, reals, status)
+         before = state%integers
+         call load_all(gearbox, state, status)
          if (has_failed(status)) exit
-         found = solved .and. all(integers == before)
+         found = solved .and. all(state%integers == before)
          if (found) return
-         call solve_steady(gearbox, system, t, y, integers, reals, solved, status)
+         call solve_steady(gearbox, system, state, solved, status)
          if (status%code == code_out_of_domain) then ! as where a soft shaft twists by more than these pairs reach
             if (.not. has_failed(refusal)) refusal = status
             call clear(status)
@@ -260,44 +228,41 @@ contains
       end do
       if (.not. solved .and. has_failed(refusal)) status = refusal
       if (has_failed(status)) return
-      if (solved) call refuse_alternation(gearbox, before, integers, status)
+      if (solved) call refuse_alternation(gearbox, before, state%integers, status)
    end subroutine alternate
 
    !> Follow the flow q' = a(q) to its rest, then end with Newton's method.
-   subroutine relax(gearbox, system, t, y, integers, reals, found)
+   subroutine relax(gearbox, system, state, found)
       type(gearbox_t), intent(in) :: gearbox
+      type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(:), reals(:)
-      integer, intent(inout) :: integers(:)
       logical, intent(out) :: found
       type(status_t) :: status
-      real(wp) :: rate, force, distance, last, y_last(size(y))
-      integer :: step, before(size(integers))
+      type(gearbox_state) :: before
+      real(wp) :: rate, force, distance, last
+      integer :: step
 
       found = .false.
       rate = 0
       last = huge(last)
       do step = 1, max_relaxed
-         y_last = y
-         before = integers
-         call load_all(gearbox, y, integers, reals, status)
-         if (.not. has_failed(status)) call relax_steady(gearbox, system, t, y, integers, reals, rate, force, distance, status)
+         before = state
+         call load_all(gearbox, state, status)
+         if (.not. has_failed(status)) call relax_steady(gearbox, system, state, rate, force, distance, status)
          if (has_failed(status)) then
             if (.not. rate > 0) return
             call clear(status)
-            y = y_last
-            integers = before
+            state = before
             rate = slower*rate
             cycle
          end if
          if (distance < relaxed) then
-            call load_all(gearbox, y, integers, reals, status)
-            if (.not. has_failed(status)) call solve_steady(gearbox, system, t, y, integers, reals, found, status)
-            before = integers
-            if (found .and. .not. has_failed(status)) call load_all(gearbox, y, integers, reals, status)
+            call load_all(gearbox, state, status)
+            if (.not. has_failed(status)) call solve_steady(gearbox, system, state, found, status)
+            before = state
+            if (found .and. .not. has_failed(status)) call load_all(gearbox, state, status)
             found = found .and. .not. has_failed(status)
-            if (found) found = all(integers == before)
+            if (found) found = all(state%integers == before%integers)
             if (found) return
             call clear(status)
          end if

@@ -9,6 +9,7 @@ module evl_torque_outputs
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: turn_wheel
    use evl_local_variables, only: i_omega
+   use evl_motion_outputs, only: find_axle
    use evl_output, only: dims_wheel, in_bearings, needs_reactions
    use evl_output_registry, only: add_output, begin_section, needs, registry_t
    use evl_output_states, only: output_states
@@ -170,6 +171,7 @@ contains
       type(output_states), intent(in) :: states
       real(wp), intent(in) :: load(lanes, size(gearbox%wheels))        !! torque of all loads [N m]
       real(wp), intent(out) :: reactions(lanes, 6, size(gearbox%wheels)) !! force [N], moment [N m]
+      real(wp), dimension(lanes) :: spin, torque
       integer :: c, i
 
       reactions = 0
@@ -182,7 +184,13 @@ contains
       end do
       do i = 1, size(gearbox%wheels)
          call add_inertia(gearbox, i, states, reactions(:, :, i))
-         call add_loads(gearbox, i, states, load(:, i), reactions(:, 6, i))
+         ! the part of the torque of its loads that acts on the housing
+         call housing_torque_in_lanes(gearbox, i, load(:, i), states%t, states%y, states%integers, torque)
+         if (gearbox%housing%acts .and. .not. wheel_follows_ground(gearbox, i)) then
+            call find_spin_torque(gearbox, i, states, spin)
+            torque = torque - spin
+         end if
+         call add_row(-torque, reactions(:, 6, i))
       end do
    end subroutine find_reactions
 
@@ -216,15 +224,11 @@ contains
       real(wp), intent(inout) :: reaction(lanes, 6)
       real(wp) :: acceleration(lanes, 3)
       type(axle_motion) :: reference
-      integer :: j, k, l
+      integer :: l
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support)
-         acceleration = 0
-         do k = 1, 2
-            do j = 1, support%n
-               acceleration(:, k) = acceleration(:, k) + states%f(:, support%i_state(j) + 1)*support%direction(k, j)
-            end do
-         end do
+         acceleration(:, 3) = 0
+         call find_axle(support, states%f, 1, acceleration(:, 1:2))
          do l = 1, lanes
             reference = wheel_reference(wheel, states%t(l))
             acceleration(l, 1:2) = acceleration(l, 1:2) + reference%acceleration
@@ -253,22 +257,5 @@ contains
          reaction(l, 4:5) = reaction(l, 4:5) - moment(1:2)
       end do
    end subroutine add_apparent
-
-   !> Add the part of the torque of a wheel's loads that acts on the housing.
-   subroutine add_loads(gearbox, index, states, load, moment)
-      type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index
-      type(output_states), intent(in) :: states
-      real(wp), intent(in) :: load(lanes) !! all of it [N m]
-      real(wp), intent(inout) :: moment(lanes)
-      real(wp), dimension(lanes) :: spin, torque
-
-      call housing_torque_in_lanes(gearbox, index, load, states%t, states%y, states%integers, torque)
-      if (gearbox%housing%acts .and. .not. wheel_follows_ground(gearbox, index)) then
-         call find_spin_torque(gearbox, index, states, spin)
-         torque = torque - spin
-      end if
-      call add_row(-torque, moment)
-   end subroutine add_loads
 
 end module evl_torque_outputs

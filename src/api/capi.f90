@@ -1,9 +1,10 @@
-!> C interface of the gearbox: creation, warnings, states, residual and events.
+!> C interface of the gearbox: creation, warnings, states, residual, events and inputs; and how this kernel was built.
 !>
 !> The header documents each procedure; here is only the passage from C to Fortran. A handle is the address of a gearbox.
 module evl_capi
-   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_fortran_env, only: compiler_options, compiler_version
    use evl_capi_description, only: c_initial, initial_from_c
    use evl_capi_store, only: c_store_t, c_wheel_store
    use evl_capi_types, only: answer, c_name_length, c_status, gearbox_of, status_to_c, to_c
@@ -20,16 +21,17 @@ module evl_capi
    use evl_gearbox_watch, only: n_kept
    use evl_given, only: description_t
    use evl_influence_store, only: influence_store_t
+   use evl_load, only: load_point, load_t
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, fail, has_failed, status_t
+   use evl_wheel_loads, only: followed_speed
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_create, evl_gearbox_delete, evl_gearbox_sizes
-   public :: evl_gearbox_initial_state, evl_gearbox_scales
-   public :: evl_gearbox_state_name, evl_gearbox_residual, evl_gearbox_jacobian, evl_gearbox_derivative
-   public :: evl_gearbox_roots, evl_gearbox_root_directions, evl_gearbox_next_time_event
-   public :: evl_gearbox_apply_event, evl_gearbox_warning
+   public :: evl_gearbox_apply_event, evl_gearbox_create, evl_gearbox_delete, evl_gearbox_derivative, evl_gearbox_feed, &
+             evl_gearbox_initial_state, evl_gearbox_input, evl_gearbox_jacobian, evl_gearbox_next_time_event, &
+             evl_gearbox_residual, evl_gearbox_root_directions, evl_gearbox_roots, evl_gearbox_scales, evl_gearbox_sizes, &
+             evl_gearbox_state_name, evl_gearbox_warning, evl_gearbox_wheel_speed, evl_kernel_compiler, evl_kernel_processor
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -41,6 +43,23 @@ module evl_capi
    type, bind(c) :: c_event
       integer(c_int) :: kind, mesh, tooth_pair, flank
    end type c_event
+
+   ! The compiler notes -march even where it is its own default; of several the last counts.
+   character(len=*), parameter :: options = compiler_options()//" ", key = "-march="
+   integer, parameter :: before = index(options, key, back=.true.)
+   integer, parameter :: first = merge(before + len(key), 1, before > 0)
+   integer, parameter :: length = merge(index(options(first:), " ") - 1, 0, before > 0)
+
+   ! Written once, at compile time; C gets their addresses.
+   character(len=len(compiler_version()) + 1, kind=c_char), target, protected :: compiler = compiler_version()//c_null_char
+   character(len=length + 1, kind=c_char), target, protected :: processor = options(first:first + length - 1)//c_null_char
+
+   !> evl_input
+   type, bind(c) :: c_input
+      integer(c_int) :: load, wheel, place
+      logical(c_bool) :: is_speed
+      real(c_double) :: value
+   end type c_input
 
 contains
 
@@ -78,51 +97,38 @@ contains
    end function evl_gearbox_create
 
    subroutine evl_gearbox_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
-      type(gearbox_t), pointer :: gearbox
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, gearbox)
-      if (associated(gearbox)) deallocate (gearbox)
-      handle = c_null_ptr
+      type(gearbox_t), pointer :: self
+      include "api/delete_of_handle.inc"
    end subroutine evl_gearbox_delete
 
    subroutine evl_gearbox_sizes(handle, sizes) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_sizes), intent(out) :: sizes
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       sizes = c_sizes(size(g%wheels), size(g%pairs), size(g%loads), g%n_states, g%n_integers, size(g%contacts), &
                       g%n_roots, size(g%output_counts), g%n_values, size(g%warnings), g%n_pair_places, g%n_drive_places, &
                       size(g%shafts), gearbox_event_room(g), n_kept*size(g%contacts))
    end subroutine evl_gearbox_sizes
 
    integer(c_int) function evl_gearbox_initial_state(handle, initial, t, y, yp, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       type(c_initial), intent(in) :: initial
       real(c_double), intent(in), value :: t
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
+      real(c_double), intent(inout) :: yp(*)
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call gearbox_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), t, y, yp, integers, reals, s)
+      call gearbox_start(g, initial_from_c(initial, g), t, y, yp, integers, reals, s)
       code = answer(s, status)
    end function evl_gearbox_initial_state
 
    subroutine evl_gearbox_scales(handle, initial, duration, state, row) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_initial), intent(in) :: initial
       real(c_double), intent(in), value :: duration
       real(c_double), intent(inout) :: state(*), row(*)
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
-      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), &
-                                state, row, duration)
+      call gearbox_state_scales(g, gearbox_initial_speeds(g, initial_from_c(initial, g)), state, row, duration)
    end subroutine evl_gearbox_scales
 
    subroutine evl_gearbox_state_name(handle, index, name, units) bind(c)
@@ -137,51 +143,37 @@ contains
    end subroutine evl_gearbox_state_name
 
    integer(c_int) function evl_gearbox_residual(handle, t, y, yp, integers, reals, residual, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(in) :: yp(*)
       real(c_double), intent(inout) :: residual(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_residual(gearbox_of(handle), t, y, yp, integers, reals, residual, s)
       code = answer(s, status)
    end function evl_gearbox_residual
 
    integer(c_int) function evl_gearbox_jacobian(handle, t, cj, y, yp, integers, reals, jacobian, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t, cj
-      real(c_double), intent(in) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(in) :: yp(*)
       real(c_double), intent(inout) :: jacobian(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_jacobian(gearbox_of(handle), t, cj, y, yp, integers, reals, jacobian, s)
       code = answer(s, status)
    end function evl_gearbox_jacobian
 
    integer(c_int) function evl_gearbox_derivative(handle, t, y, integers, reals, yp, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: yp(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_derivative(gearbox_of(handle), t, y, integers, reals, yp, s)
       code = answer(s, status)
    end function evl_gearbox_derivative
 
    integer(c_int) function evl_gearbox_roots(handle, y, integers, reals, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      include "api/at_state.inc"
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(inout), optional :: status
-      type(status_t) :: s
 
       call gearbox_roots(gearbox_of(handle), y, integers, reals, values, s)
       code = answer(s, status)
@@ -205,17 +197,14 @@ contains
 
    integer(c_int) function evl_gearbox_apply_event(handle, t, fired, time_event, y, yp, integers, reals, events, n_events, &
                                                    status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       real(c_double), intent(in), value :: t
       integer(c_int), intent(in) :: fired(*)
       logical(c_bool), intent(in), value :: time_event
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
+      real(c_double), intent(inout) :: yp(*)
       type(c_event), intent(inout) :: events(*)
       integer(c_int), intent(out) :: n_events
-      type(c_status), intent(inout), optional :: status
       type(event_log) :: log
-      type(status_t) :: s
       integer :: i
       type(gearbox_t), pointer :: g
 
@@ -231,20 +220,77 @@ contains
    end function evl_gearbox_apply_event
 
    logical(c_bool) function evl_gearbox_warning(handle, initial, index, warning) result(exists) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_initial), intent(in), optional :: initial
       integer(c_int), intent(in), value :: index
       type(c_status), intent(out) :: warning
-      type(gearbox_t), pointer :: g
       type(status_t), allocatable :: warnings(:)
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       allocate (warnings, source=g%warnings)
-      if (present(initial)) &
-         call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, size(g%wheels), size(g%pairs))), warnings)
+      if (present(initial)) call warn_of_speeds(g, gearbox_initial_speeds(g, initial_from_c(initial, g)), warnings)
       exists = logical(index >= 0 .and. index < size(warnings), c_bool)
       call status_to_c(status_t(), warning)
       if (exists) call status_to_c(warnings(index + 1), warning)
    end function evl_gearbox_warning
+
+   type(c_ptr) function evl_kernel_compiler() bind(c)
+      evl_kernel_compiler = c_loc(compiler)
+   end function evl_kernel_compiler
+
+   type(c_ptr) function evl_kernel_processor() bind(c)
+      evl_kernel_processor = c_loc(processor)
+   end function evl_kernel_processor
+
+   logical(c_bool) function evl_gearbox_input(handle, index, input) result(found) bind(c)
+      integer(c_int), intent(in), value :: index
+      type(c_input), intent(out) :: input
+      integer :: w, k, before
+      include "api/gearbox_of_handle.inc"
+
+      found = .false.
+      input = c_input(0, 0, 0, .false._c_bool, 0)
+      before = 0
+      do w = 1, size(g%wheels)
+         do k = 1, size(g%wheels(w)%loads)
+            associate (load => g%loads(g%wheels(w)%loads(k))%load)
+               if (.not. load%is_input) cycle
+               if (before == index) then
+                  input = c_input(g%wheels(w)%loads(k) - 1, w - 1, k - 1, logical(load%prescribes, c_bool), value_of(load))
+                  found = .true.
+                  return
+               end if
+               before = before + 1
+            end associate
+         end do
+      end do
+   end function evl_gearbox_input
+
+   pure real(c_double) function value_of(load) result(value)
+      class(load_t), intent(in) :: load
+      real(c_double) :: damping, stiffness
+
+      if (load%prescribes) then
+         value = load%speed(0.0_c_double, 0)
+      else
+         call load%ask(load_point(), value, damping, stiffness)
+      end if
+   end function value_of
+
+   subroutine evl_gearbox_feed(handle, load, value, rate) bind(c)
+      integer(c_int), intent(in), value :: load
+      real(c_double), intent(in), value :: value, rate
+      include "api/gearbox_of_handle.inc"
+
+      call g%loads(load + 1)%load%feed(value, rate)
+   end subroutine evl_gearbox_feed
+
+   real(c_double) function evl_gearbox_wheel_speed(handle, wheel, t, y) result(speed) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: wheel
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(in) :: y(*)
+
+      speed = followed_speed(gearbox_of(handle), wheel + 1, t, y)
+   end function evl_gearbox_wheel_speed
 
 end module evl_capi

@@ -6,6 +6,7 @@ module evl_capi_description
    use evl_capi_types, only: answer, c_status, status_from_c, status_to_c, take_text, to_c
    use evl_case_table, only: case_table, kinds_of
    use evl_description_check, only: check_changed_numbers, check_description, entry_path, path_length, place_of_status
+   use evl_gearbox, only: gearbox_t
    use evl_gearbox_initial, only: initial_t
    use evl_given, only: description_t, entry_t
    use evl_row, only: kind_t, row_t, short_length, text_length
@@ -170,8 +171,7 @@ contains
       character(kind=c_char), pointer :: name(:)
       integer :: i
 
-      good = c%row + 1 == entry%row .and. c%level == entry%level .and. &
-             merge(c%n, 0, c_associated(c%numbers)) == size(entry%numbers)
+      good = c%row + 1 == entry%row .and. c%level == entry%level .and. merge(c%n, 0, c_associated(c%numbers)) == size(entry%numbers)
       if (.not. good) return
       if (.not. c_associated(c%name)) then
          good = entry%name == ""
@@ -204,13 +204,8 @@ contains
    end subroutine exchange_numbers
 
    subroutine evl_description_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
-      type(description_t), pointer :: description
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, description)
-      if (associated(description)) deallocate (description)
-      handle = c_null_ptr
+      type(description_t), pointer :: self
+      include "api/delete_of_handle.inc"
    end subroutine evl_description_delete
 
    !> The entry of a parameter: one that has numbers. 0 if there is none.
@@ -284,14 +279,14 @@ contains
       call to_c(text, path)
    end subroutine evl_description_path
 
-   type(initial_t) function initial_from_c(c, n_wheels, n_meshes) result(initial)
+   type(initial_t) function initial_from_c(c, gearbox) result(initial)
       type(c_initial), intent(in) :: c
-      integer, intent(in) :: n_wheels, n_meshes
+      type(gearbox_t), intent(in) :: gearbox
 
       initial%kind = c%kind
       initial%mesh_position = c%mesh_position
-      allocate (initial%speeds, source=array_from_c(c%speeds, n_wheels))
-      allocate (initial%gaps, source=array_from_c(c%gaps, n_meshes))
+      allocate (initial%speeds, source=array_from_c(c%speeds, size(gearbox%wheels)))
+      allocate (initial%gaps, source=array_from_c(c%gaps, size(gearbox%pairs)))
    end function initial_from_c
 
    !> A copy of a C array; size 0 for NULL.

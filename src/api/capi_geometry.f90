@@ -57,12 +57,10 @@ contains
    end function evl_gearbox_pitch_errors
 
    integer(c_int) function evl_gearbox_support_directions(handle, wheel, directions) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: wheel
       real(c_double), intent(out) :: directions(4)
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       associate (support => g%wheels(wheel + 1)%support)
          directions = [support%direction(:, 1), support%direction(:, 2)]
          evl_gearbox_support_directions = support%n
@@ -70,12 +68,10 @@ contains
    end function evl_gearbox_support_directions
 
    subroutine evl_gearbox_damping(handle, mesh, parameters) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh
       real(c_double), intent(out) :: parameters(max_law_parameters)
-      type(gearbox_t), pointer :: g
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       parameters = g%references(mesh + 1)%law%parameters
    end subroutine evl_gearbox_damping
 

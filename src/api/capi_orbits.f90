@@ -2,19 +2,19 @@
 !>
 !> The header's section "orbits" documents each procedure; here is only the passage from C to Fortran.
 module evl_capi_orbits
-   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_double_complex, c_f_pointer, c_f_procpointer, &
-                                                                             c_funptr, c_int, c_loc, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_f_procpointer, c_funptr, c_int, &
+                                                                             c_loc, c_null_char, c_null_ptr, c_ptr
    use evl_branch, only: advance_branch, begin_branch, keep_point
    use evl_branch_doubling, only: switch_at_doubling
    use evl_branch_point, only: branch_point, kind_touch, kind_touch_fold
    use evl_capi_types, only: answer, c_name_length, c_status, to_c
    use evl_gearbox_orbits, only: gearbox_orbits_create, gearbox_orbits_start, gearbox_orbits_state
    use evl_kinds, only: wp
-   use evl_orbits_session, only: add_branch, c_take, c_tell, complete, orbits_t
    use evl_multipliers, only: are_inside
+   use evl_orbits_session, only: add_branch, complete, orbits_t
    use evl_periodic_orbit, only: orbit_t, own_multipliers
    use evl_shooting, only: find_orbit
-   use evl_status, only: code_no_memory, code_no_solution, code_ok, fail, has_failed, status_t
+   use evl_status, only: code_no_memory, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
@@ -25,8 +25,7 @@ module evl_capi_orbits
    type, bind(c) :: c_setup
       type(c_ptr) :: self
       type(c_funptr) :: take, tell
-      real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step, &
-                        straight_step, largest_change
+      real(c_double) :: from, to, place, tolerance, residual, first_step, smallest_step, largest_step, straight_step, largest_change
       integer(c_int) :: most_points, n_values
       type(c_ptr) :: values
    end type c_setup
@@ -34,9 +33,9 @@ module evl_capi_orbits
    !> evl_orbit
    type, bind(c) :: c_orbit
       real(c_double) :: parameter, period, residual
-      integer(c_int) :: periods, kind, mesh, iterations, n_multipliers, told
-      logical(c_bool) :: is_stable, whole_mesh
-      character(kind=c_char) :: root(c_name_length)
+      integer(c_int) :: periods, kind = 0, mesh = -1, iterations, n_multipliers, told = 0
+      logical(c_bool) :: is_stable, whole_mesh = .false.
+      character(kind=c_char) :: root(c_name_length) = c_null_char
    end type c_orbit
 
 contains
@@ -94,25 +93,16 @@ contains
    end function evl_orbits_create
 
    subroutine evl_orbits_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
       type(orbits_t), pointer :: self
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
-      handle = c_null_ptr
+      include "api/delete_of_handle.inc"
    end subroutine evl_orbits_delete
 
    integer(c_int) function evl_orbits_find(handle, value, periods, period, y, integers, reals, orbit, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: value, period
       integer(c_int), intent(in), value :: periods
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
       type(c_orbit), intent(out) :: orbit
-      type(c_status), intent(inout), optional :: status
       type(orbits_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       call self%model%set_parameter(value, s)
@@ -131,14 +121,12 @@ contains
    end function evl_orbits_find
 
    integer(c_int) function evl_orbits_begin(handle, rising, n, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       logical(c_bool), intent(in), value :: rising
       integer(c_int), intent(out) :: n
       type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
       type(status_t) :: s
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call add_branch(self)
       self%options%rising = rising
       self%before = 0
@@ -151,16 +139,14 @@ contains
    end function evl_orbits_begin
 
    integer(c_int) function evl_orbits_advance(handle, n, is_over, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(out) :: n
       logical(c_bool), intent(out) :: is_over
       type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
       type(branch_point), allocatable :: more(:)
       type(status_t) :: s
       integer :: i
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call advance_branch(self%model, self%options, self%walk, more, s)
       associate (branch => self%branches(self%n_branches))
          self%before = merge(branch%n, 0, allocated(self%walk%before%tangent)) ! behind a touch the curve begins anew
@@ -174,14 +160,12 @@ contains
    end function evl_orbits_advance
 
    integer(c_int) function evl_orbits_switch(handle, branch, point, distance, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: branch, point
       real(c_double), intent(in), value :: distance
       type(c_status), intent(inout), optional :: status
-      type(orbits_t), pointer :: self
       type(status_t) :: s
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call complete(self, self%branches(branch + 1)%points(point + 1), s)
       associate (from => self%branches(branch + 1)%points(point + 1)%orbit)
          if (.not. has_failed(s)) call self%model%set_parameter(from%parameter, s)
@@ -191,20 +175,22 @@ contains
    end function evl_orbits_switch
 
    subroutine evl_orbits_point(handle, branch, point, orbit, multipliers) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: branch, point
       type(c_orbit), intent(out) :: orbit
       real(c_double), intent(inout) :: multipliers(2, *)
-      type(orbits_t), pointer :: self
       complex(wp), allocatable :: mu(:)
       integer :: i
+      include "api/orbits_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       associate (at => self%branches(branch + 1)%points(point + 1))
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind
          orbit%told = at%told
-         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) call tell_root(self, at%root, at%orbit, orbit)
+         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) then ! of which root function
+            orbit%mesh = self%model%root_list(at%root)%mesh - 1
+            orbit%whole_mesh = logical(is_whole_mesh(self, at%root, at%orbit), c_bool)
+            call to_c(trim(self%model%root_list(at%root)%name), orbit%root)
+         end if
          allocate (mu, source=own_multipliers(self%model, at%orbit))
       end associate
       do i = 1, size(mu)
@@ -213,14 +199,10 @@ contains
    end subroutine evl_orbits_point
 
    integer(c_int) function evl_orbits_state(handle, branch, point, t, y, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       integer(c_int), intent(in), value :: branch, point
       real(c_double), intent(out) :: t
-      real(c_double), intent(inout) :: y(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
       type(orbits_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       if (branch < 0) then
@@ -264,24 +246,7 @@ contains
       told%residual = orbit%residual
       told%periods = orbit%periods
       told%iterations = orbit%iterations
-      told%kind = 0
-      told%told = 0
-      told%mesh = -1
-      told%whole_mesh = .false.
-      call to_c("", told%root)
    end subroutine tell
-
-   !> What a root function is that touches zero.
-   subroutine tell_root(self, root, orbit, told)
-      type(orbits_t), intent(in) :: self
-      integer, intent(in) :: root
-      type(orbit_t), intent(in) :: orbit
-      type(c_orbit), intent(inout) :: told
-
-      told%mesh = self%model%root_list(root)%mesh - 1
-      told%whole_mesh = logical(is_whole_mesh(self, root, orbit), c_bool)
-      call to_c(trim(self%model%root_list(root)%name), told%root)
-   end subroutine tell_root
 
    !> Whether a mesh parts, or touches, as a whole: at a touch no other tooth pair touches, or all that do part with it, as those
    !> that share a load evenly.

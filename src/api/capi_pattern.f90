@@ -42,12 +42,8 @@ contains
    end function evl_pattern_create
 
    subroutine evl_pattern_delete(handle) bind(c)
-      type(c_ptr), intent(inout) :: handle
       type(pattern_t), pointer :: self
-
-      call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
-      handle = c_null_ptr
+      include "api/delete_of_handle.inc"
    end subroutine evl_pattern_delete
 
    subroutine evl_pattern_places(handle, rows, columns) bind(c)
@@ -61,14 +57,11 @@ contains
    end subroutine evl_pattern_places
 
    integer(c_int) function evl_pattern_jacobian(handle, t, cj, y, yp, integers, reals, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t, cj
-      real(c_double), intent(in) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
+      real(c_double), intent(in) :: yp(*)
       real(c_double), intent(inout) :: values(*)
-      type(c_status), intent(inout), optional :: status
       type(pattern_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       call gearbox_jacobian_entries(self%gearbox, t, cj, y, yp, integers, reals, self%entries, values, s)

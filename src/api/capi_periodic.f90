@@ -1,10 +1,13 @@
-!> C interface of the start on a periodic orbit.
+!> C interface of the common period, of states of which only their place in it counts, and of the start on a periodic orbit.
 !>
-!> The header's section "the periodic start" documents each procedure; here is only the passage from C to Fortran.
+!> The header's sections "common period" and "the periodic start" document each procedure; here is only the passage from C to
+!> Fortran.
 module evl_capi_periodic
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_procpointer, c_funptr, c_int, c_null_ptr, c_ptr
    use evl_capi_description, only: c_initial, initial_from_c
    use evl_capi_types, only: answer, c_status, gearbox_of
+   use evl_carried_state, only: state_distance, take_back, take_over
+   use evl_common_period, only: common_period, period_t
    use evl_gearbox, only: gearbox_t
    use evl_periodic_search, only: periodic_search, periodic_start_t
    use evl_periodic_start, only: begin_periodic_start, periodic_start
@@ -12,7 +15,8 @@ module evl_capi_periodic
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_periodic_check, evl_gearbox_periodic_start
+   public :: evl_gearbox_distance, evl_gearbox_period, evl_gearbox_periodic_check, evl_gearbox_periodic_start, &
+             evl_gearbox_take_back, evl_gearbox_take_over
 
    abstract interface
       logical(c_bool) function c_is_over(self) bind(c)
@@ -43,6 +47,13 @@ module evl_capi_periodic
       procedure :: is_interrupted
    end type callers_search
 
+   !> evl_period
+   type, bind(c) :: c_period
+      integer(c_int) :: pitches, sense
+      logical(c_bool) :: by_time
+      real(c_double) :: time
+   end type c_period
+
 contains
 
    logical function is_interrupted(self)
@@ -54,42 +65,34 @@ contains
 
    integer(c_int) function evl_gearbox_periodic_start(handle, initial, setup, found, y, yp, integers, reals, status) &
       result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       type(c_initial), intent(in) :: initial
       type(c_setup), intent(in) :: setup
       type(c_periodic), intent(out) :: found
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
+      real(c_double), intent(inout) :: yp(*)
       type(callers_search) :: search
       type(periodic_start_t) :: orbit
-      type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
       search%self = setup%self
       search%most_flows = setup%most_flows
       if (c_associated(setup%is_over)) call c_f_procpointer(setup%is_over, search%is_over)
-      call periodic_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), search, orbit, y(:g%n_states), &
-                          yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      call periodic_start(g, initial_from_c(initial, g), search, orbit, y, yp, integers, reals, s)
       found = to_c(orbit)
       code = answer(s, status)
    end function evl_gearbox_periodic_start
 
    integer(c_int) function evl_gearbox_periodic_check(handle, initial, found, y, yp, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/changes_state.inc"
       type(c_initial), intent(in) :: initial
       type(c_periodic), intent(out) :: found
-      real(c_double), intent(inout) :: y(*), yp(*), reals(*)
-      integer(c_int), intent(inout) :: integers(*)
-      type(c_status), intent(inout), optional :: status
+      real(c_double), intent(inout) :: yp(*)
       type(periodic_start_t) :: orbit
-      type(status_t) :: s
       type(gearbox_t), pointer :: g
 
       g => gearbox_of(handle)
-      call begin_periodic_start(g, initial_from_c(initial, size(g%wheels), size(g%pairs)), orbit, y(:g%n_states), &
-                                yp(:g%n_states), integers(:g%n_integers), reals(:size(g%contacts)), s)
+      call begin_periodic_start(g, initial_from_c(initial, g), orbit, y, yp, integers, reals, s)
       found = to_c(orbit)
       code = answer(s, status)
    end function evl_gearbox_periodic_check
@@ -111,5 +114,47 @@ contains
       to_c%is_interrupted = found%is_interrupted
       to_c%has_searched = found%has_searched
    end function to_c
+
+   integer(c_int) function evl_gearbox_period(handle, period, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_period), intent(out) :: period
+      type(c_status), intent(inout), optional :: status
+      type(period_t) :: p
+      type(status_t) :: s
+
+      call common_period(gearbox_of(handle), p, s)
+      period = c_period(p%pitches, p%sense, logical(p%by_time, c_bool), p%time)
+      code = answer(s, status)
+   end function evl_gearbox_period
+
+   subroutine evl_gearbox_take_back(handle, period, periods, y, integers, reals) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      type(c_period), intent(in) :: period
+      integer(c_int), intent(in), value :: periods
+      real(c_double), intent(inout) :: y(*), reals(*)
+      integer(c_int), intent(inout) :: integers(*)
+
+      call take_back(gearbox_of(handle), period_t(period%pitches, logical(period%by_time), period%sense, period%time), periods, &
+                     y, integers, reals)
+   end subroutine evl_gearbox_take_back
+
+   real(c_double) function evl_gearbox_distance(handle, scale, y_a, integers_a, reals_a, y_b, integers_b, reals_b) &
+      result(distance) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      real(c_double), intent(in) :: scale(*), y_a(*), reals_a(*), y_b(*), reals_b(*)
+      integer(c_int), intent(in) :: integers_a(*), integers_b(*)
+
+      distance = state_distance(gearbox_of(handle), scale, y_a, integers_a, reals_a, y_b, integers_b, reals_b)
+   end function evl_gearbox_distance
+
+   integer(c_int) function evl_gearbox_take_over(handle, alike, t, y, yp, integers, reals, status) result(code) bind(c)
+      include "api/changes_state.inc"
+      logical(c_bool), intent(in), value :: alike
+      real(c_double), intent(in), value :: t
+      real(c_double), intent(inout) :: yp(*)
+
+      call take_over(gearbox_of(handle), logical(alike), t, y, yp, integers, reals, s)
+      code = answer(s, status)
+   end function evl_gearbox_take_over
 
 end module evl_capi_periodic

@@ -85,23 +85,14 @@ contains
    end function evl_radau_create
 
    subroutine evl_radau_delete(handle) bind(c)
-      type(c_ptr), intent(inout), optional :: handle
       type(integration_t), pointer :: self
-
-      if (.not. present(handle)) return
-      call c_f_pointer(handle, self)
-      if (associated(self)) deallocate (self)
-      handle = c_null_ptr
+      include "api/delete_of_handle.inc"
    end subroutine evl_radau_delete
 
    integer(c_int) function evl_radau_start(handle, t, y, integers, reals, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
+      include "api/at_state.inc"
       real(c_double), intent(in), value :: t
-      real(c_double), intent(in) :: y(*), reals(*)
-      integer(c_int), intent(in) :: integers(*)
-      type(c_status), intent(inout), optional :: status
       type(integration_t), pointer :: self
-      type(status_t) :: s
 
       call c_f_pointer(handle, self)
       call gearbox_ode_set(self%model, integers, reals)
@@ -110,16 +101,14 @@ contains
    end function evl_radau_start
 
    integer(c_int) function evl_radau_advance(handle, t_stop, t, y, fired, outcome, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in), value :: t_stop
       real(c_double), intent(out) :: t
       real(c_double), intent(inout) :: y(*)
       integer(c_int), intent(inout) :: fired(*)
       integer(c_int), intent(out) :: outcome
       type(c_status), intent(inout), optional :: status
-      type(integration_t), pointer :: self
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       if (has_failed(self%status)) call clear(self%status)
       call radau_advance(self%solver, self%model, t_stop, outcome, self%status)
       t = self%solver%t
@@ -130,54 +119,44 @@ contains
    end function evl_radau_advance
 
    subroutine evl_radau_interpolate(handle, t, y) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in), value :: t
       real(c_double), intent(inout) :: y(*)
-      type(integration_t), pointer :: self
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call radau_interpolate(self%solver, t, y(:self%model%n))
    end subroutine evl_radau_interpolate
 
    subroutine evl_radau_interpolate_some(handle, t, n, states, y) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in), value :: t
       integer(c_int), intent(in), value :: n
       integer(c_int), intent(in) :: states(n)
       real(c_double), intent(inout) :: y(*)
-      type(integration_t), pointer :: self
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call radau_interpolate_some(self%solver, t, n, states, y)
    end subroutine evl_radau_interpolate_some
 
    subroutine evl_radau_interpolate_lanes(handle, t, y) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in) :: t(lanes)
       real(c_double), intent(out) :: y(lanes, *)
-      type(integration_t), pointer :: self
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call radau_interpolate_lanes(self%solver, t, y(:, :self%model%n))
    end subroutine evl_radau_interpolate_lanes
 
    integer(c_int) function evl_radau_look(handle, high, low) result(n) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in) :: high(*), low(*)
-      type(integration_t), pointer :: self
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call radau_look(self%solver, self%model, high(:self%model%n_watched), low(:self%model%n_watched), n, self%found)
    end function evl_radau_look
 
    subroutine evl_radau_candidate(handle, index, candidate) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: index
       type(c_candidate), intent(out) :: candidate
-      type(integration_t), pointer :: self
       real(wp) :: h
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       h = radau_step(self%solver)
       associate (one => self%found(index + 1), before => self%solver%t_before, now => self%solver%t)
          candidate = c_candidate(one%channel - 1, one%sense, min(before + one%tau*h, now), min(before + one%left*h, now), &
@@ -186,37 +165,31 @@ contains
    end subroutine evl_radau_candidate
 
    subroutine evl_radau_restart(handle, t, y, integers, reals) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in), value :: t
       real(c_double), intent(in) :: y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
-      type(integration_t), pointer :: self
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call gearbox_ode_set(self%model, integers, reals)
       call radau_restart(self%solver, self%model, t, y(:self%model%n))
    end subroutine evl_radau_restart
 
    subroutine evl_radau_redo(handle, t, y) bind(c)
-      type(c_ptr), intent(in), value :: handle
       real(c_double), intent(out) :: t
       real(c_double), intent(inout) :: y(*)
-      type(integration_t), pointer :: self
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       call radau_redo(self%solver, self%model)
       t = self%solver%t
       y(:self%model%n) = self%solver%y
    end subroutine evl_radau_redo
 
    subroutine evl_radau_get_counts(handle, counts) bind(c)
-      type(c_ptr), intent(in), value :: handle
       type(c_counts), intent(out) :: counts
-      type(integration_t), pointer :: self
       type(radau_counts) :: c
       type(radau_growth) :: g
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       c = radau_get_counts(self%solver)
       g = radau_get_growth(self%solver)
       counts = c_counts(c%steps, c%rejections, c%evaluations + n_stages*c%iterations, c%iterations, c%jacobians, &
@@ -224,14 +197,12 @@ contains
    end subroutine evl_radau_get_counts
 
    integer(c_int64_t) function evl_radau_keep(handle, direction, n, words) result(kept) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: direction
       integer(c_int64_t), intent(in), value :: n
       integer(c_int64_t), intent(inout), target, optional :: words(n)
-      type(integration_t), pointer :: self
       type(archive_t) :: archive
+      include "api/integration_of_handle.inc"
 
-      call c_f_pointer(handle, self)
       archive%direction = direction
       if (direction /= archive_measures) archive%words => words
       call keep_gearbox_ode(archive, self%model)

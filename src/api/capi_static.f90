@@ -46,16 +46,14 @@ contains
    end subroutine evl_gearbox_static_places
 
    integer(c_int) function evl_gearbox_static(handle, mesh, points, torque, speed, values, status) result(code) bind(c)
-      type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh, points
       real(c_double), intent(in), value :: torque, speed
       real(c_double), intent(inout) :: values(*)
       type(c_status), intent(inout), optional :: status
-      type(gearbox_t), pointer :: g
       type(static_plan_t) :: p
       type(status_t) :: s
+      include "api/gearbox_of_handle.inc"
 
-      g => gearbox_of(handle)
       call plan_static(g, mesh + 1, points, p, s)
       if (.not. has_failed(s)) call solve_static_mesh(g, mesh + 1, p, torque, speed, values(:p%n_values), s)
       code = answer(s, status)

@@ -60,10 +60,11 @@ contains
    !> The same the other way.
    pure type(status_t) function status_from_c(c) result(status)
       type(c_status), intent(in) :: c
-      character(len=:), allocatable :: field
+      character(len=:), allocatable :: field, message
 
       call take_text(c%field, field)
-      status = status_t(code=c%code, subject=c%subject, index=c%index + 1, field=field)
+      call take_text(c%message, message)
+      status = status_t(code=c%code, subject=c%subject, index=c%index + 1, field=field, message=message)
    end function status_from_c
 
    !> A C string as a string: no function, for the reason that `quantity` gives.

@@ -1,20 +1,23 @@
-!> What a search for periodic orbits is made of behind the C interface: who is asked, and what was found so far.
+!> What a search for periodic orbits is made of behind the C interface: who is asked, what was found so far, what is kept of a
+!> search that is stopped, and how it goes on.
+!>
+!> The header's section "orbits" documents the C procedures.
 module evl_orbits_session
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_null_ptr, c_ptr
-   use evl_branch, only: branch_options, branch_walk
-   use evl_branch_point, only: branch_point
-   use evl_capi_types, only: c_status, gearbox_of, status_from_c
+   use evl_branch, only: before_end, branch_options, branch_walk, keep_point
+   use evl_branch_point, only: branch_point, orbit_teller
+   use evl_capi_types, only: answer, c_status, gearbox_of, status_from_c
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_orbits, only: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_state
    use evl_kinds, only: wp
-   use evl_orbit_teller, only: orbit_teller
    use evl_periodic_orbit, only: orbit_t
    use evl_shooting, only: correct_orbit
    use evl_status, only: code_no_solution, code_ok, fail, has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: add_branch, c_take, c_tell, complete, orbits_t
+   public :: add_branch, c_take, c_tell, complete, evl_orbits_go_on, evl_orbits_keep, evl_orbits_kept, evl_orbits_put, &
+             evl_orbits_walk, orbits_t
 
    abstract interface
       integer(c_int) function c_take(self, value, gearbox, scale, status) bind(c)
@@ -31,9 +34,8 @@ module evl_orbits_session
          implicit none (type, external)
          type(c_ptr), value :: self
          integer(c_int), value :: number, periods
-         real(c_double), intent(inout) :: period
+         real(c_double), intent(inout) :: period, y(*), reals(*)
          real(c_double), value :: t
-         real(c_double), intent(inout) :: y(*), reals(*)
          integer(c_int), intent(inout) :: integers(*)
          type(c_status), intent(inout) :: status
       end function c_tell
@@ -72,6 +74,14 @@ module evl_orbits_session
       integer :: before = 0                       !! which of its points is the ordinary one before the last; 0: none
    end type orbits_t
 
+   !> evl_orbits_progress
+   type, bind(c) :: c_walk
+      real(c_double) :: step
+      integer(c_int) :: crawls, n_ordinary, before, is_smooth
+   end type c_walk
+
+   integer, parameter :: n_kept = 9 !! numbers that are kept of a point beside its arrays
+
 contains
 
    !> Ask the caller for a gearbox.
@@ -84,18 +94,10 @@ contains
       type(c_ptr) :: handle, scale_handle
       real(c_double), pointer :: of_caller(:)
       type(c_status) :: refusal
-      character(len=size(refusal%message)) :: message
-      integer :: i
 
       gearbox => null()
       if (self%ask(self%self, value, handle, scale_handle, refusal) /= code_ok) then
-         message = ""
-         do i = 1, size(refusal%message)
-            if (iachar(refusal%message(i)) == 0) exit
-            message(i:i) = refusal%message(i)
-         end do
          status = status_from_c(refusal)
-         call fail(status, refusal%code, trim(message))
          return
       end if
       gearbox => gearbox_of(handle)
@@ -158,5 +160,88 @@ contains
       call correct_orbit(self%model, self%options%orbits, point%orbit, status) ! there is nothing left to correct
       point%orbit%iterations = iterations
    end subroutine complete
+
+   integer(c_int) function evl_orbits_kept(handle) result(n) bind(c)
+      include "api/orbits_of_handle.inc"
+
+      n = n_kept + 3*self%model%n + 2
+   end function evl_orbits_kept
+
+   subroutine evl_orbits_keep(handle, branch, point, numbers) bind(c)
+      integer(c_int), intent(in), value :: branch, point
+      real(c_double), intent(inout) :: numbers(*)
+      include "api/orbits_of_handle.inc"
+
+      associate (at => self%branches(branch + 1)%points(point + 1), n => self%model%n)
+         associate (o => at%orbit)
+            numbers(:n_kept) = [real(wp) :: o%parameter, o%period, o%residual, at%way, o%periods, o%iterations, at%kind, at%root, &
+                                merge(1, 0, at%begins_anew)]
+            numbers(n_kept + 1:n_kept + n) = o%y
+            numbers(n_kept + n + 1:n_kept + 3*n + 2) = 0
+            if (allocated(o%by_parameter)) numbers(n_kept + n + 1:n_kept + 2*n) = o%by_parameter
+            if (allocated(o%tangent)) numbers(n_kept + 2*n + 1:n_kept + 3*n + 2) = o%tangent
+         end associate
+      end associate
+   end subroutine evl_orbits_keep
+
+   subroutine evl_orbits_put(handle, branch, numbers) bind(c)
+      integer(c_int), intent(in), value :: branch
+      real(c_double), intent(in), optional :: numbers(*)
+      type(branch_point) :: at
+      include "api/orbits_of_handle.inc"
+
+      if (branch >= self%n_branches) call add_branch(self)
+      if (.not. present(numbers)) return
+      associate (n => self%model%n, o => at%orbit)
+         o%parameter = numbers(1)
+         o%period = numbers(2)
+         o%residual = numbers(3)
+         at%way = numbers(4)
+         o%periods = nint(numbers(5))
+         o%iterations = nint(numbers(6))
+         at%kind = nint(numbers(7))
+         at%root = nint(numbers(8))
+         at%begins_anew = nint(numbers(9)) /= 0
+         o%y = numbers(n_kept + 1:n_kept + n)
+         o%by_parameter = numbers(n_kept + n + 1:n_kept + 2*n)
+         o%tangent = numbers(n_kept + 2*n + 1:n_kept + 3*n + 2)
+      end associate
+      associate (to => self%branches(branch + 1))
+         call keep_point(to%points, to%n, at)
+      end associate
+   end subroutine evl_orbits_put
+
+   subroutine evl_orbits_walk(handle, walk) bind(c)
+      type(c_walk), intent(out) :: walk
+      include "api/orbits_of_handle.inc"
+
+      walk = c_walk(self%walk%step, self%walk%crawls, self%walk%n_ordinary, self%before, merge(1, 0, self%walk%is_smooth))
+   end subroutine evl_orbits_walk
+
+   integer(c_int) function evl_orbits_go_on(handle, walk, status) result(code) bind(c)
+      type(c_walk), intent(in) :: walk
+      type(c_status), intent(inout), optional :: status
+      type(status_t) :: s
+      include "api/orbits_of_handle.inc"
+
+      associate (branch => self%branches(self%n_branches))
+         call complete(self, branch%points(1), s)
+         if (.not. has_failed(s)) call complete(self, branch%points(branch%n), s)
+         self%walk%first = branch%points(1)
+         self%walk%now = branch%points(branch%n)
+         self%walk%step = walk%step
+         self%walk%crawls = walk%crawls
+         self%walk%n_ordinary = walk%n_ordinary
+         self%walk%is_smooth = walk%is_smooth /= 0
+         self%walk%is_over = .false.
+         self%before = walk%before
+         self%walk%told = before_end([branch_point ::], branch%points(:branch%n))
+         if (self%before > 0 .and. .not. has_failed(s)) then
+            call complete(self, branch%points(self%before), s)
+            self%walk%before = branch%points(self%before)%orbit
+         end if
+      end associate
+      code = answer(s, status)
+   end function evl_orbits_go_on
 
 end module evl_orbits_session

@@ -45,32 +45,31 @@ module evl_case_table
                              row_t("housing", type_block, "", "how the housing moves", default="{kind: fixed}", holds="housing"), &
                              row_t("simulation", type_block, "", "what to compute", required=.true., holds="simulation")]
 
-   type(row_t), parameter :: simulation_rows(*) = [ &
-                             row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true., &
-                                   plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
-             row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration; or else `output`", &
-                                   range=positive, &
-                                   plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
-                  row_t("output", type_block, "", "where outputs stand: one of interval, per_pitch and per_turn", holds="output"), &
-                             row_t("outputs", type_text, "", "which variables over time a history has: names of variables and of" &
-                                   //" groups, with commas between them; all if not given"), &
-                             row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
-                                   range=range_t(1e-14_wp, 0.001_wp), default="1e-9", variants="-accuracy"), &
-                      row_t("accuracy", type_number, "", "error wanted of a penetration, over the largest: stated in place of the" &
-                                   //" tolerance, which follows for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
-                             row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
-                          row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
-                                   //" found if not given", holds="numbers"), &
-                             row_t("integrator", type_choice, "", &
-                          "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
-                                   //" not mounted, where it is taken unless this says ida", &
-                                   words="ida radau"), &
-                             row_t("max_step", type_number, "s", "longest step of the integrator, or none: as long as the errors" &
-                                   //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none", &
-                                   plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
-                             row_t("max_steps", type_number, "", "steps after which a run gives up, and a thousandth of them, at" &
-                                   //" least 1e6, within a millionth of the run; 1e9 if not given, or none: no such limit", &
-                                   range=range_t(1.0_wp, 1.0e15_wp), words="none")]
+   type(row_t), parameter :: &
+      simulation_rows(*) = [ &
+      row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true., &
+            plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
+      row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration; or else `output`", &
+            range=positive, plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
+      row_t("output", type_block, "", "where outputs stand: one of interval, per_pitch and per_turn", holds="output"), &
+      row_t("outputs", type_text, "", "which variables over time a history has: names of variables and of" &
+            //" groups, with commas between them; all if not given"), &
+      row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
+            range=range_t(1e-14_wp, 0.001_wp), default="1e-9", variants="-accuracy"), &
+      row_t("accuracy", type_number, "", "error wanted of a penetration, over the largest: stated in place of the" &
+            //" tolerance, which follows for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
+      row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
+      row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
+            //" found if not given", holds="numbers"), &
+      row_t("integrator", type_choice, "", &
+            "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
+            //" not mounted, where it is taken unless this says ida", words="ida radau"), &
+      row_t("max_step", type_number, "s", "longest step of the integrator, or none: as long as the errors" &
+            //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none", &
+            plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
+      row_t("max_steps", type_number, "", "steps after which a run gives up, and a thousandth of them, at" &
+            //" least 1e6, within a millionth of the run; 1e9 if not given, or none: no such limit", &
+            range=range_t(1.0_wp, 1.0e15_wp), words="none")]
 
    type(row_t), parameter :: output_rows(*) = [ &
                              row_t("interval", type_number, "s", "the same as `output_interval`", range=positive, &
@@ -81,19 +80,17 @@ module evl_case_table
                              row_t("per_turn", type_integer, "", "outputs in a turn of a wheel", range=some_outputs), &
                              row_t("wheel", type_reference, "", "the wheel that turns", holds="wheels", variants="+per_turn")]
 
-   type(row_t), parameter :: numbers_rows(*) = [ &
-                             row_t("from", type_number, "s", "the window begins with the first whole period from here on; half of" &
-                                   //" the duration if not given", range=not_negative, &
-                                   plausible=span_t(0.0_wp, 1.0e5_wp)), &
-                             row_t("to", type_number, "s", "and ends with the last one before; the end of the case if not given", &
-                                   range=positive, &
-                                   plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
-                             row_t("pitches_of", type_reference, "", "mesh whose pitches are the periods; the first one if" &
-                                   //" nothing else is said", holds="meshes"), &
-                             row_t("turns_of", type_reference, "", "wheel whose turns are the periods instead", holds="wheels")]
+   type(row_t), parameter :: &
+      numbers_rows(*) = [ &
+      row_t("from", type_number, "s", "the window begins with the first whole period from here on; half of" &
+            //" the duration if not given", range=not_negative, plausible=span_t(0.0_wp, 1.0e5_wp)), &
+      row_t("to", type_number, "s", "and ends with the last one before; the end of the case if not given", range=positive, &
+            plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
+      row_t("pitches_of", type_reference, "", "mesh whose pitches are the periods; the first one if"//" nothing else is said", &
+            holds="meshes"), &
+      row_t("turns_of", type_reference, "", "wheel whose turns are the periods instead", holds="wheels")]
 
-   type(row_t), parameter :: support_rows(*) = [ &
-                             row_t("kind", type_choice, "", "", default="fixed")]
+   type(row_t), parameter :: support_rows(*) = [row_t("kind", type_choice, "", "", default="fixed")]
 
    type(row_t), parameter :: load_rows(*) = [ &
                              row_t("kind", type_choice, "", "", required=.true.), &

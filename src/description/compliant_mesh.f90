@@ -63,8 +63,7 @@ contains
       subroutine check_edges()
          call mesh%inner("contact", contact)
          if (contact%word("law") /= "johnson") then
-            call refuse("tip edges need contact {law: johnson}, not "//trim(contact%word("law")), &
-                        "edge_contact")
+            call refuse("tip edges need contact {law: johnson}, not "//trim(contact%word("law")), "edge_contact")
          else if (mesh%tracking /= tracking_closed_form) then
             call refuse("tip edges need tracking: closed_form", "edge_contact")
          else if (.not. all(gearbox%gears([mesh%driving, mesh%driven])%normal_module > 0)) then

@@ -189,7 +189,9 @@ contains
       end associate
       contact%k_a0 = pair%centre_a + pair%base_radius_a*contact%t_0
       tau = pair%tooth_angle_a
-      if (.not. tau > 0) tau = even_tooth_angle(pair)
+      ! if it is not known, both wheels' teeth are equally thick on the pitch circles
+      if (.not. tau > 0) tau = (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2/pair%pitch_radius_a &
+                               + 2*(tan(pair%alpha_w) - pair%alpha_w)
       contact%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
       contact%tooth_b = contact%tooth_b - contact%tooth_sign
       if (.not. contact%handover) return
@@ -199,15 +201,6 @@ contains
       contact%tooth_a = contact%tooth_a + passed*contact%tooth_sign
       contact%tooth_b = contact%tooth_b - passed*contact%tooth_sign
    end subroutine take_coast
-
-   !> Angle that a tooth of the driving wheel fills on its base circle if both wheels' teeth are equally thick on the pitch circles.
-   pure real(wp) function even_tooth_angle(pair) result(tau)
-      type(spur_pair_t), intent(in) :: pair
-
-      associate (thickness => (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2)
-         tau = thickness/pair%pitch_radius_a + 2*(tan(pair%alpha_w) - pair%alpha_w)
-      end associate
-   end function even_tooth_angle
 
    !> The common width of two wheels is the overlap of their faces.
    subroutine take_overlap(wheels, a, b, contact, status)
@@ -225,9 +218,8 @@ contains
       contact%axial_position = (low + high)/2
       if (contact%width > 0) return
       call fail(status, code_invalid_input, "the faces of the two wheels of a mesh do not overlap: one is at z = " &
-                //quantity(z(1), "m")//" and "//quantity(width(1), "m")//" wide, the other at z = " &
-                //quantity(z(2), "m")//" and "//quantity(width(2), "m")//" wide", subject_wheel, b, &
-                "axial_position")
+                //quantity(z(1), "m")//" and "//quantity(width(1), "m")//" wide, the other at z = "//quantity(z(2), "m")//" and " &
+                //quantity(width(2), "m")//" wide", subject_wheel, b, "axial_position")
    end subroutine take_overlap
 
    !> The wheel that each rigid mesh determines when it is closed. Wheels that rigid meshes join move as one: each such group is
@@ -304,8 +296,7 @@ contains
       if (contact%i_track > 0) &
          contact%links = [contact%links, (local_link(at_track + i, contact%i_track + i, 1.0_wp), i=0, n_track - 1)]
       contact%axles_rest = gearbox%wheels(contact%wheel_a)%support%n == 0 .and. gearbox%wheels(contact%wheel_b)%support%n == 0
-      if (contact%axles_rest) &
-         call find_tangent_line(contact%pair%r_b, contact%pair%rho_0, 0.0_wp, 0.0_wp, contact%rest_line)
+      if (contact%axles_rest) call find_tangent_line(contact%pair%r_b, contact%pair%rho_0, 0.0_wp, 0.0_wp, contact%rest_line)
    end subroutine link_states
 
    !> What a tooth contact has to know of a wheel's motion.

@@ -1,13 +1,12 @@
 !> A description as it comes from outside: whether its entries are what the rows ask for, and where each of them stands.
 module evl_description_check
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_given, only: description_t, entry_t
    use evl_kinds, only: wp
    use evl_number_text, only: write_integer
    use evl_row, only: is_in_range, range_error, row_t, type_at_knots, type_block, type_choice, type_knots, type_list, type_map, &
                       type_named, type_size
-   use evl_status, only: code_invalid_input, fail, field_length, has_failed, quantity, status_t, subject_housing, &
-                         subject_initial, subject_mesh, subject_none, subject_wheel
+   use evl_status, only: code_invalid_input, fail, field_length, has_failed, quantity, status_t, subject_housing, subject_initial, &
+                         subject_mesh, subject_none, subject_wheel
    implicit none (type, external)
    private
 

@@ -12,32 +12,30 @@ module evl_deviation_description
    public :: deviation_create, has_deviation, profile_t
 
    ! what a case says of the flanks of a wheel
-   type(row_t), parameter, public :: deviation_rows(*) = [ &
-                    row_t("tip_relief", type_block, "", "material taken off towards the tip", holds="relief", variants="+module"), &
-                row_t("root_relief", type_block, "", "material taken off towards the start of the active profile", holds="relief", &
-                                           variants="+module"), &
-                                     row_t("profile_crowning", type_number, "m", &
-                "material taken off at both ends of the active profile, C_alpha; a parabola, 0 in the middle", range=not_negative, &
-                                           default="0", variants="+module", &
-                                           plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
-                                     row_t("pitch_errors", type_series, "m", &
-                            "cumulative position deviation of each tooth, arc on the reference circle, counterclockwise positive", &
-                                           variants="+module", &
-                                           plausible=span_t(0.0_wp, 1.0e-3_wp)), &
-         row_t("accuracy", type_block, "", "pitch errors from a flank tolerance class, instead of pitch_errors", holds="accuracy", &
-                                           variants="+module"), &
-                        row_t("runout", type_block, "", "the teeth's centre lies off the axle", holds="runout", variants="+module")]
+   type(row_t), parameter, public :: &
+      deviation_rows(*) = [ &
+      row_t("tip_relief", type_block, "", "material taken off towards the tip", holds="relief", variants="+module"), &
+      row_t("root_relief", type_block, "", "material taken off towards the start of the active profile", holds="relief", &
+            variants="+module"), &
+      row_t("profile_crowning", type_number, "m", &
+            "material taken off at both ends of the active profile, C_alpha; a parabola, 0 in the middle", range=not_negative, &
+            default="0", variants="+module", plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
+      row_t("pitch_errors", type_series, "m", &
+            "cumulative position deviation of each tooth, arc on the reference circle, counterclockwise positive", &
+            variants="+module", plausible=span_t(0.0_wp, 1.0e-3_wp)), &
+      row_t("accuracy", type_block, "", "pitch errors from a flank tolerance class, instead of pitch_errors", holds="accuracy", &
+            variants="+module"), &
+      row_t("runout", type_block, "", "the teeth's centre lies off the axle", holds="runout", variants="+module")]
 
-   type(row_t), parameter, public :: relief_rows(*) = [ &
-           row_t("amount", type_number, "m", "material taken off at the end of the profile, along the normal", range=not_negative, &
-                                           required=.true., &
-                                           plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
-                                     row_t("diameter", type_number, "m", "diameter at which it starts", range=positive, &
-                                           plausible=span_t(1.0e-4_wp, 5.0_wp)), &
-                 row_t("roll_angle", type_number, "deg", "roll angle at which it starts; either this or diameter", range=positive, &
-                                           plausible=span_t(0.1_wp, 90.0_wp)), &
-                  row_t("shape", type_choice, "", "over the roll angle; parabolic: without a kink at its start", default="linear", &
-                                           words="linear parabolic")]
+   type(row_t), parameter, public :: &
+      relief_rows(*) = [ &
+      row_t("amount", type_number, "m", "material taken off at the end of the profile, along the normal", range=not_negative, &
+            required=.true., plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
+      row_t("diameter", type_number, "m", "diameter at which it starts", range=positive, plausible=span_t(1.0e-4_wp, 5.0_wp)), &
+      row_t("roll_angle", type_number, "deg", "roll angle at which it starts; either this or diameter", range=positive, &
+            plausible=span_t(0.1_wp, 90.0_wp)), &
+      row_t("shape", type_choice, "", "over the roll angle; parabolic: without a kink at its start", default="linear", &
+            words="linear parabolic")]
 
    type(row_t), parameter, public :: accuracy_rows(*) = [ &
                         row_t("class", type_integer, "", "flank tolerance class, ISO 1328-1:2013", range=range_t(1.0_wp, 11.0_wp), &
@@ -45,13 +43,12 @@ module evl_deviation_description
                           row_t("seed", type_integer, "", "chooses the random numbers; the same for two wheels: the same numbers", &
                                            range=range_t(0.0_wp, 1000000000.0_wp), default="0")]
 
-   type(row_t), parameter, public :: runout_rows(*) = [ &
-               row_t("amount", type_number, "m", "eccentricity e_c: about half of the measured radial runout", range=not_negative, &
-                                           required=.true., &
-                                           plausible=span_t(1.0e-8_wp, 2.0e-3_wp)), &
-                                  row_t("phase", type_number, "deg", "its direction from the middle of tooth 0, counterclockwise", &
-                                           range=range_t(-360.0_wp, 360.0_wp), default="0", &
-                                           plausible=span_t(0.0_wp, 360.0_wp))]
+   type(row_t), parameter, public :: &
+      runout_rows(*) = [ &
+      row_t("amount", type_number, "m", "eccentricity e_c: about half of the measured radial runout", range=not_negative, &
+            required=.true., plausible=span_t(1.0e-8_wp, 2.0e-3_wp)), &
+      row_t("phase", type_number, "deg", "its direction from the middle of tooth 0, counterclockwise", &
+            range=range_t(-360.0_wp, 360.0_wp), default="0", plausible=span_t(0.0_wp, 360.0_wp))]
 
    real(wp), parameter :: largest = 0.1_wp !! deviations in modules: more is refused
 

@@ -53,14 +53,12 @@ contains
 
       call root%all_of(description)
       call read_description(root, wheels, meshes, gearbox%shafts, status)
-      if (has_failed(status)) return
-      call housing_create(root, gearbox%housing, status)
+      if (.not. has_failed(status)) call housing_create(root, gearbox%housing, status)
       if (has_failed(status)) return
       allocate (gearbox%wheels(size(wheels)), gearbox%pairs(size(meshes)))
       allocate (gearbox%warnings(0))
       call loads_build(wheels, gearbox%loads, status)
-      if (has_failed(status)) return
-      call rotors_join(gearbox, status)
+      if (.not. has_failed(status)) call rotors_join(gearbox, status)
       if (has_failed(status)) return
       allocate (gearbox%gears(size(wheels)), gearbox%gear_meshes(size(meshes)))
       call gears_build(wheels, meshes, gearbox%gears, gearbox%gear_meshes, gearbox%warnings, status)
@@ -88,10 +86,8 @@ contains
          if (has_failed(status)) return
       end do
       call place_teeth(meshes, gearbox, status)
-      if (has_failed(status)) return
-      call gearbox_set_deviations(gearbox, wheels, meshes, status)
-      if (has_failed(status)) return
-      call take_compliances(wheels, meshes, store, gearbox, status)
+      if (.not. has_failed(status)) call gearbox_set_deviations(gearbox, wheels, meshes, status)
+      if (.not. has_failed(status)) call take_compliances(wheels, meshes, store, gearbox, status)
       if (has_failed(status)) return
       call list_contacts(gearbox, wheels, meshes)
       call number_states(gearbox)
@@ -104,8 +100,7 @@ contains
       if (has_failed(status)) return
       call gearbox_set_nominal(gearbox)
       call gearbox_set_scales(gearbox, status)
-      if (has_failed(status)) return
-      call gearbox_set_references(gearbox, status)
+      if (.not. has_failed(status)) call gearbox_set_references(gearbox, status)
       if (has_failed(status)) return
       do i = 1, size(meshes)
          call check_contact_width(gearbox, i)

@@ -22,40 +22,37 @@ module evl_gearbox_description
 
    public :: mesh_input, read_description, wheel_input
 
-   type(row_t), parameter, public :: wheel_rows(*) = [ &
-                                     row_t("name", type_name, "", "name in references, paths and the history", required=.true.), &
-                                 row_t("teeth", type_integer, "", "number of teeth z; a wheel without teeth is a disc on a shaft", &
-                                           range=range_t(3.0_wp, 10000.0_wp)), &
-                                     row_t("pitch_radius", type_number, "m", &
-                             "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a real gear", &
-                                           range=positive, &
-                                           plausible=span_t(1.0e-4_wp, 2.5_wp)), &
-                                     gear_rows, &
-                                     deviation_rows, &
-                                     row_t("compliance", type_block, "", &
-                                           "how teeth and body give way; without it only the contact is soft", holds="compliance", &
-                                           variants="+module"), &
-                                     row_t("width", type_number, "m", "face width", range=positive, required=.true., &
-                                           plausible=span_t(1.0e-5_wp, 1.0_wp)), &
-                               row_t("centre", type_pair, "m", "reference position of the axle; otherwise it follows from a mesh", &
-                                           plausible=span_t(0.0_wp, 20.0_wp)), &
-                                row_t("material", type_reference, "", "name of its material", required=.true., holds="materials"), &
-                                     row_t("inertia", type_number, "kg m2", &
-                  "moment of inertia about the axle; otherwise that of a disc of the pitch radius, less its bore", range=positive, &
-                                           plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
-             row_t("mass", type_number, "kg", "mass; otherwise that of a disc of the pitch radius, less its bore", range=positive, &
-                                           plausible=span_t(1.0e-7_wp, 5000.0_wp)), &
-                                     row_t("transverse_inertia", type_number, "kg m2", &
-                   "moment of inertia about a diameter; otherwise that of a disc or ring of its mass and inertia", range=positive, &
-                                           plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
-             row_t("axial_position", type_number, "m", "z of the middle of the face; the faces of wheels in mesh have to overlap", &
-                                           default="0", &
-                                           plausible=span_t(0.0_wp, 20.0_wp)), &
-                               row_t("support", type_block, "", "how the axle is held", default="{kind: fixed}", holds="support"), &
-                          row_t("loads", type_list, "", "what acts on the wheel; torques add up", range=range_t(0.0_wp, 100.0_wp), &
-                                           default="[]", holds="load"), &
-              row_t("radius", type_number, "m", "radius of a disc, for mass and inertia where they are not given", range=positive, &
-                                           plausible=span_t(1.0e-4_wp, 5.0_wp))]
+   type(row_t), parameter, public :: &
+      wheel_rows(*) = [ &
+      row_t("name", type_name, "", "name in references, paths and the history", required=.true.), &
+      row_t("teeth", type_integer, "", "number of teeth z; a wheel without teeth is a disc on a shaft", &
+            range=range_t(3.0_wp, 10000.0_wp)), &
+      row_t("pitch_radius", type_number, "m", &
+            "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a real gear", range=positive, &
+            plausible=span_t(1.0e-4_wp, 2.5_wp)), &
+      gear_rows, &
+      deviation_rows, &
+      row_t("compliance", type_block, "", "how teeth and body give way; without it only the contact is soft", holds="compliance", &
+            variants="+module"), &
+      row_t("width", type_number, "m", "face width", range=positive, required=.true., plausible=span_t(1.0e-5_wp, 1.0_wp)), &
+      row_t("centre", type_pair, "m", "reference position of the axle; otherwise it follows from a mesh", &
+            plausible=span_t(0.0_wp, 20.0_wp)), &
+      row_t("material", type_reference, "", "name of its material", required=.true., holds="materials"), &
+      row_t("inertia", type_number, "kg m2", &
+            "moment of inertia about the axle; otherwise that of a disc of the pitch radius, less its bore", range=positive, &
+            plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
+      row_t("mass", type_number, "kg", "mass; otherwise that of a disc of the pitch radius, less its bore", range=positive, &
+            plausible=span_t(1.0e-7_wp, 5000.0_wp)), &
+      row_t("transverse_inertia", type_number, "kg m2", &
+            "moment of inertia about a diameter; otherwise that of a disc or ring of its mass and inertia", range=positive, &
+            plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
+      row_t("axial_position", type_number, "m", "z of the middle of the face; the faces of wheels in mesh have to overlap", &
+            default="0", plausible=span_t(0.0_wp, 20.0_wp)), &
+      row_t("support", type_block, "", "how the axle is held", default="{kind: fixed}", holds="support"), &
+      row_t("loads", type_list, "", "what acts on the wheel; torques add up", range=range_t(0.0_wp, 100.0_wp), default="[]", &
+            holds="load"), &
+      row_t("radius", type_number, "m", "radius of a disc, for mass and inertia where they are not given", range=positive, &
+            plausible=span_t(1.0e-4_wp, 5.0_wp))]
 
    type(row_t), parameter, public :: material_rows(*) = [ &
                                   row_t("youngs_modulus", type_number, "Pa", "Young's modulus E", range=positive, required=.true., &
@@ -66,38 +63,37 @@ module evl_gearbox_description
                                            required=.true., &
                                            plausible=span_t(100.0_wp, 25000.0_wp))]
 
-   type(row_t), parameter, public :: mesh_rows(*) = [ &
-                                     row_t("name", type_name, "", "name in paths and the history", default="{driving}-{driven}"), &
-                               row_t("driving", type_reference, "", "name of the driving wheel", required=.true., holds="wheels"), &
-                                 row_t("driven", type_reference, "", "name of the driven wheel", required=.true., holds="wheels"), &
-              row_t("driving_rotation", type_choice, "", "nominal sense of the driving wheel; selects the flank", required=.true., &
-                                           words="clockwise counterclockwise"), &
-                                     row_t("centre_line_angle", type_number, "deg", &
-                                           "direction from the driving to the driven axle; otherwise it follows from the centres", &
-                                           range=range_t(-360.0_wp, 360.0_wp), &
-                                           plausible=span_t(0.0_wp, 360.0_wp)), &
-                                     row_t("pressure_angle", type_number, "deg", &
-                         "working pressure angle between wheels without module; paper_rule: 1.05 times the smallest possible one", &
-                     range=range_t(minimum=0.0_wp, maximum=90.0_wp, minimum_open=.true., maximum_open=.true.), words="paper_rule", &
-                                           plausible=span_t(5.0_wp, 45.0_wp)), &
-                                     row_t("centre_distance", type_number, "m", &
-                "centre distance a_w of two real gears; otherwise from backlash, or else from the profile shifts", range=positive, &
-                                           plausible=span_t(2.0e-4_wp, 10.0_wp)), &
-                                     row_t("backlash", type_number, "m", &
-                                  "normal backlash j_bn; gives two real gears their centre distance, other wheels a second flank", &
-                                           range=not_negative, &
-                                           plausible=span_t(0.0_wp, 0.01_wp)), &
-                              row_t("contact", type_block, "", "normal elastic force", default="{law: johnson}", holds="contact"), &
-                                 row_t("damping", type_block, "", "normal viscous force", default="{law: none}", holds="damping"), &
-                                   row_t("friction", type_block, "", "tangential force", default="{law: none}", holds="friction"), &
-                                     row_t("tooth_coupling", type_choice, "", &
-                         "whether teeth yield to the loads of their neighbours; otherwise where the wheels' compliances know how", &
-                                           words="true false"), &
-                                     row_t("edge_contact", type_choice, "", &
-                         "whether tip edges touch before and after the path of contact; otherwise where a wheel has a compliance", &
-                                           words="true false"), &
-                                  row_t("tracking", type_choice, "", "how the points of contact are found", default="closed_form", &
-                                           words="closed_form algebraic differential")]
+   type(row_t), parameter, public :: &
+      mesh_rows(*) = [ &
+      row_t("name", type_name, "", "name in paths and the history", default="{driving}-{driven}"), &
+      row_t("driving", type_reference, "", "name of the driving wheel", required=.true., holds="wheels"), &
+      row_t("driven", type_reference, "", "name of the driven wheel", required=.true., holds="wheels"), &
+      row_t("driving_rotation", type_choice, "", "nominal sense of the driving wheel; selects the flank", required=.true., &
+            words="clockwise counterclockwise"), &
+      row_t("centre_line_angle", type_number, "deg", &
+            "direction from the driving to the driven axle; otherwise it follows from the centres", &
+            range=range_t(-360.0_wp, 360.0_wp), plausible=span_t(0.0_wp, 360.0_wp)), &
+      row_t("pressure_angle", type_number, "deg", &
+            "working pressure angle between wheels without module; paper_rule: 1.05 times the smallest possible one", &
+            range=range_t(minimum=0.0_wp, maximum=90.0_wp, minimum_open=.true., maximum_open=.true.), words="paper_rule", &
+            plausible=span_t(5.0_wp, 45.0_wp)), &
+      row_t("centre_distance", type_number, "m", &
+            "centre distance a_w of two real gears; otherwise from backlash, or else from the profile shifts", range=positive, &
+            plausible=span_t(2.0e-4_wp, 10.0_wp)), &
+      row_t("backlash", type_number, "m", &
+            "normal backlash j_bn; gives two real gears their centre distance, other wheels a second flank", range=not_negative, &
+            plausible=span_t(0.0_wp, 0.01_wp)), &
+      row_t("contact", type_block, "", "normal elastic force", default="{law: johnson}", holds="contact"), &
+      row_t("damping", type_block, "", "normal viscous force", default="{law: none}", holds="damping"), &
+      row_t("friction", type_block, "", "tangential force", default="{law: none}", holds="friction"), &
+      row_t("tooth_coupling", type_choice, "", &
+            "whether teeth yield to the loads of their neighbours; otherwise where the wheels' compliances know how", &
+            words="true false"), &
+      row_t("edge_contact", type_choice, "", &
+            "whether tip edges touch before and after the path of contact; otherwise where a wheel has a compliance", &
+            words="true false"), &
+      row_t("tracking", type_choice, "", "how the points of contact are found", default="closed_form", &
+            words="closed_form algebraic differential")]
 
    !> A wheel as given, and what of it is asked of many.
    type, extends(given_t) :: wheel_input

@@ -1,6 +1,5 @@
 !> The description that a housing is made from, and whether its numbers are in range.
 module evl_housing_description
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_accelerometer, only: accelerometer_take
    use evl_given, only: given_t
    use evl_housing, only: housing_fixed, housing_mounted, housing_prescribed, housing_t
@@ -17,61 +16,53 @@ module evl_housing_description
    real(wp), parameter :: rounding = 1.0e-12_wp !! relative: a flat body meets the triangle inequality with equality
 
    ! what a case says of the housing and its mount
-   type(row_t), parameter, public :: housing_rows(*) = [ &
-                               row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
-                                           words="fixed prescribed mounted"), &
-                                   row_t("translation", type_list, "", "position of the origin in the ground frame; terms add up", &
-                                       range=range_t(0.0_wp, 100.0_wp), default="[]", holds="translation", variants="prescribed"), &
-                            row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms add up", &
-                                          range=range_t(0.0_wp, 100.0_wp), default="[]", holds="rotation", variants="prescribed"), &
-         row_t("mass", type_number, "kg", "mass without wheels and supports", range=positive, required=.true., variants="mounted", &
-                                           plausible=span_t(1.0e-3_wp, 1.0e6_wp)), &
-         row_t("centre_of_mass", type_triple, "m", "centre of mass in the housing frame", default="[0, 0, 0]", variants="mounted", &
-                                           plausible=span_t(0.0_wp, 20.0_wp)), &
-                                     row_t("inertia", type_triple, "kg m2", &
-                              "elements xx, yy, zz of the inertia tensor about the centre of mass, housing frame", range=positive, &
-                                           required=.true., variants="mounted", &
-                                           plausible=span_t(1.0e-9_wp, 1.0e7_wp)), &
-                                     row_t("products_of_inertia", type_triple, "kg m2", &
-                                 "elements xy, yz, xz of the tensor: minus the integral of xy dm, and so on", default="[0, 0, 0]", &
-                                           variants="mounted", &
-                                           plausible=span_t(0.0_wp, 1.0e7_wp)), &
-             row_t("mount", type_block, "", "springs and dampers to the ground", default="{}", holds="mount", variants="mounted"), &
-                       row_t("force", type_triple, "N", "constant force at the centre of mass, ground frame", default="[0, 0, 0]", &
-                                           variants="mounted", &
-                                           plausible=span_t(0.0_wp, 1.0e7_wp)), &
-                     row_t("moment", type_triple, "N m", "constant moment, ground frame", default="[0, 0, 0]", variants="mounted", &
-                                           plausible=span_t(0.0_wp, 1.0e7_wp)), &
-                     row_t("position", type_triple, "m", "position of the origin at the start, ground frame", default="[0, 0, 0]", &
-                                           variants="mounted", &
-                                           plausible=span_t(0.0_wp, 1000.0_wp)), &
-                                     row_t("orientation", type_quaternion, "", &
-                                 "quaternion at the start, of any length but 0; it turns the ground frame into the housing frame", &
-                                           default="[1, 0, 0, 0]", variants="mounted"), &
-                   row_t("velocity", type_triple, "m/s", "velocity of the origin at the start, ground frame", default="[0, 0, 0]", &
-                                           variants="mounted", &
-                                           plausible=span_t(0.0_wp, 300.0_wp)), &
-              row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
-                                           variants="mounted", &
-                                           plausible=span_t(0.0_wp, 1000.0_wp)), &
-                                     row_t("accelerometers", type_list, "", "points whose acceleration is told", &
-                                           range=range_t(0.0_wp, 100.0_wp), default="[]", holds="accelerometer", &
-                                           variants="prescribed mounted")]
+   type(row_t), parameter, public :: &
+      housing_rows(*) = [ &
+      row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
+            words="fixed prescribed mounted"), &
+      row_t("translation", type_list, "", "position of the origin in the ground frame; terms add up", &
+            range=range_t(0.0_wp, 100.0_wp), default="[]", holds="translation", variants="prescribed"), &
+      row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms add up", &
+            range=range_t(0.0_wp, 100.0_wp), default="[]", holds="rotation", variants="prescribed"), &
+      row_t("mass", type_number, "kg", "mass without wheels and supports", range=positive, required=.true., variants="mounted", &
+            plausible=span_t(1.0e-3_wp, 1.0e6_wp)), &
+      row_t("centre_of_mass", type_triple, "m", "centre of mass in the housing frame", default="[0, 0, 0]", variants="mounted", &
+            plausible=span_t(0.0_wp, 20.0_wp)), &
+      row_t("inertia", type_triple, "kg m2", "elements xx, yy, zz of the inertia tensor about the centre of mass, housing frame", &
+            range=positive, required=.true., variants="mounted", plausible=span_t(1.0e-9_wp, 1.0e7_wp)), &
+      row_t("products_of_inertia", type_triple, "kg m2", &
+            "elements xy, yz, xz of the tensor: minus the integral of xy dm, and so on", default="[0, 0, 0]", variants="mounted", &
+            plausible=span_t(0.0_wp, 1.0e7_wp)), &
+      row_t("mount", type_block, "", "springs and dampers to the ground", default="{}", holds="mount", variants="mounted"), &
+      row_t("force", type_triple, "N", "constant force at the centre of mass, ground frame", default="[0, 0, 0]", &
+            variants="mounted", plausible=span_t(0.0_wp, 1.0e7_wp)), &
+      row_t("moment", type_triple, "N m", "constant moment, ground frame", default="[0, 0, 0]", variants="mounted", &
+            plausible=span_t(0.0_wp, 1.0e7_wp)), &
+      row_t("position", type_triple, "m", "position of the origin at the start, ground frame", default="[0, 0, 0]", &
+            variants="mounted", plausible=span_t(0.0_wp, 1000.0_wp)), &
+      row_t("orientation", type_quaternion, "", &
+            "quaternion at the start, of any length but 0; it turns the ground frame into the housing frame", &
+            default="[1, 0, 0, 0]", variants="mounted"), &
+      row_t("velocity", type_triple, "m/s", "velocity of the origin at the start, ground frame", default="[0, 0, 0]", &
+            variants="mounted", plausible=span_t(0.0_wp, 300.0_wp)), &
+      row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
+            variants="mounted", plausible=span_t(0.0_wp, 1000.0_wp)), &
+      row_t("accelerometers", type_list, "", "points whose acceleration is told", range=range_t(0.0_wp, 100.0_wp), default="[]", &
+            holds="accelerometer", variants="prescribed mounted")]
 
-   type(row_t), parameter, public :: mount_rows(*) = [ &
-                                     row_t("point", type_triple, "m", &
-                               "where it holds the housing, housing frame; without force where housing and ground frame coincide", &
-                                           default="[0, 0, 0]", &
-                                           plausible=span_t(0.0_wp, 20.0_wp)), &
-                        row_t("stiffness", type_triple, "N/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]", &
-                                           plausible=span_t(1.0_wp, 1.0e12_wp)), &
-                        row_t("damping", type_triple, "N s/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]", &
-                                           plausible=span_t(1.0e-3_wp, 1.0e9_wp)), &
-                   row_t("rotational_stiffness", type_triple, "N m/rad", "about x, y, z", range=not_negative, default="[0, 0, 0]", &
-                                           plausible=span_t(1.0e-3_wp, 1.0e10_wp)), &
-                          row_t("rotational_damping", type_triple, "N m s/rad", "about the housing's x, y, z", range=not_negative, &
-                                           default="[0, 0, 0]", &
-                                           plausible=span_t(1.0e-6_wp, 1.0e8_wp))]
+   type(row_t), parameter, public :: &
+      mount_rows(*) = [ &
+      row_t("point", type_triple, "m", &
+            "where it holds the housing, housing frame; without force where housing and ground frame coincide", &
+            default="[0, 0, 0]", plausible=span_t(0.0_wp, 20.0_wp)), &
+      row_t("stiffness", type_triple, "N/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]", &
+            plausible=span_t(1.0_wp, 1.0e12_wp)), &
+      row_t("damping", type_triple, "N s/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]", &
+            plausible=span_t(1.0e-3_wp, 1.0e9_wp)), &
+      row_t("rotational_stiffness", type_triple, "N m/rad", "about x, y, z", range=not_negative, default="[0, 0, 0]", &
+            plausible=span_t(1.0e-3_wp, 1.0e10_wp)), &
+      row_t("rotational_damping", type_triple, "N m s/rad", "about the housing's x, y, z", range=not_negative, &
+            default="[0, 0, 0]", plausible=span_t(1.0e-6_wp, 1.0e8_wp))]
 
 contains
 

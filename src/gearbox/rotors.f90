@@ -1,8 +1,7 @@
 !> Which wheels rigid shafts join to one rotor.
 module evl_rotors
    use evl_gearbox, only: gearbox_t
-   use evl_joined, only: joined_to
-   use evl_places, only: places
+   use evl_places, only: joined_to, places
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_load, subject_shaft
    implicit none (type, external)
    private

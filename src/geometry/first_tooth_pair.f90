@@ -65,11 +65,10 @@ contains
       do while (.not. all(done))
          m = next_mesh()
          call place(meshes(m), base_radius, tooth_angle, teeth, placed, middle, phases(m))
-         if (phases(m)%gap > max(meshes(m)%backlash, 0.0_wp) + agreement*meshes(m)%base_pitch) then
+         if (phases(m)%gap > max(meshes(m)%backlash, 0.0_wp) + agreement*meshes(m)%base_pitch) &
             call fail(status, code_invalid_input, "it closes a loop whose teeth do not fit: a gap of " &
                       //quantity(phases(m)%gap, "m")//" is left between its flanks, more than its backlash of " &
                       //quantity(meshes(m)%backlash, "m")//", and a tooth further they overlap", subject_mesh, m)
-         end if
          if (has_failed(status)) return
          done(m) = .true.
       end do

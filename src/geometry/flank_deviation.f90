@@ -25,7 +25,7 @@ module evl_flank_deviation
 
    public :: flank_branch, flank_deviation_t, flank_slope, relief_t
    public :: deviation_borders, deviation_branch, deviation_on, deviation_zone, has_corner, profile_zone
-   public :: corner_in, find_slope, slope_on, take_line
+   public :: corner_in, find_slope, slope_on, take_line, teeth_differ
    public :: zone_edge, zone_end, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner
 
    integer, parameter :: zone_tip_corner = -3  !! on the corner where a linear tip relief begins
@@ -93,6 +93,13 @@ module evl_flank_deviation
    end type flank_slope
 
 contains
+
+   !> Whether the flanks of a wheel are not all the same.
+   pure logical function teeth_differ(deviation)
+      type(flank_deviation_t), intent(in) :: deviation
+
+      teeth_differ = allocated(deviation%pitch) .or. deviation%eccentricity > 0
+   end function teeth_differ
 
    include "geometry/flank_branch.inc"
 

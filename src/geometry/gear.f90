@@ -14,7 +14,6 @@
 !>
 !> Source: ISO 21771:2007, sections 4 and 5; ISO 53:1998, basic rack.
 module evl_gear
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
    use evl_given, only: given_t
    use evl_involute_angle, only: involute_of_tangent
@@ -32,33 +31,27 @@ module evl_gear
    real(wp), parameter :: thin_tip = 0.2_wp       !! tip thickness in modules: warn below
 
    ! what a case says of a wheel that is a real gear, and of its rack; lengths of the rack, x and k in modules
-   type(row_t), parameter, public :: gear_rows(*) = [ &
-                                     row_t("module", type_number, "m", &
-                        "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius", &
-                                           range=positive, &
-                                           plausible=span_t(1.0e-5_wp, 0.1_wp)), &
-           row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
-                                           default="20", variants="+module", &
-                                           plausible=span_t(10.0_wp, 35.0_wp)), &
-                row_t("profile_shift", type_number, "", "profile shift coefficient x, in modules", range=range_t(-5.0_wp, 5.0_wp), &
-                                           default="0", variants="+module"), &
-                              row_t("rack", type_block, "", "basic rack, ISO 53", default="{}", holds="rack", variants="+module"), &
-                                     row_t("tip_diameter", type_number, "m", &
-                                "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration", range=positive, &
-                                           variants="+module", &
-                                           plausible=span_t(1.0e-4_wp, 5.0_wp)), &
-                              row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
-                                           range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
-                                     row_t("tip_rounding", type_number, "m", &
-                                           "radius r_t of the arcs that round the tips; 0: sharp edges", &
-                                           range=not_negative, default="0", variants="+module", &
-                                           plausible=span_t(1.0e-7_wp, 0.02_wp)), &
-                                     row_t("thickness_allowance", type_number, "m", &
-                                       "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
-                                           range=range_t(maximum=0.0_wp), default="0", variants="+module", &
-                                           plausible=span_t(1.0e-8_wp, 0.01_wp)), &
-                      row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module", &
-                                           plausible=span_t(1.0e-5_wp, 5.0_wp))]
+   type(row_t), parameter, public :: &
+      gear_rows(*) = [ &
+      row_t("module", type_number, "m", &
+            "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius", &
+            range=positive, plausible=span_t(1.0e-5_wp, 0.1_wp)), &
+      row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
+            default="20", variants="+module", plausible=span_t(10.0_wp, 35.0_wp)), &
+      row_t("profile_shift", type_number, "", "profile shift coefficient x, in modules", range=range_t(-5.0_wp, 5.0_wp), &
+            default="0", variants="+module"), &
+      row_t("rack", type_block, "", "basic rack, ISO 53", default="{}", holds="rack", variants="+module"), &
+      row_t("tip_diameter", type_number, "m", "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration", &
+            range=positive, variants="+module", plausible=span_t(1.0e-4_wp, 5.0_wp)), &
+      row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
+            range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
+      row_t("tip_rounding", type_number, "m", "radius r_t of the arcs that round the tips; 0: sharp edges", range=not_negative, &
+            default="0", variants="+module", plausible=span_t(1.0e-7_wp, 0.02_wp)), &
+      row_t("thickness_allowance", type_number, "m", &
+            "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
+            range=range_t(maximum=0.0_wp), default="0", variants="+module", plausible=span_t(1.0e-8_wp, 0.01_wp)), &
+      row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module", &
+            plausible=span_t(1.0e-5_wp, 5.0_wp))]
 
    type(row_t), parameter, public :: rack_rows(*) = [ &
                                      row_t("addendum", type_number, "", "addendum h_aP, in modules", range=positive, default="1"), &
@@ -188,8 +181,7 @@ contains
          without_alteration = gear%reference_radius + m*(gear%profile_shift + rack%addendum)
          gear%tip_radius = without_alteration + m*gear%tip_alteration
          if (given%has("tip_diameter")) then
-            if (given%has("tip_alteration") .and. &
-                abs(diameter - 2*gear%tip_radius) > agreement*diameter) then
+            if (given%has("tip_alteration") .and. abs(diameter - 2*gear%tip_radius) > agreement*diameter) then
                call refuse(status, "tip_diameter", "tip diameter "//quantity(diameter, "m")//" does not agree with " &
                            //quantity(2*gear%tip_radius, "m")//", which follows from the rack, the profile shift and" &
                            //" tip_alteration: give one of the two")

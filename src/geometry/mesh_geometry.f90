@@ -10,7 +10,6 @@
 !>
 !> Source: I. Kosenko, I. Gusev, Implementation of the spur involute gear model on Modelica, 2011, section 7.1.
 module evl_mesh_geometry
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_kinds, only: pi, wp
    use evl_status, only: clear, code_invalid_input, degrees, fail, status_t
    implicit none (type, external)
@@ -67,8 +66,7 @@ contains
    !>
    !> Source: Kosenko & Gusev 2011, section 7.1, for any direction of the centre line and either flank.
    !> Errors: code_invalid_input with field pressure_angle. What else is given is in the ranges of its rows.
-   pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, &
-                                    pair, status)
+   pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, pair, status)
       integer, intent(in) :: teeth_a         !! z_A
       integer, intent(in) :: teeth_b         !! z_B, the same
       real(wp), intent(in) :: pitch_radius_a !! operating pitch radius of A [m], > 0

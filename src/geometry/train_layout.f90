@@ -37,16 +37,15 @@ contains
       type(status_t), intent(inout) :: status
 
       call resolve_radii(layout, status)
-      if (has_failed(status)) return
-      call resolve_ratios(layout, reference, status)
-      if (has_failed(status)) return
-      call resolve_centres(layout, status)
+      if (.not. has_failed(status)) call resolve_ratios(layout, reference, status)
+      if (.not. has_failed(status)) call resolve_centres(layout, status)
    end subroutine layout_resolve
 
    !> Pitch radii from the ratios of teeth.
    pure subroutine resolve_radii(layout, status)
       type(layout_t), intent(inout) :: layout
       type(status_t), intent(inout) :: status
+      real(wp) :: expected
       integer :: m, a, b
       logical :: found
 
@@ -73,32 +72,24 @@ contains
          return
       end do
       do m = 1, size(layout%driving)
-         if (.not. layout%has_distance(m)) call check_ratio(layout, m, status)
-         if (has_failed(status)) return
+         if (layout%has_distance(m)) cycle ! else they are as the teeth
+         associate (a => layout%driving(m), b => layout%driven(m), r => layout%pitch_radius)
+            expected = r(a)*layout%teeth(b)/layout%teeth(a)
+            if (abs(r(b) - expected) <= agreement*expected) cycle
+            call fail(status, code_invalid_input, "pitch radius "//quantity(r(b), "m")//" does not agree with " &
+                      //quantity(expected, "m")//", which the teeth and the pitch radius "//quantity(r(a), "m") &
+                      //" of its mate demand", subject_wheel, b, "pitch_radius")
+            return
+         end associate
       end do
    end subroutine resolve_radii
-
-   !> Pitch radii of two wheels in mesh are as their teeth.
-   pure subroutine check_ratio(layout, m, status)
-      type(layout_t), intent(in) :: layout
-      integer, intent(in) :: m
-      type(status_t), intent(inout) :: status
-      real(wp) :: expected
-
-      associate (a => layout%driving(m), b => layout%driven(m), r => layout%pitch_radius)
-         expected = r(a)*layout%teeth(b)/layout%teeth(a)
-         if (abs(r(b) - expected) <= agreement*expected) return
-         call fail(status, code_invalid_input, "pitch radius "//quantity(r(b), "m")//" does not agree with " &
-                   //quantity(expected, "m")//", which the teeth and the pitch radius "//quantity(r(a), "m") &
-                   //" of its mate demand", subject_wheel, b, "pitch_radius")
-      end associate
-   end subroutine check_ratio
 
    !> Centres from the centre distances and the directions of the centre lines; the first wheel is at the origin if no wheel
    !> has a centre.
    pure subroutine resolve_centres(layout, status)
       type(layout_t), intent(inout) :: layout
       type(status_t), intent(inout) :: status
+      real(wp) :: distance
       integer :: m
       logical :: found
 
@@ -136,25 +127,15 @@ contains
          if (has_failed(status)) return
       end do
       do m = 1, size(layout%shaft_a)
-         call check_axis(layout, m, status)
-         if (has_failed(status)) return
+         associate (a => layout%shaft_a(m), b => layout%shaft_b(m))
+            distance = norm2(layout%centre(:, b) - layout%centre(:, a))
+            if (distance <= agreement*(layout%pitch_radius(a) + layout%pitch_radius(b))) cycle
+            call fail(status, code_invalid_input, "its wheels have to be on one axis, but their centres are " &
+                      //quantity(distance, "m")//" apart", subject_shaft, m, "wheels")
+            return
+         end associate
       end do
    end subroutine resolve_centres
-
-   !> The wheels of a shaft are on one axis.
-   pure subroutine check_axis(layout, m, status)
-      type(layout_t), intent(in) :: layout
-      integer, intent(in) :: m
-      type(status_t), intent(inout) :: status
-      real(wp) :: distance
-
-      associate (a => layout%shaft_a(m), b => layout%shaft_b(m))
-         distance = norm2(layout%centre(:, b) - layout%centre(:, a))
-         if (distance <= agreement*(layout%pitch_radius(a) + layout%pitch_radius(b))) return
-         call fail(status, code_invalid_input, "its wheels have to be on one axis, but their centres are " &
-                   //quantity(distance, "m")//" apart", subject_shaft, m, "wheels")
-      end associate
-   end subroutine check_axis
 
    !> From the driving to the driven axle [m].
    pure function offset(layout, m) result(vector)
@@ -202,11 +183,10 @@ contains
          end if
          angle = atan2(c(2), c(1))
          if (layout%has_angle(m)) then
-            if (abs(modulo(angle - layout%angle(m) + pi, 2*pi) - pi) > agreement) then
+            if (abs(modulo(angle - layout%angle(m) + pi, 2*pi) - pi) > agreement) &
                call fail(status, code_invalid_input, "centre line angle "//quantity(layout%angle(m)*180/pi, "deg") &
                          //" does not agree with "//quantity(angle*180/pi, "deg")//", the direction between the centres", &
                          subject_mesh, m, "centre_line_angle")
-            end if
          else
             layout%angle(m) = angle
             layout%has_angle(m) = .true.
@@ -256,8 +236,7 @@ contains
          if (.not. known(from)) return
          fits = .true.
          ratio = layout%ratio(from)
-         if (subject == subject_mesh) &
-            call rational_scaled(layout%ratio(from), -layout%teeth(from), layout%teeth(to), ratio, fits)
+         if (subject == subject_mesh) call rational_scaled(layout%ratio(from), -layout%teeth(from), layout%teeth(to), ratio, fits)
          if (.not. fits) then
             call fail(status, code_invalid_input, "its speed ratio to the reference wheel is too fine a fraction: too many stages" &
                       //" whose teeth have no common divisor", subject_wheel, to, "teeth")
@@ -266,25 +245,19 @@ contains
             known(to) = .true.
             found = .true.
          else if (.not. layout%ratio(to) == ratio) then
-            call refuse_loop(layout%ratio(to), ratio, m, subject, status)
+            associate (other => layout%ratio(to))
+               if (other%above == -ratio%above .and. other%below == ratio%below .and. subject == subject_mesh) then
+                  call fail(status, code_invalid_input, "it closes a ring of an odd number of wheels, which cannot turn", subject, &
+                            m)
+               else
+                  call fail(status, code_invalid_input, "it closes a loop that cannot turn: one of its wheels would have to turn " &
+                            //quantity(rational_value(ratio), "")//" times as fast as the reference wheel, and by the rest of the" &
+                            //" loop "//quantity(rational_value(other), "")//" times", subject, m)
+               end if
+            end associate
          end if
       end subroutine pass_on
 
    end subroutine resolve_ratios
-
-   !> A mesh or shaft closes a loop that cannot turn.
-   pure subroutine refuse_loop(other, ratio, m, subject, status)
-      type(rational_t), intent(in) :: other, ratio
-      integer, intent(in) :: m, subject
-      type(status_t), intent(inout) :: status
-
-      if (other%above == -ratio%above .and. other%below == ratio%below .and. subject == subject_mesh) then
-         call fail(status, code_invalid_input, "it closes a ring of an odd number of wheels, which cannot turn", subject, m)
-      else
-         call fail(status, code_invalid_input, "it closes a loop that cannot turn: one of its wheels would have to turn " &
-                   //quantity(rational_value(ratio), "")//" times as fast as the reference wheel, and by the rest of the loop " &
-                   //quantity(rational_value(other), "")//" times", subject, m)
-      end if
-   end subroutine refuse_loop
 
 end module evl_train_layout

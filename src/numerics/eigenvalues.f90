@@ -180,8 +180,7 @@ contains
    !> Reflect rows and columns k .. k + m - 1 of a block so that v(1:m) becomes a multiple of the first axis.
    pure subroutine reflect(n, a, first, last, k, m, v)
       integer, intent(in) :: n, first, last, k, m
-      real(wp), intent(inout) :: a(n, n)
-      real(wp), intent(inout) :: v(3)
+      real(wp), intent(inout) :: a(n, n), v(3)
       real(wp) :: length, factor, along
       integer :: i, third
 

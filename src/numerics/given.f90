@@ -130,20 +130,11 @@ contains
       character(len=*), intent(in) :: key
       real(wp), intent(out) :: number !! NaN: there is none
       character(len=*), intent(out) :: unit
-      integer :: i
+      real(wp), allocatable :: all(:)
 
+      call take_numbers(self, key, all, unit)
       number = ieee_value(number, ieee_quiet_nan)
-      unit = ""
-      i = self%find(key)
-      if (i > 0) then
-         unit = self%rows(self%entries(i)%row)%unit
-         if (size(self%entries(i)%numbers) > 0) number = self%entries(i)%numbers(1)
-         return
-      end if
-      i = self%row_of(key)
-      if (i == 0) return
-      unit = self%rows(i)%unit
-      if (self%rows(i)%n_defaults > 0) number = self%rows(i)%defaults(1)
+      if (size(all) > 0) number = all(1)
    end subroutine take_number
 
    !> A whole number; 0 if it is not given and has no default.
@@ -176,6 +167,7 @@ contains
       character(len=*), intent(out) :: unit
       integer :: i
 
+      unit = ""
       i = self%find(key)
       if (i > 0) then
          unit = self%rows(self%entries(i)%row)%unit
@@ -183,13 +175,9 @@ contains
          return
       end if
       i = self%row_of(key)
-      unit = ""
       if (i > 0) unit = self%rows(i)%unit
-      if (i > 0) then
-         allocate (all, source=self%rows(i)%defaults(:self%rows(i)%n_defaults))
-      else
-         allocate (all(0))
-      end if
+      if (i > 0) allocate (all, source=self%rows(i)%defaults(:self%rows(i)%n_defaults))
+      if (i == 0) allocate (all(0))
    end subroutine take_numbers
 
    !> The word or text of a key; its default if it is not given, "" without one.

@@ -179,18 +179,6 @@ contains
       columns = columns(order)
    end subroutine sort_places
 
-   !> Index of an entry that is kept.
-   pure integer function entry_index(entries, row, column) result(index)
-      type(jacobian_entries), intent(in) :: entries
-      integer, intent(in) :: row, column
-
-      if (allocated(entries%table)) then
-         index = entries%table(entries%before(row) + iand(column, entries%mask(row)))
-      else
-         index = row + (column - 1)*entries%n
-      end if
-   end function entry_index
-
    !> Add to an entry that is kept.
    pure subroutine add_entry(entries, row, column, amount, values)
       type(jacobian_entries), intent(in) :: entries
@@ -204,7 +192,11 @@ contains
          if (nint(values(1)) < entries%n_entries) values(nint(values(1)) + 1) = row + (column - 1)*real(entries%n, wp)
          return
       end if
-      index = entry_index(entries, row, column)
+      if (allocated(entries%table)) then
+         index = entries%table(entries%before(row) + iand(column, entries%mask(row)))
+      else
+         index = row + (column - 1)*entries%n
+      end if
       values(index) = values(index) + amount
    end subroutine add_entry
 
@@ -245,10 +237,8 @@ contains
 
    !> y = J x of a list of entries; arrays of known shape, so that no descriptor is looked at.
    pure subroutine apply_entries(n, entries, row, column, jacobian, x, y)
-      integer, intent(in) :: n, entries
-      integer, intent(in) :: row(entries), column(entries)
-      real(wp), intent(in) :: jacobian(entries)
-      real(wp), intent(in) :: x(n)
+      integer, intent(in) :: n, entries, row(entries), column(entries)
+      real(wp), intent(in) :: jacobian(entries), x(n)
       real(wp), intent(out) :: y(n)
       integer :: p
 

@@ -28,12 +28,11 @@ module evl_lapack
          real(wp), intent(inout) :: a(lda, *)                 !! matrix
          real(wp), intent(out) :: wr(*), wi(*)                !! eigenvalues; a pair stands together, wi > 0 first
          real(wp), intent(out) :: vl(ldvl, *), vr(ldvr, *)    !! columns; of a pair the real and the imaginary part
-         integer, intent(out) :: ilo, ihi
+         integer, intent(out) :: ilo, ihi, iwork(*)
          real(wp), intent(out) :: scale(*)                    !! how the matrix was balanced
          real(wp), intent(out) :: abnrm                       !! 1-norm of the balanced matrix
          real(wp), intent(out) :: rconde(*), rcondv(*)        !! reciprocal condition numbers of values, of vectors
          real(wp), intent(out) :: work(*)
-         integer, intent(out) :: iwork(*)
          integer, intent(out) :: info                         !! 0 if all were found
       end subroutine dgeevx
 
@@ -45,8 +44,7 @@ module evl_lapack
          integer, intent(in) :: m, n, lda, ldu, ldvt, lwork   !! lwork >= max(3 min(m, n) + max(m, n), 5 min(m, n))
          real(wp), intent(inout) :: a(lda, *)                 !! matrix
          real(wp), intent(out) :: s(*)                        !! singular values, descending
-         real(wp), intent(out) :: u(ldu, *), vt(ldvt, *)
-         real(wp), intent(out) :: work(*)
+         real(wp), intent(out) :: u(ldu, *), vt(ldvt, *), work(*)
          integer, intent(out) :: info                         !! 0 if all were found
       end subroutine dgesvd
 
@@ -56,8 +54,7 @@ module evl_lapack
          implicit none (type, external)
          character(len=1), intent(in) :: side, uplo, transa, diag !! "T": transposed; "N": no unit diagonal
          integer, intent(in) :: m, n, lda, ldb                !! b has m rows and n columns
-         real(wp), intent(in) :: alpha
-         real(wp), intent(in) :: a(lda, *)
+         real(wp), intent(in) :: alpha, a(lda, *)
          real(wp), intent(inout) :: b(ldb, *)
       end subroutine dtrsm
 
@@ -67,8 +64,7 @@ module evl_lapack
          implicit none (type, external)
          character(len=1), intent(in) :: uplo, trans          !! "N": a a^T, "T": a^T a
          integer, intent(in) :: n, k, lda, ldc                !! c is n x n, the sum runs over k
-         real(wp), intent(in) :: alpha, beta
-         real(wp), intent(in) :: a(lda, *)
+         real(wp), intent(in) :: alpha, beta, a(lda, *)
          real(wp), intent(inout) :: c(ldc, *)
       end subroutine dsyrk
    end interface

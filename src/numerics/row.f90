@@ -10,8 +10,7 @@ module evl_row
    implicit none (type, external)
    private
 
-   public :: at_least, between, has_default, is_left_open, join_words, kind_t, not_negative, &
-             parameter_row, positive, read_default
+   public :: at_least, between, has_default, is_left_open, join_words, kind_t, not_negative, parameter_row, positive, read_default
    public :: is_in_range, range_error, range_t, row_t, short_length, span_t, text_length
    public :: type_at_knots, type_block, type_choice, type_integer, type_knots, type_list, type_map, type_name, type_named
    public :: type_number, type_pair, type_quaternion, type_reference, type_references, type_series, type_text, type_triple

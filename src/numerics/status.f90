@@ -8,8 +8,7 @@ module evl_status
    private
 
    public :: status_t, clear, fail, has_failed, warn, quantity, degrees
-   public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory, &
-             code_store_failed
+   public :: code_ok, code_invalid_input, code_out_of_domain, code_singular, code_no_solution, code_no_memory, code_store_failed
    public :: subject_none, subject_wheel, subject_mesh, subject_load, subject_initial, subject_housing, subject_shaft
    public :: field_length, message_length
 

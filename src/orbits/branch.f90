@@ -9,18 +9,17 @@ module evl_branch
    use evl_branch_curve, only: curve_t, curve_through, lack_of, orbit_on_curve, way_to
    use evl_branch_doubling, only: repeats_sooner
    use evl_branch_lacks, only: lacks_t, orbit_at_value
-   use evl_branch_point, only: branch_point, kind_fold, kind_ordinary, kind_touch
+   use evl_branch_point, only: branch_point, kind_fold, kind_ordinary, kind_touch, orbit_teller
    use evl_branch_values, only: find_orbits_at
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
-   use evl_orbit_teller, only: orbit_teller
    use evl_periodic_orbit, only: orbit_options, orbit_t
    use evl_places, only: places
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent
    use evl_special_points, only: find_special_points
-   use evl_touch_passage, only: pass_touch, touch_passage
    use evl_status, only: clear, code_invalid_input, code_no_solution, fail, has_failed, quantity, status_t
+   use evl_touch_passage, only: pass_touch, touch_passage
    implicit none (type, external)
    private
 
@@ -88,7 +87,9 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: along(model%n + 2)
 
-      call check_range(options, orbit, status)
+      if (.not. (options%from < options%to .and. orbit%parameter >= options%from .and. orbit%parameter <= options%to)) &
+         call fail(status, code_invalid_input, "the branch begins at "//quantity(orbit%parameter, "")//", not between "// &
+                   quantity(options%from, "")//" and "//quantity(options%to, ""), field="parameter")
       walk%now%orbit = orbit
       along = 0
       along(model%n + 2) = merge(1, -1, options%rising)
@@ -108,14 +109,13 @@ contains
       type(branch_walk), intent(inout) :: walk
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
       type(status_t), intent(inout) :: status
-      type(branch_point), allocatable :: special(:)
+      type(branch_point), allocatable :: special(:), told(:)
       type(branch_point) :: last ! of the points
       type(orbit_t) :: before    ! the last one
-      type(branch_point), allocatable :: told(:)
       type(branch_point) :: next, target
       type(touch_passage) :: passage
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
-      real(wp), parameter :: little = 1.0e-3_wp   !! leap over the way
+      real(wp), parameter :: little = 1.0e-3_wp, same = 1.0e-8_wp !! leap over the way
       integer, parameter :: most_crawls = 60      !! of such steps, one after the other
       logical :: at_end, closes, is_missed
       real(wp) :: leap
@@ -152,7 +152,9 @@ contains
             if (has_failed(status)) return
          end if
          if (passage%found .or. (leap < little .and. .not. is_missed)) exit
-         call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, smooth_touches(special, leap), passage)
+         ! where orbits on both sides of a touch that was found are the same nothing jumps
+         call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, &
+                             special(places(special%kind == kind_touch .and. leap <= same))%root, passage)
          if (passage%found) then
             next = passage%next
             walk%step = next%way
@@ -196,8 +198,7 @@ contains
          type(branch_point), allocatable :: between(:)
 
          if (allocated(options%values)) then
-            call find_orbits_at(model, options%orbits, options%values, before, told, last, point, &
-                                options%teller, n_told, between)
+            call find_orbits_at(model, options%orbits, options%values, before, told, last, point, options%teller, n_told, between)
             points = [points, between]
          end if
          points = [points, point]
@@ -236,9 +237,8 @@ contains
    pure logical function comes_by(model, options, now, way, first)
       class(orbit_model), intent(in) :: model
       type(branch_options), intent(in) :: options
-      type(branch_point), intent(in) :: now
+      type(branch_point), intent(in) :: now, first
       real(wp), intent(in) :: way
-      type(branch_point), intent(in) :: first
       real(wp), parameter :: beside = 0.1_wp, alike = 0.9_wp !! over the way; cosine of the angle between tangents
       real(wp) :: to_first(model%n + 2), along
 
@@ -291,9 +291,8 @@ contains
          straight = -1
          if (.not. has_failed(refusal)) straight = dot_product(now%tangent, next%orbit%tangent)
          if (straight >= turn .and. next%orbit%iterations <= hard) exit
-         if (.not. passage%looked) &
-            call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), &
-                                [integer ::], passage)
+         if (.not. passage%looked) call look_for_touch(model, options, before, now, min(ahead*step, options%largest_step), &
+                                                       [integer ::], passage)
          if (passage%found) then
             next = passage%next
             step = next%way
@@ -316,16 +315,6 @@ contains
       step = min(step, longest)
    end subroutine go_on
 
-   !> Root functions of touches that were found, if orbits on both sides of each are the same: nothing jumps there.
-   pure function smooth_touches(points, leap) result(roots)
-      type(branch_point), intent(in) :: points(:)
-      real(wp), intent(in) :: leap !! as from find_special_points
-      integer, allocatable :: roots(:)
-      real(wp), parameter :: same = 1.0e-8_wp
-
-      roots = points(places(points%kind == kind_touch .and. leap <= same))%root
-   end function smooth_touches
-
    !> Look past a touch ahead that lies in the range.
    subroutine look_for_touch(model, options, before, now, reach, smooth, passage)
       class(orbit_model), intent(inout) :: model
@@ -342,17 +331,6 @@ contains
          passage%found = p >= options%from .and. p <= options%to
       end associate
    end subroutine look_for_touch
-
-   !> Refuse a branch that begins outside its range.
-   subroutine check_range(options, orbit, status)
-      type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: orbit
-      type(status_t), intent(inout) :: status
-
-      if (options%from < options%to .and. orbit%parameter >= options%from .and. orbit%parameter <= options%to) return
-      call fail(status, code_invalid_input, "the branch begins at "//quantity(orbit%parameter, "")//", not between "// &
-                quantity(options%from, "")//" and "//quantity(options%to, ""), field="parameter")
-   end subroutine check_range
 
    !> Put a point at the end of a list that has room for more.
    subroutine keep_point(points, n, point)

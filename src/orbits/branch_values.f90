@@ -4,11 +4,10 @@
 module evl_branch_values
    use evl_branch_curve, only: curve_t, curve_through, way_to
    use evl_branch_lacks, only: lacks_t, learn_from_before, learn_lack, orbit_at_value
-   use evl_branch_point, only: branch_point, kind_ordinary, kind_touch, kind_touch_fold
+   use evl_branch_point, only: branch_point, kind_ordinary, kind_touch, kind_touch_fold, orbit_teller
    use evl_kinds, only: wp
-   use evl_orbit_model, only: orbit_model
-   use evl_orbit_teller, only: orbit_teller
    use evl_multipliers, only: are_inside
+   use evl_orbit_model, only: orbit_model
    use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, own_multipliers
    use evl_places, only: places
    use evl_shooting, only: correct_orbit
@@ -68,8 +67,7 @@ contains
          found(i)%orbit%period = better%period
          error = norm2(way_to(model, options, foreseen, better))
          lack = error
-         if (.not. curve%is_straight) &
-            call learn_lack(model, options, curve, first%orbit, better, lacks, lack, found(i)%begins_anew)
+         if (.not. curve%is_straight) call learn_lack(model, options, curve, first%orbit, better, lacks, lack, found(i)%begins_anew)
          if (.not. lack <= longest) cycle
          is_kept(i) = are_inside(own_multipliers(model, found(i)%orbit))
       end do

@@ -100,8 +100,7 @@ contains
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states !! with Z on return
       type(radau_t), intent(in) :: solver
-      real(wp), intent(in) :: t, h
-      real(wp), intent(in) :: derivative(:, :)
+      real(wp), intent(in) :: t, h, derivative(:, :)
       real(wp), intent(out) :: error                 !! over the size of the derivative
       type(status_t), intent(inout) :: status
       logical :: good, is_constant
@@ -127,8 +126,7 @@ contains
    subroutine solve_whole(model, states, h, derivative, good)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states
-      real(wp), intent(in) :: h
-      real(wp), intent(in) :: derivative(:, :)
+      real(wp), intent(in) :: h, derivative(:, :)
       logical, intent(out) :: good
       real(wp) :: factor
       integer :: i, j, k, l, n, row, column
@@ -162,15 +160,13 @@ contains
    subroutine solve_apart(model, states, h, derivative, good)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states
-      real(wp), intent(in) :: h
-      real(wp), intent(in) :: derivative(:, :)
+      real(wp), intent(in) :: h, derivative(:, :)
       logical, intent(out) :: good
-      integer :: i
+      integer :: i, j, k, l, n, row, column
       real(wp), parameter :: ones(lanes) = [(sum(from_stage(i, :n_stages)), i=1, lanes)] ! T^-1 1
       real(wp), dimension(size(states%moving), size(states%moving)) :: shifted, minus_j
       real(wp), dimension(size(states%moving), size(states%kept)) :: by_start, w
       real(wp) :: pair(2*size(states%moving), 2*size(states%moving)), w_pair(2*size(states%moving), size(states%kept))
-      integer :: j, k, l, n, row, column
 
       n = size(states%moving)
       minus_j = 0
@@ -313,8 +309,7 @@ contains
       real(wp), intent(in) :: t
       integer, intent(in) :: fired(:)
       logical, intent(in) :: time_event
-      real(wp), intent(inout) :: y(:)
-      real(wp), intent(inout) :: derivative(:, :)
+      real(wp), intent(inout) :: y(:), derivative(:, :)
       real(wp), intent(inout) :: rate(:)            !! [n_roots] g_t + g_y f- of what fired
       type(status_t), intent(inout) :: status
       real(wp) :: before(model%n), after(model%n), by_state(model%n, model%n), by_time(model%n)

@@ -58,8 +58,7 @@ module evl_orbit_model
          import :: orbit_model, status_t, wp
          implicit none (type, external)
          class(orbit_model), intent(in) :: self
-         real(wp), intent(in) :: t
-         real(wp), intent(in) :: y(self%n)
+         real(wp), intent(in) :: t, y(self%n)
          integer, intent(in) :: root              !! which one, 1 .. n_roots
          real(wp), intent(out) :: by_state(self%n)
          real(wp), intent(out) :: by_time         !! at the same state

@@ -75,8 +75,7 @@ contains
 
       phase_row = 0
       if (model%autonomous) call find_phase_row(model, orbit, phase_row, status)
-      if (has_failed(status)) return
-      call solve_system(model, options, orbit, phase_row, along, x, status)
+      if (.not. has_failed(status)) call solve_system(model, options, orbit, phase_row, along, x, status)
    end subroutine solve_along
 
    !> The flow's direction at the start.
@@ -212,8 +211,7 @@ contains
          do j = 1, n
             after%flow%derivative(:, j) = after%flow%derivative(:, j) + left*(change(j)/model%scale(j))
          end do
-         if (allocated(after%by_parameter)) &
-            after%by_parameter = after%by_parameter + left*(change(n + 2)/options%parameter_scale)
+         if (allocated(after%by_parameter)) after%by_parameter = after%by_parameter + left*(change(n + 2)/options%parameter_scale)
       end associate
    end subroutine learn_from_change
 
@@ -230,9 +228,8 @@ contains
 
       by = change(model%n + 2)
       if (.not. abs(by) > least*norm2(change)) return
-      after%by_parameter = after%by_parameter + &
-                           merge(lack_of_round(model, after) - (1 - share)*lack_of_round(model, before), 0.0_wp, after%active) &
-                           /(by*options%parameter_scale)
+      after%by_parameter = after%by_parameter + merge(lack_of_round(model, after) - (1 - share)*lack_of_round(model, before), &
+                                                      0.0_wp, after%active)/(by*options%parameter_scale)
    end subroutine learn_by_parameter
 
 end module evl_shooting_system

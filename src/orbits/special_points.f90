@@ -114,8 +114,7 @@ contains
       fewer = min(first%flow%crossings(root), last%flow%crossings(root))
       at_ends = min(abs(touch_test(first, root, fewer)), abs(touch_test(last, root, fewer)))
       do i = 1, size(points)
-         if (points(i)%kind == kind_touch) &
-            is_known = is_known .or. abs(touch_test(points(i)%orbit, root, fewer)) <= near*at_ends
+         if (points(i)%kind == kind_touch) is_known = is_known .or. abs(touch_test(points(i)%orbit, root, fewer)) <= near*at_ends
       end do
    end function is_known
 
@@ -165,9 +164,8 @@ contains
       real(wp), parameter :: narrow = 0.2_wp       !! between two orbits, over the way: the branch goes on there
       real(wp), parameter :: near = 1.0e-7_wp      !! that far from where it was expected, the next one is found at once
       real(wp) :: a, b, at_a, at_b, at, value, enough, error, size_of
-      type(orbit_t) :: left, right
+      type(orbit_t) :: left, right, foreseen
       type(curve_t) :: curve
-      type(orbit_t) :: foreseen
       type(lacks_t) :: lacks, nothing
       logical :: forgets
       type(orbit_options) :: few
@@ -234,8 +232,7 @@ contains
             return
          end if
          error = norm2(way_to(model, options, foreseen, point%orbit))
-         if (.not. curve%is_straight) &
-            call learn_lack(model, options, curve, first, point%orbit, lacks, size_of, forgets)
+         if (.not. curve%is_straight) call learn_lack(model, options, curve, first, point%orbit, lacks, size_of, forgets)
          point%way = at
          value = ask(point%orbit)
          ways = [at, ways(:2)]

@@ -213,8 +213,7 @@ contains
             call move_orbit(model, options, trial, share*change)
             call go_round(model, options, trial, refusal)
             if (.not. has_failed(refusal)) then
-               if (trial%flow%crossings(touch%root) == touch%fewer .and. &
-                   trial%flow%nearest(touch%root) < huge(theta)) exit
+               if (trial%flow%crossings(touch%root) == touch%fewer .and. trial%flow%nearest(touch%root) < huge(theta)) exit
             end if
             if (halving == most_halvings) return
             share = share/2

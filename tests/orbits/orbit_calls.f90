@@ -3,10 +3,9 @@ module orbit_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_ptr
    use evl_branch, only: branch_options, follow_branch
    use evl_branch_doubling, only: switch_at_doubling
-   use evl_branch_point, only: branch_point
+   use evl_branch_point, only: branch_point, orbit_teller
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
-   use evl_orbit_teller, only: orbit_teller
    use evl_periodic_orbit, only: orbit_t
    use evl_shooting, only: find_orbit
    use evl_status, only: clear, has_failed, status_t
