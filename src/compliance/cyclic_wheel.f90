@@ -17,9 +17,8 @@
 !>
 !> where A is half the sum of both compliances with the cut held.
 module evl_cyclic_wheel
-   use evl_condensation, only: cholesky
+   use evl_condensation, only: symmetric_t
    use evl_kinds, only: pi, wp
-   use evl_lapack, only: dsyrk, dtrsm
    implicit none (type, external)
    private
 
@@ -56,12 +55,13 @@ contains
       real(wp), intent(in) :: symmetric(:, :), antisymmetric(:, :)
       real(wp), intent(out) :: response(:, :, 0:)         !! (displaced at, loaded at, tooth)
       logical, intent(out) :: is_definite
-      real(wp), allocatable :: s(:, :), g(:, :), products(:, :)
+      type(symmetric_t) :: stiffness             !! with the loads below; what is left: -(g_s, g_a) S_n^-1 (g_s, g_a)
+      real(wp), allocatable :: products(:, :)
       real(wp) :: by_s(n_cut), by_a(n_cut), theta, turned, share
       integer :: n_loads, n, k, i, a, b
 
       n_loads = size(response, 1)
-      allocate (s(n_cut, n_cut), g(n_cut, 2*n_loads), products(2*n_loads, 2*n_loads))
+      allocate (products(2*n_loads, 2*n_loads))
       response = 0
       response(:, :, 0) = -(symmetric(n_cut + 1:, n_cut + 1:) + antisymmetric(n_cut + 1:, n_cut + 1:))/2
       do n = 0, teeth/2
@@ -70,26 +70,26 @@ contains
          by_s(2::2) = sin(theta)
          by_a(1::2) = sin(theta)
          by_a(2::2) = -cos(theta)
+         call stiffness%create(n_cut, n_cut + 2*n_loads)
          do i = 1, n_cut
-            s(:, i) = 2*(by_s(i)*by_s*symmetric(:n_cut, i) + by_a(i)*by_a*antisymmetric(:n_cut, i))
+            call stiffness%set(i, i, 2*(by_s(i)*by_s(i:)*symmetric(i:n_cut, i) + by_a(i)*by_a(i:)*antisymmetric(i:n_cut, i)))
+            call stiffness%set(n_cut + 1, i, by_s(i)*symmetric(n_cut + 1:, i))
+            call stiffness%set(n_cut + n_loads + 1, i, by_a(i)*antisymmetric(n_cut + 1:, i))
          end do
-         do i = 1, n_loads
-            g(:, i) = by_s*symmetric(:n_cut, n_cut + i)
-            g(:, n_loads + i) = by_a*antisymmetric(:n_cut, n_cut + i)
-         end do
-         call cholesky(n_cut, s, n_cut, is_definite)
+         call stiffness%eliminate(is_definite)
          if (.not. is_definite) return
-         call dtrsm("L", "L", "N", "N", n_cut, 2*n_loads, 1.0_wp, s, n_cut, g, n_cut)
-         call dsyrk("L", "T", 2*n_loads, n_cut, 1.0_wp, g, n_cut, 0.0_wp, products, 2*n_loads)
          do i = 1, 2*n_loads
-            products(i, i:) = products(i:, i)
+            do k = i, 2*n_loads
+               products(k, i) = stiffness%element(n_cut + k, n_cut + i)
+               products(i, k) = products(k, i)
+            end do
          end do
          share = merge(1.0_wp, 2.0_wp, n == 0 .or. 2*n == teeth)/teeth
          do k = 0, ubound(response, 3)
             turned = 2*theta*k
             do b = 1, n_loads
                do a = 1, n_loads
-                  response(a, b, k) = response(a, b, k) + share*( &
+                  response(a, b, k) = response(a, b, k) - share*( &
                                       cos(turned)*(products(a, b) + products(n_loads + a, n_loads + b)) &
                                       - sin(turned)*(products(n_loads + a, b) - products(a, n_loads + b)))
                end do

@@ -4,7 +4,7 @@
 !> displacement under it.
 module evl_flank_loads
    use evl_kinds, only: wp
-   use evl_lobatto, only: gauss_rule, lagrange
+   use evl_lobatto, only: lagrange
    implicit none (type, external)
    private
 
@@ -22,7 +22,8 @@ contains
    end function load_shape
 
    !> The part of a load that lies on one side of an element: points of Gauss and the load that each stands for.
-   pure subroutine load_part(from, to, middle, w, s, weight)
+   pure subroutine load_part(x, weights, from, to, middle, w, s, weight)
+      real(wp), intent(in) :: x(n_gauss), weights(n_gauss) !! Gauss' rule
       real(wp), intent(in) :: from, to    !! arc at the ends of the side
       real(wp), intent(in) :: middle, w   !! of the load
       real(wp), intent(out) :: s(n_gauss), weight(n_gauss)
@@ -30,9 +31,8 @@ contains
 
       low = max(min(from, to), middle - w)
       high = max(low, min(max(from, to), middle + w))
-      call gauss_rule(s, weight)
-      s = low + (high - low)*(1 + s)/2
-      weight = load_shape(s - middle, w)*weight*(high - low)/2
+      s = low + (high - low)*(1 + x)/2
+      weight = load_shape(s - middle, w)*weights*(high - low)/2
    end subroutine load_part
 
    !> Add it to the loads of the unknowns.

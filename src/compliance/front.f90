@@ -1,182 +1,205 @@
-!> A body condensed onto some of its unknowns, by elimination along a front.
+!> A body condensed onto some of its unknowns, by elimination along a front, under several supports at once.
 !>
-!> Elements come group by group. An unknown whose last element has come is eliminated, unless it is kept; what is fixed never comes.
-!> Loads ride along as further rows: of [K, f; f^T, 0] elimination leaves the stiffness of the kept unknowns, their share of the
-!> loads, f_k - K_ke K_ee^-1 f_e, and -f_e^T K_ee^-1 f_e, the compliance with the kept unknowns held.
+!> Elements come group by group. Unknowns that belong to one group alone and are free under all supports are eliminated first, once
+!> for all supports. Then the group joins the front of each support, where an unknown is eliminated after its last group, unless it
+!> is kept; fixed unknowns never come. Loads are further rows, from the first group on that they act on: of [K, f; f^T, 0]
+!> elimination leaves the stiffness of the kept unknowns, their share of the loads, f_k - K_ke K_ee^-1 f_e, and -f_e^T K_ee^-1 f_e,
+!> the compliance with the kept unknowns held.
 !>
-!> Source: Irons 1970, frontal solution.
+!> Source: Irons 1970, frontal solution; Duff, Reid 1983, multifrontal solution.
 module evl_front
-   use evl_condensation, only: cholesky, rows_below, subtract_products
+   use evl_condensation, only: symmetric_t
    use evl_kinds, only: wp
+   use evl_lobatto, only: lobatto_rule
    use evl_places, only: places
-   use evl_plane_mesh, only: plane_mesh_t
+   use evl_plane_element, only: elasticity_t, element_stiffness
+   use evl_plane_mesh, only: element_points, plane_mesh_t
    implicit none (type, external)
    private
 
    public :: condense
 
+   integer, parameter, public :: moves_freely = -1
+
+   integer, parameter :: never = 0, always = huge(1) !! last group of what is fixed, of what is kept
+
+   !> Stiffness of a part of the body.
+   type :: part_t
+      integer, allocatable :: member(:) !! unknown of each row; loads are numbered after the unknowns
+      type(symmetric_t) :: matrix       !! what is left of it
+   end type part_t
+
 contains
 
-   !> Matrix of the kept unknowns, then the loads; the lower triangle counts and both are filled.
-   !> Unknowns are 2 node - 1 (x) and 2 node (y).
-   subroutine condense(mesh, stiffness, is_fixed, kept, loads, condensed, is_definite)
+   !> Matrix of the kept unknowns, then the loads, for each support.   Unknowns are 2 node - 1 (x) and 2 node (y).
+   subroutine condense(mesh, law, is_fixed, kept, loads, condensed, failed)
       type(plane_mesh_t), intent(in) :: mesh
-      real(wp), intent(in) :: stiffness(:, :, :)        !! of the rims (unknown, unknown, element)
-      logical, intent(in) :: is_fixed(:)                !! of each unknown
+      type(elasticity_t), intent(in) :: law
+      logical, intent(in) :: is_fixed(:, :)             !! (unknown, support)
       integer, intent(in) :: kept(:)                    !! unknowns
       real(wp), intent(in) :: loads(:, :)               !! (unknown, load)
-      real(wp), allocatable, intent(out) :: condensed(:, :)
-      logical, intent(out) :: is_definite               !! false: something moves freely, and there is no answer
-      real(wp), allocatable :: front(:, :)
-      integer, allocatable :: member(:)                 !! unknown at each place of the front; loads as -1, -2 ...
-      integer :: place(size(is_fixed)), last(size(is_fixed)), group, e, n, k
+      real(wp), intent(out) :: condensed(:, :, :)       !! (row, column, support)
+      integer, intent(out) :: failed                    !! 0; an element that folds; moves_freely
+      type(part_t) :: part, front(0:size(is_fixed, 2))   !! one of each support, and room for the next
+      integer, dimension(size(loads, 1)) :: first, last !! group of an unknown
+      integer :: until(sum(shape(loads)), 0:size(is_fixed, 2)) !! last group, within a group and in the front of each support
+      integer :: place(sum(shape(loads)))               !! row in the matrix at hand; 0: none
+      type(symmetric_t) :: stiffness
+      logical, allocatable :: acts(:, :)                !! whether a load acts on unknowns that are new with a group
+      integer :: which(0:size(is_fixed, 2))             !! part that is a front; 0: that is room
+      integer :: n_supports, n_groups, group, e, i, k, s
 
-      last = 0
+      first = always
+      last = never
       do e = 1, size(mesh%group)
-         associate (nodes => mesh%node(:, e))
-            last(2*nodes - 1) = max(last(2*nodes - 1), mesh%group(e))
-            last(2*nodes) = max(last(2*nodes), mesh%group(e))
+         associate (at => unknowns(mesh%node(:, e)))
+            first(at) = min(first(at), mesh%group(e))
+            last(at) = max(last(at), mesh%group(e))
          end associate
       end do
-      last(kept) = huge(1)
-      place = 0
-      n = size(loads, 2)
-      allocate (front(n, n), source=0.0_wp)
-      allocate (member(n))
-      member = [(-k, k=1, n)]
-      is_definite = .true.
-      do group = 1, maxval(mesh%group)
-         call grow(mesh, group, is_fixed, loads, front, member, place)
-         do e = 1, size(mesh%group)
-            if (mesh%group(e) == group) call assemble(mesh%node(:, e), stiffness(:, :, e), place, front)
+      n_groups = maxval(mesh%group)
+      n_supports = size(is_fixed, 2)
+      allocate (acts(size(loads, 2), n_groups), source=.false.)
+      do k = 1, size(loads, 2)
+         do i = 1, size(loads, 1)
+            if (abs(loads(i, k)) > 0) acts(k, first(i)) = .true.
          end do
-         call eliminate(last, group, front, member, place, is_definite)
-         if (.not. is_definite) return
       end do
-      call put_in_order(kept, size(loads, 2), front, member, condensed)
+      last(kept) = always
+      until = always
+      do i = 1, size(last)
+         until(i, 1:) = merge(never, last(i), is_fixed(i, :))
+         associate (least => minval(until(i, 1:)), most => maxval(until(i, 1:)))
+            if (least == most .and. (first(i) == last(i) .or. most == never)) until(i, 0) = most
+         end associate
+      end do
+      do s = 0, ubound(front, 1)
+         allocate (front(s)%member(0))
+         which(s) = s
+      end do
+      place = 0
+      do group = 1, n_groups
+         call condense_group(mesh, law, group, first == group, until(:, 0), loads, places(acts(:, group)), place, stiffness, &
+                             part, failed)
+         do s = 1, n_supports
+            if (failed /= 0) return
+            call join(front(which(s)), part, group, until(:, s), place, front(which(0)), failed)
+            which([0, s]) = which([s, 0])
+         end do
+      end do
+      condensed = 0
+      place(kept) = [(i, i=1, size(kept))]
+      place(size(last) + 1:) = [(size(kept) + i, i=1, size(loads, 2))]
+      do s = 1, n_supports
+         if (failed /= 0) return
+         associate (at => place(front(which(s))%member), matrix => front(which(s))%matrix)
+            do k = 1, size(at)
+               do i = k, size(at)
+                  condensed(at(i), at(k), s) = matrix%element(matrix%n_out + i, matrix%n_out + k)
+                  condensed(at(k), at(i), s) = condensed(at(i), at(k), s)
+               end do
+            end do
+         end associate
+      end do
    end subroutine condense
 
-   !> Take the unknowns of a group's elements into the front, with their loads.
-   subroutine grow(mesh, group, is_fixed, loads, front, member, place)
-      type(plane_mesh_t), intent(in) :: mesh
-      integer, intent(in) :: group
-      logical, intent(in) :: is_fixed(:)
-      real(wp), intent(in) :: loads(:, :)
-      real(wp), allocatable, intent(inout) :: front(:, :)
-      integer, allocatable, intent(inout) :: member(:)
-      integer, intent(inout) :: place(:)
-      real(wp), allocatable :: larger(:, :)
-      integer :: fresh(size(place)), e, i, c, unknown, n, old
+   !> Unknowns of nodes.
+   pure function unknowns(nodes) result(list)
+      integer, intent(in) :: nodes(:)
+      integer :: list(2*size(nodes))
 
-      old = size(member)
+      list(1::2) = 2*nodes - 1
+      list(2::2) = 2*nodes
+   end function unknowns
+
+   !> The elements of a group, with the loads on the unknowns that are new with it.
+   subroutine condense_group(mesh, law, group, is_new, until, loads, acting, place, stiffness, part, failed)
+      type(plane_mesh_t), intent(in) :: mesh
+      type(elasticity_t), intent(in) :: law
+      integer, intent(in) :: group, until(:), acting(:) !! loads on new unknowns
+      logical, intent(in) :: is_new(:)
+      real(wp), intent(in) :: loads(:, :)
+      integer, intent(inout) :: place(:)
+      type(symmetric_t), intent(inout) :: stiffness !! of elements
+      type(part_t), intent(inout) :: part
+      integer, intent(out) :: failed
+      integer :: list(8*mesh%order*count(mesh%group == group)), n, n_out, e
+      real(wp) :: x(0:mesh%order), w(0:mesh%order), d(0:mesh%order, 0:mesh%order), xy(2, 0:mesh%order, 0:mesh%order)
+      logical :: is_valid
+
       n = 0
       do e = 1, size(mesh%group)
          if (mesh%group(e) /= group) cycle
-         do i = 1, size(mesh%node, 1)
-            do c = -1, 0
-               unknown = 2*mesh%node(i, e) + c
-               if (is_fixed(unknown) .or. place(unknown) > 0) cycle
-               n = n + 1
-               fresh(n) = unknown
-               place(unknown) = old + n
-            end do
-         end do
+         list(n + 1:n + 8*mesh%order) = unknowns(mesh%node(:, e))
+         n = n + 8*mesh%order
       end do
-      allocate (larger(old + n, old + n), source=0.0_wp)
-      larger(:old, :old) = front
-      do i = 1, old
-         if (member(i) > 0) cycle
-         larger(old + 1:, i) = loads(fresh(:n), -member(i))
-         larger(i, old + 1:) = larger(old + 1:, i)
+      call arrange([list, size(loads, 1) + acting], group, until, place, part%member, n_out)
+      call part%matrix%create(n_out, size(part%member))
+      call lobatto_rule(x, w, d)
+      do e = 1, size(mesh%group)
+         if (mesh%group(e) /= group) cycle
+         failed = e
+         call element_points(mesh, e, x, xy)
+         call element_stiffness(mesh%order, w, d, xy, law, stiffness, is_valid)
+         if (.not. is_valid) return
+         call part%matrix%add(stiffness, place(unknowns(mesh%node(:, e))))
       end do
-      call move_alloc(larger, front)
-      member = [member, fresh(:n)]
-   end subroutine grow
-
-   !> Add an element.
-   subroutine assemble(nodes, stiffness, place, front)
-      integer, intent(in) :: nodes(:), place(:)
-      real(wp), intent(in) :: stiffness(:, :)
-      real(wp), intent(inout) :: front(:, :)
-      integer :: at(2*size(nodes)), i, k
-
-      at(1::2) = place(2*nodes - 1)
-      at(2::2) = place(2*nodes)
-      do k = 1, size(at)
-         if (at(k) == 0) cycle
-         do i = 1, size(at)
-            if (at(i) > 0) front(at(i), at(k)) = front(at(i), at(k)) + stiffness(i, k)
-         end do
+      do e = 1, size(part%member) - size(acting)
+         if (is_new(part%member(e))) call part%matrix%set(size(part%member) - size(acting) + 1, e, &
+                                                          loads(part%member(e), acting))
       end do
-   end subroutine assemble
+      call finish(n_out, place, part, failed)
+   end subroutine condense_group
 
-   !> Eliminate all unknowns whose last group this is.
-   subroutine eliminate(last, group, front, member, place, is_definite)
-      integer, intent(in) :: last(:), group
-      real(wp), allocatable, intent(inout) :: front(:, :)
-      integer, allocatable, intent(inout) :: member(:)
+   !> Take a group into a front.
+   subroutine join(before, part, group, until, place, front, failed)
+      type(part_t), intent(in) :: before, part
+      integer, intent(in) :: group, until(:)
       integer, intent(inout) :: place(:)
-      logical, intent(out) :: is_definite
-      real(wp), allocatable :: done(:, :), across(:, :), rest(:, :)
-      integer, allocatable :: out(:), stay(:)
-      logical :: goes(size(member))
-      integer :: i
+      type(part_t), intent(inout) :: front !! with the group; its room is used again
+      integer, intent(out) :: failed
+      integer :: n_out
 
-      goes = .false.
-      do i = 1, size(member)
-         if (member(i) > 0) goes(i) = last(member(i)) == group
-      end do
-      allocate (out, source=places(goes))
-      allocate (stay, source=places(.not. goes))
-      call gather(front, out, out, done)
-      call gather(front, stay, out, across)
-      call gather(front, stay, stay, rest)
-      call cholesky(size(out), done, max(1, size(out)), is_definite)
-      if (.not. is_definite) return
-      call rows_below(size(stay), size(out), done, max(1, size(out)), across, max(1, size(stay)))
-      call subtract_products(size(stay), size(out), across, max(1, size(stay)), rest, max(1, size(stay)))
-      do i = 1, size(stay)
-         rest(i, i:) = rest(i:, i)
-      end do
-      do i = 1, size(out)
-         place(member(out(i))) = 0
-      end do
-      call move_alloc(rest, front)
-      member = member(stay)
-      do i = 1, size(member)
-         if (member(i) > 0) place(member(i)) = i
-      end do
-   end subroutine eliminate
+      call arrange([before%member, part%member], group, until, place, front%member, n_out)
+      call front%matrix%create(n_out, size(front%member))
+      call front%matrix%add(before%matrix, place(before%member))
+      call front%matrix%add(part%matrix, place(part%member))
+      call finish(n_out, place, front, failed)
+   end subroutine join
 
-   !> Some rows and columns of a matrix.
-   subroutine gather(matrix, rows, columns, part)
-      real(wp), intent(in) :: matrix(:, :)
-      integer, intent(in) :: rows(:), columns(:)
-      real(wp), allocatable, intent(out) :: part(:, :)
-      integer :: i, k
+   !> Rows of a matrix: each of a list once, first those that go with this group.
+   subroutine arrange(list, group, until, place, member, n_out)
+      integer, intent(in) :: list(:), group, until(:)
+      integer, intent(inout) :: place(:)
+      integer, allocatable, intent(inout) :: member(:)
+      integer, intent(out) :: n_out
+      integer :: rows(size(list)), i, n, turn
 
-      allocate (part(size(rows), size(columns)))
-      do k = 1, size(columns)
-         do i = 1, size(rows)
-            part(i, k) = matrix(rows(i), columns(k))
+      n = 0
+      do turn = 1, 2
+         do i = 1, size(list)
+            if (place(list(i)) > 0 .or. until(list(i)) == never .or. (turn == 1 .and. until(list(i)) /= group)) cycle
+            n = n + 1
+            rows(n) = list(i)
+            place(list(i)) = n
          end do
+         if (turn == 1) n_out = n
       end do
-   end subroutine gather
+      member = rows(:n)
+   end subroutine arrange
 
-   !> What is left: the kept unknowns as they are listed, then the loads.
-   subroutine put_in_order(kept, n_loads, front, member, condensed)
-      integer, intent(in) :: kept(:), n_loads, member(:)
-      real(wp), intent(in) :: front(:, :)
-      real(wp), allocatable, intent(out) :: condensed(:, :)
-      integer :: order(size(kept) + n_loads), i
+   !> Eliminate what goes.
+   subroutine finish(n_out, place, part, failed)
+      integer, intent(in) :: n_out
+      integer, intent(inout) :: place(:)
+      type(part_t), intent(inout) :: part     !! in: all members; out: those that stay
+      integer, intent(out) :: failed
+      logical :: is_definite
 
-      do i = 1, size(kept)
-         order(i) = findloc(member, kept(i), dim=1)
-      end do
-      do i = 1, n_loads
-         order(size(kept) + i) = findloc(member, -i, dim=1)
-      end do
-      call gather(front, order, order, condensed)
-   end subroutine put_in_order
+      place(part%member) = 0
+      call part%matrix%eliminate(is_definite)
+      failed = merge(0, moves_freely, is_definite)
+      part%member = part%member(n_out + 1:)
+   end subroutine finish
 
 end module evl_front

@@ -13,19 +13,18 @@ module evl_influence_functions
    use evl_flank_loads, only: load_part, n_gauss, put_load
    use evl_front, only: condense
    use evl_kinds, only: pi, wp
-   use evl_lobatto, only: lobatto_rule
+   use evl_lobatto, only: gauss_rule, lobatto_rule
    use evl_number_text, only: number_length
-   use evl_plane_element, only: element_stiffness, elasticity_t
-   use evl_plane_mesh, only: element_points
-   use evl_sector_mesh, only: end_rows, sector_mesh, sector_mesh_t
-   use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_wheel
+   use evl_plane_element, only: elasticity_t
+   use evl_sector_mesh, only: sector_mesh, sector_mesh_t
+   use evl_status, only: code_invalid_input, fail, status_t, subject_wheel
    use evl_tooth_outline, only: involute_arc, involute_curvature, involute_normal, tooth_outline_t
    implicit none (type, external)
    private
 
    public :: compute_influence, finish_own_tooth, influence_t
 
-   integer, parameter, public :: influence_version = 1 !! of this method: to be raised with all that changes a bit of its results
+   integer, parameter, public :: influence_version = 2 !! of this method: to be raised with all that changes a bit of its results
    integer, parameter, public :: n_own = 16    !! intervals of c's points
    integer, parameter, public :: n_other = 8   !! of c_j's points, which are every other of c's
    integer, parameter, public :: n_neighbours = 3 !! j = 1 .. 3
@@ -52,17 +51,20 @@ contains
       type(influence_t), intent(out) :: influence
       type(status_t), intent(inout) :: status
       type(sector_mesh_t) :: sector
-      real(wp), allocatable :: stiffness(:, :, :), loads(:, :), halves(:, :, :), response(:, :, :)
+      real(wp), allocatable :: loads(:, :), halves(:, :, :), response(:, :, :)
       real(wp) :: widths(0:n_own)
-      integer :: j
+      integer :: failed, j
       logical :: is_definite
 
       call sector_mesh(outline, hub_radius, p, sector)
-      call all_stiffnesses(sector, law, stiffness, status)
-      if (has_failed(status)) return
       call place_loads(outline, sector, influence%rho, widths, loads)
-      call both_halves(outline, sector, stiffness, loads, halves, is_definite)
+      call both_halves(outline, sector, law, loads, halves, failed)
+      if (failed > 0) then
+         call refuse_fold(sector, failed, status)
+         return
+      end if
       allocate (response(size(loads, 2), size(loads, 2), 0:n_neighbours))
+      is_definite = failed == 0
       if (is_definite) call wheel_response(outline%teeth, 2*size(sector%cut) - 2, halves(:, :, 1), halves(:, :, 2), response, &
                                            is_definite)
       if (.not. is_definite) then
@@ -103,32 +105,18 @@ contains
 
    end function finish_own_tooth
 
-   !> Condensed stiffnesses of all elements. Errors: where an element folds, in which part of the outline.
-   subroutine all_stiffnesses(sector, law, stiffness, status)
+   !> An element folds over: refuse the wheel, and name the part of the outline.
+   subroutine refuse_fold(sector, e, status)
       type(sector_mesh_t), intent(in) :: sector
-      type(elasticity_t), intent(in) :: law
-      real(wp), allocatable, intent(out) :: stiffness(:, :, :)
+      integer, intent(in) :: e
       type(status_t), intent(inout) :: status
-      real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order)
-      real(wp) :: xy(2, 0:sector%mesh%order, 0:sector%mesh%order)
       character(len=number_length) :: which
-      logical :: is_valid
-      integer :: p, e
 
-      p = sector%mesh%order
-      call lobatto_rule(x, w, d)
-      allocate (stiffness(8*p, 8*p, size(sector%row)))
-      do e = 1, size(sector%row)
-         call element_points(sector%mesh, e, x, xy)
-         call element_stiffness(p, w, d, xy, law, stiffness(:, :, e), is_valid)
-         if (is_valid) cycle
-         write (which, "(i0)") e
-         call fail(status, code_invalid_input, "no mesh fits the tooth: element "//trim(which)//", "//trim(part_of(sector, e)) &
-                   //", would fold over; a larger root fillet or another profile shift helps, or compliance.model: analytic", &
-                   subject_wheel, field="compliance")
-         return
-      end do
-   end subroutine all_stiffnesses
+      write (which, "(i0)") e
+      call fail(status, code_invalid_input, "no mesh fits the tooth: element "//trim(which)//", "//trim(part_of(sector, e)) &
+                //", would fold over; a larger root fillet or another profile shift helps, or compliance.model: analytic", &
+                subject_wheel, field="compliance")
+   end subroutine refuse_fold
 
    !> The part of a sector in which an element lies.
    pure function part_of(sector, e) result(text)
@@ -157,7 +145,8 @@ contains
       type(sector_mesh_t), intent(in) :: sector
       real(wp), intent(out) :: rho(0:n_own), widths(0:n_own)
       real(wp), allocatable, intent(out) :: loads(:, :)
-      real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order), s(0:n_own), inset
+      real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order), s(0:n_own), inset, &
+                  points(n_gauss), shares(n_gauss)
       integer :: row, k
 
       inset = 1.5_wp*(outline%s_tip - sector%flank_arc(1))
@@ -166,6 +155,7 @@ contains
       s = involute_arc(outline, rho)
       widths = min(widest, s - outline%s_form, outline%s_tip - s)
       call lobatto_rule(x, w, d)
+      call gauss_rule(points, shares)
       allocate (loads(2*sector%mesh%n_nodes, 2*n_own + 2), source=0.0_wp)
       do row = 1, sector%n_flank
          do k = 0, n_own
@@ -185,7 +175,7 @@ contains
 
          associate (from => sector%flank_arc(row - 1), to => sector%flank_arc(row))
             if (s(k) - half > from .or. s(k) + half < to) return
-            call load_part(from, to, s(k), half, places, weights)
+            call load_part(points, shares, from, to, s(k), half, places, weights)
             do i = 1, n_gauss
                force(:, i) = weights(i)*involute_normal(outline, involute_curvature(outline, places(i)))
             end do
@@ -196,14 +186,14 @@ contains
    end subroutine place_loads
 
    !> The half sector condensed onto its cut, with its middle line held for symmetric and for antisymmetric loads.
-   subroutine both_halves(outline, sector, stiffness, loads, halves, is_definite)
+   subroutine both_halves(outline, sector, law, loads, halves, failed)
       type(tooth_outline_t), intent(in) :: outline
       type(sector_mesh_t), intent(in) :: sector
-      real(wp), intent(in) :: stiffness(:, :, :), loads(:, :)
+      type(elasticity_t), intent(in) :: law
+      real(wp), intent(in) :: loads(:, :)
       real(wp), allocatable, intent(out) :: halves(:, :, :)
-      logical, intent(out) :: is_definite
-      real(wp), allocatable :: one(:, :)
-      logical :: is_fixed(2*sector%mesh%n_nodes)
+      integer, intent(out) :: failed !! as condense says
+      logical :: is_fixed(2*sector%mesh%n_nodes, 2)
       integer :: kept(2*size(sector%cut) - 2), side, n
 
       ! the cut's last node is on the hub
@@ -213,15 +203,15 @@ contains
       end associate
       n = size(kept) + size(loads, 2)
       allocate (halves(n, n, 2))
+      is_fixed = .false.
+      is_fixed(2*sector%hub, :) = .true.
+      is_fixed(2*sector%hub - 1, :) = .true.
+      is_fixed(2*sector%axis, 1) = .true.
+      is_fixed(2*sector%axis - 1, 2) = .true.
+      call condense(sector%mesh, law, is_fixed, kept, loads, halves, failed)
+      if (failed /= 0) return
       do side = 1, 2
-         is_fixed = .false.
-         is_fixed(2*sector%hub) = .true.
-         is_fixed(2*sector%hub - 1) = .true.
-         is_fixed(2*sector%axis - merge(0, 1, side == 1)) = .true.
-         call condense(sector%mesh, stiffness, is_fixed, kept, loads, one, is_definite)
-         if (.not. is_definite) return
-         call turn_to_polar(outline%half_pitch, size(kept), one)
-         halves(:, :, side) = one
+         call turn_to_polar(outline%half_pitch, size(kept), halves(:, :, side))
       end do
    end subroutine both_halves
 

@@ -86,14 +86,18 @@ contains
    !> The polynomials that are 1 at one of the points and 0 at the others, at a place.
    pure function lagrange(points, at) result(values)
       real(wp), intent(in) :: points(:), at
-      real(wp) :: values(size(points))
+      real(wp) :: values(size(points)), below
       integer :: i, k
 
       values = 1
       do i = 1, size(points)
+         below = 1
          do k = 1, size(points)
-            if (k /= i) values(i) = values(i)*(at - points(k))/(points(i) - points(k))
+            if (k == i) cycle
+            values(i) = values(i)*(at - points(k))
+            below = below*(points(i) - points(k))
          end do
+         values(i) = values(i)/below
       end do
    end function lagrange
 

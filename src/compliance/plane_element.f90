@@ -6,7 +6,7 @@
 !>
 !> Source: Patera 1984; Canuto, Hussaini, Quarteroni, Zang 2007, 5.
 module evl_plane_element
-   use evl_condensation, only: cholesky, rows_below, subtract_products
+   use evl_condensation, only: height, row_start, symmetric_t
    use evl_kinds, only: wp
    use evl_plane_mesh, only: place_of_rim
    implicit none (type, external)
@@ -46,93 +46,129 @@ contains
       law%tangential = (1 - nu)/2
    end function plane_stress
 
-   !> Condensed stiffness of the rim, unknowns (x, y) of place 1, of place 2 and so on; or that the map folds.
-   subroutine element_stiffness(p, w, d, xy, law, rim, is_valid)
+   !> Stiffness with the inner unknowns eliminated; what is left: (x, y) of place 1 of the rim, of place 2 and so on.
+   subroutine element_stiffness(p, w, d, xy, law, stiffness, is_valid)
       integer, intent(in) :: p
       real(wp), intent(in) :: w(0:p), d(0:p, 0:p)  !! weights and derivatives of Gauss and Lobatto
       real(wp), intent(in) :: xy(2, 0:p, 0:p)      !! points
       type(elasticity_t), intent(in) :: law
-      real(wp), intent(out) :: rim(8*p, 8*p)       !! all of it
+      type(symmetric_t), intent(inout) :: stiffness !! may hold that of another element of this order: all of it is set again
       logical, intent(out) :: is_valid             !! false: the Jacobian is not positive at a point, or what follows fails
-      real(wp), allocatable :: k(:, :)
-      integer :: n_inner, i
 
-      n_inner = 2*(p - 1)**2
-      allocate (k(n_inner + 8*p, n_inner + 8*p), source=0.0_wp)
-      call sum_points(p, w, d, xy, law, k, is_valid)
-      if (.not. is_valid) return
-      call cholesky(n_inner, k, size(k, 1), is_valid)
-      if (.not. is_valid) return
-      call rows_below(8*p, n_inner, k, size(k, 1), k(n_inner + 1, 1), size(k, 1))
-      call subtract_products(8*p, n_inner, k(n_inner + 1, 1), size(k, 1), k(n_inner + 1, n_inner + 1), size(k, 1))
-      do i = 1, 8*p
-         rim(i:, i) = k(n_inner + i:, n_inner + i)
-         rim(i, i:) = rim(i:, i)
-      end do
+      if (.not. allocated(stiffness%numbers)) call stiffness%create(2*(p - 1)**2, 2*(p + 1)**2)
+      call sum_points(p, w, d, xy, law, stiffness, is_valid)
+      if (is_valid) call stiffness%eliminate(is_valid)
    end subroutine element_stiffness
 
-   !> Stiffness of all nodes, the inner ones first; the lower triangle counts.
-   subroutine sum_points(p, w, d, xy, law, k, is_valid)
+   !> Stiffness of all nodes, the inner ones first.
+   !>
+   !> In a point (a, b) the gradients are d_ai grad xi of node (i, b) and d_bj grad eta of node (a, j). So the points of a row or
+   !> column couple its nodes, and the points (k, j) and (i, l) couple nodes (i, j) and (k, l).
+   subroutine sum_points(p, w, d, xy, law, stiffness, is_valid)
       integer, intent(in) :: p
       real(wp), intent(in) :: w(0:p), d(0:p, 0:p), xy(2, 0:p, 0:p)
       type(elasticity_t), intent(in) :: law
-      real(wp), intent(inout) :: k(:, :)
+      type(symmetric_t), intent(inout) :: stiffness
       logical, intent(out) :: is_valid
-      real(wp) :: by_xi(2), by_eta(2), jacobian, weight, g(2, 2*p + 1), xi_part, eta_part
-      integer :: of(0:p, 0:p), nodes(2*p + 1), a, b, i, j, n, m
+      real(wp), dimension(2, 2, 0:p, 0:p) :: along_xi, along_eta, mixed !! by both gradients' components, weighted
+      real(wp) :: across(2, 2), down(2, 2, 0:p)
+      real(wp) :: by_xi(2), by_eta(2), jacobian, xi(2), eta(2)
+      real(wp) :: of_point((p/height + 1)*height, 0:p) !! d transposed, filled up
+      integer, dimension(0:p, 0:p) :: at, row !! row of a node's x, and its row_start
+      integer :: a, b, i, j, n
 
+      of_point = 0
+      of_point(:p + 1, :) = transpose(d)
       n = 0
       do b = 0, p
          do a = 0, p
             i = place_of_rim(p, a, b)
             if (i == 0) n = n + 1
-            of(a, b) = merge(2*n - 1, 2*(p - 1)**2 + 2*i - 1, i == 0)
-         end do
-      end do
-      is_valid = .true.
-      do b = 0, p
-         do a = 0, p
+            at(a, b) = merge(2*n - 1, 2*(p - 1)**2 + 2*i - 1, i == 0)
             by_xi = matmul(xy(:, :, b), d(a, :))
             by_eta = matmul(xy(:, a, :), d(b, :))
             jacobian = by_xi(1)*by_eta(2) - by_xi(2)*by_eta(1)
             is_valid = jacobian > 0
             if (.not. is_valid) return
-            weight = w(a)*w(b)*jacobian
-            n = 0
+            xi = [by_eta(2), -by_eta(1)]/jacobian
+            eta = [-by_xi(2), by_xi(1)]/jacobian
+            along_xi(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(xi, xi)
+            along_eta(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(eta, eta)
+            mixed(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(xi, eta)
+         end do
+      end do
+      row = row_start(stiffness%fill, at)
+      do b = 0, p
+         do a = 0, p
             do i = 0, p
-               call add(i, b, d(a, i), merge(d(b, b), 0.0_wp, i == a))
+               down(:, :, i) = d(i, a)*mixed(:, :, i, b)
             end do
-            do i = 0, p
-               if (i /= b) call add(a, i, 0.0_wp, d(b, i))
-            end do
-            do j = 1, n
-               associate (gx => weight*g(1, j), gy => weight*g(2, j), c => nodes(j))
-                  do i = 1, n
-                     m = nodes(i)
-                     if (m < c) cycle
-                     k(m, c) = k(m, c) + law%direct*g(1, i)*gx + law%shear*g(2, i)*gy
-                     k(m + 1, c) = k(m + 1, c) + law%across*g(2, i)*gx + law%shear*g(1, i)*gy
-                     k(m, c + 1) = k(m, c + 1) + law%across*g(1, i)*gy + law%shear*g(2, i)*gx
-                     k(m + 1, c + 1) = k(m + 1, c + 1) + law%direct*g(2, i)*gy + law%shear*g(1, i)*gx
-                  end do
-               end associate
+            do j = 0, p
+               across = d(j, b)*mixed(:, :, a, j)
+               do i = 0, p
+                  if (at(i, j) < at(a, b)) cycle
+                  associate (m => row(i, j) + height*at(a, b), k => stiffness%numbers)
+                     k(m) = d(a, i)*across(1, 1) + d(b, j)*down(1, 1, i)
+                     k(m + 1) = d(a, i)*across(2, 1) + d(b, j)*down(1, 2, i)
+                     k(m + height) = d(a, i)*across(1, 2) + d(b, j)*down(2, 1, i)
+                     k(m + height + 1) = d(a, i)*across(2, 2) + d(b, j)*down(2, 2, i)
+                  end associate
+               end do
             end do
          end do
+      end do
+      do i = 0, p
+         call add_line(at(:, i), row(:, i), along_xi(:, :, :, i))
+         call add_line(at(i, :), row(i, :), along_eta(:, :, i, :))
       end do
 
    contains
 
-      !> Gradient of a node's polynomial here.
-      subroutine add(at_a, at_b, xi, eta)
-         integer, intent(in) :: at_a, at_b
-         real(wp), intent(in) :: xi, eta !! its local derivatives
+      !> Stress by strain, between two gradients.
+      pure function by_gradients(g, h) result(c)
+         real(wp), intent(in) :: g(2), h(2)
+         real(wp) :: c(2, 2)
 
-         n = n + 1
-         nodes(n) = of(at_a, at_b)
-         xi_part = xi/jacobian
-         eta_part = eta/jacobian
-         g(:, n) = [xi_part*by_eta(2) - eta_part*by_xi(2), eta_part*by_xi(1) - xi_part*by_eta(1)]
-      end subroutine add
+         c(1, 1) = law%direct*g(1)*h(1) + law%shear*g(2)*h(2)
+         c(2, 1) = law%across*g(2)*h(1) + law%shear*g(1)*h(2)
+         c(1, 2) = law%across*g(1)*h(2) + law%shear*g(2)*h(1)
+         c(2, 2) = law%direct*g(2)*h(2) + law%shear*g(1)*h(1)
+      end function by_gradients
+
+      !> Add the points of a row or column, which couple its nodes. No product of two d is formed: its rounding error would be the
+      !> same in all elements, and c would be four times less exact.
+      subroutine add_line(line, row, c)
+         integer, intent(in) :: line(0:p), row(0:p) !! its part of `at` and `row`
+         real(wp), intent(in) :: c(2, 2, 0:p)     !! symmetric
+         real(wp) :: xx(height), xy(height), yy(height), by_n(3)
+         integer :: from, n, q, i
+
+         do n = 0, p
+            do from = 0, p, height
+               xx = 0
+               xy = 0
+               yy = 0
+               do q = 0, p
+                  by_n = d(q, n)*[c(1, 1, q), c(2, 1, q), c(2, 2, q)]
+                  !$omp simd
+                  do i = 1, height
+                     xx(i) = xx(i) + of_point(from + i, q)*by_n(1)
+                     xy(i) = xy(i) + of_point(from + i, q)*by_n(2)
+                     yy(i) = yy(i) + of_point(from + i, q)*by_n(3)
+                  end do
+               end do
+               do i = 1, min(height, p - from + 1)
+                  if (line(from + i - 1) < line(n)) cycle
+                  associate (m => row(from + i - 1) + height*line(n), k => stiffness%numbers)
+                     k(m) = k(m) + xx(i)
+                     k(m + 1) = k(m + 1) + xy(i)
+                     k(m + height) = k(m + height) + xy(i)
+                     k(m + height + 1) = k(m + height + 1) + yy(i)
+                  end associate
+               end do
+            end do
+         end do
+      end subroutine add_line
 
    end subroutine sum_points
 

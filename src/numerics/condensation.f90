@@ -1,161 +1,199 @@
 !> Elimination of the first unknowns of a symmetric matrix [A, B^T; B, C], positive definite in A.
 !>
-!>    A = L L^T (Cholesky),   B := B L^-T,   C := C - B B^T
+!>    A = L L^T (Cholesky),   X = B L^-T,   what is left: C - X X^T, the Schur complement
 !>
-!> Each element sees the same operations in the same order as in the reference LAPACK and BLAS (dpotrf, dtrsm and dsyrk), so that
-!> its digits are the same; here they are made for eight rows and four columns at once.
+!> Each element comes from the same operations in the same order as with the reference LAPACK and BLAS (dpotrf, dtrsm and dsyrk), so
+!> that its digits are the same; here they are made for sixteen rows and four columns at once.
 module evl_condensation
    use evl_kinds, only: lanes, wp
    implicit none (type, external)
    private
 
-   public :: cholesky, rows_below, subtract_products
+   public :: row_start, symmetric_t
 
-   integer, parameter :: columns = 4 !! of a tile
+   integer, parameter, public :: height = 2*lanes !! rows of a strip
+   integer, parameter :: columns = 4              !! of a tile
+
+   !> The lower triangle of a symmetric matrix in strips of sixteen rows, which end behind the diagonal; each goes column by column.
+   !> Rows of a unit matrix before it fill up the unknowns to be eliminated to whole strips.
+   type :: symmetric_t
+      integer :: n_out = 0, n = 0           !! unknowns to be eliminated, and all
+      integer :: fill = 0                   !! rows before them
+      real(wp), allocatable :: numbers(:)   !! and perhaps more
+   contains
+      procedure :: create
+      procedure :: element
+      procedure :: set
+      procedure :: add
+      procedure :: eliminate
+   end type symmetric_t
 
 contains
 
-   !> A := L in the lower triangle; the upper one stays.
-   pure subroutine cholesky(n, a, lda, is_definite)
-      integer, intent(in) :: n, lda
-      real(wp), intent(inout) :: a(lda, *)
-      logical, intent(out) :: is_definite !! false: A is not positive definite, and is destroyed
-      real(wp) :: above(2*lanes, n), block(2*lanes, 2*lanes)
-      integer :: first, k, m
+   !> Numbers in so many strips.
+   elemental integer function in_strips(n)
+      integer, intent(in) :: n
+
+      in_strips = n*(n + 1)/2*height**2
+   end function in_strips
+
+   !> Zeros, in the room that is there if it is large enough.
+   pure subroutine create(self, n_out, n)
+      class(symmetric_t), intent(inout) :: self
+      integer, intent(in) :: n_out, n
+      integer :: length, i
+
+      self%n_out = n_out
+      self%n = n
+      self%fill = modulo(-n_out, height)
+      length = in_strips((self%fill + n + height - 1)/height)
+      if (allocated(self%numbers)) then
+         if (size(self%numbers) < length) deallocate (self%numbers)
+      end if
+      if (.not. allocated(self%numbers)) allocate (self%numbers(2*length)) ! fronts grow
+      self%numbers(:length) = 0
+      do i = 1, self%fill
+         self%numbers((i - 1)*height + i) = 1
+      end do
+   end subroutine create
+
+   !> Where row i begins after the rows that fill up: element (i, j), i >= j, is number row_start + height j.
+   elemental integer function row_start(fill, i)
+      integer, intent(in) :: fill, i
+
+      row_start = in_strips((fill + i - 1)/height) + modulo(fill + i - 1, height) + 1 + (fill - 1)*height
+   end function row_start
+
+   !> Element (i, j), i >= j.
+   pure real(wp) function element(self, i, j)
+      class(symmetric_t), intent(in) :: self
+      integer, intent(in) :: i, j
+
+      element = self%numbers(row_start(self%fill, i) + height*j)
+   end function element
+
+   !> Set a column from row i on, i >= j.
+   pure subroutine set(self, i, j, values)
+      class(symmetric_t), intent(inout) :: self
+      integer, intent(in) :: i, j
+      real(wp), intent(in) :: values(:)
+      integer :: k
+
+      do k = 1, size(values)
+         self%numbers(row_start(self%fill, i + k - 1) + height*j) = values(k)
+      end do
+   end subroutine set
+
+   !> Add what is left of a matrix.
+   pure subroutine add(self, rest, at)
+      class(symmetric_t), intent(inout) :: self
+      type(symmetric_t), intent(in) :: rest
+      integer, intent(in) :: at(:) !! row here of each row that is left there; 0: none
+      integer :: start(size(at)), first
+
+      start = row_start(self%fill, at)
+      do first = 1, size(at), height
+         call add_strip(first, min(first + height - 1, size(at)), at, start, self%numbers, &
+                        rest%numbers(row_start(rest%fill, rest%n_out + first) + height*(rest%n_out + 1):))
+      end do
+   end subroutine add
+
+   !> A strip of it.
+   pure subroutine add_strip(first, last, at, start, numbers, strip)
+      integer, intent(in) :: first, last, at(last), start(last) !! rows of the strip; of all rows, where they go and begin
+      real(wp), intent(inout) :: numbers(*)
+      real(wp), intent(in) :: strip(first:first + height - 1, *)
+      integer :: i, k, place
+
+      do k = 1, last
+         if (at(k) == 0) cycle
+         do i = max(k, first), last
+            if (at(i) == 0) cycle
+            place = merge(start(i) + height*at(k), start(k) + height*at(i), at(i) > at(k))
+            numbers(place) = numbers(place) + strip(i, k)
+         end do
+      end do
+   end subroutine add_strip
+
+   !> Eliminate: rows after the first n_out hold the Schur complement.
+   pure subroutine eliminate(self, is_definite)
+      class(symmetric_t), intent(inout) :: self
+      logical, intent(out) :: is_definite         !! false: A is not positive definite, and the matrix is destroyed
+      real(wp) :: inverse(self%fill + self%n_out) !! of the diagonal of L
+      integer :: s
 
       is_definite = .true.
-      do first = 1, n, size(block, 1)
-         m = min(size(block, 1), n - first + 1)
-         above(:m, :first - 1) = a(first:first + m - 1, :first - 1)
-         block(:m, :m) = a(first:first + m - 1, first:first + m - 1)
-         call rows_below(m, first - 1, a, lda, above, size(above, 1))
-         call subtract_products(m, first - 1, above, size(above, 1), block, size(block, 1))
-         call factorise_block(m, block, is_definite)
+      do s = 1, (self%fill + self%n + height - 1)/height
+         call finish_strip(s, self%fill/columns*columns, size(inverse), self%numbers, inverse, is_definite)
          if (.not. is_definite) return
-         a(first:first + m - 1, :first - 1) = above(:m, :first - 1)
-         do k = 1, m
-            a(first + k - 1:first + m - 1, first + k - 1) = block(k:m, k)
+      end do
+   end subroutine eliminate
+
+   !> A strip of L, or of X and C - X X^T, from those above it.
+   pure subroutine finish_strip(s, start, width, numbers, inverse, is_definite)
+      integer, intent(in) :: s, start, width !! columns of the unit matrix to be passed over, and to be eliminated
+      real(wp), intent(inout) :: numbers(*), inverse(width)
+      logical, intent(inout) :: is_definite
+      real(wp) :: factor
+      integer :: above, strip, rows, column, i, k, q, r
+
+      strip = in_strips(s - 1)
+      do k = start + 1, s*height, columns
+         above = (k - 1)/height + 1
+         rows = in_strips(above - 1) + modulo(k - 1, height) + 1
+         column = strip + (k - 1)*height + 1
+         if (k > width) then
+            call subtract_product(width - start, numbers(strip + start*height + 1), numbers(rows + start*height), numbers(column))
+            cycle
+         end if
+         call subtract_product(k - 1 - start, numbers(strip + start*height + 1), numbers(rows + start*height), numbers(column))
+         do q = 0, columns - 1
+            do r = 0, q - 1
+               factor = numbers(rows + (k - 1 + r)*height + q)
+               !$omp simd
+               do i = 0, height - 1
+                  numbers(column + q*height + i) = numbers(column + q*height + i) - factor*numbers(column + r*height + i)
+               end do
+            end do
+            if (above == s) then
+               factor = numbers(rows + (k - 1 + q)*height + q)
+               is_definite = factor > 0
+               if (.not. is_definite) return
+               inverse(k + q) = 1/sqrt(factor)
+            end if
+            !$omp simd
+            do i = 0, height - 1
+               numbers(column + q*height + i) = inverse(k + q)*numbers(column + q*height + i)
+            end do
          end do
       end do
-   end subroutine cholesky
+   end subroutine finish_strip
 
-   !> The same of a small matrix, one column after the other.
-   pure subroutine factorise_block(n, a, is_definite)
+   !> tile := tile - X Y^T, X with sixteen rows, Y with four.
+   pure subroutine subtract_product(n, x, y, tile)
       integer, intent(in) :: n
-      real(wp), intent(inout) :: a(2*lanes, 2*lanes)
-      logical, intent(out) :: is_definite
-      integer :: j, k
+      real(wp), intent(in) :: x(height, *), y(height, *)
+      real(wp), intent(inout) :: tile(height, columns)
+      real(wp), dimension(height) :: a, b, c, d !! its columns, which stay in registers
+      integer :: i, l
 
-      do k = 1, n
-         is_definite = a(k, k) > 0
-         if (.not. is_definite) return
-         a(k, k) = sqrt(a(k, k))
-         a(k + 1:n, k) = (1/a(k, k))*a(k + 1:n, k)
-         do j = k + 1, n
-            a(j:n, j) = a(j:n, j) - a(j, k)*a(j:n, k)
+      a = tile(:, 1)
+      b = tile(:, 2)
+      c = tile(:, 3)
+      d = tile(:, 4)
+      do l = 1, n
+         !$omp simd
+         do i = 1, height
+            a(i) = a(i) - y(1, l)*x(i, l)
+            b(i) = b(i) - y(2, l)*x(i, l)
+            c(i) = c(i) - y(3, l)*x(i, l)
+            d(i) = d(i) - y(4, l)*x(i, l)
          end do
       end do
-   end subroutine factorise_block
-
-   !> B := B L^-T.
-   pure subroutine rows_below(m, n, l, ldl, b, ldb)
-      integer, intent(in) :: m, n, ldl, ldb  !! B is m by n
-      real(wp), intent(in) :: l(ldl, *)      !! lower triangle
-      real(wp), intent(inout) :: b(ldb, *)
-      real(wp) :: x(lanes, n), inverse(n), tile(lanes, columns)
-      integer :: first, last, i, j, k, q
-
-      do k = 1, n
-         inverse(k) = 1/l(k, k)
-      end do
-      do first = 1, m, lanes
-         last = min(first + lanes - 1, m)
-         do k = 1, n
-            x(:last - first + 1, k) = b(first:last, k)
-            x(last - first + 2:, k) = 0
-         end do
-         do k = 1, n - columns + 1, columns
-            tile = x(:, k:k + columns - 1)
-            do j = 1, k - 1
-               do i = 1, lanes
-                  tile(i, 1) = tile(i, 1) - l(k, j)*x(i, j)
-                  tile(i, 2) = tile(i, 2) - l(k + 1, j)*x(i, j)
-                  tile(i, 3) = tile(i, 3) - l(k + 2, j)*x(i, j)
-                  tile(i, 4) = tile(i, 4) - l(k + 3, j)*x(i, j)
-               end do
-            end do
-            x(:, k:k + columns - 1) = tile
-            do q = k, k + columns - 1
-               call finish_column(n, k, q, l, ldl, inverse(q), x)
-            end do
-         end do
-         do q = n - mod(n, columns) + 1, n
-            call finish_column(n, 1, q, l, ldl, inverse(q), x)
-         end do
-         do k = 1, n
-            b(first:last, k) = x(:last - first + 1, k)
-         end do
-      end do
-   end subroutine rows_below
-
-   !> Of one column of eight rows: what the columns from `from` on make of it, then the division by the pivot.
-   pure subroutine finish_column(n, from, column, l, ldl, inverse, x)
-      integer, intent(in) :: n, from, column, ldl
-      real(wp), intent(in) :: l(ldl, *), inverse
-      real(wp), intent(inout) :: x(lanes, n)
-      real(wp) :: done(lanes)
-      integer :: before
-
-      done = x(:, column)
-      do before = from, column - 1
-         done = done - l(column, before)*x(:, before)
-      end do
-      x(:, column) = inverse*done
-   end subroutine finish_column
-
-   !> C := C - B B^T, its lower triangle.
-   pure subroutine subtract_products(n, k, b, ldb, c, ldc)
-      integer, intent(in) :: n, k, ldb, ldc !! C is n by n, B is n by k
-      real(wp), intent(in) :: b(ldb, *)
-      real(wp), intent(inout) :: c(ldc, *)
-      real(wp), allocatable :: strips(:, :, :) !! rows of B, eight at a time
-      real(wp) :: tile(lanes, columns)
-      integer :: strip, first, last, from, i, j, l, p, q
-
-      allocate (strips(lanes, k, (n + lanes - 1)/lanes), source=0.0_wp)
-      do strip = 1, size(strips, 3)
-         first = (strip - 1)*lanes + 1
-         last = min(first + lanes - 1, n)
-         do l = 1, k
-            strips(:last - first + 1, l, strip) = b(first:last, l)
-         end do
-      end do
-      do strip = 1, size(strips, 3)
-         first = (strip - 1)*lanes + 1
-         last = min(first + lanes - 1, n)
-         do j = 1, last, columns
-            tile = 0
-            do q = 1, min(columns, last - j + 1)
-               from = max(first, j + q - 1)
-               tile(from - first + 1:last - first + 1, q) = c(from:last, j + q - 1)
-            end do
-            p = mod(j - 1, lanes)
-            associate (x => strips(:, :, strip), y => strips(:, :, (j - 1)/lanes + 1))
-               do l = 1, k
-                  do i = 1, lanes
-                     tile(i, 1) = tile(i, 1) - y(p + 1, l)*x(i, l)
-                     tile(i, 2) = tile(i, 2) - y(p + 2, l)*x(i, l)
-                     tile(i, 3) = tile(i, 3) - y(p + 3, l)*x(i, l)
-                     tile(i, 4) = tile(i, 4) - y(p + 4, l)*x(i, l)
-                  end do
-               end do
-            end associate
-            do q = 1, min(columns, last - j + 1)
-               from = max(first, j + q - 1)
-               c(from:last, j + q - 1) = tile(from - first + 1:last - first + 1, q)
-            end do
-         end do
-      end do
-   end subroutine subtract_products
+      tile(:, 1) = a
+      tile(:, 2) = b
+      tile(:, 3) = c
+      tile(:, 4) = d
+   end subroutine subtract_product
 
 end module evl_condensation

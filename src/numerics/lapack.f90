@@ -1,9 +1,9 @@
-!> The procedures of LAPACK, and of the BLAS below it, that the kernel calls.
+!> The procedures of LAPACK that the kernel calls.
 module evl_lapack
    implicit none (type, external)
    private
 
-   public :: dgeevx, dgesv, dgesvd, dsyrk, dtrsm
+   public :: dgeevx, dgesv, dgesvd
 
    interface
       !> Solve a linear system of n equations for nrhs right-hand sides; the matrix is overwritten by its factors.
@@ -47,26 +47,6 @@ module evl_lapack
          real(wp), intent(out) :: u(ldu, *), vt(ldvt, *), work(*)
          integer, intent(out) :: info                         !! 0 if all were found
       end subroutine dgesvd
-
-      !> Solve with a triangular matrix: b <- alpha op(a)^-1 b (side "L") or alpha b op(a)^-1 ("R").
-      subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
-         use evl_kinds, only: wp
-         implicit none (type, external)
-         character(len=1), intent(in) :: side, uplo, transa, diag !! "T": transposed; "N": no unit diagonal
-         integer, intent(in) :: m, n, lda, ldb                !! b has m rows and n columns
-         real(wp), intent(in) :: alpha, a(lda, *)
-         real(wp), intent(inout) :: b(ldb, *)
-      end subroutine dtrsm
-
-      !> c <- alpha op(a) op(a)^T + beta c, one triangle of it.
-      subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
-         use evl_kinds, only: wp
-         implicit none (type, external)
-         character(len=1), intent(in) :: uplo, trans          !! "N": a a^T, "T": a^T a
-         integer, intent(in) :: n, k, lda, ldc                !! c is n x n, the sum runs over k
-         real(wp), intent(in) :: alpha, beta, a(lda, *)
-         real(wp), intent(inout) :: c(ldc, *)
-      end subroutine dsyrk
    end interface
 
 end module evl_lapack

@@ -6,8 +6,8 @@ module element_calls
    use evl_influence_functions, only: finish_own_tooth
    use evl_kinds, only: wp
    use evl_lobatto, only: lobatto_rule
-   use evl_plane_element, only: elasticity_t, element_stiffness, plane_strain, plane_stress
-   use evl_plane_mesh, only: element_points, mesh_create, number_nodes, plane_mesh_t
+   use evl_plane_element, only: elasticity_t, plane_strain, plane_stress
+   use evl_plane_mesh, only: mesh_create, number_nodes, plane_mesh_t
    implicit none (type, external)
    private
 
@@ -47,10 +47,7 @@ contains
       real(c_double), intent(inout) :: condensed(n_kept + n_loads, n_kept + n_loads)
       type(plane_mesh_t) :: mesh
       type(elasticity_t) :: law
-      real(wp) :: x(0:p), w(0:p), d(0:p, 0:p), xy(2, 0:p, 0:p), stiffness(8*p, 8*p, n)
-      real(wp), allocatable :: answer(:, :)
-      logical :: is_valid
-      integer :: e
+      real(wp) :: answer(n_kept + n_loads, n_kept + n_loads, 1)
 
       law = plane_strain(nu)
       if (is_stress /= 0) law = plane_stress(nu)
@@ -59,18 +56,8 @@ contains
       mesh%group(:) = group
       mesh%side(:, :, :, :) = side
       call number_nodes(mesh)
-      call lobatto_rule(x, w, d)
-      do e = 1, n
-         call element_points(mesh, e, x, xy)
-         call element_stiffness(p, w, d, xy, law, stiffness(:, :, e), is_valid)
-         failed = e
-         if (.not. is_valid) return
-      end do
-      failed = -1
-      call condense(mesh, stiffness, is_fixed /= 0, kept, loads, answer, is_valid)
-      if (.not. is_valid) return
-      failed = 0
-      condensed = answer
+      call condense(mesh, law, reshape(is_fixed /= 0, [n_unknowns, 1]), kept, loads, answer, failed)
+      if (failed == 0) condensed = answer(:, :, 1)
    end function test_condense
 
    !> E c from the mean displacements under two widths of the load.

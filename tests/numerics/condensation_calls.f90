@@ -1,7 +1,7 @@
 !> Elimination of unknowns as a C function, for tests; no part of the kernel's interface.
 module condensation_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
-   use evl_condensation, only: cholesky, rows_below, subtract_products
+   use evl_condensation, only: symmetric_t
    implicit none (type, external)
    private
 
@@ -9,17 +9,25 @@ module condensation_calls
 
 contains
 
-   !> Eliminate the first n of n + m unknowns, in place in the lower triangle.
+   !> Eliminate the first n of n + m unknowns; the lower triangle of what is left takes its place.
    logical(c_bool) function st_condense(n, m, a) result(good) bind(c)
       integer(c_int), value :: n, m
       real(c_double), intent(inout) :: a(n + m, n + m)
+      type(symmetric_t) :: matrix
       logical :: is_definite
+      integer :: i, k
 
-      call cholesky(n, a, n + m, is_definite)
+      call matrix%create(n, n + m)
+      do k = 1, n + m
+         call matrix%set(k, k, a(k:, k))
+      end do
+      call matrix%eliminate(is_definite)
       good = is_definite
-      if (.not. is_definite .or. m == 0) return
-      call rows_below(m, n, a, n + m, a(n + 1, 1), n + m)
-      call subtract_products(m, n, a(n + 1, 1), n + m, a(n + 1, n + 1), n + m)
+      do k = n + 1, n + m
+         do i = k, n + m
+            a(i, k) = matrix%element(i, k)
+         end do
+      end do
    end function st_condense
 
 end module condensation_calls
