@@ -46,6 +46,18 @@ def test_the_changelog_begins_with_the_version() -> None:
     )
 
 
+def test_a_release_of_the_changelog_is_recorded_with_its_commit() -> None:
+    """But the newest one until the commit after it."""
+    changelog = (ROOT / "CHANGELOG.md").read_text()
+    dated = re.findall(r"^## ([0-9.]+) - (\d{4}-\d\d-\d\d)$", changelog, re.MULTILINE)
+    rows = re.findall(
+        r"^\| ([0-9.]+) \| (\S+) \| ([0-9a-f]{40}) \|$",
+        (ROOT / "docs/releases.md").read_text(),
+        re.MULTILINE,
+    )
+    assert [row[:2] for row in rows] in (dated, dated[1:])
+
+
 def test_the_citation_is_complete_and_agrees_with_the_project() -> None:
     """The keys that the format's version 1.2.0 requires; a whole check is part of the release."""
     assert CITATION["cff-version"] == "1.2.0"
