@@ -60,6 +60,7 @@ typedef struct {
     prepared_case kept; /* goes from case to case */
     evl_wheel_store wheels;
     bool varies;         /* blocks are tried in all their variants */
+    int n_start;         /* options that the base begins with */
     bool *tried;         /* [rows] in some case that is good, of all bases */
     int n_cases, n_good; /* of all bases */
     int n_in_place;
@@ -362,7 +363,7 @@ static void try_variants(trial *trial, const prefix *before, const char *path, c
 /** What stands in a block as a block, a list or a map. */
 static void try_inner(trial *trial, const prefix *before, const char *path, const evl_row *row, const case_node *value)
 {
-    const bool varies = trial->varies && before->n < 2; /* deep enough for all that there is */
+    const bool varies = trial->varies && before->n - trial->n_start < 2; /* deep enough for all that there is */
     if (row->type == EVL_BLOCK) {
         if (value != NULL) {
             try_block(trial, before, path, row->holds, value);
@@ -401,11 +402,12 @@ static void try_block(trial *trial, const prefix *before, const char *path, cons
 }
 
 /** @param option  that the base begins with; NULL: none */
-static void try_example(trial *trial, const char *path, const char *option)
+static void try_example(trial *trial, const char *path, const char *option, bool varies)
 {
     evl_error error;
     const prefix start = {.n = option == NULL ? 0 : 1, .options = {option}};
-    trial->varies = option == NULL;
+    trial->varies = varies;
+    trial->n_start = start.n;
     trial->base = case_base_read(path, model_schema(), &error);
     case_file *plain = case_read(path, start.n, start.options, model_schema(), &error);
     if (plain == NULL) {
@@ -420,14 +422,16 @@ static void try_example(trial *trial, const char *path, const char *option)
 static void every_key_edited_in_place_gives_the_case_that_is_made_from_nothing(void **state)
 {
     (void)state;
+    enum { VARIED = 5 }; /* the first bases, whose blocks are tried in all their variants */
     static const struct {
         const char *example, *option;
     } starts[] = {
         {"paper-friction", NULL},
-        {"two-stage", NULL},
-        {"tutorial-pair", NULL},
         {"rattle", NULL},
         {"paper-rigid", NULL},
+        /* their steady starts take long, and others have been tried by now */
+        {"two-stage", "simulation.initial={kind: rest}"},
+        {"tutorial-pair", "simulation.initial={kind: rest}"},
         /* what no example has and no required value makes */
         {"paper-friction", "gravity=[0, -9.81, 0]"},
         {"paper-friction", "wheels.0.loads.0={kind: harmonic, mean: 1, amplitude: 1, frequency: 3, phase: 20}"},
@@ -449,7 +453,7 @@ static void every_key_edited_in_place_gives_the_case_that_is_made_from_nothing(v
     assert_true(model_schema()->n <= MOST_ROWS);
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
         POOLED memory_pool pool = {NULL};
-        try_example(&trial, pool_printf(&pool, "examples/%s.yaml", starts[i].example), starts[i].option);
+        try_example(&trial, pool_printf(&pool, "examples/%s.yaml", starts[i].example), starts[i].option, i < VARIED);
     }
     int left = 0;
     for (int i = 0; i < model_schema()->n; i++) {
