@@ -20,38 +20,9 @@
 #include "case/case_tree.h"
 #include "case_entries_at.h"
 #include "simulate/prepare.h"
+#include "wheel_stand_in.h"
 
 enum { MOST_OPTIONS = 6, MOST_ROWS = 512, MOST_VALUES = 32 };
-
-/* ---- what was computed of wheels that give way: of each kind the first, which stands for all, so that no time is lost ---- */
-
-typedef struct wheel {
-    struct wheel *before;
-    int n;
-    double numbers[];
-} wheel;
-
-static int find_wheel(void *self, int n_key, const double *key, int n, double *numbers)
-{
-    (void)n_key, (void)key;
-    for (const wheel *known = *(wheel **)self; known != NULL; known = known->before) {
-        if (known->n == n) {
-            memcpy(numbers, known->numbers, (size_t)n * sizeof *numbers);
-            return 1;
-        }
-    }
-    return 0;
-}
-
-static int keep_wheel(void *self, int n_key, const double *key, int n, double *numbers)
-{
-    (void)n_key, (void)key;
-    wheel **last = self, *kept = xcalloc(1, sizeof *kept + (size_t)n * sizeof *numbers);
-    *kept = (wheel){.before = *last, .n = n};
-    memcpy(kept->numbers, numbers, (size_t)n * sizeof *numbers);
-    *last = kept;
-    return 1;
-}
 
 /* ---- a base and what was tried of it ---- */
 
@@ -447,9 +418,9 @@ static void every_key_edited_in_place_gives_the_case_that_is_made_from_nothing(v
          "wheels.pinion.pitch_errors=[0, 1e-6, 0, 1e-6, 0, 1e-6, 0, 1e-6, 0, 1e-6, 0, 1e-6, 0, 1e-6, 0, 1e-6, 0, "
          "1e-6, 0, 1e-6, 0, 1e-6, 0]"},
     };
-    wheel *wheels = NULL;
+    wheel_stand_in wheel = {0};
     bool tried[MOST_ROWS] = {false};
-    trial trial = {.tried = tried, .wheels = {.self = (void *)&wheels, .find = find_wheel, .keep = keep_wheel}};
+    trial trial = {.tried = tried, .wheels = wheel_stand_in_store(&wheel)};
     assert_true(model_schema()->n <= MOST_ROWS);
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
         POOLED memory_pool pool = {NULL};
@@ -465,11 +436,7 @@ static void every_key_edited_in_place_gives_the_case_that_is_made_from_nothing(v
     }
     print_message("%d cases, %d good, %d in place, %d not tried\n", trial.n_cases, trial.n_good, trial.n_in_place,
                   left);
-    while (wheels != NULL) {
-        wheel *before = wheels->before;
-        free(wheels);
-        wheels = before;
-    }
+    wheel_stand_in_free(&wheel);
 }
 
 int main(void)

@@ -15,8 +15,8 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case.h"
-#include "files/wheel_store.h"
 #include "model/model.h"
+#include "wheel_stand_in.h"
 
 #include <evolvent/kernel.h>
 
@@ -37,12 +37,11 @@ static void add_outputs(const evl_gearbox *gearbox, const evl_sizes *sizes, doub
     portrait->n += n;
 }
 
-/** @param store  so that wheels which give way are computed once */
-static portrait portray(const evl_description *description, const evl_initial *initial, const wheel_store *store)
+static portrait portray(const evl_description *description, const evl_initial *initial, const evl_wheel_store *store)
 {
     evl_status status = {0};
     portrait portrait = {0};
-    evl_gearbox *gearbox = evl_gearbox_create(description, wheel_store_door(store), &status);
+    evl_gearbox *gearbox = evl_gearbox_create(description, store, &status);
     portrait.code = status.code;
     (void)snprintf(portrait.message, sizeof portrait.message, "%s", status.message);
     if (gearbox == NULL) {
@@ -109,7 +108,7 @@ static char *option_of(const char *path, int n, const double *numbers)
 }
 
 /** Compare what setting a parameter gives with a case that says so. @return whether the case could be written so */
-static bool check_parameter(const char *example, const wheel_store *store, evl_description *description, int index,
+static bool check_parameter(const char *example, const evl_wheel_store *store, evl_description *description, int index,
                             const evl_row *row, const char *path, int n, const double *numbers)
 {
     double *others = memcpy(xcalloc((size_t)n, sizeof *others), numbers, (size_t)n * sizeof *others);
@@ -148,16 +147,17 @@ static int check_example(const char *example)
         evl_description_create(case_description(file)->n_entries, case_description(file)->entries, &status);
     assert_non_null(description);
     evl_parameter parameter;
-    wheel_store *store = wheel_store_create();
+    wheel_stand_in wheel = {0};
+    const evl_wheel_store store = wheel_stand_in_store(&wheel);
     int checked = 0;
     for (int i = 0; evl_description_parameter(description, i, &parameter, 0, NULL); i++) {
         double *numbers = xcalloc((size_t)parameter.n, sizeof *numbers);
         (void)evl_description_parameter(description, i, &parameter, parameter.n, numbers);
-        checked += check_parameter(example, store, description, i, &model_schema()->rows[parameter.row], parameter.path,
-                                   parameter.n, numbers);
+        checked += check_parameter(example, &store, description, i, &model_schema()->rows[parameter.row],
+                                   parameter.path, parameter.n, numbers);
         free(numbers);
     }
-    wheel_store_delete(&store);
+    wheel_stand_in_free(&wheel);
     evl_description_delete(&description);
     case_delete(&file);
     return checked;
