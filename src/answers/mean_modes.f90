@@ -134,7 +134,9 @@ contains
          samples(:, i) = static_part(gearbox, samples(:, i) - mean)
       end do
       samples(:, n_positions + 1) = start - mean
-      rate = 2*pi*mean(i_omega)*gearbox%contacts(1)%pair%advance/gearbox%contacts(1)%base_pitch
+      associate (contact => gearbox%contacts(gearbox%first(first_mesh(gearbox))))
+         rate = 2*pi*mean(i_omega)*contact%pair%advance/contact%base_pitch
+      end associate
       call find_amplitudes(gearbox, mean, samples, rate, n_modes, eigenvalues, vectors, amplitudes, status)
    end subroutine gearbox_start_distance
 
