@@ -1,15 +1,15 @@
-!> c of a tooth by formulas: a beam of the true outline, on a ring that is held at the hub, and the contact between both.
+!> Analytic compliance c of a tooth: a beam with the actual outline, on a ring fixed at the hub, plus the local contact term.
 !>
 !> The load at the radius of curvature rho makes the angle tau with the tooth's cross direction. (x_F, y_F) is the loaded point, 2x
-!> the thickness at the height y, S_f = 2 r_f theta_f the arc of the root under the tooth, u = y_F - x_F tan tau - r_f. From the
-!> root, y = r_f cos theta_f, to y_F, with E' and nu' of the plane state, and E = 1:
+!> the thickness at the height y, S_f = 2 r_f theta_f the arc of the root under the tooth, u = y_F - x_F tan tau - r_f. The
+!> integrals run from the root, y = r_f cos theta_f, to y_F. With E' and nu' of the plane state, and E = 1:
 !>
 !>    c = 1/E' int 12 [cos tau (y_F - y) - x_F sin tau]^2/(2x)^3 dy + 1.2 int 2 (1+nu) cos^2 tau/(2x) dy
 !>      + 1/E' int sin^2 tau/(2x) dy
 !>      + 1/E' cos^2 tau [L (u/S_f)^2 + M u/S_f + P (1 + Q tan^2 tau)] + K [ln(x_F/(2 rho cos tau)) + 1/2 - nu'/(2 (1 - nu'))]
 !>
-!> The last term is the contact down to the tooth's middle in place of Johnson's cylinder. L .. Q are Sainsot's for a ring. Two
-!> loaded teeth share the ring, but these formulas know one tooth alone.
+!> The last term is the contact deflection down to the middle of the tooth, in place of Johnson's cylinder. L .. Q are Sainsot's for
+!> a ring. Coupling of two loaded teeth through the ring is not included.
 !>
 !> Sources: Weber & Banaschek 1953; Sainsot, Velex, Duverger, J. Mech. Des. 126 (2004) 748.
 module evl_analytic_compliance
@@ -24,7 +24,7 @@ module evl_analytic_compliance
 
    public :: analytic_samples, is_in_range
 
-   real(wp), parameter :: from_ends = 0.06_wp !! of the involute, arc [modules]
+   real(wp), parameter :: from_ends = 0.06_wp !! distance from the ends of the involute, arc [modules]
    integer, parameter :: order = 16           !! of the quadrature
 
    ! A .. F of L, M, P, Q = A/theta_f^2 + B h^2 + C h/theta_f + D/theta_f + E h + F
@@ -38,7 +38,7 @@ module evl_analytic_compliance
 
 contains
 
-   !> Whether a wheel lies where the formula of the ring was fitted.
+   !> Whether a wheel is in the range to which the formula of the ring was fitted.
    pure logical function is_in_range(outline, hub_radius)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius !! in modules
@@ -65,7 +65,7 @@ contains
       end do
    end subroutine analytic_samples
 
-   !> E c at a place.
+   !> E c at one position.
    pure real(wp) function analytic(outline, hub_radius, law, rho) result(c)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius, rho !! in modules
@@ -99,7 +99,7 @@ contains
 
    contains
 
-      !> The beam between two points of the outline.
+      !> Contribution of the beam between two points of the outline.
       pure real(wp) function part_of_beam() result(part)
          real(wp) :: dy, thickness, arm
          integer :: k

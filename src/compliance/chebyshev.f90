@@ -1,6 +1,6 @@
 !> Polynomials through Chebyshev-Lobatto points.
 !>
-!> At x_i = -cos(pi i/n), i = 0 .. n, in [-1, 1]. With T_k the Chebyshev polynomials, f = sum of a_k T_k.
+!> Points x_i = -cos(pi i/n), i = 0 .. n, in [-1, 1]. With T_k the Chebyshev polynomials, f = sum of a_k T_k.
 module evl_chebyshev
    use evl_kinds, only: pi, wp
    implicit none (type, external)
@@ -10,9 +10,9 @@ module evl_chebyshev
 
 contains
 
-   ! Not in vectors: those cosines of the C library have other bits, on every processor others.
+   ! Not vectorised: vector cosines of the C library differ in the last bits, and between processors.
 
-   !> Points from `low` to `high`.
+   !> Chebyshev-Lobatto points from `low` to `high`.
    pure function chebyshev_points(n, low, high) result(points)
       integer, intent(in) :: n !! intervals
       real(wp), intent(in) :: low, high
@@ -45,9 +45,9 @@ contains
       end do
    end function chebyshev_coefficients
 
-   !> From a_k to coefficients b_k of powers, f = sum of b_k x**k, by T_k = 2 x T_k-1 - T_k-2.
+   !> Convert a_k to coefficients b_k of powers, f = sum of b_k x**k, by T_k = 2 x T_k-1 - T_k-2.
    !>
-   !> Valid: few coefficients, or such as fall fast: of T_k they are up to 2**k
+   !> Valid: few coefficients, or rapidly decreasing ones: the coefficients of T_k reach 2**k
    pure function power_coefficients(a) result(b)
       real(wp), intent(in) :: a(0:) !! two or more
       real(wp) :: b(0:size(a) - 1)

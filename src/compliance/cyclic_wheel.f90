@@ -1,21 +1,21 @@
-!> A whole wheel from one half of a sector: loads on one tooth, displacements on all.
+!> Response of a whole wheel from one half of a sector: loads on one tooth, displacements on all.
 !>
-!> A sector between two cuts is a mirror image of itself. So its half is condensed onto the cut twice, with the middle line held as
-!> it is under symmetric (s) and under antisymmetric (a) loads. With radial and tangential components on the cuts, u_R on the right
-!> and u_L on the left one, M the mirror (tangential components change sign): v_s = (u_R + M u_L)/2, v_a = (u_R - M u_L)/2, and
-!> the energy of the sector is v_s S_s v_s + v_a S_a v_a. In harmonic n, u_R = exp(i n gamma) u_L. With theta = n gamma/2,
-!> u_L = exp(-i theta) (x_r, -i x_t):
+!> A sector between two cuts is symmetric about its middle line. Its half is therefore condensed onto the cut twice, with the middle
+!> line supported as under symmetric (s) and under antisymmetric (a) loads. Displacements on the cuts are radial and tangential: u_R
+!> on the right and u_L on the left cut. M is the reflection (tangential components change sign), v_s = (u_R + M u_L)/2,
+!> v_a = (u_R - M u_L)/2, and the energy of the sector is v_s S_s v_s + v_a S_a v_a. In harmonic n, u_R = exp(i n gamma) u_L. With
+!> theta = n gamma/2, u_L = exp(-i theta) (x_r, -i x_t):
 !>
 !>    v_s = D_s x,  v_a = i D_a x,    D_s = (cos theta, sin theta),  D_a = (sin theta, -cos theta)  for (radial, tangential)
 !>    S_n = 2 (D_s S_s D_s + D_a S_a D_a)      real, symmetric; clamped at the hub, positive definite
 !>
-!> With the loads' shares t_s, t_a of the cut and g_s = D_s t_s, g_a = D_a t_a, the displacement at place a of tooth k (counted
-!> toward the loaded flank's side) by a unit load at place b of tooth 0 is
+!> t_s, t_a are the shares of the cut in the loads, g_s = D_s t_s, g_a = D_a t_a. The displacement at position a of tooth k (counted
+!> toward the side of the loaded flank) by a unit load at position b of tooth 0 is
 !>
 !>    G_k(a, b) = A(a, b) delta_k0 + 1/z sum over all n of [cos(n k gamma) P - sin(n k gamma) X](a, b)
 !>    P = g_s S_n^-1 g_s + g_a S_n^-1 g_a,   X(a, b) = g_a(a) S_n^-1 g_s(b) - g_s(a) S_n^-1 g_a(b)
 !>
-!> where A is half the sum of both compliances with the cut held.
+!> where A is half the sum of both compliances with the cut fixed.
 module evl_cyclic_wheel
    use evl_condensation, only: symmetric_t
    use evl_kinds, only: pi, wp
@@ -26,10 +26,10 @@ module evl_cyclic_wheel
 
 contains
 
-   !> Radial and tangential in place of x and y for the first unknowns of a condensed matrix, all on a ray.
+   !> Transform the first unknowns of a condensed matrix, all on one ray, from x and y to radial and tangential.
    pure subroutine turn_to_polar(angle, n, matrix)
       real(wp), intent(in) :: angle !! of the ray [rad]
-      integer, intent(in) :: n      !! unknowns on the ray, x and y in turn
+      integer, intent(in) :: n      !! unknowns on the ray, x and y alternating
       real(wp), intent(inout) :: matrix(:, :)
       real(wp) :: radial(size(matrix, 1)), c, s
       integer :: i
@@ -51,11 +51,11 @@ contains
    !> G_k(a, b) for k = 0 .. n_teeth, from both condensed matrices in polar components.
    subroutine wheel_response(teeth, n_cut, symmetric, antisymmetric, response, is_definite)
       integer, intent(in) :: teeth                        !! z
-      integer, intent(in) :: n_cut                        !! unknowns on the cut, radial and tangential in turn; loads follow
+      integer, intent(in) :: n_cut                        !! unknowns on the cut, radial and tangential alternating; then the loads
       real(wp), intent(in) :: symmetric(:, :), antisymmetric(:, :)
       real(wp), intent(out) :: response(:, :, 0:)         !! (displaced at, loaded at, tooth)
       logical, intent(out) :: is_definite
-      type(symmetric_t) :: stiffness             !! with the loads below; what is left: -(g_s, g_a) S_n^-1 (g_s, g_a)
+      type(symmetric_t) :: stiffness             !! with the loads below; Schur complement: -(g_s, g_a) S_n^-1 (g_s, g_a)
       real(wp), allocatable :: products(:, :)
       real(wp) :: by_s(n_cut), by_a(n_cut), theta, turned, share
       integer :: n_loads, n, k, i, a, b

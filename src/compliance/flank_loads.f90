@@ -1,6 +1,6 @@
-!> Unit loads on a narrow arc of the involute, along its normals, and what they weigh on the nodes of the mesh.
+!> Unit loads on a narrow arc of the involute, along its normals, and the equivalent nodal loads of the mesh.
 !>
-!> The load is p(s) = 35/(32 w) (1 - (s/w)^2)^3 on |s| < w, smooth enough for the elements. The same weights measure the mean
+!> The load is p(s) = 35/(32 w) (1 - (s/w)^2)^3 on |s| < w, smooth enough for the elements. The same weights give the mean
 !> displacement under it.
 module evl_flank_loads
    use evl_kinds, only: wp
@@ -14,18 +14,18 @@ module evl_flank_loads
 
 contains
 
-   !> p(s), s from the middle of the load.
+   !> p(s), with s from the middle of the load.
    elemental real(wp) function load_shape(s, w) result(load)
       real(wp), intent(in) :: s, w
 
       load = 35/(32*w)*max(0.0_wp, 1 - (s/w)**2)**3
    end function load_shape
 
-   !> The part of a load that lies on one side of an element: points of Gauss and the load that each stands for.
+   !> Part of a load on one side of an element: Gauss points and the load of each.
    pure subroutine load_part(x, weights, from, to, middle, w, s, weight)
       real(wp), intent(in) :: x(n_gauss), weights(n_gauss) !! Gauss' rule
       real(wp), intent(in) :: from, to    !! arc at the ends of the side
-      real(wp), intent(in) :: middle, w   !! of the load
+      real(wp), intent(in) :: middle, w   !! position and half width of the load
       real(wp), intent(out) :: s(n_gauss), weight(n_gauss)
       real(wp) :: low, high
 
@@ -35,10 +35,10 @@ contains
       weight = load_shape(s - middle, w)*weights*(high - low)/2
    end subroutine load_part
 
-   !> Add it to the loads of the unknowns.
+   !> Add the part of a load to the loads of the unknowns.
    pure subroutine put_load(x, nodes, from, to, s, force, load)
-      real(wp), intent(in) :: x(:)             !! points of Gauss and Lobatto
-      integer, intent(in) :: nodes(:)          !! of the side; they stand evenly in its arc
+      real(wp), intent(in) :: x(:)             !! Gauss-Lobatto points
+      integer, intent(in) :: nodes(:)          !! of the side; their spacing in arc is that of the points x
       real(wp), intent(in) :: from, to         !! arc at its ends
       real(wp), intent(in) :: s(n_gauss)
       real(wp), intent(in) :: force(2, n_gauss) !! x and y at the points

@@ -1,10 +1,10 @@
-!> c and c_j of finite elements as polynomials of the place on the flank: one formula for one state and for eight.
+!> c and c_j of finite elements as polynomials of the position on the flank: one formula for one state and for eight.
 !>
-!> With x = rho stretched to [-1, 1], in powers of x: their coefficients are at most some 15 times the largest c, so no digits are
-!> lost that matter, and sums of products in short chains take less than half of the time of recursions. Degrees are written out,
-!> since a loop over lanes with a loop in it would not become vector instructions: n_own = 16, n_other = 8.
+!> They are in powers of x, where x is rho scaled to [-1, 1]. The coefficients are at most about 15 times the largest c, so no
+!> significant digits are lost. Sums of products in short chains take less than half the time of recursions. The degrees n_own = 16
+!> and n_other = 8 are written out, since a loop over lanes that contains a loop is not vectorised.
 !>
-!> Beyond both ends c goes on straight, so that its curvature jumps there; c_j goes on by its polynomial.
+!> Beyond both ends c is extrapolated linearly, so that its curvature jumps there; c_j is extrapolated by its polynomial.
 module evl_flank_polynomials
    use evl_chebyshev, only: chebyshev_coefficients, power_coefficients
    use evl_influence_functions, only: n_other, n_own
@@ -15,22 +15,22 @@ module evl_flank_polynomials
    public :: double_at, double_in_lanes, double_polynomial, double_through, double_values_in_lanes
    public :: single_at, single_in_lanes, single_polynomial, single_through
 
-   !> c. Coefficients of x**k, those of derivatives to rho.
+   !> Polynomial c. Coefficients of x**k; those of the derivatives with respect to rho.
    type :: single_polynomial
       real(wp) :: low = 0, high = 0 !! rho at x = -1 and 1 [m]
       real(wp) :: stretch = 0       !! dx/drho [1/m]
       real(wp), dimension(0:n_own) :: a = 0, da = 0, dda = 0
    end type single_polynomial
 
-   !> c_j. Coefficients of x**k x'**i, those of derivatives to rho.
+   !> Polynomial c_j. Coefficients of x**k x'**i; those of the derivatives with respect to rho.
    type :: double_polynomial
-      real(wp) :: low = 0, stretch = 0 !! as above
+      real(wp) :: low = 0, stretch = 0 !! as in `single_polynomial`
       real(wp), dimension(0:n_other, 0:n_other) :: a = 0, da = 0, dda = 0
    end type double_polynomial
 
 contains
 
-   !> Through values at the Chebyshev points from low to high.
+   !> Interpolate values at the Chebyshev points from low to high.
    pure subroutine single_through(low, high, values, polynomial)
       real(wp), intent(in) :: low, high, values(0:n_own)
       type(single_polynomial), intent(out) :: polynomial
@@ -43,7 +43,7 @@ contains
       polynomial%dda = derivative(polynomial%da)*polynomial%stretch
    end subroutine single_through
 
-   !> The same of two places.
+   !> Interpolate values at pairs of Chebyshev points.
    pure subroutine double_through(low, high, values, polynomial)
       real(wp), intent(in) :: low, high, values(0:n_other, 0:n_other)
       type(double_polynomial), intent(out) :: polynomial
@@ -63,7 +63,7 @@ contains
       end do
    end subroutine double_through
 
-   !> Coefficients of the derivative, the last one 0.
+   !> Coefficients of the derivative; the last one is 0.
    pure function derivative(a) result(da)
       real(wp), intent(in) :: a(0:)
       real(wp) :: da(0:size(a) - 1)
@@ -75,7 +75,7 @@ contains
       end do
    end function derivative
 
-   !> c with its derivatives.   Valid: any rho
+   !> c with its derivatives. Valid: any rho
    pure subroutine single_at(polynomial, rho, value, slope, curvature)
       type(single_polynomial), intent(in) :: polynomial
       real(wp), intent(in) :: rho !! [m]
@@ -89,7 +89,7 @@ contains
       curvature = merge(0.0_wp, degree_16(polynomial%dda, x), rho < polynomial%low .or. rho > polynomial%high)
    end subroutine single_at
 
-   !> c and its slope in eight states.
+   !> c and its slope for eight states.
    pure subroutine single_in_lanes(polynomial, rho, value, slope)
       type(single_polynomial), intent(in) :: polynomial
       real(wp), intent(in) :: rho(lanes)
@@ -103,7 +103,7 @@ contains
       end do
    end subroutine single_in_lanes
 
-   !> c_j with its derivatives by both places.
+   !> c_j with its derivatives with respect to both positions.
    pure subroutine double_at(polynomial, here, there, value, by_here, by_there, here_here, here_there, there_there)
       type(double_polynomial), intent(in) :: polynomial
       real(wp), intent(in) :: here, there !! rho, rho' [m]
@@ -127,10 +127,10 @@ contains
       there_there = there_there*polynomial%stretch**2
    end subroutine double_at
 
-   !> Two more powers of x' in Horner's order.
+   !> Add two powers of x' by Horner's scheme.
    pure subroutine add_rows(polynomial, i, x, y, value, by_here, by_there, here_here, here_there, there_there)
       type(double_polynomial), intent(in) :: polynomial
-      integer, intent(in) :: i !! the first, then i - 1
+      integer, intent(in) :: i !! first power; the second is i - 1
       real(wp), intent(in) :: x, y
       real(wp), intent(inout) :: value, by_here, by_there, here_here, here_there, there_there
 
@@ -140,7 +140,7 @@ contains
                    here_here, here_there, there_there)
    end subroutine add_rows
 
-   !> One more power.
+   !> Add one power.
    pure subroutine add_row(a, da, dda, x, y, value, by_here, by_there, here_here, here_there, there_there)
       real(wp), intent(in), dimension(0:n_other) :: a, da, dda
       real(wp), intent(in) :: x, y
@@ -154,7 +154,7 @@ contains
       here_here = here_here*y + degree_8(dda, x)
    end subroutine add_row
 
-   !> c_j and its first derivatives in eight states.
+   !> c_j and its first derivatives for eight states.
    pure subroutine double_in_lanes(polynomial, here, there, value, by_here, by_there)
       type(double_polynomial), intent(in) :: polynomial
       real(wp), intent(in) :: here(lanes), there(lanes)
@@ -169,7 +169,7 @@ contains
       end do
    end subroutine double_in_lanes
 
-   !> c_j alone there.
+   !> c_j alone for eight states.
    pure subroutine double_values_in_lanes(polynomial, here, there, value)
       type(double_polynomial), intent(in) :: polynomial
       real(wp), intent(in) :: here(lanes), there(lanes)
@@ -184,7 +184,7 @@ contains
       end do
    end subroutine double_values_in_lanes
 
-   !> A polynomial in short chains.
+   !> Polynomial of degree 8, evaluated in short chains.
    pure real(wp) function degree_8(a, x) result(p)
       real(wp), intent(in) :: a(0:8), x
       real(wp) :: x2, x4
@@ -194,7 +194,7 @@ contains
       p = ((a(0) + x*a(1)) + x2*(a(2) + x*a(3))) + x4*(((a(4) + x*a(5)) + x2*(a(6) + x*a(7))) + x4*a(8))
    end function degree_8
 
-   !> The same of degree 16.
+   !> Polynomial of degree 16.
    pure real(wp) function degree_16(a, x) result(p)
       real(wp), intent(in) :: a(0:16), x
       real(wp) :: x2, x4, x8

@@ -1,10 +1,10 @@
-!> A body condensed onto some of its unknowns, by elimination along a front, under several supports at once.
+!> Condensation of a body onto some of its unknowns, by frontal elimination, for several supports at once.
 !>
-!> Elements come group by group. Unknowns that belong to one group alone and are free under all supports are eliminated first, once
-!> for all supports. Then the group joins the front of each support, where an unknown is eliminated after its last group, unless it
-!> is kept; fixed unknowns never come. Loads are further rows, from the first group on that they act on: of [K, f; f^T, 0]
-!> elimination leaves the stiffness of the kept unknowns, their share of the loads, f_k - K_ke K_ee^-1 f_e, and -f_e^T K_ee^-1 f_e,
-!> the compliance with the kept unknowns held.
+!> Elements are assembled group by group. Unknowns that belong to a single group and are free under all supports are eliminated
+!> first, once for all supports. The group is then added to the front of each support. There an unknown is eliminated after its last
+!> group, unless it is retained; fixed unknowns are never added. Loads are additional rows, starting with the first group on which
+!> they act. From [K, f; f^T, 0], elimination leaves the stiffness of the retained unknowns, their share of the loads, f_k - K_ke
+!> K_ee^-1 f_e, and -f_e^T K_ee^-1 f_e, the compliance with the retained unknowns fixed.
 !>
 !> Source: Irons 1970, frontal solution; Duff, Reid 1983, multifrontal solution.
 module evl_front
@@ -21,32 +21,32 @@ module evl_front
 
    integer, parameter, public :: moves_freely = -1
 
-   integer, parameter :: never = 0, always = huge(1) !! last group of what is fixed, of what is kept
+   integer, parameter :: never = 0, always = huge(1) !! last group of fixed unknowns, of retained unknowns
 
    !> Stiffness of a part of the body.
    type :: part_t
       integer, allocatable :: member(:) !! unknown of each row; loads are numbered after the unknowns
-      type(symmetric_t) :: matrix       !! what is left of it
+      type(symmetric_t) :: matrix       !! its matrix, or the Schur complement after elimination
    end type part_t
 
 contains
 
-   !> Matrix of the kept unknowns, then the loads, for each support.   Unknowns are 2 node - 1 (x) and 2 node (y).
+   !> Matrix of the retained unknowns, then the loads, for each support. Unknowns are 2 node - 1 (x) and 2 node (y).
    subroutine condense(mesh, law, is_fixed, kept, loads, condensed, failed)
       type(plane_mesh_t), intent(in) :: mesh
       type(elasticity_t), intent(in) :: law
       logical, intent(in) :: is_fixed(:, :)             !! (unknown, support)
-      integer, intent(in) :: kept(:)                    !! unknowns
+      integer, intent(in) :: kept(:)                    !! retained unknowns
       real(wp), intent(in) :: loads(:, :)               !! (unknown, load)
       real(wp), intent(out) :: condensed(:, :, :)       !! (row, column, support)
-      integer, intent(out) :: failed                    !! 0; an element that folds; moves_freely
-      type(part_t) :: part, front(0:size(is_fixed, 2))   !! one of each support, and room for the next
+      integer, intent(out) :: failed                    !! 0; number of a degenerate element; moves_freely
+      type(part_t) :: part, front(0:size(is_fixed, 2))   !! one for each support, and a spare one for the next step
       integer, dimension(size(loads, 1)) :: first, last !! group of an unknown
-      integer :: until(sum(shape(loads)), 0:size(is_fixed, 2)) !! last group, within a group and in the front of each support
-      integer :: place(sum(shape(loads)))               !! row in the matrix at hand; 0: none
+      integer :: until(sum(shape(loads)), 0:size(is_fixed, 2)) !! last group, within a group (0) and in the front of each support
+      integer :: place(sum(shape(loads)))               !! row in the current matrix; 0: none
       type(symmetric_t) :: stiffness
-      logical, allocatable :: acts(:, :)                !! whether a load acts on unknowns that are new with a group
-      integer :: which(0:size(is_fixed, 2))             !! part that is a front; 0: that is room
+      logical, allocatable :: acts(:, :)                !! whether a load acts on the new unknowns of a group
+      integer :: which(0:size(is_fixed, 2))             !! index of the front of each support; 0: of the spare one
       integer :: n_supports, n_groups, group, e, i, k, s
 
       first = always
@@ -112,7 +112,7 @@ contains
       list(2::2) = 2*nodes
    end function unknowns
 
-   !> The elements of a group, with the loads on the unknowns that are new with it.
+   !> Assemble the elements of a group, with the loads on its new unknowns, and eliminate.
    subroutine condense_group(mesh, law, group, is_new, until, loads, acting, place, stiffness, part, failed)
       type(plane_mesh_t), intent(in) :: mesh
       type(elasticity_t), intent(in) :: law
@@ -151,12 +151,12 @@ contains
       call finish(n_out, place, part, failed)
    end subroutine condense_group
 
-   !> Take a group into a front.
+   !> Add a group to a front and eliminate.
    subroutine join(before, part, group, until, place, front, failed)
       type(part_t), intent(in) :: before, part
       integer, intent(in) :: group, until(:)
       integer, intent(inout) :: place(:)
-      type(part_t), intent(inout) :: front !! with the group; its room is used again
+      type(part_t), intent(inout) :: front !! front with the group; its memory is reused
       integer, intent(out) :: failed
       integer :: n_out
 
@@ -167,7 +167,7 @@ contains
       call finish(n_out, place, front, failed)
    end subroutine join
 
-   !> Rows of a matrix: each of a list once, first those that go with this group.
+   !> Rows of a matrix: each unknown of a list once, those eliminated with this group first.
    subroutine arrange(list, group, until, place, member, n_out)
       integer, intent(in) :: list(:), group, until(:)
       integer, intent(inout) :: place(:)
@@ -188,11 +188,11 @@ contains
       member = rows(:n)
    end subroutine arrange
 
-   !> Eliminate what goes.
+   !> Eliminate the first n_out rows.
    subroutine finish(n_out, place, part, failed)
       integer, intent(in) :: n_out
       integer, intent(inout) :: place(:)
-      type(part_t), intent(inout) :: part     !! in: all members; out: those that stay
+      type(part_t), intent(inout) :: part     !! in: all members; out: the remaining ones
       integer, intent(out) :: failed
       logical :: is_definite
 

@@ -1,12 +1,13 @@
-!> The influence functions of a wheel by spectral elements: c at Chebyshev points of the flank, c_j at pairs of them, for E = 1.
+!> Influence functions of a wheel by spectral elements: c at Chebyshev points of the flank, c_j at pairs of them, for E = 1.
 !>
-!> The flank of tooth 0 is loaded at each place by the smooth load of half width w, and by one of w/sqrt 2. Its mean displacement
-!> u_w under the own load, less what the load's shape contributes, is c up to w^2, and two widths remove that:
+!> At each position, the flank of tooth 0 is loaded by the smooth load of half width w, and by one of half width w/sqrt 2. The mean
+!> displacement u_w under the load itself, less the contribution of the load's shape, is c except for an error of order w^2. Two
+!> widths eliminate that error:
 !>
 !>    c_w = u_w - K (-ln w + e_1) - q w e_2/rho + K (1 - ln 2 rho),   c = 2 c_{w/sqrt 2} - c_w + (ln 2/18) K (w/rho)^2
 !>
 !> with K = 2/(pi E'), e_1 and e_2 the moments of -ln|x-y| and |x-y| under the load's shape; q is the tangential part of Flamant's
-!> solution on a curved surface. c_j needs no such care: the load on another tooth is far.
+!> solution on a curved surface. c_j requires no correction, since the load on another tooth is far away.
 module evl_influence_functions
    use evl_chebyshev, only: chebyshev_points
    use evl_cyclic_wheel, only: turn_to_polar, wheel_response
@@ -24,9 +25,9 @@ module evl_influence_functions
 
    public :: compute_influence, finish_own_tooth, influence_t
 
-   integer, parameter, public :: influence_version = 2 !! of this method: to be raised with all that changes a bit of its results
+   integer, parameter, public :: influence_version = 2 !! of this method: increase it if any bit of its results changes
    integer, parameter, public :: n_own = 16    !! intervals of c's points
-   integer, parameter, public :: n_other = 8   !! of c_j's points, which are every other of c's
+   integer, parameter, public :: n_other = 8   !! intervals of c_j's points, which are every second point of c
    integer, parameter, public :: n_neighbours = 3 !! j = 1 .. 3
    real(wp), parameter :: widest = 0.25_wp     !! w in modules
    real(wp), parameter :: mean_logarithm = 1.3628052003925655_wp, mean_distance = 0.3807303807_wp !! e_1, e_2
@@ -35,14 +36,14 @@ module evl_influence_functions
    type :: influence_t
       real(wp) :: rho(0:n_own) = 0                                   !! radii of curvature
       real(wp) :: own(0:n_own) = 0                                   !! E c
-      real(wp) :: other(0:n_other, 0:n_other, -n_neighbours:n_neighbours) = 0 !! E c_j (here on tooth 0, there on tooth j)
+      real(wp) :: other(0:n_other, 0:n_other, -n_neighbours:n_neighbours) = 0 !! E c_j (on tooth 0, on tooth j, j)
    end type influence_t
 
 contains
 
-   !> Influence functions of a wheel held at its hub.
+   !> Compute the influence functions of a wheel fixed at its hub.
    !>
-   !> Errors: code_invalid_input with subject_wheel where the outline cannot be meshed.
+   !> Errors: code_invalid_input with subject_wheel if the outline cannot be meshed.
    subroutine compute_influence(outline, hub_radius, p, law, influence, status)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius !! in modules
@@ -77,7 +78,7 @@ contains
          influence%own(j) = finish_own_tooth(response(j + 1, j + 1, 0), response(n_own + j + 2, n_own + j + 2, 0), widths(j), &
                                              influence%rho(j), law)
       end do
-      ! displaced on tooth 0, loaded on tooth j: displaced on tooth -j, loaded on tooth 0
+      ! displaced on tooth 0, loaded on tooth j: equivalent to displaced on tooth -j, loaded on tooth 0
       do j = 1, n_neighbours
          influence%other(:, :, -j) = response(1:n_own + 1:2, 1:n_own + 1:2, j)
          influence%other(:, :, j) = transpose(response(1:n_own + 1:2, 1:n_own + 1:2, j))
@@ -105,7 +106,7 @@ contains
 
    end function finish_own_tooth
 
-   !> An element folds over: refuse the wheel, and name the part of the outline.
+   !> Fail because an element is degenerate; name the part of the outline.
    subroutine refuse_fold(sector, e, status)
       type(sector_mesh_t), intent(in) :: sector
       integer, intent(in) :: e
@@ -118,7 +119,7 @@ contains
                 subject_wheel, field="compliance")
    end subroutine refuse_fold
 
-   !> The part of a sector in which an element lies.
+   !> Part of a sector that contains an element.
    pure function part_of(sector, e) result(text)
       type(sector_mesh_t), intent(in) :: sector
       integer, intent(in) :: e
@@ -139,7 +140,7 @@ contains
       end associate
    end function part_of
 
-   !> Places of the loads, their widths, and the loads: wide ones first.
+   !> Positions of the loads, their widths, and the nodal loads: wide loads first.
    subroutine place_loads(outline, sector, rho, widths, loads)
       type(tooth_outline_t), intent(in) :: outline
       type(sector_mesh_t), intent(in) :: sector
@@ -166,7 +167,7 @@ contains
 
    contains
 
-      !> The part of a load on this row.
+      !> Add the part of a load on this row.
       subroutine put(half, load)
          real(wp), intent(in) :: half
          integer, intent(in) :: load
@@ -185,18 +186,18 @@ contains
 
    end subroutine place_loads
 
-   !> The half sector condensed onto its cut, with its middle line held for symmetric and for antisymmetric loads.
+   !> Condense the half sector onto its cut, with its middle line supported for symmetric and for antisymmetric loads.
    subroutine both_halves(outline, sector, law, loads, halves, failed)
       type(tooth_outline_t), intent(in) :: outline
       type(sector_mesh_t), intent(in) :: sector
       type(elasticity_t), intent(in) :: law
       real(wp), intent(in) :: loads(:, :)
       real(wp), allocatable, intent(out) :: halves(:, :, :)
-      integer, intent(out) :: failed !! as condense says
+      integer, intent(out) :: failed !! as from `condense`
       logical :: is_fixed(2*sector%mesh%n_nodes, 2)
       integer :: kept(2*size(sector%cut) - 2), side, n
 
-      ! the cut's last node is on the hub
+      ! the last node of the cut is on the hub and fixed
       associate (cut => sector%cut(:size(sector%cut) - 1))
          kept(1::2) = 2*cut - 1
          kept(2::2) = 2*cut

@@ -1,7 +1,7 @@
-!> Influence functions of wheels that were computed before, found again by all that decides about them.
+!> Store of influence functions of wheels, with all the data that determine them as the key.
 !>
-!> Both sides are plain numbers, so that an extension can keep them elsewhere. What a store gives is taken as if it had just been
-!> computed: equal keys mean equal bits, whichever module, width and modulus the wheel has.
+!> Keys and values are real arrays, so that an extension can store them elsewhere. Stored values replace a computation exactly:
+!> equal keys mean identical bits, independent of the module, width and modulus of the wheel.
 module evl_influence_store
    use evl_influence_functions, only: compute_influence, influence_t, influence_version, n_neighbours, n_other, n_own
    use evl_kinds, only: wp
@@ -16,13 +16,13 @@ module evl_influence_store
    integer, parameter :: n_key = 19
    integer, parameter :: n_numbers = 2*(n_own + 1) + (2*n_neighbours + 1)*(n_other + 1)**2
 
-   !> A wheel.
+   !> Entry of one wheel.
    type :: kept_t
       real(wp) :: key(n_key) = 0
       real(wp) :: numbers(n_numbers) = 0
    end type kept_t
 
-   !> Keeps all as long as it lives.
+   !> Store in memory, for its own lifetime.
    type :: influence_store_t
       type(kept_t), allocatable, private :: kept(:)
    contains
@@ -32,7 +32,7 @@ module evl_influence_store
 
 contains
 
-   !> Influence functions of a wheel: those of the store, or new ones, which the store gets.
+   !> Influence functions of a wheel: from the store, or computed and added to the store.
    !>
    !> Errors: those of compute_influence and of the store.
    subroutine influence_by_store(store, outline, hub_radius, order, law, influence, status)
@@ -46,7 +46,7 @@ contains
       real(wp) :: key(n_key), numbers(n_numbers)
       logical :: is_known
 
-      ! all of the outline that the rest of it follows from, to the bit: a wheel of another module may differ in the last one
+      ! all independent data of the outline, to the last bit: a wheel with another module may differ in the last bit
       key = [real(influence_version, wp), real(order, wp), hub_radius, &
              law%direct, law%across, law%shear, law%plane_modulus, law%tangential, &
              real(outline%teeth, wp), outline%pressure_angle, outline%half_tooth, outline%reference_radius, outline%base_radius, &
@@ -65,13 +65,13 @@ contains
       influence%other = reshape(numbers(2*n_own + 3:), shape(influence%other))
    end subroutine influence_by_store
 
-   !> The numbers of a key, if they are there.
+   !> Return the values of a key, if present.
    subroutine find(self, key, numbers, is_known, status)
       class(influence_store_t), intent(inout) :: self
       real(wp), intent(in) :: key(:)
       real(wp), intent(out) :: numbers(:)
       logical, intent(out) :: is_known
-      type(status_t), intent(inout) :: status !! of extensions
+      type(status_t), intent(inout) :: status !! for extensions
       integer :: i
 
       is_known = .false.
@@ -85,12 +85,12 @@ contains
       end do
    end subroutine find
 
-   !> Keep what was computed. An extension may put other numbers in their place, which then count.
+   !> Store computed values. An extension may return other values, which are then used.
    subroutine keep(self, key, numbers, status)
       class(influence_store_t), intent(inout) :: self
       real(wp), intent(in) :: key(:)
       real(wp), intent(inout) :: numbers(:)
-      type(status_t), intent(inout) :: status !! of extensions
+      type(status_t), intent(inout) :: status !! for extensions
 
       if (has_failed(status)) return
       if (.not. allocated(self%kept)) allocate (self%kept(0))

@@ -33,10 +33,10 @@ contains
       end do
    end subroutine legendre
 
-   !> Points ascending from -1 to 1, weights, and derivatives at the points by the values there.
+   !> Points ascending from -1 to 1, weights, and the matrix of derivatives at the points from the values at the points.
    pure subroutine lobatto_rule(x, w, d)
       real(wp), intent(out) :: x(0:), w(0:)   !! p+1 each
-      real(wp), intent(out) :: d(0:, 0:)      !! (at, of)
+      real(wp), intent(out) :: d(0:, 0:)      !! (derivative at, value at)
       real(wp) :: value(0:size(x) - 1), before, step
       integer :: p, i, j, turn
 
@@ -83,7 +83,7 @@ contains
       end do
    end subroutine gauss_rule
 
-   !> The polynomials that are 1 at one of the points and 0 at the others, at a place.
+   !> Lagrange polynomials of the points (1 at one point and 0 at the others), evaluated at one position.
    pure function lagrange(points, at) result(values)
       real(wp), intent(in) :: points(:), at
       real(wp) :: values(size(points)), below

@@ -1,8 +1,8 @@
-!> Cubics between knots, with a continuous slope, that rise and fall only where the knots do.
+!> Monotone piecewise cubics with a continuous slope: they rise and fall only where the values at the knots do.
 !>
-!> The slope at an inner knot is 0 where the differences left and right have different signs, else their harmonic mean with
-!> weights by the lengths of the intervals; at an end the parabola through three knots, bounded so that nothing overshoots.
-!> Beyond the ends the cubic's end continues straight.
+!> The slope at an inner knot is 0 if the differences left and right have different signs, otherwise their harmonic mean weighted by
+!> the lengths of the intervals. At an end it is that of the parabola through three knots, bounded to avoid overshoot. Beyond the
+!> ends the extrapolation is linear.
 !>
 !> Source: Fritsch & Butland 1984.
 module evl_monotone_cubic
@@ -19,7 +19,7 @@ module evl_monotone_cubic
 
 contains
 
-   !> The cubics through values at strictly increasing knots, two at least.
+   !> Cubics through values at strictly increasing knots, at least two.
    pure subroutine cubic_through(x, y, cubic)
       real(wp), intent(in) :: x(:), y(:)
       type(cubic_t), intent(out) :: cubic
@@ -54,7 +54,7 @@ contains
       end if
    end function end_slope
 
-   !> Value, slope and curvature at a place.
+   !> Value, slope and curvature at one position.
    pure subroutine cubic_at(cubic, x, value, slope, curvature)
       type(cubic_t), intent(in) :: cubic
       real(wp), intent(in) :: x

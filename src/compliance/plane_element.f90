@@ -1,8 +1,8 @@
 !> Stiffness of one curved spectral element of a plane body, E = 1, with its inner nodes condensed.
 !>
-!> Displacements and the map are polynomials of order p through the Gauss-Lobatto points, and the integral is summed at the same
-!> points: at (a, b) only the nodes of row b and column a have a gradient. The sum is exact for the forces of a constant stress in
-!> any such element. With inner unknowns i and those of the rim r, what is left is K_rr - K_ri K_ii^-1 K_ir.
+!> Displacements and the map are polynomials of order p through the Gauss-Lobatto points. The integral is summed at the same points:
+!> at (a, b) only the nodes of row b and column a have a gradient. The sum is exact for the forces of a constant stress in any such
+!> element. With inner unknowns i and those of the rim r, the result is K_rr - K_ri K_ii^-1 K_ir.
 !>
 !> Source: Patera 1984; Canuto, Hussaini, Quarteroni, Zang 2007, 5.
 module evl_plane_element
@@ -14,11 +14,11 @@ module evl_plane_element
 
    public :: elasticity_t, element_stiffness, plane_strain, plane_stress
 
-   !> Hooke's law in a plane: stresses by strains.
+   !> Hooke's law in a plane: stresses from strains.
    type :: elasticity_t
-      real(wp) :: direct = 0     !! sigma_x by epsilon_x
-      real(wp) :: across = 0     !! sigma_x by epsilon_y
-      real(wp) :: shear = 0      !! tau by gamma
+      real(wp) :: direct = 0     !! sigma_x per epsilon_x
+      real(wp) :: across = 0     !! sigma_x per epsilon_y
+      real(wp) :: shear = 0      !! tau per gamma
       real(wp) :: plane_modulus = 0 !! E' over E: 1/(1 - nu^2) in plane strain, 1 in plane stress
       real(wp) :: tangential = 0 !! q E of Flamant's solution on a curved surface
    end type elasticity_t
@@ -46,14 +46,14 @@ contains
       law%tangential = (1 - nu)/2
    end function plane_stress
 
-   !> Stiffness with the inner unknowns eliminated; what is left: (x, y) of place 1 of the rim, of place 2 and so on.
+   !> Stiffness after elimination of the inner unknowns; Schur complement: (x, y) of rim node 1, of rim node 2 and so on.
    subroutine element_stiffness(p, w, d, xy, law, stiffness, is_valid)
       integer, intent(in) :: p
-      real(wp), intent(in) :: w(0:p), d(0:p, 0:p)  !! weights and derivatives of Gauss and Lobatto
+      real(wp), intent(in) :: w(0:p), d(0:p, 0:p)  !! weights and derivatives of the Gauss-Lobatto rule
       real(wp), intent(in) :: xy(2, 0:p, 0:p)      !! points
       type(elasticity_t), intent(in) :: law
-      type(symmetric_t), intent(inout) :: stiffness !! may hold that of another element of this order: all of it is set again
-      logical, intent(out) :: is_valid             !! false: the Jacobian is not positive at a point, or what follows fails
+      type(symmetric_t), intent(inout) :: stiffness !! may contain another element of this order; is overwritten completely
+      logical, intent(out) :: is_valid             !! false: the Jacobian is not positive at a point, or the elimination fails
 
       if (.not. allocated(stiffness%numbers)) call stiffness%create(2*(p - 1)**2, 2*(p + 1)**2)
       call sum_points(p, w, d, xy, law, stiffness, is_valid)
@@ -62,18 +62,18 @@ contains
 
    !> Stiffness of all nodes, the inner ones first.
    !>
-   !> In a point (a, b) the gradients are d_ai grad xi of node (i, b) and d_bj grad eta of node (a, j). So the points of a row or
-   !> column couple its nodes, and the points (k, j) and (i, l) couple nodes (i, j) and (k, l).
+   !> At a point (a, b) the gradients are d_ai grad xi of node (i, b) and d_bj grad eta of node (a, j). The points of a row or
+   !> column therefore couple its nodes, and the points (k, j) and (i, l) couple nodes (i, j) and (k, l).
    subroutine sum_points(p, w, d, xy, law, stiffness, is_valid)
       integer, intent(in) :: p
       real(wp), intent(in) :: w(0:p), d(0:p, 0:p), xy(2, 0:p, 0:p)
       type(elasticity_t), intent(in) :: law
       type(symmetric_t), intent(inout) :: stiffness
       logical, intent(out) :: is_valid
-      real(wp), dimension(2, 2, 0:p, 0:p) :: along_xi, along_eta, mixed !! by both gradients' components, weighted
+      real(wp), dimension(2, 2, 0:p, 0:p) :: along_xi, along_eta, mixed !! by the components of both gradients, weighted
       real(wp) :: across(2, 2), down(2, 2, 0:p)
       real(wp) :: by_xi(2), by_eta(2), jacobian, xi(2), eta(2)
-      real(wp) :: of_point((p/height + 1)*height, 0:p) !! d transposed, filled up
+      real(wp) :: of_point((p/height + 1)*height, 0:p) !! d transposed, padded with 0
       integer, dimension(0:p, 0:p) :: at, row !! row of a node's x, and its row_start
       integer :: a, b, i, j, n
 
@@ -124,7 +124,7 @@ contains
 
    contains
 
-      !> Stress by strain, between two gradients.
+      !> Stress per strain, between two gradients.
       pure function by_gradients(g, h) result(c)
          real(wp), intent(in) :: g(2), h(2)
          real(wp) :: c(2, 2)
@@ -135,8 +135,8 @@ contains
          c(2, 2) = law%direct*g(2)*h(2) + law%shear*g(1)*h(1)
       end function by_gradients
 
-      !> Add the points of a row or column, which couple its nodes. No product of two d is formed: its rounding error would be the
-      !> same in all elements, and c would be four times less exact.
+      !> Add the points of a row or column, which couple its nodes. Products of two elements of d are avoided: their rounding error
+      !> would be the same in all elements, and c would be four times less accurate.
       subroutine add_line(line, row, c)
          integer, intent(in) :: line(0:p), row(0:p) !! its part of `at` and `row`
          real(wp), intent(in) :: c(2, 2, 0:p)     !! symmetric

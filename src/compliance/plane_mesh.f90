@@ -1,8 +1,8 @@
-!> A plane mesh of curved quadrilaterals, and the numbers of the nodes on their sides.
+!> Plane mesh of curved quadrilaterals, and the numbers of the nodes on their sides.
 !>
 !> An element has the corners (-1,-1), (1,-1), (1,1), (-1,1) of local coordinates (xi, eta) and the sides eta = -1, xi = 1, eta = 1,
-!> xi = -1, each run through toward the greater coordinate. Nodes inside an element belong to it alone and have no number here: they
-!> follow from the sides by transfinite interpolation.
+!> xi = -1, each in the direction of the increasing coordinate. Nodes inside an element belong to it alone and have no number here:
+!> they follow from the sides by transfinite interpolation.
 !>
 !> Source: Gordon & Hall 1973.
 module evl_plane_mesh
@@ -17,8 +17,8 @@ module evl_plane_mesh
       integer :: order = 0                        !! p
       integer :: n_nodes = 0                      !! on sides
       integer, allocatable :: corner(:, :)        !! vertex (corner, element)
-      integer, allocatable :: group(:)            !! of each element: the elimination goes from group to group, from 1
-      integer, allocatable :: node(:, :)          !! number (place on the rim, element)
+      integer, allocatable :: group(:)            !! of each element, from 1: elimination proceeds from group to group
+      integer, allocatable :: node(:, :)          !! number (index on the rim, element)
       real(wp), allocatable :: side(:, :, :, :)   !! coordinates (xy, 0:p, side, element)
    end type plane_mesh_t
 
@@ -26,7 +26,7 @@ module evl_plane_mesh
 
 contains
 
-   !> Room for n elements of order p.
+   !> Allocate a mesh of n elements of order p.
    subroutine mesh_create(p, n, mesh)
       integer, intent(in) :: p, n
       type(plane_mesh_t), intent(out) :: mesh
@@ -35,7 +35,7 @@ contains
       allocate (mesh%corner(4, n), mesh%group(n), mesh%node(4*p, n), mesh%side(2, 0:p, 4, n))
    end subroutine mesh_create
 
-   !> Place on the rim of an element, 1 to 4p, of a node (a, b), 0 to p each; 0 inside.
+   !> Index on the rim of an element, 1 to 4p, of a node (a, b), 0 to p each; 0 inside.
    elemental integer function place_of_rim(p, a, b) result(place)
       integer, intent(in) :: p, a, b
 
@@ -51,7 +51,7 @@ contains
       end if
    end function place_of_rim
 
-   !> Places on the rim of the nodes of a side, in its sense.
+   !> Rim indices of the nodes of a side, in its direction.
    pure function side_nodes(p, side) result(places)
       integer, intent(in) :: p, side
       integer :: places(0:p), i
@@ -68,7 +68,7 @@ contains
       end select
    end function side_nodes
 
-   !> Number all nodes on sides: a vertex is one node, and so is each node of a side that two elements share.
+   !> Number all nodes on sides: a vertex is one node, and so is each node of a side shared by two elements.
    subroutine number_nodes(mesh)
       type(plane_mesh_t), intent(inout) :: mesh
       integer, allocatable :: vertex(:), first(:, :), ends(:, :)
@@ -105,7 +105,7 @@ contains
 
    contains
 
-      !> Number of a vertex.
+      !> Assign the number of a vertex.
       subroutine give_number(v, place)
          integer, intent(in) :: v, place
 
@@ -122,7 +122,7 @@ contains
    pure subroutine element_points(mesh, e, x, xy)
       type(plane_mesh_t), intent(in) :: mesh
       integer, intent(in) :: e
-      real(wp), intent(in) :: x(0:mesh%order)                             !! points of Gauss and Lobatto
+      real(wp), intent(in) :: x(0:mesh%order)                             !! Gauss-Lobatto points
       real(wp), intent(out) :: xy(2, 0:mesh%order, 0:mesh%order)          !! (xy, along xi, along eta)
       integer :: p, a, b
 

@@ -1,19 +1,19 @@
-!> A mesh of half a tooth sector of a wheel: from the tooth's middle line to the middle of the space, from the tip to the hub.
+!> Mesh of half a tooth sector of a wheel: from the middle line of the tooth to the middle of the space, from the tip to the hub.
 !>
-!> The elements stand in a lattice of rows, from the tip down, and columns, from the tooth's middle line outward:
+!> The elements form a lattice of rows, from the tip down, and columns, from the middle line of the tooth outward:
 !>
 !>    rows 1 .. form         the tooth above the form circle       columns 1 .. tooth: the outline is their last line
 !>    rows .. fillet         from there to the middle of the fillet
 !>    rows .. deep           to 1.1 modules under the root circle  further columns: under the fillet, under the root's arc
 !>    rows .. last           rings down to the hub, growing by 1.5
 !>
-!> A tip that is rounded has two rows and a column more, and no element in their corner. There three elements meet at the point
-!> (1, tooth - 1); the points (0, tooth - 1) and (1, tooth) are one, the middle of the rounding, (0, tooth - 2) and (2, tooth) its
-!> ends.
+!> A rounded tip has two more rows and one more column, without an element in their corner. There three elements meet at the point
+!> (1, tooth - 1). The points (0, tooth - 1) and (1, tooth) are one, the middle of the rounding; (0, tooth - 2) and (2, tooth) are
+!> its ends.
 !>
-!> The outline and the circles are exact on sides of elements, other sides are straight. Borders of elements stand where the
-!> outline's curvature jumps, and at both ends of the involute they come closer: there a load that ends at the edge is narrow.
-!> The mesh is in modules; order and places of the borders were chosen so that p = 8 is exact to 5e-5 of E c.
+!> The outline and the circles are exact on sides of elements; other sides are straight. Element borders are at jumps of the
+!> outline's curvature. At both ends of the involute they are closer together, because a load that ends at the edge is narrow there.
+!> The mesh is in modules. Order and border positions were chosen so that p = 8 is exact to 5e-5 of E c.
 module evl_sector_mesh
    use evl_kinds, only: wp
    use evl_lobatto, only: lobatto_rule
@@ -26,35 +26,35 @@ module evl_sector_mesh
    public :: end_rows, least_ring
 
    real(wp), parameter, public :: depth_of_rings = 1.1_wp        !! of the outermost ring under the root circle [modules]
-   real(wp), parameter :: least_ring = 0.1_wp                    !! thickness of all rings at least [modules]
-   real(wp), parameter :: end_rows(4) = [0.04_wp, 0.04_wp, 0.08_wp, 0.18_wp] !! of the involute's ends [modules]
-   real(wp), parameter :: flank_row = 0.28_wp                    !! other rows of the involute at most [modules]
-   real(wp), parameter :: in_tooth(0:4) = [0.0_wp, 0.42_wp, 0.75_wp, 0.92_wp, 1.0_wp] !! columns, parts of the half thickness
-   real(wp), parameter :: in_body(0:4) = [0.0_wp, 0.3_wp, 0.58_wp, 0.8_wp, 1.0_wp]  !! the same below the tooth
-   real(wp), parameter :: under_rounding = 0.3_wp                    !! thickness of the rows under a rounding, over its radius
-   real(wp), parameter :: widest_rim = 0.1_wp                        !! of them over the half thickness at most
+   real(wp), parameter :: least_ring = 0.1_wp                    !! minimum thickness of all rings [modules]
+   real(wp), parameter :: end_rows(4) = [0.04_wp, 0.04_wp, 0.08_wp, 0.18_wp] !! at the ends of the involute [modules]
+   real(wp), parameter :: flank_row = 0.28_wp                    !! maximum of the other rows of the involute [modules]
+   real(wp), parameter :: in_tooth(0:4) = [0.0_wp, 0.42_wp, 0.75_wp, 0.92_wp, 1.0_wp] !! columns, fractions of the half thickness
+   real(wp), parameter :: in_body(0:4) = [0.0_wp, 0.3_wp, 0.58_wp, 0.8_wp, 1.0_wp]  !! likewise below the tooth
+   real(wp), parameter :: under_rounding = 0.3_wp                    !! thickness of the rows under a rounding over its radius
+   real(wp), parameter :: widest_rim = 0.1_wp                        !! its maximum relative to the half thickness
    real(wp), parameter :: in_fillet(3) = [0.15_wp, 0.45_wp, 1.0_wp]  !! rows of the upper half of the fillet
-   real(wp), parameter :: under_root(3) = [0.2_wp, 0.5_wp, 1.0_wp]   !! rows below
-   real(wp), parameter :: first_ring = 0.7_wp, growth = 1.5_wp       !! thickness [modules], of each ring over that before
-   real(wp), parameter :: thickest = 0.45_wp                         !! ring over its outer radius
+   real(wp), parameter :: under_root(3) = [0.2_wp, 0.5_wp, 1.0_wp]   !! rows below the fillet
+   real(wp), parameter :: first_ring = 0.7_wp, growth = 1.5_wp       !! thickness [modules]; ratio to that of the previous ring
+   real(wp), parameter :: thickest = 0.45_wp                         !! maximum thickness of a ring relative to its outer radius
 
-   !> The mesh and what stands where.
+   !> The mesh and the numbers of its special nodes and rows.
    type :: sector_mesh_t
       type(plane_mesh_t) :: mesh
       integer, allocatable :: axis(:), cut(:), hub(:) !! nodes on the middle line, on the cut (from the root down), on the hub
-      integer :: n_flank = 0                          !! rows that lie on the involute
-      integer, allocatable :: flank(:, :)             !! nodes (0:p, row), arc falling
-      real(wp), allocatable :: flank_arc(:)           !! borders of those rows, arc from the base circle, falling (0:n_flank)
+      integer :: n_flank = 0                          !! rows on the involute
+      integer, allocatable :: flank(:, :)             !! nodes (0:p, row), in the direction of decreasing arc
+      real(wp), allocatable :: flank_arc(:)           !! borders of those rows, arc from the base circle, decreasing (0:n_flank)
       integer, allocatable :: row(:)                  !! row of each element
-      integer :: row_form = 0, row_fillet = 0, row_deep = 0 !! last rows of the parts above
+      integer :: row_form = 0, row_fillet = 0, row_deep = 0 !! last rows of the upper parts, see the module header
    end type sector_mesh_t
 
-   !> Where the lattice's lines are.
+   !> Positions of the lattice lines.
    type :: lattice_t
       type(tooth_outline_t) :: outline
       integer :: top = 0                 !! rows above the involute
       integer :: form = 0, fillet = 0, deep = 0, last = 0, n_tooth = 0, columns = 0
-      real(wp), allocatable :: tooth(:)  !! columns of the tooth, parts of its half thickness (0:n_tooth)
+      real(wp), allocatable :: tooth(:)  !! columns of the tooth, fractions of its half thickness (0:n_tooth)
       real(wp) :: rim = 0, rim_part = 0  !! thickness of the rows under a rounding; over the half thickness of the tooth there
       real(wp), allocatable :: arc(:)    !! of the involute (top:form)
       real(wp), allocatable :: beta(:)   !! of the fillet (form:fillet)
@@ -66,7 +66,7 @@ module evl_sector_mesh
 
 contains
 
-   !> Mesh of a sector whose hub has a radius, in modules.   Valid: hub < root radius - depth_of_rings - least_ring
+   !> Mesh of a sector with a hub radius in modules. Valid: hub < root radius - depth_of_rings - least_ring
    subroutine sector_mesh(outline, hub_radius, p, sector)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius
@@ -111,7 +111,7 @@ contains
 
    end subroutine sector_mesh
 
-   !> Elements of a row.
+   !> Number of elements in a row.
    pure integer function columns_of(at, row) result(n)
       type(lattice_t), intent(in) :: at
       integer, intent(in) :: row
@@ -120,7 +120,7 @@ contains
       if (at%top > 0 .and. row == 1) n = n - 1
    end function columns_of
 
-   !> Where rows and columns stand.
+   !> Positions of rows and columns.
    subroutine place_lines(outline, hub_radius, at)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius
@@ -140,7 +140,7 @@ contains
       allocate (at%beta(at%form:at%fillet))
       at%beta(at%form) = outline%fillet_start
       at%beta(at%form + 1:) = outline%fillet_start + in_fillet*(at%middle - outline%fillet_start)
-      ! lines meet the outline as squarely as blocks between them allow
+      ! lines meet the outline as close to right angles as the blocks between them permit
       form_point = involute_point(outline, outline%rho_form)
       middle = fillet_point(outline, at%middle)
       allocate (at%axis(0:at%fillet))
@@ -162,7 +162,7 @@ contains
       deep = outline%root_radius - depth_of_rings
       call place_rings(deep, hub_radius, at%deep, at%radius)
       at%last = ubound(at%radius, 1)
-      ! columns: the tooth's lean inward below the fillet
+      ! columns: those of the tooth lean inward below the fillet
       allocate (at%angle(0:at%columns))
       closest = 0.55_wp*outline%half_pitch
       lateral = middle(2) - 0.27_wp*(middle(1) - deep)
@@ -172,7 +172,7 @@ contains
                                                                0.4_wp*at%angle(at%n_tooth) + 0.6_wp*outline%half_pitch)
    end subroutine place_lines
 
-   !> The columns of the tooth.
+   !> Columns of the tooth.
    subroutine place_columns(outline, at)
       type(tooth_outline_t), intent(in) :: outline
       type(lattice_t), intent(inout) :: at
@@ -188,22 +188,22 @@ contains
       at%rim_part = at%rim/end_point(2)
    end subroutine place_columns
 
-   !> Where the columns of the tooth go below it, parts of their width there.
+   !> Positions of the columns of the tooth below it, as fractions of their width there.
    elemental real(wp) function below_tooth(part) result(below)
       real(wp), intent(in) :: part
       integer :: k
 
-      k = max(findloc(in_tooth >= part, .true., dim=1) - 1, 1) ! in_tooth begins at 0
+      k = max(findloc(in_tooth >= part, .true., dim=1) - 1, 1) ! in_tooth starts at 0
       below = in_body(k)
       if (part < in_tooth(k)) below = in_body(k - 1) + (in_body(k) - in_body(k - 1))*((part - in_tooth(k - 1)) &
                                                                                       /(in_tooth(k) - in_tooth(k - 1)))
    end function below_tooth
 
-   !> Borders of the rows on the involute, from its end: close at both ends; closer together on a short flank.
+   !> Borders of the rows on the involute, from its end: narrow at both ends; narrower still on a short flank.
    subroutine place_flank_rows(outline, top, arc)
       type(tooth_outline_t), intent(in) :: outline
       integer, intent(in) :: top                    !! rows above the involute
-      real(wp), allocatable, intent(out) :: arc(:)  !! from there on
+      real(wp), allocatable, intent(out) :: arc(:)  !! borders from there on
       real(wp) :: length, shrink, rest, from_end
       integer :: n, k
 
@@ -225,10 +225,10 @@ contains
       end do
    end subroutine place_flank_rows
 
-   !> Radii of the rings' borders.
+   !> Radii of the borders of the rings.
    subroutine place_rings(outer, hub, row, radius)
       real(wp), intent(in) :: outer, hub
-      integer, intent(in) :: row !! of the outermost circle
+      integer, intent(in) :: row !! row of the outermost circle
       real(wp), allocatable, intent(out) :: radius(:)
       real(wp) :: inner, thickness, shrink
       integer :: n, k, turn
@@ -255,7 +255,7 @@ contains
       radius(row + n) = hub
    end subroutine place_rings
 
-   !> A point of the lattice; beside a rounding not all of its rows have one.
+   !> A point of the lattice; next to a rounding, not every row has one.
    pure recursive function point(at, i, j) result(xy)
       type(lattice_t), intent(in) :: at
       integer, intent(in) :: i, j
@@ -292,8 +292,8 @@ contains
       end associate
    end function point
 
-   !> Where a column of the tooth stands in a row line, part of the half thickness. Under a rounding the last two are as wide as the
-   !> rows there, and widen along the involute.
+   !> Position of a column of the tooth in a row line, as a fraction of the half thickness. Under a rounding the last two columns
+   !> are as wide as the rows there, and widen along the involute.
    pure real(wp) function column_at(at, i, j) result(part)
       type(lattice_t), intent(in) :: at
       integer, intent(in) :: i, j
@@ -383,7 +383,7 @@ contains
       end do
    end subroutine find_lines
 
-   !> Add the nodes of a side to those of a line; where two sides meet, one node.
+   !> Append the nodes of a side to those of a line; the node shared by two sides is included once.
    subroutine append(line, nodes)
       integer, allocatable, intent(inout) :: line(:)
       integer, intent(in) :: nodes(:)

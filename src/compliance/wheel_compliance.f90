@@ -1,10 +1,11 @@
-!> How far the flanks of a wheel give way: c(rho) of the loaded tooth and c_j(rho, rho') between tooth 0 and tooth j, with exact
-!> derivatives. Per unit width: metres a newton per metre, 1/Pa.
+!> Compliance of the flanks of a wheel: c(rho) of the loaded tooth and c_j(rho, rho') between tooth 0 and tooth j, with exact
+!> derivatives. Per unit width: metres per newton per metre, 1/Pa.
 !>
-!> c is what a cylinder's contact lacks: the displacement of the loaded flank into the material less that of Johnson's cylinder of
-!> radius rho. c_j is the displacement at rho of tooth 0 by a load at rho' of tooth j, counted toward the side that the flank
-!> faces; c_-j(rho, rho') = c_j(rho', rho). Both are polynomials in rho between `low` and `high` (evl_flank_polynomials), or cubics
-!> of a table. Beyond, c goes on straight, so c'' jumps at both ends; c_j goes on by its polynomial.
+!> c is the compliance in addition to a cylinder's contact: the displacement of the loaded flank into the material, less that of
+!> Johnson's cylinder of radius rho. c_j is the displacement at rho of tooth 0 by a load at rho' of tooth j, positive toward the
+!> side that the flank faces; c_-j(rho, rho') = c_j(rho', rho). Both are polynomials in rho between `low` and `high`
+!> (evl_flank_polynomials), or cubics of a table. Beyond these, c is extrapolated linearly, so c'' jumps at both ends; c_j is
+!> extrapolated by its polynomial.
 module evl_wheel_compliance
    use evl_flank_polynomials, only: double_at, double_in_lanes, double_polynomial, double_through, double_values_in_lanes, &
                                     single_at, single_in_lanes, single_polynomial, single_through
@@ -16,25 +17,25 @@ module evl_wheel_compliance
 
    public :: compliance_from_influence, compliance_from_samples, compliance_from_table, coupling_at_t, own_at_t, wheel_compliance_t
 
-   !> c at a place.
+   !> c at one position.
    type :: own_at_t
       real(wp) :: value = 0     !! c [1/Pa]
       real(wp) :: slope = 0     !! dc/drho [1/(Pa m)]
       real(wp) :: curvature = 0 !! d2c/drho2 [1/(Pa m2)]
    end type own_at_t
 
-   !> c_j at two places.
+   !> c_j at two positions.
    type :: coupling_at_t
       real(wp) :: value = 0                     !! c_j [1/Pa]
-      real(wp) :: by_here = 0, by_there = 0     !! derivatives by rho and rho' [1/(Pa m)]
-      real(wp) :: here_here = 0, here_there = 0, there_there = 0 !! second ones [1/(Pa m2)]
+      real(wp) :: by_here = 0, by_there = 0     !! derivatives with respect to rho and rho' [1/(Pa m)]
+      real(wp) :: here_here = 0, here_there = 0, there_there = 0 !! second derivatives [1/(Pa m2)]
    end type coupling_at_t
 
-   !> Both of a wheel; initial values: a wheel that does not give way.
+   !> Compliance of a wheel; initial values: a rigid wheel.
    type :: wheel_compliance_t
-      logical :: exists = .false.              !! whether the wheel gives way
-      integer :: neighbours = 0                !! c_j is known for |j| up to this, else it is 0
-      real(wp) :: low = 0, high = 0            !! rho between which c is smooth [m]
+      logical :: exists = .false.              !! whether the wheel is compliant
+      integer :: neighbours = 0                !! c_j is defined for |j| up to this, and 0 otherwise
+      real(wp) :: low = 0, high = 0            !! limits of rho between which c is smooth [m]
       type(single_polynomial), private :: own_polynomial
       type(double_polynomial), private :: other_polynomial(n_neighbours) !! c_j, j > 0
       logical, private :: is_table = .false.
@@ -49,7 +50,7 @@ module evl_wheel_compliance
 
 contains
 
-   !> From the samples of finite elements, in modules and for E = 1.
+   !> Compliance from the samples of finite elements, in modules and for E = 1.
    subroutine compliance_from_influence(influence, normal_module, youngs_modulus, compliance)
       type(influence_t), intent(in) :: influence
       real(wp), intent(in) :: normal_module  !! [m]
@@ -65,7 +66,7 @@ contains
       end do
    end subroutine compliance_from_influence
 
-   !> From c at the Chebyshev points of a flank; no coupling.
+   !> Compliance from c at the Chebyshev points of a flank; no coupling.
    subroutine compliance_from_samples(rho, c, compliance)
       real(wp), intent(in) :: rho(0:n_own) !! points from low to high [m]
       real(wp), intent(in) :: c(0:n_own)   !! [1/Pa]
@@ -77,11 +78,11 @@ contains
       call single_through(compliance%low, compliance%high, c, compliance%own_polynomial)
    end subroutine compliance_from_samples
 
-   !> From a table: c, and if it is given c_1(rho, rho), of which between two places the mean is taken.
+   !> Compliance from a table: c and, if present, c_1(rho, rho); for two different positions the mean of c_1 is used.
    subroutine compliance_from_table(rho, c, next, compliance)
       real(wp), intent(in) :: rho(:)  !! strictly increasing [m]
       real(wp), intent(in) :: c(:)    !! [1/Pa]
-      real(wp), intent(in) :: next(:) !! c_1 [1/Pa]; none, or one for each rho
+      real(wp), intent(in) :: next(:) !! c_1 [1/Pa]; empty, or one for each rho
       type(wheel_compliance_t), intent(out) :: compliance
 
       compliance%exists = .true.
@@ -94,7 +95,7 @@ contains
       call cubic_through(rho, next, compliance%other_table)
    end subroutine compliance_from_table
 
-   !> c of the loaded tooth.   Valid: any rho
+   !> c of the loaded tooth. Valid: any rho
    pure subroutine own(self, rho, at)
       class(wheel_compliance_t), intent(in) :: self
       real(wp), intent(in) :: rho !! [m]
@@ -108,7 +109,7 @@ contains
       end if
    end subroutine own
 
-   !> c and its slope in eight states.
+   !> c and its slope for eight states.
    pure subroutine own_lanes(self, rho, value, slope)
       class(wheel_compliance_t), intent(in) :: self
       real(wp), intent(in) :: rho(lanes) !! [m]
@@ -127,7 +128,7 @@ contains
       end do
    end subroutine own_lanes
 
-   !> c_j: tooth 0 gives way at `here` under a load at `there` on tooth j.   Valid: j /= 0
+   !> c_j: deflection of tooth 0 at `here` under a load at `there` on tooth j. Valid: j /= 0
    pure subroutine coupling(self, j, here, there, at)
       class(wheel_compliance_t), intent(in) :: self
       integer, intent(in) :: j
@@ -162,7 +163,7 @@ contains
       at%there_there = at%there_there/2
    end subroutine mean_of_table
 
-   !> c_j and its derivatives in eight states.
+   !> c_j and its derivatives for eight states.
    pure subroutine coupling_lanes(self, j, here, there, value, by_here, by_there)
       class(wheel_compliance_t), intent(in) :: self
       integer, intent(in) :: j
@@ -183,7 +184,7 @@ contains
       end do
    end subroutine coupling_lanes
 
-   !> c_j alone in eight states.
+   !> c_j alone for eight states.
    pure subroutine coupling_values(self, j, here, there, value)
       class(wheel_compliance_t), intent(in) :: self
       integer, intent(in) :: j

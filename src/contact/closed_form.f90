@@ -1,4 +1,4 @@
-!> The contact in closed form: gap, normal and radii of curvature from the wheels' positions alone.
+!> Tooth contact in closed form: gap, normal and radii of curvature, computed from the positions of the wheels alone.
 !>
 !> Source: Kosenko & Gusev 2011, Assertions 1 and 2.
 module evl_closed_form
@@ -15,7 +15,7 @@ module evl_closed_form
 
 contains
 
-   !> Closed form of the contact (Assertions 1 and 2): gap, normal and radii of curvature from the wheels' positions alone.
+   !> Compute the contact point in closed form (Assertions 1 and 2): gap, normal and radii of curvature.
    pure subroutine track_closed_form(pair, rho_a0, q, point)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0      !! nominal radius of curvature on A at theta [m]
@@ -30,7 +30,7 @@ contains
    include "contact/transmission_error.inc"
    include "contact/closed_form.inc"
 
-   !> The line of action at the present centre distance.
+   !> Line of action at the actual centre distance.
    pure subroutine closed_form_line(pair, q, line)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
@@ -52,7 +52,7 @@ contains
    !> Dynamic transmission error along the line of action [m].
    pure real(wp) function transmission_error(pair, axles_rest, q) result(lag)
       type(tracked_pair), intent(in) :: pair
-      logical, intent(in) :: axles_rest !! both: then the centre line does not turn
+      logical, intent(in) :: axles_rest !! whether both axles are fixed; the centre line then does not rotate
       real(wp), intent(in) :: q(n_local)
       real(wp) :: turn
 
@@ -61,10 +61,10 @@ contains
       lag = error_of_turns(pair, q(at_psi_a), q(at_psi_b), turn)
    end function transmission_error
 
-   !> Tracked variables that belong to the wheels' positions, by Assertions 1 and 2: the points lie on the line of action.
+   !> Tracked variables consistent with the positions of the wheels (Assertions 1 and 2): the points lie on the line of action.
    pure subroutine points_from_closed_form(pair, q, track)
       type(tracked_pair), intent(in) :: pair
-      real(wp), intent(in) :: q(n_local)       !! local variables; the tracked ones are not looked at
+      real(wp), intent(in) :: q(n_local)       !! local variables; the tracked ones are not used
       real(wp), intent(out) :: track(n_track)  !! turn, zeta, dr, lambda, mu
       type(tangent_line_t) :: line
 
@@ -72,7 +72,7 @@ contains
       call points_along(pair, q, line, track)
    end subroutine points_from_closed_form
 
-   !> The same along a line of action that is known.
+   !> As `points_from_closed_form`, for a given line of action.
    pure subroutine points_along(pair, q, line, track)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
@@ -100,7 +100,7 @@ contains
       call gradient_along(pair, q, line, point, gradient)
    end subroutine gradient_closed_form
 
-   !> The same along a line of action that is known.
+   !> As `gradient_closed_form`, for a given line of action.
    pure subroutine gradient_along(pair, q, line, point, gradient)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
@@ -127,7 +127,7 @@ contains
 
    include "contact/centre_line.inc"
 
-   !> Dchi: how far the centre line has turned from its reference direction [rad], counterclockwise.
+   !> Dchi: rotation of the centre line from its reference direction [rad], counterclockwise.
    pure real(wp) function centre_line_turn(pair, q) result(turn)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
@@ -137,7 +137,7 @@ contains
       turn = centre_line_angle(along, across)
    end function centre_line_turn
 
-   !> The angle of the centre line with its reference direction [rad].
+   !> Angle between the centre line and its reference direction [rad].
    elemental real(wp) function centre_line_angle(along, across) result(angle)
       real(wp), intent(in) :: along, across !! as from `centre_line`
 

@@ -1,4 +1,4 @@
-!> How the forces of a tooth contact change with the local variables.
+!> Derivatives of the forces of a tooth contact with respect to the local variables.
 module evl_contact_gradient
    use evl_closed_form, only: gradient_along, place_contact
    use evl_contact_point, only: contact_gradient, contact_point
@@ -28,7 +28,7 @@ contains
       type(tooth_contact_t), intent(in) :: contacts(*)
       type(contact_state), intent(in) :: at(*)   !! with their forces
       type(contact_gradient), intent(in) :: d(*) !! of the points of the contacts that touch
-      integer, intent(in) :: k                   !! which of them; it touches
+      integer, intent(in) :: k                   !! index of the contact; it must touch
       type(mesh_force_gradient), intent(out) :: gradient
       real(wp), dimension(n_local) :: d_elastic, d_viscous, loss
 
@@ -38,13 +38,13 @@ contains
       call flank%add_yielding_changes(contacts, at, d, k, d_elastic, gradient%torque_a, gradient%torque_b, gradient%on_a)
    end subroutine force_gradient
 
-   !> The same of flanks that press on each other and nothing else.
+   !> Derivatives of the forces of flanks without the terms that `add_yielding_changes` adds.
    pure subroutine plain_gradient(contact, at, d, d_elastic, d_viscous, loss, gradient)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
       type(contact_gradient), intent(in) :: d
       real(wp), intent(in), dimension(n_local) :: d_elastic, d_viscous !! of both forces
-      real(wp), intent(in) :: loss(n_local)                           !! as of `loss_change`
+      real(wp), intent(in) :: loss(n_local)                           !! from `loss_change`
       type(mesh_force_gradient), intent(out) :: gradient
       real(wp) :: d_normal(n_local), d_tangential(n_local), d_friction, slip
       integer :: j
@@ -86,7 +86,7 @@ contains
    !> Derivatives of a contact point.
    pure subroutine point_gradient(contact, line, at, gradient)
       type(tooth_contact_t), intent(in) :: contact
-      type(tangent_line_t), intent(in) :: line   !! of action; tracked points do not use it
+      type(tangent_line_t), intent(in) :: line   !! line of action; not used for tracked points
       type(contact_state), intent(in) :: at      !! with its point; it touches
       type(contact_gradient), intent(out) :: gradient
       type(contact_point) :: perfect
@@ -97,7 +97,7 @@ contains
          call gradient_points(contact%pair, at%rho_a0, at%q, at%point, gradient)
          return
       end if
-      if (.not. contact%deviates) then ! as no tracked flank does
+      if (.not. contact%deviates) then ! tracked flanks never deviate
          call gradient_along(contact%pair, at%q, line, at%point, gradient)
          return
       end if

@@ -1,8 +1,7 @@
-!> The closed form of a tooth contact for eight states at once.
+!> Closed form of a tooth contact for eight states at once.
 !>
-!> The formulas are those of the scalar kernel, included here a second time so that the compiler can put them into loops over the
-!> lanes: what it cannot see it cannot turn into vector instructions. Each loop calls a procedure with its own scalars and holds
-!> no branch.
+!> The formulas are those of the scalar kernel. They are included here again so that the compiler can inline them into the loops
+!> over the lanes and vectorise these. Each loop calls a procedure with its own scalars and contains no branch.
 module evl_contact_lanes
    use evl_contact_context, only: lane_context
    use evl_contact_point, only: contact_point, tracked_pair
@@ -22,8 +21,8 @@ module evl_contact_lanes
 
    public :: lane_contact, contact_in_lanes, gap_in_lanes, store_lane
 
-   !> A tooth contact in eight states; the components mean what those of `contact_point` mean, and those that laws may know stand in
-   !> the parent.
+   !> A tooth contact in eight states. Components have the same meaning as in `contact_point`; those that laws may use are in the
+   !> parent type.
    type, extends(lane_context) :: lane_contact
       real(wp), dimension(lanes) :: rho_a0 !! nominal radius of curvature on A [m]
       real(wp), dimension(lanes) :: overlap !! as in `contact_state`
@@ -39,7 +38,7 @@ contains
    include "contact/edge_point.inc"
    include "contact/lane_point.inc"
 
-   !> The contact along its line of action. Of a slot without a pair on the path the radii of curvature are all that is set.
+   !> Contact along its line of action. For a slot without a pair on the path only the radii of curvature are set.
    subroutine contact_in_lanes(contact, mode, rho_start, line, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -77,7 +76,7 @@ contains
       at%overlap = at%h
    end subroutine contact_in_lanes
 
-   !> The gap of perfect flanks along their line of action [m].
+   !> Gap of perfect flanks along their line of action [m].
    pure subroutine gap_in_lanes(contact, line, gap)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_line), intent(in) :: line
@@ -92,7 +91,7 @@ contains
       end do
    end subroutine gap_in_lanes
 
-   !> One lane of it.
+   !> One lane of `gap_in_lanes`.
    pure subroutine gap_lane(pair, line, l, gap)
       type(tracked_pair), intent(in) :: pair
       type(lane_line), intent(in) :: line
@@ -116,7 +115,7 @@ contains
       call store_lane(point, l, at)
    end subroutine place_lane
 
-   !> The radii of curvature alone: the rest of the point is computed for nobody, which the compiler sees.
+   !> Radii of curvature alone; the compiler removes the unused rest of the point.
    pure subroutine place_radii_lane(pair, line, l, at)
       type(tracked_pair), intent(in) :: pair
       type(lane_line), intent(in) :: line
@@ -129,7 +128,7 @@ contains
       at%rho_b(l) = point%rho_b
    end subroutine place_radii_lane
 
-   !> The contact of one lane.
+   !> Contact point of one lane.
    pure subroutine lane_point(pair, line, l, rho_a0, point)
       type(tracked_pair), intent(in) :: pair
       type(lane_line), intent(in) :: line
@@ -143,7 +142,7 @@ contains
                          point)
    end subroutine lane_point
 
-   !> Local variables of one lane; of the axles the motion of B against A is known, which is all that enters.
+   !> Local variables of one lane. Only the motion of B relative to A enters, so the velocity of axle A is set to 0.
    pure subroutine lane_local(line, l, q)
       type(lane_line), intent(in) :: line
       integer, intent(in) :: l
@@ -161,7 +160,7 @@ contains
       q(at_normal) = 0
    end subroutine lane_local
 
-   !> Put a point into its lane.
+   !> Store a contact point in its lane.
    pure subroutine store_lane(point, l, at)
       type(contact_point), intent(in) :: point
       integer, intent(in) :: l
@@ -184,7 +183,7 @@ contains
       at%omega_b(l) = point%omega_b
    end subroutine store_lane
 
-   !> From the contact of perfect involutes to that of deviating flanks.
+   !> Correct the contact of perfect involutes for the deviations of the flanks.
    subroutine deviate_lanes(contact, mode, line, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -209,7 +208,7 @@ contains
       end do
    end subroutine deviate_lanes
 
-   !> What flanks lack that both slope in eight states, with `turn_together`.
+   !> Deviations of two flanks that both have a slope, in eight states, with the coupling term of `turn_together`.
    subroutine turn_lanes(contact, mode, branch_a, branch_b, at, e_a, de_a, e_b, de_b)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -229,11 +228,11 @@ contains
       end do
    end subroutine turn_lanes
 
-   !> The same past the end of a flank, as `turn_feet`.
+   !> The same past the end of a flank: `turn_feet` in eight states.
    subroutine turn_feet_in_lanes(contact, mode, own, branch, foot, past, de)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
-      integer, intent(in) :: own                 !! whose end is passed
+      integer, intent(in) :: own                 !! wheel whose flank end is passed
       type(flank_branch), intent(in) :: branch   !! of the mate
       real(wp), intent(in) :: foot(lanes)        !! on the mate [m]
       type(lane_lack), intent(inout) :: past
@@ -259,7 +258,7 @@ contains
       end do
    end subroutine turn_feet_in_lanes
 
-   !> From the contact of perfect involutes to that of a pair past the end of a flank.
+   !> Correct the contact of perfect involutes for a pair past the end of a flank.
    subroutine put_lanes_on_edge(contact, mode, line, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -295,12 +294,12 @@ contains
       end do
    end subroutine put_lanes_on_edge
 
-   !> One lane of it.
+   !> One lane of `put_lanes_on_edge`.
    pure subroutine put_lane_on_edge(pair, line, l, margin, x, lack, e_a, e_b, by_rho_a, by_rho_b, by_rho, arm_a, arm_b, at)
       type(tracked_pair), intent(in) :: pair
       type(lane_line), intent(in) :: line
       integer, intent(in) :: l
-      real(wp), intent(in) :: margin, x, lack, e_a, e_b !! as of `lane_edge` and `lane_lack`
+      real(wp), intent(in) :: margin, x, lack, e_a, e_b !! as in `lane_edge` and `lane_lack`
       real(wp), intent(in) :: by_rho_a, by_rho_b, by_rho       !! derivatives of the penetration
       real(wp), intent(in) :: arm_a, arm_b                     !! of the friction force without penetration [m]
       type(lane_contact), intent(inout) :: at
@@ -315,7 +314,7 @@ contains
       call store_lane(point, l, at)
    end subroutine put_lane_on_edge
 
-   !> One lane of deviating flanks.
+   !> One lane of `deviate_lanes`.
    pure subroutine deviate_lane(pair, line, l, e_a, de_a, e_b, de_b, at)
       type(tracked_pair), intent(in) :: pair
       type(lane_line), intent(in) :: line

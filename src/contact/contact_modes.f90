@@ -1,6 +1,6 @@
-!> The mode that belongs to a contact point: where a gearbox starts, and where a tooth pair comes onto the path.
+!> Initial mode of a contact point: at the start of a gearbox, and when a tooth pair enters the path of contact.
 !>
-!> Between such points modes live on: they end where their root functions pass zero, which lies a little past the border.
+!> Modes then persist until one of their root functions crosses zero. That zero lies slightly beyond the border.
 module evl_contact_modes
    use evl_contact_roots, only: find_sides
    use evl_flank, only: flank_t
@@ -16,15 +16,15 @@ module evl_contact_modes
 
 contains
 
-   !> The mode of a tooth pair on the path. Flanks that do not overlap are open; whether they are about to touch, and whether rigid
-   !> ones do, is said by more than the point.
+   !> Mode of a tooth pair on the path. Flanks that do not overlap are open; whether they are about to touch, or whether rigid ones
+   !> touch, does not follow from the point alone.
    subroutine mode_at(flank, contacts, k, first, last, at, status)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contacts(*)
-      integer, intent(in) :: first, last          !! the company of
-      integer, intent(in) :: k                    !! the one whose mode is found; where no load is taken its friction and v0 stay
-      type(contact_state), intent(inout) :: at(*) !! with their points, by the closed form where tracked ones are not known
-      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law has no answer
+      integer, intent(in) :: first, last          !! contacts that determine the force, as from `company`
+      integer, intent(in) :: k                    !! index of the contact; friction and v0 stay unchanged if it takes no load
+      type(contact_state), intent(inout) :: at(*) !! with their points, by the closed form where no tracked points exist
+      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law is not defined
 
       associate (contact => contacts(k), mode => at(k)%mode, point => at(k)%point)
          mode%flanks = flanks_open
@@ -45,7 +45,7 @@ contains
       end associate
    end subroutine mode_at
 
-   !> What a mode has that is loaded from now on: its branch of friction, and the approach speed.
+   !> Set the friction branch and the approach speed of a mode that becomes loaded.
    pure subroutine take_load(contact, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at

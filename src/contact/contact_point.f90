@@ -1,4 +1,4 @@
-!> What the forces have to know of a contact, however it was tracked.
+!> Kinematic quantities of a contact that the forces depend on, for every tracking method.
 module evl_contact_point
    use evl_kinds, only: wp
    use evl_local_variables, only: at_normal, at_omega, at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, n_local
@@ -7,8 +7,8 @@ module evl_contact_point
 
    public :: tracked_pair, contact_point, contact_gradient, base_arc, complete_point, complete_gradient
 
-   !> Constants of one tooth pair that its tracking needs. Base radii count with their sign where they add: that of an internal
-   !> wheel is negative, and so are its radii of curvature, R and rho_0.
+   !> Constants of one tooth pair for contact tracking. Base radii have a sign: that of an internal wheel is negative, and so are
+   !> its radii of curvature, R and rho_0.
    type :: tracked_pair
       real(wp) :: sigma       !! +1: driving wheel nominally clockwise, -1: counterclockwise
       real(wp) :: r_ba, r_bb  !! base radii [m]
@@ -18,22 +18,22 @@ module evl_contact_point
       real(wp) :: ratio_a     !! g_A: nominal speed of A over that of the reference wheel
       real(wp) :: ratio_b     !! g_B
       real(wp) :: advance     !! d rho_A0/d theta = -sigma r_bA g_A [m]
-      real(wp) :: share_a     !! w_A = E* (1-nu_A^2)/E_A: where between P_A and P_B the force acts
+      real(wp) :: share_a     !! w_A = E* (1-nu_A^2)/E_A: point of action of the force between P_A and P_B
       real(wp) :: share_b     !! w_B = 1 - w_A
    end type tracked_pair
 
-   !> What the forces have to know of the contact.
+   !> Kinematic quantities of a contact that the forces depend on.
    type :: contact_point
-      logical :: exists        !! false if the tracked points left the involutes
+      logical :: exists        !! false if the tracked points have left the involutes
       real(wp) :: h            !! penetration; negative: gap [m]
       real(wp) :: h_dot        !! its rate [m/s]
       real(wp) :: rho_a, rho_b !! radii of curvature [m]
       real(wp) :: s, c         !! direction of the normal: e = (-s, c), t = (c, s) in (t_0, e_0)
       real(wp) :: l_a, l_b     !! arms of the friction force [m]
       real(wp) :: v_t          !! sliding velocity along t [m/s]
-      real(wp) :: arm_a, arm_b !! arms of the normal force: the base radii, where flanks do not deviate [m]
-      real(wp) :: tilt         !! slope of a deviating flank: the normal force has this part of itself along t on A
-      real(wp) :: rho_dot      !! rate of rho_a + rho_b - h, the length of the line of action unless flanks deviate [m/s]
+      real(wp) :: arm_a, arm_b !! arms of the normal force: the base radii, if the flanks have no deviations [m]
+      real(wp) :: tilt         !! slope of a deviating flank: component of the normal force along t on A, relative to the force
+      real(wp) :: rho_dot      !! rate of rho_a + rho_b - h: the length of the line of action if flanks have no deviations [m/s]
       real(wp) :: omega_a, omega_b !! angular velocities [rad/s]
       real(wp) :: multiplier   !! normal force of a rigid contact [N]
    end type contact_point
@@ -42,15 +42,15 @@ module evl_contact_point
    type :: contact_gradient
       real(wp) :: h(n_local), h_dot(n_local), rho_a(n_local), rho_b(n_local), angle(n_local)
       real(wp) :: l_a(n_local), l_b(n_local), v_t(n_local), rho_dot(n_local)
-      real(wp) :: arm_a(n_local), arm_b(n_local), tilt(n_local) !! of deviating flanks only
-      real(wp) :: line(n_local), lift(n_local) !! past the end of a flank only: of the line's length, of the part against e
+      real(wp) :: arm_a(n_local), arm_b(n_local), tilt(n_local) !! set for deviating flanks only
+      real(wp) :: line(n_local), lift(n_local) !! past the end of a flank only: length of the line of action, force part against e
    end type contact_gradient
 
 contains
 
    include "contact/contact_point.inc"
 
-   !> Derivatives of `complete_point`; h, rho_a, rho_b and angle are there already.
+   !> Derivatives of `complete_point`; h, rho_a, rho_b and angle must already be set.
    pure subroutine complete_gradient(pair, q, point, gradient)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)

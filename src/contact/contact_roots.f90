@@ -1,4 +1,4 @@
-!> When something happens to a tooth contact: its root functions with their directions, and where it lies on the path of contact.
+!> Root functions of a tooth contact with their directions, and its position on the path of contact.
 module evl_contact_roots
    use evl_closed_form, only: centre_line_turn
    use evl_contact_point, only: contact_point
@@ -18,7 +18,7 @@ module evl_contact_roots
  public :: by_kind, contact_root_direction, contact_root_directions, contact_roots, ends_of_path, find_sides, is_past, list_roots, &
              pitches_since_handover, share_roots
 
-   integer, parameter :: width = 1 !! states that the included formulas take at once
+   integer, parameter :: width = 1 !! states evaluated at once by the included formulas
 
 contains
 
@@ -26,8 +26,8 @@ contains
    pure subroutine contact_roots(flank, contact, at, directions, roots)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(in) :: at           !! with what its flank says
-      integer, intent(out) :: directions(contact%n_roots) !! in which they count
+      type(contact_state), intent(in) :: at           !! with the results of its flank
+      integer, intent(out) :: directions(contact%n_roots) !! crossing directions that count
       real(wp), intent(out) :: roots(contact%n_roots)
       real(wp) :: foot(2), moved(width)
 
@@ -43,7 +43,7 @@ contains
 
    include "contact/contact_roots.inc"
 
-   !> The directions in which the root functions of a contact count: +1 rising, -1 falling, 0 without meaning in the mode.
+   !> Crossing directions of the root functions of a contact: +1 rising, -1 falling, 0 without meaning in the mode.
    pure subroutine contact_root_directions(contact, mode, directions)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -56,7 +56,7 @@ contains
       end do
    end subroutine contact_root_directions
 
-   !> The same of one kind: it depends on the flanks and the integer that the kind moves, and on nothing else of the mode.
+   !> The same for one kind. The direction depends only on the flanks and on the integer that the kind changes.
    pure integer function contact_root_direction(contact, mode, kind) result(direction)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -64,7 +64,7 @@ contains
 
       direction = 0
       if (.not. can_fire(contact, kind)) return
-      if (mode%flanks == flanks_off .and. root_rows(kind)%moves /= moves_pair) return ! it can only enter
+      if (mode%flanks == flanks_off .and. root_rows(kind)%moves /= moves_pair) return ! only entering is possible
       select case (kind)
       case (root_of%contact)
          if (mode%flanks == flanks_open) direction = 1
@@ -114,7 +114,7 @@ contains
       end select
    end function contact_root_direction
 
-   !> Whether a kind has a meaning in any mode of a contact: it has what the kind is about.
+   !> Whether a kind can have a meaning in any mode of a contact, given the features of the contact.
    pure logical function can_fire(contact, kind)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: kind
@@ -164,11 +164,12 @@ contains
       end select
    end function can_fire
 
-   !> Direction at a border of a relief: a pair on it can leave, one on the profile between both can come; by way of its corner.
+   !> Direction at a border of a relief. A pair on the relief can leave it, a pair on the profile between the reliefs can enter it,
+   !> in both cases through the corner.
    pure integer function border_direction(relief, border, zone, mine, corner) result(direction)
       type(relief_t), intent(in) :: relief
-      integer, intent(in) :: border             !! 1: of the profile before the relief; 2: of the relief, behind its corner
-      integer, intent(in) :: zone, mine, corner !! of the contact, of the relief, of its corner
+      integer, intent(in) :: border             !! 1: profile before the relief; 2: relief, beyond its corner
+      integer, intent(in) :: zone, mine, corner !! zones of the contact, of the relief, of its corner
       integer :: inner, outer
 
       direction = 0
@@ -178,7 +179,7 @@ contains
       if (zone == outer) direction = -mine
    end function border_direction
 
-   !> Direction at the end of a flank that goes on before its edge takes over.
+   !> Direction at the end of a flank that is extended up to its edge contact.
    pure integer function end_direction(zone) result(direction)
       integer, intent(in) :: zone
 
@@ -186,7 +187,7 @@ contains
       if (zone < zone_edge) direction = merge(-1, 1, zone == zone_end)
    end function end_direction
 
-   !> Direction where an edge takes over: from the flank, or from what goes on behind it.
+   !> Direction at the start of edge contact, from the flank or from its extension.
    pure integer function edge_direction(tip, zone) result(direction)
       type(tip_t), intent(in) :: tip
       integer, intent(in) :: zone
@@ -213,9 +214,9 @@ contains
       end select
    end function has_side
 
-   !> List the root functions that a contact has, those with a meaning in one of its modes, with their directions in each.
+   !> List the root functions of a contact that have a meaning in at least one of its modes, with their directions in each mode.
    pure subroutine list_roots(contact)
-      type(tooth_contact_t), intent(inout) :: contact !! complete, but for this
+      type(tooth_contact_t), intent(inout) :: contact !! complete except for the list
       integer :: directions(zone_tip_corner:zone_edge, flanks_open:flanks_off), kind, flanks, branch
 
       contact%n_roots = 0
@@ -238,7 +239,7 @@ contains
       end do
    end subroutine list_roots
 
-   !> Those of another contact of the same flank: its places have the same laws, wheels and deviations.
+   !> Copy the root functions of another contact of the same flank, which has the same laws, wheels and deviations.
    pure subroutine share_roots(other, contact)
       type(tooth_contact_t), intent(in) :: other
       type(tooth_contact_t), intent(inout) :: contact
@@ -249,16 +250,16 @@ contains
       contact%directions = other%directions
    end subroutine share_roots
 
-   !> Whether a root function is past the zero that would end its mode.
+   !> Whether a root function is past the zero that ends its mode.
    elemental logical function is_past(direction, root, by)
-      integer, intent(in) :: direction !! as of `contact_root_directions`
+      integer, intent(in) :: direction !! as from `contact_root_directions`
       real(wp), intent(in) :: root
-      real(wp), intent(in) :: by !! at least how far, in its own units; < 0: or how near
+      real(wp), intent(in) :: by !! least distance past the zero, in units of the root function; < 0: largest distance before it
 
       is_past = direction /= 0 .and. direction*root > by
    end function is_past
 
-   !> Which root functions of a contact passed zero, by kind; false of those that it does not have.
+   !> Root functions of a contact that passed zero, by kind; false for kinds that it does not have.
    pure function by_kind(contact, fired) result(marks)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: fired(:) !! of the gearbox: not 0 where a root function passed zero
@@ -275,7 +276,7 @@ contains
    pure subroutine find_sides(flank, contact, at)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(inout) :: at !! with what its flank says, if it touches
+      type(contact_state), intent(inout) :: at !! with the results of its flank, if it touches
       real(wp) :: quantity(width), foot(2)
       integer :: i, kind
 
@@ -290,7 +291,7 @@ contains
       end associate
    end subroutine find_sides
 
-   !> How many pitches the driving wheel has moved on since a pair that hands over began [1].
+   !> Pitches by which the driving wheel has advanced since a pair with handover took over [1].
    pure real(wp) function pitches_since_handover(contact, at) result(pitches)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -300,7 +301,7 @@ contains
       pitches = moved(1)
    end function pitches_since_handover
 
-   !> How far a tooth pair is from the ends of the path of contact, in pitches; not negative while it is on the path.
+   !> Distances of a tooth pair from the ends of the path of contact, in pitches; not negative while it is on the path.
    pure subroutine ends_of_path(flank, contact, point, near, far)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact

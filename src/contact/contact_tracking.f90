@@ -1,9 +1,10 @@
-!> The two points of a tooth pair that touch or face each other, tracked by the algebraic form (1) or the differential form (2)-(3).
+!> Tracking of the two points of a tooth pair that touch or face each other, in the algebraic (1) or differential (2)-(3) form.
 !>
-!> The tracked point of wheel A is r_PA = O_A + r_bA t + (rho_A0 + zeta) e, O_A where the axle is now, t and e turned by `turn`
-!> from t_0 and e_0, rho_A0(theta) the nominal radius of curvature; that of wheel B is r_PB = r_PA + dr. In these coordinates g_A is
-!> linear, and the rest of (1) is linear with constant coefficients but for terms that are smaller by a displacement over a
-!> radius: a multistep method keeps the points on the flanks to rounding, and on the line of action to 1e-10 of the penetration.
+!> The tracked point of wheel A is r_PA = O_A + r_bA t + (rho_A0 + zeta) e. O_A is the actual position of the axle, t and e are t_0
+!> and e_0 rotated by `turn`, and rho_A0(theta) is the nominal radius of curvature. The tracked point of wheel B is
+!> r_PB = r_PA + dr. In these coordinates g_A is linear. The rest of (1) is linear with constant coefficients, except for terms that
+!> are smaller by a displacement over a radius. A multistep method keeps the points on the flanks to rounding, and on the line of
+!> action to 1e-10 of the penetration.
 !>
 !> Source: Kosenko & Gusev 2011, (1)-(3).
 module evl_contact_tracking
@@ -22,7 +23,7 @@ module evl_contact_tracking
 
 contains
 
-   !> The contact from the tracked points: penetration from mu, normal and radii from where the points lie on the two wheels.
+   !> Contact from the tracked points: penetration from mu, normal and radii from the positions of the points on the two wheels.
    pure subroutine track_points(pair, rho_a0, q, point)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
@@ -40,7 +41,7 @@ contains
       call complete_point(pair, q, point)
    end subroutine track_points
 
-   !> Where the tracked points lie relative to their wheels' base circles.
+   !> Positions of the tracked points relative to the base circles of their wheels.
    pure subroutine points_on_wheels(pair, rho_a0, q, on_a, on_b)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
@@ -53,7 +54,7 @@ contains
       call find_tangent_line(pair%r_bb, pair%rho_0 - rho_a0, b(1), b(2), on_b)
    end subroutine points_on_wheels
 
-   !> Where the tracked point of the driving wheel lies relative to its base circle.
+   !> Position of the tracked point of the driving wheel relative to its base circle.
    pure subroutine point_on_driving(rho_a0, q, on_a)
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
@@ -67,7 +68,7 @@ contains
       on_a%exists = on_a%rho > 0
    end subroutine point_on_driving
 
-   !> Positions of the tracked points seen from their axles, less the nominal ones; that on B with opposite sign [m].
+   !> Positions of the tracked points relative to their axles, less the nominal ones; that on B with opposite sign [m].
    pure subroutine point_positions(pair, on_a, q, a, b)
       type(tracked_pair), intent(in) :: pair
       type(tangent_line_t), intent(in) :: on_a
@@ -88,8 +89,8 @@ contains
 
       rho_0 = unit(at_theta, pair%advance)
       rho = rho_0 + unit(at_zeta, 1.0_wp)
-      along = rho + unit(at_turn, pair%r_ba)  ! P_A moves by this along e
-      across = unit(at_turn, -on_a%rho)       ! and by this along t
+      along = rho + unit(at_turn, pair%r_ba)  ! displacement of P_A along e
+      across = unit(at_turn, -on_a%rho)       ! displacement of P_A along t
       b(:, 1) = unit(at_u_b, 1.0_wp) - unit(at_u_a, 1.0_wp) - unit(at_dr, 1.0_wp) + on_a%s*along - on_a%c*across
       b(:, 2) = unit(at_u_b + 1, 1.0_wp) - unit(at_u_a + 1, 1.0_wp) - unit(at_dr + 1, 1.0_wp) - on_a%c*along - on_a%s*across &
                 + rho_0
@@ -116,10 +117,10 @@ contains
       call complete_gradient(pair, q, point, gradient)
    end subroutine gradient_points
 
-   !> The algebraic form (1) as a residual.
+   !> Residual of the algebraic form (1).
    !>
    !> r_bA (grad g_A - lambda grad g_B) (t_0 component, times rho_B, and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A,
-   !> r_bB g_B. With its factor the first row has constant coefficients like the others: a Newton matrix from earlier still fits.
+   !> r_bB g_B. With its factor the first row has constant coefficients like the others, so an older Newton matrix can be reused.
    pure subroutine algebraic_residual(pair, rho_a0, q, residual, exists)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
@@ -173,10 +174,10 @@ contains
       jacobian(6, at_psi_b) = pair%r_bb*pair%sigma
    end subroutine algebraic_jacobian
 
-   !> The differential form (2)-(3) as a residual in the tracked variables' rates.
+   !> Residual of the differential form (2)-(3) in the rates of the tracked variables.
    !>
-   !> The terms of [w, grad g] + Hess g (u - v) that grow with the angular velocity cancel on paper: what remains is the rate
-   !> of turn of the normal, t ((u - v_O).t)/(r_b rho). Rows as in `algebraic_residual`, per second.
+   !> The terms of [w, grad g] + Hess g (u - v) that grow with the angular velocity cancel analytically. The remainder is the
+   !> rotation rate of the normal, t ((u - v_O).t)/(r_b rho). Rows as in `algebraic_residual`, per second.
    pure subroutine differential_residual(pair, rho_a0, q, rates, residual, exists)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
@@ -220,7 +221,7 @@ contains
       b_dot(2) = b_dot(2) - on_a%c*along - on_a%s*across + versine(on_a)*rho_dot
    end subroutine point_rate
 
-   !> Rate of a deviation's angle.
+   !> Rate of the angle of a tangent line.
    pure real(wp) function turn_rate(on, rate, rho_dot)
       type(tangent_line_t), intent(in) :: on
       real(wp), intent(in) :: rate(2), rho_dot !! of the point and of its nominal distance [m/s]
@@ -297,7 +298,7 @@ contains
                + turn_rate(on, rate, rho_rate)*rho)/on%rho
    end function turn_gradient
 
-   !> The differential form solved for the rates: a linear system of order 6, by LAPACK.
+   !> Rates from the differential form: solution of a linear system of order 6 by LAPACK.
    subroutine differential_rates(pair, rho_a0, q, rates, solved)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
@@ -318,8 +319,8 @@ contains
       solved = info == 0
    end subroutine differential_rates
 
-   !> Put the tracked points back onto (1), where the wheels are: Newton's method, by LAPACK. What integration has left of (1) is
-   !> so small that two corrections end at rounding.
+   !> Project the tracked points back onto (1) at the given wheel positions: Newton's method, by LAPACK. The residual of (1) after
+   !> integration is so small that two corrections reach rounding.
    subroutine project_points(pair, rho_a0, q, solved)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
@@ -340,7 +341,7 @@ contains
       end do
    end subroutine project_points
 
-   !> The tracked points in the nominal basis, from K_A at the reference centre distance [m].
+   !> Positions of the tracked points in the nominal basis, from K_A at the reference centre distance [m].
    pure subroutine tracked_positions(pair, rho_a0, q, point_a, point_b)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0, q(n_local)
@@ -368,7 +369,7 @@ contains
       call point_positions(pair, on_a, q, a, b)
       off = on_a%angle - line%angle
       distance_a = -2*pair%r_ba*sin(off/2)**2 - on_a%rho*sin(off)
-      ! P_B is -(r_bB t_0 + rho_B0 e_0 + b) seen from its axle, K_B is -r_bB t
+      ! relative to its axle P_B is -(r_bB t_0 + rho_B0 e_0 + b), and K_B is -r_bB t
       distance_b = pair%r_bb*versine(line) - (pair%rho_0 - rho_a0)*line%s - b(1)*line%c - b(2)*line%s
    end subroutine line_distance
 

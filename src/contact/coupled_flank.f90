@@ -1,11 +1,11 @@
-!> A flank whose tooth pairs yield to each other's loads: the forces of all follow from the places of all.
+!> Flank with coupled tooth pairs: teeth deflect under each other's loads, so all forces depend on the positions of all pairs.
 !>
-!> They are those of evl_coupled_pairs over the width, with C of evl_pair_compliance. The energy is the sum of F h/2 -
-!> F**2/(4 pi E* b), and beside F each pair k has a_i and P of evl_yielding_flank with s_i = sum_l N_l dC_kl/drho_i, half of the own
-!> term. A pair that overlaps without force stays in the potential.
+!> The forces are those of evl_coupled_pairs times the width, with C of evl_pair_compliance. The energy is the sum of
+!> F h/2 - F**2/(4 pi E* b). Each pair k also has a_i and P of evl_yielding_flank, with s_i = sum_l N_l dC_kl/drho_i, half of the
+!> own term. A pair that overlaps without force remains in the potential.
 !>
-!> Whether a pair carries is said by its overlap g_k = h_k - sum over the others of C_kl N_l. In a mode forces go on as odd
-!> functions of g, so that a root is found from both sides.
+!> Whether a pair carries load follows from its overlap g_k = h_k - sum over the others of C_kl N_l. Within a mode the forces are
+!> continued as odd functions of g, so that a root can be approached from both sides.
 !>
 !> Source: docs/compliant_flanks.md, sections 2 and 3.
 module evl_coupled_flank
@@ -54,7 +54,7 @@ contains
       last = self%last
    end subroutine company
 
-   !> What they yield to each other.
+   !> Compliance matrix of the pairs, with derivatives.
    pure subroutine compliance_of(self, contact, pairs, compliance)
       class(coupled_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact !! one of the flank
@@ -97,7 +97,7 @@ contains
       end associate
    end subroutine laws
 
-   !> What is known of pair i of n.
+   !> Store the results for pair i of n.
    pure subroutine take(contact, n, i, answer, compliance, at)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: n, i
@@ -120,7 +120,7 @@ contains
       call viscous_force(contact%damping, context_of(contact, at), at%elastic, at%viscous)
    end subroutine take
 
-   !> The overlap of open contacts under the forces of those that touch.
+   !> Overlap of open contacts under the forces of those that touch.
    pure subroutine find_overlaps(self, contacts, first, last, at)
       class(coupled_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -143,7 +143,7 @@ contains
       end do
    end subroutine find_overlaps
 
-   !> The overlap of a contact where all push that can.
+   !> Overlap of a contact if all pairs that can push are loaded.
    pure subroutine settle_overlap(self, contacts, k, first, last, at)
       class(coupled_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -158,12 +158,12 @@ contains
       call list_pairs(first, last, at, .true., pairs)
       call compliance_of(self, contacts(first), pairs, compliance)
       call solve_pairs(pairs%n, pairs%h, pairs%line, compliance%c, contacts(first)%e_star, .true., answer, code)
-      if (code /= code_ok) return ! which the laws will say
+      if (code /= code_ok) return ! the laws report the error
       call overlaps(pairs%n, pairs%h, compliance%c, answer, g)
       at(k)%overlap = g(findloc(pairs%contact(:pairs%n), k, dim=1))
    end subroutine settle_overlap
 
-   !> How both forces of a contact change with the local variables.
+   !> Derivatives of both forces of a contact with respect to the local variables.
    pure subroutine force_changes(self, contacts, at, d, k, elastic, viscous)
       class(coupled_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -180,7 +180,7 @@ contains
       viscous = viscous_change(at(k), d(k), elastic)
    end subroutine force_changes
 
-   !> How the forces per unit width of all pairs that touch change with the local variables.
+   !> Derivatives of the forces per unit width of all pairs that touch with respect to the local variables.
    pure subroutine changes_of_all(contacts, at, d, pairs, change)
       type(tooth_contact_t), intent(in) :: contacts(*)
       type(contact_state), intent(in) :: at(*)
@@ -219,7 +219,7 @@ contains
       end associate
    end subroutine changes_of_all
 
-   !> How the slopes of a pair change: with the forces and the places of all.
+   !> Derivatives of the slopes of a pair, which depend on the forces and positions of all pairs.
    pure subroutine slope_changes(self, contacts, at, d, k, elastic, change)
       class(coupled_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -248,7 +248,7 @@ contains
       end associate
    end subroutine slope_changes
 
-   !> `laws` in eight states.
+   !> `laws` for eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
       class(coupled_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -301,7 +301,7 @@ contains
       end do
    end subroutine sum_of_products
 
-   !> `find_overlaps` in eight states.
+   !> `find_overlaps` for eight states.
    subroutine find_overlaps_in_lanes(self, contacts, slots, aside, nearby)
       class(coupled_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)

@@ -1,4 +1,4 @@
-!> Tooth pairs that yield together in eight states at once, as evl_coupled_pairs has them in one.
+!> Coupled tooth pairs in eight states at once; evl_coupled_pairs is the version for one state.
 module evl_coupled_lanes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_compliant_johnson, only: compliant_contact, largest_excess, smallest
@@ -10,19 +10,19 @@ module evl_coupled_lanes
 
    public :: overlap_in_lanes, solve_in_lanes
 
-   integer, parameter :: width = lanes !! states that the included formulas take at once
+   integer, parameter :: width = lanes !! states evaluated at once by the included formulas
 
 contains
 
    include "contact/pushing_pairs.inc"
 
-   !> `solve_pairs` where forces are odd.
+   !> `solve_pairs` with forces continued as odd functions.
    pure subroutine solve_in_lanes(n, h, length, c, e_star, force, answered)
       integer, intent(in) :: n
       real(wp), intent(in), dimension(lanes, n) :: h, length
       real(wp), intent(in) :: c(lanes, most_pairs, most_pairs), e_star
       real(wp), intent(out) :: force(lanes, most_pairs)
-      logical, intent(out) :: answered !! false if one of the states has no answer
+      logical, intent(out) :: answered !! false if one of the states has no solution
       real(wp) :: factor(lanes, most_pairs, most_pairs), found(lanes)
       type(coupled_answer) :: answer
       integer :: code, l
@@ -38,7 +38,7 @@ contains
       end do
    end subroutine solve_in_lanes
 
-   !> The overlap of pair k: its penetration less what the others open.
+   !> Overlap of pair k: its penetration less the gap opened by the other pairs.
    pure subroutine overlap_in_lanes(n, k, h, c, force, overlap)
       integer, intent(in) :: n, k
       real(wp), intent(in) :: h(lanes), c(lanes, most_pairs, *), force(lanes, most_pairs)

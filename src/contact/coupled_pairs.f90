@@ -1,6 +1,6 @@
-!> Forces of tooth pairs whose teeth yield together: all pairs of one flank at once, per unit width.
+!> Forces of coupled tooth pairs: all pairs of one flank at once, per unit width.
 !>
-!> The forces N are where the potential of the flank has its maximum,
+!> The forces N maximise the potential of the flank,
 !>
 !>    max over N of  sum_k N_k h_k - W(N),   W = sum_k N_k**2/(2 pi E*) [ln(4 pi E* Lambda_k/N_k) - 1/2] + 1/2 sum_kl C_kl N_k N_l
 !>
@@ -8,18 +8,19 @@
 !>
 !>    h_k = N_k/(pi E*) [ln(4 pi E* Lambda_k/N_k) - 1] + sum_l C_kl N_l
 !>
-!> for each pair that carries; with `pushes_only` a pair carries nothing where the others open its gap,
-!> g_k = h_k - sum_{l /= k} C_kl N_l <= 0, else N is continued as an odd function of g, so that a root is found from both sides.
+!> for each loaded pair. With `pushes_only` a pair carries no load if the others open its gap,
+!> g_k = h_k - sum_{l /= k} C_kl N_l <= 0. Otherwise N is continued as an odd function of g, so that a root can be approached from
+!> both sides.
 !>
-!> Pairs that simply push are found by `push_together`, which eight states can do at once (evl_coupled_lanes). Else it is Newton's
-!> method on the pairs that carry, from the forces of pairs that stand alone. At N = 0 the slope dh/dN is infinite: a pair whose
-!> force would change its sign, or begin, takes the force that belongs to its g. Where Newton's step does not halve the residual,
-!> each pair in turn takes that force: W is convex, so that this alone would converge too, slowly.
+!> `push_together` solves for pairs that all push; it also exists for eight states (evl_coupled_lanes). Otherwise Newton's method is
+!> applied to the loaded pairs, starting from the forces of uncoupled pairs. At N = 0 the slope dh/dN is infinite: a pair whose
+!> force would change its sign, or become nonzero, gets the force that corresponds to its g. If Newton's step does not halve the
+!> residual, each pair in turn gets that force. Since W is convex, this alone would also converge, but slowly.
 !>
-!> Derivatives: with the matrix A = diag(dh_J/dN) + C of the pairs that carry, dN = A**-1 (dh - dC N - N/(pi E* Lambda) dLambda).
-!> Lambda is the length of the line of action, of all pairs alike but for what deviating flanks lack.
+!> Derivatives: with the matrix A = diag(dh_J/dN) + C of the loaded pairs, dN = A**-1 (dh - dC N - N/(pi E* Lambda) dLambda).
+!> Lambda is the length of the line of action. It is the same for all pairs, except for the deviations of their flanks.
 !>
-!> Nothing is allocated; at most `most_pairs` pairs.
+!> No memory is allocated; at most `most_pairs` pairs.
 module evl_coupled_pairs
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_compliant_johnson, only: compliant_contact, compliant_energy, largest_excess, smallest
@@ -32,20 +33,20 @@ module evl_coupled_pairs
 
    integer, parameter :: most_pairs = 6 !! on one flank
 
-   integer, parameter :: width = 1 !! states that the included formulas take at once
+   integer, parameter :: width = 1 !! states evaluated at once by the included formulas
 
    integer, parameter :: most_turns = 200
-   real(wp), parameter :: near = 1.0e-8_wp           !! a step this small, of the force, leaves an error of its square
-   real(wp), parameter :: near_end = 1.0e-6_wp       !! with the term of third order such a step leaves 1e-18 of it
-   real(wp), parameter :: rounding = 16*epsilon(near) !! a residual this small, of its terms, is none
+   real(wp), parameter :: near = 1.0e-8_wp           !! a relative step of the force this small leaves an error of its square
+   real(wp), parameter :: near_end = 1.0e-6_wp       !! with the third-order term such a step leaves a relative error of 1e-18
+   real(wp), parameter :: rounding = 16*epsilon(near) !! a residual this small, relative to its terms, counts as zero
 
-   !> Forces of all pairs, and what their derivatives need.
+   !> Forces of all pairs, and the data for their derivatives.
    type :: coupled_answer
       integer :: n = 0
       real(wp) :: force(most_pairs) = 0.0_wp    !! N [N/m]
-      logical :: carries(most_pairs) = .false.  !! whether it is one of those that Newton's method moves
-      real(wp) :: factor(most_pairs, most_pairs) = 0.0_wp !! of A, as `factorise` leaves it; rows of the others: of the unit matrix
-      integer :: turns = 0                      !! that it took
+      logical :: carries(most_pairs) = .false.  !! whether the pair is loaded, so that Newton's method changes its force
+      real(wp) :: factor(most_pairs, most_pairs) = 0.0_wp !! of A, from `factorise`; rows of unloaded pairs: unit matrix
+      integer :: turns = 0                      !! number of iterations
    end type coupled_answer
 
 contains
@@ -57,9 +58,9 @@ contains
       integer, intent(in) :: n                      !! pairs, at most `most_pairs`
       real(wp), intent(in) :: h(n)                  !! penetrations [m]
       real(wp), intent(in) :: length(n)             !! Lambda [m], > 0
-      real(wp), intent(in) :: c(most_pairs, *)      !! what pair k yields to a unit load on l, symmetric [1/Pa]
+      real(wp), intent(in) :: c(most_pairs, *)      !! deflection of pair k under a unit load on l, symmetric [1/Pa]
       real(wp), intent(in) :: e_star                !! effective modulus [Pa]
-      logical, intent(in) :: pushes_only            !! no pair pulls; else forces are odd
+      logical, intent(in) :: pushes_only            !! no pair pulls; otherwise forces are odd functions
       type(coupled_answer), intent(out) :: answer
       integer, intent(out) :: code                  !! code_ok, code_out_of_domain, code_singular or code_no_solution
       real(wp) :: found(width)
@@ -77,8 +78,8 @@ contains
       call search_pairs(n, h, length, c, e_star, pushes_only, answer, code)
    end subroutine solve_pairs
 
-   !> The factor of A at forces that are found: the last step of Newton's method leaves that of the forces before it. With
-   !> g_k = h_k - sum_{l /= k} C_kl N_l the slope of a pair is g_k/N_k - 1/(pi E*), which takes no logarithm.
+   !> Factorise A at the final forces, since the last step of Newton's method leaves the factor of the previous forces. With
+   !> g_k = h_k - sum_{l /= k} C_kl N_l the slope of a pair is g_k/N_k - 1/(pi E*), which avoids a logarithm.
    pure subroutine factor_at_forces(n, h, c, e_star, answer)
       integer, intent(in) :: n
       real(wp), intent(in) :: h(n), c(most_pairs, *), e_star
@@ -94,7 +95,7 @@ contains
       call factorise(n, answer%factor, good)
    end subroutine factor_at_forces
 
-   !> The same where pairs may begin to carry, or end.
+   !> Solve for the forces when pairs may become loaded or unloaded.
    pure subroutine search_pairs(n, h, length, c, e_star, pushes_only, answer, code)
       integer, intent(in) :: n
       real(wp), intent(in) :: h(n), length(n), c(most_pairs, *), e_star
@@ -139,7 +140,7 @@ contains
             answer%force(:n) = trial(:n)
             if (done) return
          else
-            if (all(abs(residual(:n)) <= rounding*scale(:n))) return ! Newton's method has no more to give
+            if (all(abs(residual(:n)) <= rounding*scale(:n))) return ! Newton's method has converged to rounding
             definite = good(1) > 0
             do k = 1, n
                call answer_gap(h(k) - others(n, c, k, answer%force), length(k), c(k, k), e_star, pushes_only, answer%force(k), &
@@ -151,14 +152,14 @@ contains
       code = merge(code_no_solution, code_singular, definite)
    end subroutine search_pairs
 
-   !> What is left of the equations at the present forces, and the matrix A of the pairs that carry.
+   !> Residual of the equations at the present forces, and the matrix A of the loaded pairs.
    pure subroutine look(n, h, length, c, e_star, pushes_only, answer, residual, scale, code)
       integer, intent(in) :: n
       real(wp), intent(in) :: h(n), length(n), c(most_pairs, *), e_star
       logical, intent(in) :: pushes_only
       type(coupled_answer), intent(inout) :: answer
       real(wp), intent(out) :: residual(most_pairs) !! [m]
-      real(wp), intent(out) :: scale(most_pairs)    !! of the terms that cancel in it [m]
+      real(wp), intent(out) :: scale(most_pairs)    !! magnitude of the terms that cancel in it [m]
       integer, intent(out) :: code
       real(wp) :: apart, slope, own
       integer :: k
@@ -183,7 +184,7 @@ contains
       end do
    end subroutine look
 
-   !> The force of a pair under its own penetration.
+   !> Force of a single pair with overlap g.
    pure subroutine answer_gap(g, length, c, e_star, pushes_only, force, code)
       real(wp), intent(in) :: g, length, c, e_star
       logical, intent(in) :: pushes_only
@@ -198,7 +199,7 @@ contains
       force = contact%force
    end subroutine answer_gap
 
-   !> By how much the other pairs open the gap of one [m].
+   !> Gap of one pair opened by the other pairs [m].
    pure real(wp) function others(n, c, k, force)
       integer, intent(in) :: n, k
       real(wp), intent(in) :: c(most_pairs, *), force(n)
@@ -210,7 +211,7 @@ contains
       end do
    end function others
 
-   !> Penetrations less what the other pairs open: g_k, the roots of closing and opening [m].
+   !> Penetrations less the gaps opened by the other pairs: g_k, the root functions of closing and opening [m].
    pure subroutine overlaps(n, h, c, answer, g)
       integer, intent(in) :: n
       real(wp), intent(in) :: h(n), c(most_pairs, *)
@@ -223,7 +224,7 @@ contains
       end do
    end subroutine overlaps
 
-   !> How the forces change. In: dh - dC N, out: dN, both of the pairs; those that carry nothing get 0.
+   !> Changes of the forces. In: dh - dC N; out: dN, both per pair; 0 for unloaded pairs.
    pure subroutine force_change_of_pairs(answer, length, e_star, d_length, change)
       type(coupled_answer), intent(in) :: answer
       real(wp), intent(in) :: length(*), e_star
@@ -236,7 +237,7 @@ contains
       end associate
    end subroutine force_change_of_pairs
 
-   !> Elastic energy per unit width, sum N_k h_k - W = sum_k [N_k h_k/2 - N_k**2/(4 pi E*)], that of the bodies included [J/m].
+   !> Elastic energy per unit width, sum N_k h_k - W = sum_k [N_k h_k/2 - N_k**2/(4 pi E*)], including that of the bodies [J/m].
    pure real(wp) function energy_of_pairs(answer, h, e_star) result(energy)
       type(coupled_answer), intent(in) :: answer
       real(wp), intent(in) :: h(*) !! [n], [m]
@@ -245,7 +246,7 @@ contains
       energy = sum(compliant_energy(h(:answer%n), answer%force(:answer%n), e_star))
    end function energy_of_pairs
 
-   !> A x = b for the pairs that carry, 0 for the others.
+   !> Solve A x = b for the loaded pairs; 0 for the others.
    pure subroutine solve(n, answer, x)
       integer, intent(in) :: n
       type(coupled_answer), intent(in) :: answer

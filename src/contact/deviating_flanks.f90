@@ -1,10 +1,10 @@
-!> What deviations of the two flanks change in a contact.
+!> Effect of deviations of the two flanks on a contact.
 !>
-!> The gap of a tooth pair is kappa + e_A(rho_A) + e_B(rho_B), and the forces follow its gradient: with the slope e' of a flank,
-!> the normal force has the arm r_b (1 - e') about its axle, and the part -(e_A' r_bA + e_B' r_bB)/rho of itself along t on A,
-!> rho being the length of the line of action. With the arms left at r_b, energy would be lost.
+!> The gap of a tooth pair is kappa + e_A(rho_A) + e_B(rho_B), and the forces follow its gradient. With the slope e' of a flank, the
+!> normal force has the arm r_b (1 - e') about its axle. Its component along t on A is -(e_A' r_bA + e_B' r_bB)/rho relative to the
+!> force, where rho is the length of the line of action. With the arms left at r_b, energy would not be conserved.
 !>
-!> What bends the flanks also changes their radii of curvature, by e'' rho of themselves; the force law does not see that.
+!> Deviations also change the radii of curvature of the flanks by the relative amount e'' rho; the force law neglects this.
 !>
 !> Source: derivatives of the closed form (Kosenko & Gusev 2011, Assertions 1 and 2) with the gap above; docs/deviations.md.
 module evl_deviating_flanks
@@ -25,14 +25,14 @@ module evl_deviating_flanks
       real(wp) :: d2e = 0.0_wp !! d2e/drho2 [1/m]
    end type flank_value
 
-   !> Both flanks of a pair slope where they touch: derivatives of what they lack together by that, which their values know but for
-   !> the mixed one.
+   !> Derivatives of the joint deviation term of two flanks that both have a slope at the contact. The flank values already include
+   !> them, except for the mixed derivative.
    type :: flanks_turned
       logical :: both = .false.
-      real(wp) :: d_a = 0.0_wp, d_b = 0.0_wp, d_ab = 0.0_wp !! to rho_A, to rho_B, to both [1/m]
+      real(wp) :: d_a = 0.0_wp, d_b = 0.0_wp, d_ab = 0.0_wp !! with respect to rho_A, to rho_B, to both [1/m]
    end type flanks_turned
 
-   !> Rates of the radii of curvature, and what they are made of.
+   !> Rates of the radii of curvature, and the quantities they depend on.
    type :: radius_rates
       real(wp) :: line  !! length of the line of action [m]
       real(wp) :: along !! relative velocity of the axles along t [m/s]
@@ -43,7 +43,7 @@ contains
 
    include "contact/deviating_flanks.inc"
 
-   !> What they lack together, in the values of both.
+   !> Add the joint deviation term to the values of both flanks.
    pure subroutine turn_values(pair, slope_a, slope_b, a, b, turned)
       type(tracked_pair), intent(in) :: pair
       type(flank_slope), intent(in) :: slope_a, slope_b
@@ -58,7 +58,7 @@ contains
       turned = flanks_turned(.true., arm*slope_a%ds*slope_b%s, arm*slope_a%s*slope_b%ds, arm*slope_a%ds*slope_b%ds)
    end subroutine turn_values
 
-   !> Derivatives of `deviate`; in: those of the contact of perfect involutes.
+   !> Derivatives of `deviate`. On entry: those of the contact of perfect involutes.
    pure subroutine deviate_gradient(pair, a, b, turned, q, perfect, point, gradient)
       type(tracked_pair), intent(in) :: pair
       type(flank_value), intent(in) :: a, b
@@ -80,7 +80,7 @@ contains
       gradient%l_b = (1 - b%de)*gradient%rho_b - pair%share_b*gradient%h
       gradient%arm_a = -pair%r_ba*a%d2e*gradient%rho_a
       gradient%arm_b = -pair%r_bb*b%d2e*gradient%rho_b
-      if (turned%both) then ! half of it counts on each flank
+      if (turned%both) then ! half of the joint term counts on each flank
          more = (turned%d_a*gradient%rho_a - turned%d_b*gradient%rho_b)/2
          gradient%l_a = gradient%l_a + more
          gradient%l_b = gradient%l_b - more
@@ -116,7 +116,7 @@ contains
       rate_b(at_psi_dot_b) = -pair%r_bb*pair%sigma
    end subroutine rate_gradients
 
-   !> Derivatives of the sliding velocity, where those of its arms are known.
+   !> Derivatives of the sliding velocity from those of its arms.
    pure subroutine sliding_gradient(pair, point, along, gradient)
       type(tracked_pair), intent(in) :: pair
       type(contact_point), intent(in) :: point

@@ -1,4 +1,4 @@
-!> What a flank lacks in material at eight places at once, as evl_flank_deviation has it at one.
+!> Deviation of a flank at eight positions at once; evl_flank_deviation is the version for one position.
 module evl_deviation_lanes
    use evl_flank_deviation, only: corner_in, flank_branch, flank_deviation_t, relief_t
    use evl_kinds, only: lanes, wp
@@ -12,7 +12,7 @@ contains
    include "geometry/flank_branch.inc"
    include "numerics/sine_cosine.inc"
 
-   !> e and its slope, as `deviation_on`.
+   !> e and its slope; `deviation_on` for eight positions.
    pure subroutine deviation_in_lanes(branch, rho, e, de)
       type(flank_branch), intent(in) :: branch
       real(wp), intent(in) :: rho(lanes) !! radii of curvature [m]
@@ -42,7 +42,7 @@ contains
       end do
    end subroutine deviation_in_lanes
 
-   !> Both, and the slope where the flank touches with its derivative: in one loop, where what they share is found once.
+   !> Deviation, and slope with derivative at the touching point, in one loop that evaluates common terms once.
    pure subroutine turned_in_lanes(deviation, zone, branch, rho, e, de, s, ds)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: zone
@@ -65,7 +65,7 @@ contains
       end do
    end subroutine turned_in_lanes
 
-   !> The slope where a flank of second order touches, and its derivative, as `slope_on`.
+   !> Slope at the touching point of a flank of second order, and its derivative; `slope_on` for eight positions.
    pure subroutine slope_in_lanes(deviation, zone, branch, rho, s, ds)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: zone
@@ -87,7 +87,7 @@ contains
       end do
    end subroutine slope_in_lanes
 
-   !> The same off corners, as `find_slope`.
+   !> The same away from corners; `find_slope` for eight positions.
    pure subroutine find_slope_in_lanes(branch, rho, s, ds)
       type(flank_branch), intent(in) :: branch
       real(wp), intent(in) :: rho(lanes)

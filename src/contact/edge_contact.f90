@@ -1,8 +1,10 @@
-!> A tooth pair past the end of a flank: that flank goes on straight, and then its tip edge touches the mate (evl_pair_place).
+!> Tooth pair past the end of a flank: the flank is extended straight, and further on its tip edge touches the mate
+!> (evl_pair_place).
 !>
-!> With the penetration as a function of rho_A, rho_B and rho, the length of the line of action, forces follow its gradient as
-!> those of deviating flanks do: with the arm r_b dh/drho_i about an axle, the part (r_bA (h_A + h_rho) + r_bB (h_B + h_rho))/rho of
-!> itself along t on A, and, since an edge turns the normal, -h_rho of itself against e. On flanks h_rho is -1.
+!> The penetration is a function of rho_A, rho_B and rho, the length of the line of action. As for deviating flanks, the forces
+!> follow its gradient: the arm about an axle is r_b dh/drho_i. The component along t on A is (r_bA (h_A + h_rho) + r_bB
+!> (h_B + h_rho))/rho relative to the force. Since an edge rotates the normal, the component against e is -h_rho relative to the
+!> force. On flanks h_rho is -1.
 module evl_edge_contact
    use evl_contact_point, only: contact_gradient, contact_point, tracked_pair
    use evl_deviating_flanks, only: flank_value, radius_rates, rate_gradients, rates_of, sliding_gradient, turning_arm
@@ -18,10 +20,10 @@ module evl_edge_contact
 
    public :: change_of_foot, edge_contact, edge_gradient, feet_beyond, lift_of, make_tip, put_on_edge
 
-   !> What only a pair past the end of a flank has; scratch without initial values. Derivatives are to rho_A, rho_B and rho.
+   !> Additional data of a pair past the end of a flank; not initialised. Derivatives are with respect to rho_A, rho_B and rho.
    type :: edge_contact
       logical :: exists                               !! false if the edge is inside the mate's base circle
-      integer :: wheel                                !! whose end is passed: by_a or by_b
+      integer :: wheel                                !! wheel whose flank end is passed: by_a or by_b
       real(wp) :: line                                !! rho [m]
       real(wp) :: foot(2), d_foot(3, 2), d2_foot(3, 3, 2) !! roll lengths at which A and B are loaded [m]
       real(wp) :: d_h(3), d2_h(3, 3)                  !! of the penetration
@@ -35,7 +37,7 @@ contains
 
    include "contact/edge_point.inc"
 
-   !> The tip of a wheel's teeth.
+   !> Set up the tip of the teeth of a wheel.
    pure subroutine make_tip(deviation, r_b, r_mate, rho_end, rounding, line, tip)
       type(flank_deviation_t), intent(in) :: deviation
       real(wp), intent(in) :: r_b, r_mate !! base radii of the wheel and its mate [m]
@@ -48,7 +50,7 @@ contains
 
       tip%edge = edge_t(r_b=r_b, r_mate=r_mate, rho_end=rho_end, rounding=rounding)
       tip%leaves = rho_end
-      if (deviation%tip%amount > 0) tip%leaves = max(rho_end, deviation%tip%taken(2)) ! of a relief shorter than its corner reaches
+      if (deviation%tip%amount > 0) tip%leaves = max(rho_end, deviation%tip%taken(2)) ! for a relief shorter than its corner reaches
       tip%profile = deviation_branch(deviation, 0, 1, merge(zone_tip, zone_none, deviation%tip%amount > 0))
       tip%profile%offset = 0
       tip%profile%runout = 0
@@ -59,7 +61,7 @@ contains
       tip%slope = there%s
    end subroutine make_tip
 
-   !> The zones of both wheels of a pair, and where it is loaded; what is between the ends of the flanks does not touch the zones.
+   !> Zones of both wheels of a pair, and the loaded positions; zones stay unchanged between the ends of the flanks.
    pure subroutine feet_beyond(tips, rho_a, rho_b, line, zones, foot)
       type(tip_t), intent(in) :: tips(2)
       real(wp), intent(in) :: rho_a, rho_b, line !! [m]
@@ -74,12 +76,12 @@ contains
       if (zone /= on_flank) zones(feet%wheel) = merge(zone_edge, zone_end, zone == edge_of(feet%wheel))
    end subroutine feet_beyond
 
-   !> From the contact of perfect involutes to that of a pair past the end of a flank.
+   !> Correct the contact of perfect involutes for a pair past the end of a flank.
    pure subroutine put_on_edge(pair, tips, deviation_a, deviation_b, zones, branches, q, point, edge)
       type(tracked_pair), intent(in) :: pair
       type(tip_t), intent(in) :: tips(2)
       type(flank_deviation_t), intent(in) :: deviation_a, deviation_b
-      integer, intent(in) :: zones(2)                !! of A and B, one at least zone_end
+      integer, intent(in) :: zones(2)                !! of A and B, at least one of them >= zone_end
       type(flank_branch), intent(in) :: branches(2)
       real(wp), intent(in) :: q(n_local)
       type(contact_point), intent(inout) :: point
@@ -139,7 +141,7 @@ contains
       end do
    end subroutine find_arms
 
-   !> How the place where a wheel is loaded changes with the local variables.
+   !> Derivatives of the loaded position on a wheel with respect to the local variables.
    pure function change_of_foot(edge, d, wheel) result(change)
       type(edge_contact), intent(in) :: edge
       type(contact_gradient), intent(in) :: d
@@ -149,14 +151,14 @@ contains
       change = edge%d_foot(by_a, wheel)*d%rho_a + edge%d_foot(by_b, wheel)*d%rho_b + edge%d_foot(by_line, wheel)*d%line
    end function change_of_foot
 
-   !> What an edge's force has against e more than all of itself.
+   !> Component of the force of an edge against e, relative to the force, less 1.
    pure real(wp) function lift_of(edge)
       type(edge_contact), intent(in) :: edge
 
       lift_of = -(1 + edge%d_h(by_line))
    end function lift_of
 
-   !> Derivatives of `put_on_edge`; in: those of the contact of perfect involutes.
+   !> Derivatives of `put_on_edge`. On entry: those of the contact of perfect involutes.
    pure subroutine edge_gradient(pair, edge, q, perfect, point, gradient)
       type(tracked_pair), intent(in) :: pair
       type(edge_contact), intent(in) :: edge

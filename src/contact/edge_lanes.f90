@@ -1,5 +1,5 @@
-!> Tooth pairs past the end of a flank in eight states at once: as evl_pair_place and evl_edge_contact have them in one, with first
-!> derivatives alone.
+!> Tooth pairs past the end of a flank in eight states at once, with first derivatives only. The versions for one state are
+!> evl_pair_place and evl_edge_contact.
 module evl_edge_lanes
    use evl_deviation_lanes, only: deviation_in_lanes, find_slope_in_lanes
    use evl_kinds, only: lanes, wp
@@ -10,7 +10,7 @@ module evl_edge_lanes
 
    public :: find_feet_in_lanes, lane_edge, lane_lack, slopes_in_lanes
 
-   !> What `edge_contact` has; scratch without initial values.
+   !> As `edge_contact`, in eight states; not initialised.
    type :: lane_edge
       real(wp) :: margin(lanes)       !! 1, or 0 if the edge is inside the mate's base circle
       real(wp) :: line(lanes)         !! rho [m]
@@ -19,12 +19,12 @@ module evl_edge_lanes
       real(wp) :: d_h(lanes, 3)       !! of the penetration
    end type lane_edge
 
-   !> What the wheel whose end is passed lacks by it, as `pair_feet` has it.
+   !> Gap contribution of the wheel whose flank end is passed, as in `pair_feet`.
    type :: lane_lack
       real(wp) :: x(lanes)                      !! roll length past the end [m]
-      real(wp), dimension(lanes) :: lack, by_own, by_line !! [m], derivatives to its radius of curvature and to rho
+      real(wp), dimension(lanes) :: lack, by_own, by_line !! [m], derivatives with respect to its radius of curvature and to rho
       real(wp) :: arm(lanes)                    !! of the friction force about it [m]
-      real(wp) :: slope(lanes), d_slope(lanes)  !! of its flank where it touches, derivative to its radius of curvature [1/m]
+      real(wp) :: slope(lanes), d_slope(lanes)  !! of its flank at the contact, derivative to its radius of curvature [1/m]
    end type lane_lack
 
 contains
@@ -34,11 +34,11 @@ contains
    include "contact/tangent_line.inc"
    include "contact/tip_edge.inc"
 
-   !> Where both wheels are touched.
+   !> Touching positions on both wheels.
    pure subroutine find_feet_in_lanes(tip, own, is_edge, rho_own, rho_mate, edge, past)
       type(tip_t), intent(in) :: tip
-      integer, intent(in) :: own     !! whose end is passed
-      logical, intent(in) :: is_edge !! its edge touches, else what goes on behind the end
+      integer, intent(in) :: own     !! wheel whose flank end is passed
+      logical, intent(in) :: is_edge !! true: edge contact; false: contact on the extension of the flank
       real(wp), intent(in), dimension(lanes) :: rho_own, rho_mate
       type(lane_edge), intent(inout) :: edge !! with the length of the line of action
       type(lane_lack), intent(out) :: past
@@ -64,7 +64,7 @@ contains
       past%arm = rho_own
    end subroutine find_feet_in_lanes
 
-   !> An edge touches the mate.
+   !> Contact of an edge with the mate.
    pure subroutine touch_in_lanes(tip, rho_mate, line, past, margin, foot, foot_own, foot_line)
       type(tip_t), intent(in) :: tip
       real(wp), intent(in), dimension(lanes) :: rho_mate, line
@@ -94,7 +94,7 @@ contains
       end do
    end subroutine touch_in_lanes
 
-   !> An edge where it takes over.
+   !> Edge contact at the position where it begins.
    pure subroutine begin_in_lanes(edge, x, line, gap, by_line, foot, foot_line)
       type(edge_t), intent(in) :: edge
       real(wp), intent(in) :: x, line(lanes)
@@ -108,7 +108,7 @@ contains
       end do
    end subroutine begin_in_lanes
 
-   !> One lane of an edge, as `edge_place` has it.
+   !> One lane of an edge, by `place_edge`.
    pure subroutine touch_lane(edge, x, line, margin, gap, by_own, by_line, arm, foot, foot_own, foot_line)
       type(edge_t), intent(in) :: edge
       real(wp), intent(in) :: x, line
@@ -126,7 +126,7 @@ contains
       foot_line = at%foot_rho
    end subroutine touch_lane
 
-   !> Derivatives of the penetration, with the slopes of what both wheels lack besides.
+   !> Derivatives of the penetration, including the slopes of the deviations of both wheels.
    pure subroutine slopes_in_lanes(own, past, de, edge)
       integer, intent(in) :: own
       type(lane_lack), intent(in) :: past

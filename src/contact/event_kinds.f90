@@ -1,5 +1,5 @@
-!> Kinds of events, with names and meanings: what happens to gearboxes as a whole, and what root functions that change a mode bring.
-!> Those that are only noted stand in the table of root functions, behind these.
+!> Event kinds with names and descriptions: events of the whole gearbox, and events of root functions that change a mode. Kinds that
+!> are only logged follow these; they are in the table of root functions.
 module evl_event_kinds
    implicit none (type, external)
    private
@@ -10,7 +10,7 @@ module evl_event_kinds
              event_near, event_opened, event_returned, event_revolution, event_sliding_began, event_sliding_ended, event_switch, &
              event_switch_back, event_vanished
 
-   !> One kind; its number is its place in the table, from 0.
+   !> One kind; its number is its index in the table, from 0.
    type :: event_kind
       character(len=24) :: name
       character(len=88) :: text

@@ -1,9 +1,9 @@
-!> A flank: all tooth contacts of one side of a mesh's teeth, drive or coast. What acts between them is asked of it, of all at once,
-!> and so is where tooth pairs come and go.
+!> A flank: all tooth contacts on one side of the teeth of a mesh, drive or coast. It computes the forces of all its contacts
+!> together, and the ends of the path of contact.
 !>
-!> On this flank each pair stands alone: the laws give its force from its own place. Where the teeth of a wheel yield together, the
-!> forces of all pairs follow from the places of all. Such a flank extends `flank_t` with its own answers to what can be overridden,
-!> and `description/contact_build.f90` chooses it; nobody else tells one from the other.
+!> In this base type the pairs are independent: the laws give the force of a pair from its own position. If the teeth of a wheel
+!> deflect together, the forces of all pairs depend on the positions of all. Such a flank extends `flank_t` and overrides its
+!> procedures. It is selected in `description/contact_build.f90`; no other code distinguishes flank types.
 !>
 !> The contacts of a flank share their local variables, since they lie between the same two wheels.
 module evl_flank
@@ -25,15 +25,15 @@ module evl_flank
 
    public :: context_of, energy_gap, exactly_one, flank_slot, flank_t, next_pair, nominal_context, pair_on_path
 
-   real(wp), parameter :: most_pitches = 1.0e9_wp !! that integers can count; of a motion that is none there are more
-   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near a whole number are one; at 1 pairs hand over
+   real(wp), parameter :: most_pitches = 1.0e9_wp !! limit of integer conversion; only a diverged motion exceeds it
+   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near an integer count as that integer; at 1 pairs hand over
 
-   !> Its procedures are asked about some or all of its contacts, `company` says which must come together.
+   !> Its procedures take some or all of its contacts; `company` returns the range that must be evaluated together.
    type :: flank_t
       integer :: first = 1, last = 0 !! its tooth contacts among those of the gearbox
-      logical :: bends = .false.     !! what a pair yields to a load changes with its place
-      logical :: couples = .false.   !! pairs yield to each other's loads
-      real(wp) :: reach = 0.0_wp     !! how far past the ends of the path of contact its pairs stay, in pitches
+      logical :: bends = .false.     !! the deflection of a pair under a load depends on its position
+      logical :: couples = .false.   !! pairs deflect under each other's loads
+      real(wp) :: reach = 0.0_wp     !! distance past the ends of the path of contact up to which pairs stay, in pitches
    contains
       procedure :: slots_for
       procedure :: company
@@ -62,11 +62,11 @@ module evl_flank
 
 contains
 
-   !> Slots of a flank: as many as tooth pairs can be on its path of contact at once, and one for the pair that waits.
+   !> Number of slots of a flank: the largest number of tooth pairs on its path of contact, plus one for the waiting pair.
    pure integer function slots_for(self, contact_ratio, hands_over) result(n)
       class(flank_t), intent(in) :: self
       real(wp), intent(in) :: contact_ratio !! path of contact over base pitch
-      logical, intent(in) :: hands_over     !! a pair hands its load to the next one pitch on
+      logical, intent(in) :: hands_over     !! a pair hands its load over to the next after one pitch
       real(wp) :: pitches
 
       n = 1
@@ -74,7 +74,7 @@ contains
       if (.not. (hands_over .or. abs(pitches - 1) < exactly_one)) n = ceiling(pitches - exactly_one) + 1
    end function slots_for
 
-   !> The tooth pair that takes the place of one that passes an end of the path, or a pitch.
+   !> Tooth pair that replaces one that passes an end of the path, or that has advanced by a pitch.
    pure integer function next_pair(contact, mode, forward) result(pair)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode !! of the pair that passes
@@ -88,34 +88,34 @@ contains
       end if
    end function next_pair
 
-   !> The tooth pair of a slot that is on the path, or will be the next: one is there every n_slots pitches.
+   !> Tooth pair of a slot that is on the path or enters it next; the pairs of a slot are n_slots pitches apart.
    pure integer function pair_on_path(contact, pair, pitches) result(there)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair     !! a pair of this slot
-      real(wp), intent(in) :: pitches !! how far it is on from where pairs enter
+      real(wp), intent(in) :: pitches !! its distance from the point where pairs enter
 
       there = pair
       if (abs(pitches) < most_pitches) there = pair + contact%n_slots*floor(pitches/contact%n_slots)
    end function pair_on_path
 
-   !> The contacts whose places decide about the force of one: here that one alone.
+   !> Range of contacts whose positions determine the force of one contact; here that contact alone.
    pure subroutine company(self, contact, first, last)
       class(flank_t), intent(in) :: self
-      integer, intent(in) :: contact      !! among those of the gearbox
+      integer, intent(in) :: contact      !! index in the gearbox
       integer, intent(out) :: first, last
 
       first = contact
       last = contact
    end subroutine company
 
-   !> Elastic and viscous forces of the contacts that touch, as if nothing were clipped, with their derivatives; and their overlap,
-   !> where the others change that.
+   !> Unclipped elastic and viscous forces of the contacts that touch, with derivatives; also their overlaps, if these depend on
+   !> other contacts.
    subroutine laws(self, contacts, first, last, at, status)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
-      integer, intent(in) :: first, last               !! those that are asked
+      integer, intent(in) :: first, last               !! range of contacts to evaluate
       type(contact_state), intent(inout) :: at(*) !! with their points
-      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law has no answer
+      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law is not defined
       type(contact_context) :: ctx
       character(len=len(status%message)) :: message
       integer :: code, k
@@ -141,25 +141,25 @@ contains
       end do
    end subroutine laws
 
-   !> The overlap of open contacts, which those that touch may change: here they do not.
+   !> Overlaps of open contacts; here they do not depend on the contacts that touch.
    pure subroutine find_overlaps(self, contacts, first, last, at)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
-      integer, intent(in) :: first, last          !! those that are asked, a company
+      integer, intent(in) :: first, last          !! range of contacts to evaluate, from `company`
       type(contact_state), intent(inout) :: at(*) !! with their points, and the forces of those that touch
 
    end subroutine find_overlaps
 
-   !> The overlap of a contact whose mode is not known yet, as if every pair of its company on the path carried that can push.
+   !> Overlap of a contact with unknown mode, assuming that all pairs of its range on the path that can push are loaded.
    pure subroutine settle_overlap(self, contacts, k, first, last, at)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
       integer, intent(in) :: k, first, last
-      type(contact_state), intent(inout) :: at(*) !! with their points; of the others no more than whether they are off is known
+      type(contact_state), intent(inout) :: at(*) !! with their points; for the others only whether they are off is used
 
    end subroutine settle_overlap
 
-   !> What the laws may know of a pair.
+   !> Quantities of a pair that are available to the laws.
    pure type(contact_context) function context_of(contact, at) result(ctx)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -168,7 +168,7 @@ contains
                             width=contact%width, v0=at%mode%v0, side=at%mode%sides(side_of_rate))
    end function context_of
 
-   !> A perfect tooth pair at the pitch point. At that point each radius of curvature counts as half of their sum.
+   !> Context of a perfect tooth pair at the pitch point. Each radius of curvature there is taken as half of their sum.
    pure type(contact_context) function nominal_context(contact) result(ctx)
       type(tooth_contact_t), intent(in) :: contact
 
@@ -178,7 +178,7 @@ contains
       ctx%width = contact%width
    end function nominal_context
 
-   !> Elastic force of a perfect tooth pair that carries alone at the pitch point. A rigid contact answers as its parts would.
+   !> Elastic force of a single perfect tooth pair at the pitch point. For a rigid contact the compliant form of its law is used.
    subroutine pair_alone(self, contact, h, elastic, code)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
@@ -194,7 +194,7 @@ contains
       call law%force(ctx, elastic, code)
    end subroutine pair_alone
 
-   !> Its penetration under a force.
+   !> Penetration of a single perfect tooth pair under a force.
    subroutine pair_under(self, contact, force, h, code)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
@@ -211,7 +211,7 @@ contains
    pure subroutine add_energy(self, contacts, first, last, at, energy)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
-      integer, intent(in) :: first, last               !! those that are asked
+      integer, intent(in) :: first, last               !! range of contacts to evaluate
       type(contact_state), intent(in) :: at(*) !! with their elastic forces
       real(wp), intent(inout) :: energy
       integer :: k
@@ -222,12 +222,12 @@ contains
       end do
    end subroutine add_energy
 
-   !> Add it in eight states.
+   !> `add_energy` for eight states.
    subroutine add_energy_in_lanes(self, contacts, first, last, slots, energy)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
       integer, intent(in) :: first, last
-      type(lane_slot), intent(in) :: slots(*) !! those that touch with their forces
+      type(lane_slot), intent(in) :: slots(*) !! touching ones with their forces
       real(wp), intent(inout) :: energy(lanes)
       real(wp) :: mine(lanes)
       integer :: k
@@ -239,13 +239,13 @@ contains
       end do
    end subroutine add_energy_in_lanes
 
-   !> How the elastic and the viscous force of a contact change with the local variables.
+   !> Derivatives of the elastic and the viscous force of a contact with respect to the local variables.
    pure subroutine force_changes(self, contacts, at, d, k, elastic, viscous)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
       type(contact_state), intent(in) :: at(*)
       type(contact_gradient), intent(in) :: d(*) !! of the points of the contacts that touch
-      integer, intent(in) :: k                   !! which of them; it touches
+      integer, intent(in) :: k                   !! index of the contact; it must touch
       real(wp), intent(out) :: elastic(n_local), viscous(n_local)
       integer :: j
 
@@ -258,8 +258,8 @@ contains
       end associate
    end subroutine force_changes
 
-   !> How a force changes with the penetration and both radii of curvature. Where it depends on their sum alone, as laws so far do,
-   !> what one radius gains by the motion of the axles and the other loses cancels before it is multiplied.
+   !> Change of a force with the penetration and both radii of curvature. All present laws depend on the sum of the radii only. The
+   !> form lets opposite changes of the two radii due to axle motion cancel before the multiplication.
    elemental real(wp) function force_change(d_h, d_rho_a, d_rho_b, h, rho_a, rho_b) result(change)
       real(wp), intent(in) :: d_h, d_rho_a, d_rho_b !! derivatives of the force [N/m]
       real(wp), intent(in) :: h, rho_a, rho_b       !! derivatives of these
@@ -267,7 +267,7 @@ contains
       change = d_h*h + d_rho_a*(rho_a + rho_b) + (d_rho_b - d_rho_a)*rho_b
    end function force_change
 
-   !> How the power changes that the elastic energy gains without the work of the force, V' - F h'.
+   !> Derivatives of V' - F h', the rate of the elastic energy less the power of the force.
    pure function loss_change(self, point, elastic, d) result(change)
       class(flank_t), intent(in) :: self
       type(contact_point), intent(in) :: point
@@ -276,7 +276,7 @@ contains
       real(wp) :: change(n_local), by_r, d_energy, d_r
       integer :: j
 
-      ! dV/dr changes with h as the force does with r, and is homogeneous in both; `excess` is constant enough
+      ! dV/dr depends on h as the force depends on r, and is homogeneous in both; `excess` is taken as constant
       d_r = (elastic%d_rho_a + elastic%d_rho_b)/2
       by_r = (elastic%d_energy - point%h*d_r)/(point%rho_a + point%rho_b - point%h)
       do j = 1, n_local
@@ -285,31 +285,31 @@ contains
       end do
    end function loss_change
 
-   !> Add what else the elastic energy does to the wheels: here nothing.
+   !> Add the forces on the wheels from flank compliance; none for this flank.
    pure subroutine add_yielding(self, contact, at)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(inout) :: at !! of a pair that touches, with its forces
+      type(contact_state), intent(inout) :: at !! of a touching pair, with its forces
 
    end subroutine add_yielding
 
-   !> Add how that changes with the local variables: here not at all.
+   !> Add their derivatives with respect to the local variables; none for this flank.
    pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
       type(contact_state), intent(in) :: at(*)
-      type(contact_gradient), intent(in) :: d(*) !! as of `force_changes`
+      type(contact_gradient), intent(in) :: d(*) !! as in `force_changes`
       integer, intent(in) :: k
       real(wp), intent(in) :: elastic(n_local)   !! of the elastic force
       real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
 
    end subroutine add_yielding_changes
 
-   !> Add it in eight states.
+   !> `add_yielding` for eight states.
    pure subroutine add_yielding_in_lanes(self, contact, slot)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
-      type(lane_slot), intent(inout) :: slot !! of a pair that touches, with its forces
+      type(lane_slot), intent(inout) :: slot !! of a touching pair, with its forces
 
    end subroutine add_yielding_in_lanes
 
@@ -317,7 +317,7 @@ contains
    subroutine forces(self, contacts, first, last, at, status)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
-      integer, intent(in) :: first, last               !! those that are asked
+      integer, intent(in) :: first, last               !! range of contacts to evaluate
       type(contact_state), intent(inout) :: at(*) !! with their points
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a limit of a law or of the involutes is passed
       integer :: k
@@ -350,13 +350,13 @@ contains
    end subroutine forces
 
    include "contact/contact_forces.inc"
-   !> `laws` in eight states.
+   !> `laws` for eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
-      integer, intent(in) :: first, last               !! those that are asked
-      type(lane_slot), intent(inout) :: slots(*) !! those that touch with their places
-      logical, intent(out) :: answered           !! false if the laws or the involutes have no answer in one of the lanes
+      integer, intent(in) :: first, last               !! range of contacts to evaluate
+      type(lane_slot), intent(inout) :: slots(*) !! touching ones with their contact points
+      logical, intent(out) :: answered           !! false if the laws or the involutes are not defined in one of the lanes
       integer :: k
 
       answered = .true.
@@ -367,22 +367,22 @@ contains
       end do
    end subroutine laws_in_lanes
 
-   !> `find_overlaps` in eight states.
+   !> `find_overlaps` for eight states.
    subroutine find_overlaps_in_lanes(self, contacts, slots, aside, nearby)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
-      type(lane_slot), intent(in) :: slots(*)    !! where nearby, those that touch with their forces
-      type(lane_slot), intent(inout) :: aside(*) !! the others with their places, and else all
+      type(lane_slot), intent(in) :: slots(*)    !! if nearby: touching contacts with their forces
+      type(lane_slot), intent(inout) :: aside(*) !! the other contacts with their points; if not nearby: all contacts
       logical, intent(in) :: nearby
 
    end subroutine find_overlaps_in_lanes
 
-   !> `forces` in eight states.
+   !> `forces` for eight states.
    subroutine forces_in_lanes(self, contacts, first, last, slots, answered)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
-      integer, intent(in) :: first, last               !! those that are asked
-      type(lane_slot), intent(inout) :: slots(*) !! those that touch with their places
+      integer, intent(in) :: first, last               !! range of contacts to evaluate
+      type(lane_slot), intent(inout) :: slots(*) !! touching ones with their contact points
       logical, intent(out) :: answered
       integer :: k
 

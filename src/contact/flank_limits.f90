@@ -1,4 +1,4 @@
-!> How far a flank goes: a tooth pair carries force while it lies on both involutes, and an edge while it lies on its mate's flank.
+!> Limits of a flank: a tooth pair carries force only on both involutes, and an edge only on the flank of its mate.
 module evl_flank_limits
    use evl_contact_point, only: contact_point
    use evl_flank_deviation, only: zone_end
@@ -14,10 +14,10 @@ module evl_flank_limits
 
 contains
 
-   !> An edge that leaves its mate's flank, and pairs that touch where nothing is known of them.
+   !> Fail if an edge has left the flank of its mate, or if a pair carries force past both ends of its path.
    pure subroutine check_edge(contact, at, status)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(in) :: at !! of a pair that touches
+      type(contact_state), intent(in) :: at !! of a touching pair
       type(status_t), intent(inout) :: status
       integer :: mate, wheel
 
@@ -34,7 +34,7 @@ contains
                 //" tips, or lower the load", subject_mesh, contact%mesh, "edge_contact")
    end subroutine check_edge
 
-   !> The contact has left an involute: say which radius of curvature ran out.
+   !> Fail because the contact has left an involute; report which radius of curvature is exhausted.
    pure subroutine left_involute(contact, point, status)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
@@ -52,21 +52,21 @@ contains
                 //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, contact%mesh, "tracking")
    end subroutine left_involute
 
-   !> A wheel in words.
+   !> Name of a wheel for messages.
    pure character(len=7) function name_of(wheel)
       integer, intent(in) :: wheel
 
       name_of = merge("driving", "driven ", wheel == by_a)
    end function name_of
 
-   !> Whether both ends of the path of a pair are past.
+   !> Whether a pair is past both ends of its path.
    pure logical function past_both_ends(mode)
       type(contact_mode), intent(in) :: mode
 
       past_both_ends = min(mode%zone_a, mode%zone_b) >= zone_end
    end function past_both_ends
 
-   !> Whether a pair lies on both involutes in eight states.
+   !> Whether a pair lies on both involutes in all eight states.
    pure logical function in_lanes_on_involutes(slot) result(lies)
       type(lane_slot), intent(in) :: slot
 
@@ -78,7 +78,7 @@ contains
       end if
    end function in_lanes_on_involutes
 
-   !> Whether `check_edge` has nothing to say in eight states.
+   !> Whether `check_edge` reports no error in any of eight states.
    pure logical function in_lanes_on_flank(contact, slot) result(lies)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot

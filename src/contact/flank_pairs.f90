@@ -1,4 +1,4 @@
-!> The tooth pairs of a flank that count for each other's forces: which they are, and where, in one state and in eight.
+!> Tooth pairs of a flank that affect each other's forces: indices and positions, for one state and for eight.
 module evl_flank_pairs
    use evl_coupled_pairs, only: most_pairs
    use evl_force_lanes, only: lane_slot
@@ -14,13 +14,13 @@ module evl_flank_pairs
    !> Pairs of a flank at a state.
    type :: pairs_t
       integer :: n = 0
-      integer :: contact(most_pairs) = 0 !! of the gearbox
-      integer :: number(most_pairs) = 0  !! of the tooth pair
+      integer :: contact(most_pairs) = 0 !! index in the gearbox
+      integer :: number(most_pairs) = 0  !! number of the tooth pair
       real(wp) :: h(most_pairs) = 0.0_wp, line(most_pairs) = 1.0_wp !! [m]
       type(pair_feet) :: feet(most_pairs)
    end type pairs_t
 
-   !> The same in eight states.
+   !> The same for eight states.
    type :: lane_pairs
       integer :: n = 0
       integer :: contact(most_pairs), number(most_pairs)
@@ -29,7 +29,7 @@ module evl_flank_pairs
 
 contains
 
-   !> Pairs in one state: those that touch, and those that lie open if they count.
+   !> List the pairs in one state: those that touch and, if `with_open`, those that are open.
    pure subroutine list_pairs(first, last, at, with_open, pairs)
       integer, intent(in) :: first, last
       type(contact_state), intent(in) :: at(*)
@@ -50,7 +50,7 @@ contains
       end do
    end subroutine list_pairs
 
-   !> Add a pair in eight states.
+   !> Add a pair for eight states.
    pure subroutine add_in_lanes(pairs, contact, slot)
       type(lane_pairs), intent(inout) :: pairs
       integer, intent(in) :: contact

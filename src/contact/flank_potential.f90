@@ -1,13 +1,13 @@
-!> The elastic energy of all tooth pairs of a flank, and its gradient, which is all of their elastic forces.
+!> Elastic energy of all tooth pairs of a flank, and its gradient, which gives all of their elastic forces.
 !>
-!> As a function of rho_A, rho_B and rho (evl_pair_place; pairs are whole base pitches apart, so that the three of any one pair move
-!> those of all), over the width b:
+!> The energy is a function of rho_A, rho_B and rho (evl_pair_place). Pairs are whole base pitches apart, so the three quantities of
+!> one pair determine those of all. With the width b:
 !>
 !>    U = b max over N of [sum_k N_k h_k - W(N)]
 !>    dU/dq = b [sum_k N_k dh_k/dq - 1/2 N dC/dq N - sum_k N_k**2/(2 pi E* rho) drho/dq]
 !>
-!> since U is stationary in N. Of a pair k the middle term is N_k sum_l N_l dC_kl/dfoot_k dfoot_k/dq: as if its flanks lacked
-!> material with the slope s_k = sum_l N_l dC_kl/dfoot_k, half of the own term.
+!> since U is stationary in N. For a pair k the middle term is N_k sum_l N_l dC_kl/dfoot_k dfoot_k/dq. It acts like a deviation of
+!> its flanks with the slope s_k = sum_l N_l dC_kl/dfoot_k, half of the own term.
 !>
 !> Second derivatives: those of the terms at constant N, and r A**-1 r, r_k = dh_k/dq - (dC/dq N)_k - N_k/(pi E* rho) drho/dq.
 module evl_flank_potential
@@ -21,7 +21,7 @@ module evl_flank_potential
 
    public :: find_potential, flank_potential, force_changes_of_places, gradient_of_pair, second_derivatives, wheel_forces
 
-   !> What acts at the pairs of a flank.
+   !> Energy, gradient and forces of the pairs of a flank.
    type :: flank_potential
       type(coupled_answer) :: answer
       real(wp) :: energy = 0.0_wp                  !! U [J]
@@ -31,16 +31,16 @@ module evl_flank_potential
 
 contains
 
-   !> Energy and forces.
+   !> Compute energy, gradient and forces.
    pure subroutine find_potential(n, places, feet, compliance, e_star, width, pushes_only, potential, code)
       integer, intent(in) :: n
       type(pair_place), intent(in) :: places(n)
       type(pair_feet), intent(in) :: feet(n)
       type(pair_compliance), intent(in) :: compliance
       real(wp), intent(in) :: e_star, width !! effective modulus [Pa], common face width [m]
-      logical, intent(in) :: pushes_only    !! as of `solve_pairs`
+      logical, intent(in) :: pushes_only    !! as in `solve_pairs`
       type(flank_potential), intent(out) :: potential
-      integer, intent(out) :: code          !! as of `solve_pairs`
+      integer, intent(out) :: code          !! as in `solve_pairs`
       integer :: k, w
 
       if (n == 0) then
@@ -60,7 +60,7 @@ contains
       end associate
    end subroutine find_potential
 
-   !> The part of one pair in the gradient [N].
+   !> Contribution of one pair to the gradient [N].
    pure function gradient_of_pair(k, place, feet, e_star, width, potential) result(gradient)
       integer, intent(in) :: k
       type(pair_place), intent(in) :: place
@@ -75,7 +75,7 @@ contains
       end associate
    end function gradient_of_pair
 
-   !> How the forces per unit width change with rho_A, rho_B and rho: (pair, of the three) [N/m^2].
+   !> Derivatives of the forces per unit width with respect to rho_A, rho_B and rho: (pair, length) [N/m^2].
    pure function force_changes_of_places(n, places, feet, compliance, e_star, potential) result(change)
       integer, intent(in) :: n
       type(pair_place), intent(in) :: places(n)
@@ -94,7 +94,7 @@ contains
       end do
    end function force_changes_of_places
 
-   !> dh_k - (dC N)_k along each of the three.
+   !> dh_k - (dC N)_k along each of the three lengths.
    pure subroutine residual_changes(n, places, feet, compliance, potential, change)
       integer, intent(in) :: n
       type(pair_place), intent(in) :: places(n)
@@ -115,7 +115,7 @@ contains
       end do
    end subroutine residual_changes
 
-   !> Second derivatives of U [N/m]: the forces' tangent stiffness.
+   !> Second derivatives of U [N/m]: the tangent stiffness of the forces.
    pure function second_derivatives(n, places, feet, compliance, e_star, width, potential) result(second)
       integer, intent(in) :: n
       type(pair_place), intent(in) :: places(n)
@@ -146,7 +146,7 @@ contains
          change = force_changes_of_places(n, places, feet, compliance, e_star, potential)
          right(:n, by_line) = right(:n, by_line) - force(:n)/(pi*e_star*line)
          do i = 1, 3
-            do j = 1, 3 ! no matmul: it takes memory for an answer, and ends the program where there is none
+            do j = 1, 3 ! no matmul: it allocates its result, and a failed allocation ends the program
                second(j, i) = second(j, i) + dot_product(right(:n, j), change(:n, i))
             end do
          end do
@@ -166,7 +166,7 @@ contains
       end do
    end function outer
 
-   !> What a gradient does to the wheels: torques about their axles, and the force on A along (t_0, e_0); B feels the opposite one.
+   !> Forces on the wheels from a gradient: torques about their axles, and the force on A along (t_0, e_0), opposite to that on B.
    pure subroutine wheel_forces(sigma, r_ba, r_bb, line, gradient, torque_a, torque_b, on_a)
       real(wp), intent(in) :: sigma      !! sense of the flank
       real(wp), intent(in) :: r_ba, r_bb !! base radii [m]

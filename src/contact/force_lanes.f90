@@ -1,6 +1,6 @@
-!> A tooth contact and its forces in eight states at once; what acts is asked of the flank, as in one state.
+!> A tooth contact and its forces in eight states at once; as for one state, the flank computes the forces.
 !>
-!> The loop of a law stands in the law's own file; a law without one is asked state by state.
+!> The loop over the lanes is in the file of each law; a law without such a loop is evaluated state by state.
 module evl_force_lanes
    use evl_contact_lanes, only: lane_contact, store_lane
    use evl_contact_point, only: contact_point
@@ -15,26 +15,26 @@ module evl_force_lanes
 
    public :: lane_force, lane_slot, laws_of_pair, lift_in_lanes, put_force, put_place, resolve_in_lanes
 
-   !> Forces of a tooth contact in eight states; the components mean what those of `elastic_result` and `contact_force` mean.
+   !> Forces of a tooth contact in eight states; components have the same meaning as in `elastic_result` and `contact_force`.
    type :: lane_force
       real(wp), dimension(lanes) :: elastic, viscous, d_energy, excess
-      real(wp), dimension(lanes) :: slope_a, slope_b !! as in `pair_yielding`; of flanks that yield only
+      real(wp), dimension(lanes) :: slope_a, slope_b !! as in `pair_yielding`; of compliant flanks only
       real(wp), dimension(lanes) :: unclipped !! elastic + viscous [N]
-      real(wp), dimension(lanes) :: factor    !! phi of the friction law, where there is a force
+      real(wp), dimension(lanes) :: factor    !! phi of the friction law, if there is a force
       real(wp), dimension(lanes) :: torque_a, torque_b, on_a_t, on_a_e, dissipation
    end type lane_force
 
-   !> A tooth contact in eight states, as `contact_state` is one in one state: scratch of whoever asks. Between evaluations it keeps
-   !> what the last one knew.
+   !> A tooth contact in eight states, the counterpart of `contact_state`: scratch of the caller. Between evaluations it retains the
+   !> data of the last one.
    type :: lane_slot
       type(contact_mode) :: mode
-      logical :: touches = .false.            !! as the mode says
+      logical :: touches = .false.            !! according to the mode
       integer :: directions(n_root_kinds) = 0 !! of its root functions
       real(wp) :: rho_start = 0               !! nominal radius of curvature on A at theta = 0 [m]
-      type(lane_contact) :: at                !! where it is, if it touches
-      type(lane_force) :: force               !! and what acts
-      real(wp) :: rho_seen = 0                !! rho_A where the curvature of deviating flanks was found last; 0: nowhere yet [m]
-      real(wp) :: curvature_seen = 0          !! the curvature there [1/m]
+      type(lane_contact) :: at                !! position, if it touches
+      type(lane_force) :: force               !! forces
+      real(wp) :: rho_seen = 0                !! rho_A of the last curvature computed for deviating flanks; 0: none yet [m]
+      real(wp) :: curvature_seen = 0          !! that curvature [1/m]
    end type lane_slot
 
 contains
@@ -43,12 +43,12 @@ contains
    include "contact/lane_point.inc"
    include "contact/contact_forces.inc"
 
-   !> What the laws of a pair say by itself, where its flanks overlap.
+   !> Forces of a single pair by its own laws, for overlapping flanks.
    subroutine laws_of_pair(contact, at, force, answered)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
-      logical, intent(out) :: answered !! false if the laws or the involutes have no answer in one of the lanes
+      logical, intent(out) :: answered !! false if the laws or the involutes are not defined in one of the lanes
 
       answered = all_positive(at%rho_a) .and. all_positive(at%rho_b)
       if (.not. answered) return
@@ -57,7 +57,7 @@ contains
       force%unclipped = force%elastic + force%viscous
    end subroutine laws_of_pair
 
-   !> Forces on the wheels and power lost, from what the laws say.
+   !> Forces on the wheels and power loss, from the elastic and viscous forces.
    subroutine resolve_in_lanes(contact, mode, at, force)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -84,7 +84,7 @@ contains
       end do
    end subroutine resolve_in_lanes
 
-   !> What edges have against e more than all of the normal force, in eight states.
+   !> Add the component of edge forces against e that exceeds the normal force, in eight states.
    pure subroutine lift_in_lanes(at, force)
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
@@ -138,7 +138,7 @@ contains
       elastic%excess = force%excess(l)
    end function elastic_of_lane
 
-   !> Put the place of a contact that was found in one state into a lane.
+   !> Store the position of a contact that was computed for one state in a lane.
    pure subroutine put_place(contact, at_state, l, slot)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at_state
@@ -157,7 +157,7 @@ contains
       end associate
    end subroutine put_place
 
-   !> Put what acts there into the same lane.
+   !> Store its forces in the same lane.
    pure subroutine put_force(at_state, l, slot)
       type(contact_state), intent(in) :: at_state
       integer, intent(in) :: l

@@ -1,8 +1,9 @@
-!> Friction between flanks that creep: what it takes of the torque of the driving wheel, whose motion gives the sense of sliding.
+!> Friction of a quasi-static mesh: its contribution to the torque of the driving wheel. The slow rotation of that wheel gives the
+!> direction of sliding.
 !>
-!> The flanks slide on each other with v_t = omega (r_bA/r_bB l_B - l_A), l_i being the arms of friction about the axles, omega the
-!> speed of the driving wheel against the torque that the flank puts on it. F_t = -F_n phi(v_t) acts along t on A, and adds
-!> F_t l_A/r_bA to the force that the driving wheel feels.
+!> The sliding velocity is v_t = omega (r_bA/r_bB l_B - l_A), with the arms l_i of friction about the axles and the speed omega of
+!> the driving wheel against the torque of the flank on it. F_t = -F_n phi(v_t) acts along t on A, and adds F_t l_A/r_bA to the
+!> force on the driving wheel.
 module evl_friction_at_rest
    use evl_deviating_flanks, only: flank_value
    use evl_friction_law, only: friction_law_t
@@ -13,11 +14,11 @@ module evl_friction_at_rest
 
    public :: creep_friction, creep_t
 
-   !> How the wheels creep.
+   !> Slow motion of the wheels.
    type :: creep_t
       real(wp) :: speed = 0.0_wp    !! omega; 0: no friction [rad/s]
       real(wp) :: r_b(2) = 1.0_wp   !! base radii [m]
-      real(wp) :: shares(2) = 0.0_wp !! of both wheels in the penetration
+      real(wp) :: shares(2) = 0.0_wp !! shares of both wheels in the penetration
       class(friction_law_t), allocatable :: law
    end type creep_t
 
@@ -27,11 +28,11 @@ contains
    pure subroutine creep_friction(creep, feet, lacks, place, normal, d_normal, force, held, d_held)
       type(creep_t), intent(in) :: creep
       type(pair_feet), intent(in) :: feet
-      type(flank_value), intent(in) :: lacks(2) !! of material, as the place has them
+      type(flank_value), intent(in) :: lacks(2) !! deviations at the contact position
       type(pair_place), intent(in) :: place
-      real(wp), intent(in) :: normal, d_normal  !! force and how it changes with rho_B [N], [N/m]
+      real(wp), intent(in) :: normal, d_normal  !! normal force and its derivative with respect to rho_B [N], [N/m]
       real(wp), intent(out) :: force            !! F_t [N]
-      real(wp), intent(out) :: held, d_held     !! F_t l_A/r_bA and how it changes with rho_B [N], [N/m]
+      real(wp), intent(out) :: held, d_held     !! F_t l_A/r_bA and its derivative with respect to rho_B [N], [N/m]
       real(wp) :: arm(2), d_arm(2), slides, d_slides, phi, d_v
       integer :: w
 

@@ -1,4 +1,4 @@
-!> The line of action of a flank for eight states at once, and what moves it: all its tooth contacts share them.
+!> Line of action of a flank and motion of its wheels for eight states at once; all tooth contacts of the flank share them.
 module evl_line_lanes
    use evl_closed_form, only: centre_line_angle
    use evl_contact_point, only: tracked_pair
@@ -14,10 +14,10 @@ module evl_line_lanes
    !> Motion of the wheels and line of action in eight states.
    type :: lane_line
       real(wp), dimension(lanes) :: theta, omega, psi_a, psi_b, psi_dot_a, psi_dot_b !! as the local variables
-      real(wp), dimension(lanes) :: u_t, u_e, v_t, v_e !! displacement and velocity of axle B against axle A
+      real(wp), dimension(lanes) :: u_t, u_e, v_t, v_e !! displacement and velocity of axle B relative to axle A
       real(wp), dimension(lanes) :: margin             !! positive if there is a line of action
-      real(wp), dimension(lanes) :: d_rho, rho, angle, s, c !! as in `deviation`
-      integer :: mesh = 0, flank = 0                   !! whose line it is; 0: nobody's yet
+      real(wp), dimension(lanes) :: d_rho, rho, angle, s, c !! as in `tangent_line_t`
+      integer :: mesh = 0, flank = 0                   !! to which the line belongs; 0: none yet
    end type lane_line
 
 contains
@@ -27,11 +27,11 @@ contains
    include "contact/small_angle.inc"
    include "contact/centre_line.inc"
 
-   !> Motion and line of action of the flank of a tooth contact; nothing to do if they are there already.
+   !> Compute motion and line of action for the flank of a tooth contact, unless they are already present.
    subroutine line_in_lanes(contact, y, line)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: y(lanes, *)       !! (lanes, states)
-      type(lane_line), intent(inout) :: line    !! of nobody, or of a flank in the same states
+      type(lane_line), intent(inout) :: line    !! empty, or of a flank in the same states
       real(wp) :: r, rho_0
       integer :: l
 
@@ -69,7 +69,7 @@ contains
 
    !> Deviation of a wheel from its nominal rotation, and its rate.
    pure subroutine turn_wheel(i_psi, y, psi, psi_dot)
-      integer, intent(in) :: i_psi         !! index of psi in the state, psi' follows; 0: there is none, as in the reference rotor
+      integer, intent(in) :: i_psi         !! index of psi in the state, psi' follows; 0: none, as for the reference rotor
       real(wp), intent(in) :: y(lanes, *)
       real(wp), intent(out) :: psi(lanes), psi_dot(lanes)
 
@@ -82,7 +82,7 @@ contains
       end if
    end subroutine turn_wheel
 
-   !> Motion of axle B against axle A.
+   !> Motion of axle B relative to axle A.
    pure subroutine move_axles(link_a, link_b, y, line)
       type(wheel_link), intent(in) :: link_a, link_b
       real(wp), intent(in) :: y(lanes, *)
@@ -98,7 +98,7 @@ contains
       line%v_e = line%v_e - v_e
    end subroutine move_axles
 
-   !> Displacement of an axle, and its velocity.
+   !> Displacement and velocity of an axle.
    pure subroutine move_axle(link, y, u_t, u_e, v_t, v_e)
       type(wheel_link), intent(in) :: link
       real(wp), intent(in) :: y(lanes, *)
@@ -112,7 +112,7 @@ contains
          return
       end if
       associate (s => link%i_state(1), along_t => link%along_t(1), along_e => link%along_e(1))
-         ! a sum that begins with 0, as in one state: at standstill it is not -0
+         ! start the sum with 0 as in the version for one state: at standstill the result is not -0
          u_t = 0 + along_t*y(:, s)
          u_e = 0 + along_e*y(:, s)
          v_t = 0 + along_t*y(:, s + 1)
@@ -127,7 +127,7 @@ contains
       end associate
    end subroutine move_axle
 
-   !> The line of action between fixed axles.
+   !> Line of action between fixed axles.
    pure subroutine rest_line(at_rest, line)
       type(tangent_line_t), intent(in) :: at_rest
       type(lane_line), intent(inout) :: line
@@ -140,7 +140,7 @@ contains
       line%c = at_rest%c
    end subroutine rest_line
 
-   !> Angles of which one is too large for the series. The vector library's arc tangent gives other bits than the scalar one.
+   !> Angles, if one is too large for the series. Not vectorised: the vector library's arc tangent differs in the last bits.
    subroutine large_angles(s, c, angle)
       real(wp), intent(in) :: s(lanes), c(lanes)
       real(wp), intent(out) :: angle(lanes)
@@ -152,7 +152,7 @@ contains
       end do
    end subroutine large_angles
 
-   !> How far the centre line has turned [rad].
+   !> Rotation of the centre line [rad].
    subroutine centre_turn_in_lanes(contact, line, turn)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_line), intent(in) :: line

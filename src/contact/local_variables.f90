@@ -1,4 +1,4 @@
-!> What one mesh sees of the gearbox: its local variables, in the nominal basis (t_0, e_0).
+!> Local variables of one mesh, in the nominal basis (t_0, e_0).
 !>
 !> e_0 points along the line of action from K_A to K_B at the reference centre distance, t_0 across it. Positions are deviations
 !> from the nominal rolling motion, so that a penetration of 1e-9 m keeps its full relative precision beside radii of 0.1 m.
@@ -14,7 +14,7 @@ module evl_local_variables
    integer, parameter :: i_theta = 1 !! index of the reference angle in the state of a gearbox
    integer, parameter :: i_omega = 2 !! index of the reference speed there
 
-   integer, parameter :: n_local = 21      !! variables that one mesh sees
+   integer, parameter :: n_local = 21      !! number of local variables of a mesh
    integer, parameter :: n_track = 6       !! tracked variables of a mesh: turn, zeta, dr (2), lambda, mu
    integer, parameter :: at_theta = 1      !! reference angle theta [rad]
    integer, parameter :: at_psi_a = 2      !! angle deviation psi_A [rad]
@@ -34,14 +34,14 @@ module evl_local_variables
    integer, parameter :: at_mu = 21        !! mu of (1) [m^2]
    integer, parameter :: at_track = at_turn !! first tracked variable
 
-   !> Couples a local variable of the mesh with a state of the gearbox.
+   !> Relation between a local variable of the mesh and a state of the gearbox.
    type :: local_link
       integer :: local = 0           !! index in the local variables
       integer :: state = 0           !! index in the state
       real(wp) :: weight = 0.0_wp    !! d local/d state
    end type local_link
 
-   !> The same for one of its wheels, all at once.
+   !> The same for all variables of one of its wheels.
    type :: wheel_link
       integer :: i_psi = 0               !! index of psi in the state, psi' follows; 0 if there is none
       integer :: n = 0                   !! degrees of freedom of the axle
@@ -51,7 +51,7 @@ module evl_local_variables
 
 contains
 
-   !> A vector of local variables that is zero but for one component.
+   !> Vector of local variables with a single nonzero component.
    pure function unit(index, value) result(vector)
       integer, intent(in) :: index
       real(wp), intent(in) :: value

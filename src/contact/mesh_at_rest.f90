@@ -1,7 +1,8 @@
-!> The mesh at rest (evl_static_mesh) of a tooth contact: its flank with the tips of both wheels, what their flanks lack in
-!> material, and how they give way.
+!> Set up the quasi-static mesh (evl_static_mesh) of a tooth contact: its flank with the tips of both wheels, deviations and
+!> compliance.
 !>
-!> The coast flank is the mirror image of a drive flank whose pairs count against those of the contact: pair k here is its pair -k.
+!> The coast flank is treated as the mirror image of a drive flank with reversed pair numbers: pair k here is pair -k of the
+!> contact.
 module evl_mesh_at_rest
    use evl_deviating_flanks, only: flank_value, turning_arm
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, flank_slope, &
@@ -19,8 +20,8 @@ module evl_mesh_at_rest
    !> Flanks of two wheels with their deviations.
    type, extends(flank_lacks_t) :: two_wheels_t
       type(flank_deviation_t) :: deviations(2)
-      integer :: first(2) = 0 !! teeth of pair 0
-      integer :: step(2) = 0  !! by how much the next pair's tooth is further
+      integer :: first(2) = 0 !! teeth in pair 0
+      integer :: step(2) = 0  !! difference to the teeth of the next pair
       integer :: side = 1
    contains
       procedure :: at
@@ -28,13 +29,13 @@ module evl_mesh_at_rest
 
 contains
 
-   !> Such a mesh. Axles are at their reference positions.
+   !> Set up the mesh. Axles are at their reference positions.
    subroutine mesh_at_rest(contact, a, b, couples, reach, speed, mesh)
       type(tooth_contact_t), intent(in) :: contact !! a contact of the flank
-      type(wheel_compliance_t), intent(in) :: a, b !! of the driving and the driven wheel
-      logical, intent(in) :: couples               !! pairs yield to each other's loads
-      real(wp), intent(in) :: reach                !! how far past its path a pair counts, with its edges; 0: without edges [m]
-      real(wp), intent(in) :: speed                !! of the driving wheel in its sense, at which flanks rub; 0: none do [rad/s]
+      type(wheel_compliance_t), intent(in) :: a, b !! compliance of the driving and the driven wheel
+      logical, intent(in) :: couples               !! pairs deflect under each other's loads
+      real(wp), intent(in) :: reach                !! distance past the path up to which pairs count, with edge contact; 0: none [m]
+      real(wp), intent(in) :: speed                !! of the driving wheel in its sense of rotation, for friction; 0: none [rad/s]
       type(static_mesh_t), intent(out) :: mesh
       type(two_wheels_t), allocatable :: lacks
       integer :: next
@@ -45,7 +46,7 @@ contains
          mesh%base_pitch = contact%base_pitch
          mesh%e_star = contact%e_star
          mesh%width = contact%width
-         ! as (5.57) shares it; where only the contact gives way, as Johnson's law does
+         ! shares of the wheels as in (5.57); without compliance of the wheels as in Johnson's law
          if (a%exists .or. b%exists) mesh%k_difference = 2*(pair%share_a - pair%share_b)/(pi*contact%e_star)
          mesh%turning_arm = turning_arm(pair)
          mesh%fillets = contact%fillets
@@ -68,7 +69,7 @@ contains
       end associate
    end subroutine mesh_at_rest
 
-   !> What one wheel's flank lacks. Past its end errors of pitch and runout go on.
+   !> Deviation of the flank of one wheel. Past its end, pitch errors and runout still apply.
    pure subroutine at(self, wheel, pair, rho, beyond, value, turn)
       class(two_wheels_t), intent(in) :: self
       integer, intent(in) :: wheel, pair

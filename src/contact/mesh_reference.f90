@@ -1,4 +1,4 @@
-!> What a mesh is at its nominal load: the oscillator that one perfect tooth pair at the pitch point makes of its two wheels.
+!> Mesh properties at nominal load: the oscillator that its two wheels form with one perfect tooth pair at the pitch point.
 module evl_mesh_reference
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_contact_context, only: contact_context
@@ -14,17 +14,17 @@ module evl_mesh_reference
 
    public :: mesh_reference_t, reference_damping, reference_of
 
-   real(wp), parameter :: slow = 1.0e-6_wp !! rate of penetration at which dampers are asked, over that of the mesh mode
+   real(wp), parameter :: slow = 1.0e-6_wp !! rate of penetration at which damping is evaluated, relative to that of the mesh mode
 
-   !> NaN where there is none: of a rigid contact and without load all but the mass, of wheels whose speeds are prescribed all
-   !> but the stiffness.
+   !> Undefined values are NaN: all except the mass for a rigid contact or without load; all except the stiffness for wheels with
+   !> prescribed speeds.
    type :: mesh_reference_t
       real(wp) :: stiffness = 0.0_wp !! k: dF/dh of one tooth pair under the whole nominal load [N/m]
-      real(wp) :: mass = 0.0_wp      !! m: that it accelerates, 1/(r_bA^2/J_A + r_bB^2/J_B) [kg]
+      real(wp) :: mass = 0.0_wp      !! effective mass, 1/(r_bA^2/J_A + r_bB^2/J_B) [kg]
       real(wp) :: frequency = 0.0_wp !! of the mesh mode, sqrt(k/m)/(2 pi) [Hz]
       real(wp) :: damping = 0.0_wp   !! c: dF/dh' of its damper [N s/m]
       real(wp) :: ratio = 0.0_wp     !! damping ratio c/(2 sqrt(k m))
-      type(law_choice) :: law        !! the damping law as it was stated, with what the mesh gives
+      type(law_choice) :: law        !! damping law as given in the case, with parameters from the mesh
    end type mesh_reference_t
 
 contains
@@ -33,8 +33,8 @@ contains
    type(mesh_reference_t) function reference_of(flank, contact, has_load, mobility) result(reference)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact  !! with its scales
-      logical, intent(in) :: has_load      !! its scales are those of a load
-      real(wp), intent(in) :: mobility     !! r_bA^2/J_A + r_bB^2/J_B [1/kg], 1/J of a prescribed speed 0
+      logical, intent(in) :: has_load      !! whether its scales are those of a load
+      real(wp), intent(in) :: mobility     !! r_bA^2/J_A + r_bB^2/J_B [1/kg], with 1/J = 0 for a prescribed speed
       type(elastic_result) :: elastic
       real(wp) :: none
       integer :: code
@@ -50,11 +50,11 @@ contains
       reference%frequency = sqrt(reference%stiffness*mobility)/(2*pi)
    end function reference_of
 
-   !> Coefficient and ratio of the damper that acts. A law with another slope on approach than on separation counts with the mean of
-   !> both, which takes as much from a small vibration.
+   !> Coefficient and ratio of the active damping law. If the slopes on approach and on separation differ, their mean is used, which
+   !> dissipates the same energy in a small vibration.
    subroutine reference_damping(flank, contact, reference)
       class(flank_t), intent(in) :: flank
-      type(tooth_contact_t), intent(in) :: contact !! with the damping law that acts
+      type(tooth_contact_t), intent(in) :: contact !! with its active damping law
       type(mesh_reference_t), intent(inout) :: reference
       type(contact_context) :: ctx
       type(elastic_result) :: elastic

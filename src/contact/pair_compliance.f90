@@ -1,12 +1,13 @@
-!> What the tooth pairs of a flank yield to each other's loads: the matrix C of evl_coupled_pairs, from the influence functions of
-!> both wheels, with its derivatives to the feet.
+!> Compliance of the tooth pairs of a flank: the matrix C of evl_coupled_pairs from the influence functions of both wheels, with its
+!> derivatives with respect to the feet.
 !>
 !>    C_kk = c_A(foot_A,k) + c_B(foot_B,k) + (K_A - K_B)/2 ln(foot_A,k/foot_B,k),   K = 2 (1 - nu**2)/(pi E)
 !>    C_kl = c_A,k-l(foot_A,k, foot_A,l) + c_B,l-k(foot_B,k, foot_B,l)   drive flank; on the coast flank k-l and l-k exchanged
 !>
-!> c_j is the displacement of tooth 0 under a load on tooth j, counted towards the side that the loaded flanks face; c_-j(a, b) is
-!> c_j(b, a), so that three functions are enough and C is symmetric to the last bit. The logarithm is there since Johnson's law
-!> gives both cylinders the same part of the displacement, and two materials have not: 0 for wheels of one material.
+!> c_j is the displacement of tooth 0 under a load on tooth j, positive towards the side that the loaded flanks face. c_-j(a, b) is
+!> c_j(b, a), so that three functions are enough and C is symmetric to the last bit. The logarithm corrects Johnson's law, which
+!> assigns equal parts of the displacement to both cylinders. This does not hold for two materials; the term is 0 for wheels of one
+!> material.
 module evl_pair_compliance
    use evl_coupled_pairs, only: most_pairs
    use evl_kinds, only: lanes, wp
@@ -17,14 +18,14 @@ module evl_pair_compliance
 
    public :: couple, couple_in_lanes, gather_compliance, gather_in_lanes, own_in_lanes, own_of_pair, pair_compliance
 
-   real(wp), parameter :: least_foot = 1.0e-3_wp !! parts of the mate's
+   real(wp), parameter :: least_foot = 1.0e-3_wp !! lower limit of a foot, relative to that of the mate
 
-   !> C with its derivatives. Every term of N C N is that of a pair k with a pair l, so the diagonal has halves.
+   !> C with its derivatives. Each term of N C N belongs to an ordered pair (k, l), so the diagonal has factors 1/2.
    type :: pair_compliance
       real(wp) :: c(most_pairs, most_pairs) = 0.0_wp        !! [1/Pa]
-      real(wp) :: d(most_pairs, most_pairs, 2) = 0.0_wp     !! of C_kl to foot k on A, on B; of half C_kk
-      real(wp) :: d_own(most_pairs, most_pairs, 2) = 0.0_wp !! to it twice; of half C_kk
-      real(wp) :: d_both(most_pairs, most_pairs, 2) = 0.0_wp !! to it and to foot l; 0 for k = l
+      real(wp) :: d(most_pairs, most_pairs, 2) = 0.0_wp     !! of C_kl with respect to foot k on A, on B; of C_kk/2
+      real(wp) :: d_own(most_pairs, most_pairs, 2) = 0.0_wp !! second derivatives with respect to foot k; of C_kk/2
+      real(wp) :: d_both(most_pairs, most_pairs, 2) = 0.0_wp !! mixed derivatives with respect to feet k and l; 0 for k = l
    end type pair_compliance
 
 contains
@@ -33,8 +34,8 @@ contains
    pure subroutine gather_compliance(a, b, k_difference, is_drive, couples, n, numbers, feet, compliance)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference !! K_A - K_B [1/Pa]
-      logical, intent(in) :: is_drive      !! flank: pairs come in the order in which A's teeth face
-      logical, intent(in) :: couples       !! false: each pair stands alone
+      logical, intent(in) :: is_drive      !! drive flank: pairs are numbered in the direction that the teeth of A face
+      logical, intent(in) :: couples       !! false: pairs are independent
       integer, intent(in) :: n
       integer, intent(in) :: numbers(n)    !! of the tooth pairs
       type(pair_feet), intent(in) :: feet(n)
@@ -57,18 +58,18 @@ contains
       end do
    end subroutine gather_compliance
 
-   !> What one wheel has of C_kl.
+   !> Contribution of one wheel to C_kl.
    pure subroutine add_other(wheel, w, against, numbers, feet, k, l, compliance)
       class(wheel_compliance_t), intent(in) :: wheel
       integer, intent(in) :: w
-      logical, intent(in) :: against !! the index is k - l, else l - k
+      logical, intent(in) :: against !! the index is k - l, otherwise l - k
       integer, intent(in) :: numbers(:), k, l
       type(pair_feet), intent(in) :: feet(:)
       type(pair_compliance), intent(inout) :: compliance
       type(coupling_at_t) :: at
       integer :: first, second
 
-      first = merge(l, k, against .eqv. numbers(l) > numbers(k)) ! so that its index is positive
+      first = merge(l, k, against .eqv. numbers(l) > numbers(k)) ! makes the index positive
       second = k + l - first
       call wheel%coupling(abs(numbers(k) - numbers(l)), feet(first)%foot(w), feet(second)%foot(w), at)
       compliance%c(k, l) = compliance%c(k, l) + at%value
@@ -81,7 +82,7 @@ contains
       compliance%d_both(second, first, w) = at%here_there
    end subroutine add_other
 
-   !> C and its first derivatives, as of `pair_compliance`, in eight states; coupled.
+   !> C and its first derivatives, as in `pair_compliance`, for eight states; coupled.
    pure subroutine gather_in_lanes(a, b, k_difference, is_drive, n, numbers, foot, c, d)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference
@@ -104,7 +105,7 @@ contains
       end do
    end subroutine gather_in_lanes
 
-   !> What a pair yields to its own load there, and half of its derivatives.
+   !> C_kk and half of its derivatives for eight states.
    pure subroutine own_in_lanes(a, b, k_difference, foot, c, half_a, half_b)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference
@@ -130,7 +131,7 @@ contains
       half_b = half_b/2
    end subroutine own_in_lanes
 
-   !> What one wheel has of C_kl there.
+   !> Contribution of one wheel to C_kl for eight states.
    pure subroutine add_other_in_lanes(wheel, w, against, numbers, foot, k, l, c, d)
       class(wheel_compliance_t), intent(in) :: wheel
       integer, intent(in) :: w
@@ -150,7 +151,7 @@ contains
       d(:, second, first, w) = by_there
    end subroutine add_other_in_lanes
 
-   !> C_kl alone, of a pair to another.
+   !> Single element C_kl, for two given pairs.
    pure real(wp) function couple(a, b, is_drive, number, foot, other, other_foot) result(c)
       class(wheel_compliance_t), intent(in) :: a, b
       logical, intent(in) :: is_drive
@@ -158,7 +159,7 @@ contains
       real(wp), intent(in) :: foot(2), other_foot(2)
       type(coupling_at_t) :: on_a, on_b
 
-      if (is_drive .eqv. other > number) then ! the index of A's teeth, other - number, is positive the other way round
+      if (is_drive .eqv. other > number) then ! the index of A would be negative: exchange its arguments
          call a%coupling(abs(other - number), other_foot(by_a), foot(by_a), on_a)
          call b%coupling(abs(other - number), foot(by_b), other_foot(by_b), on_b)
       else
@@ -168,7 +169,7 @@ contains
       c = on_a%value + on_b%value
    end function couple
 
-   !> The same in eight states.
+   !> `couple` for eight states.
    pure subroutine couple_in_lanes(a, b, is_drive, number, foot, other, other_foot, c)
       class(wheel_compliance_t), intent(in) :: a, b
       logical, intent(in) :: is_drive
@@ -187,7 +188,7 @@ contains
       c = c + on_b
    end subroutine couple_in_lanes
 
-   !> What a pair yields to its own load: the parts of A and B, whose sum is C_kk.
+   !> Compliance of a pair under its own load: the parts of A and B, with the sum C_kk.
    pure subroutine own_of_pair(a, b, k_difference, foot, own)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference !! K_A - K_B [1/Pa]
@@ -205,8 +206,8 @@ contains
       own%curvature = own%curvature - half/here**2
    end subroutine own_of_pair
 
-   !> Feet as the logarithm knows them: that of an edge far off the path may lie past the mate's base circle, where no flank is and
-   !> no pair carries.
+   !> Feet limited for the logarithm. The foot of an edge far off the path may lie past the mate's base circle, where there is no
+   !> flank and no pair carries load.
    pure function on_involutes(foot) result(here)
       real(wp), intent(in) :: foot(2) !! [m]
       real(wp) :: here(2)

@@ -1,12 +1,14 @@
-!> Where a tooth pair touches, on its flanks or with a tip edge, as a function of three lengths.
+!> Contact position of a tooth pair, on its flanks or at a tip edge, as a function of three lengths.
 !>
-!> They are the radii of curvature rho_A and rho_B of the involutes in the line of action, and the length rho of that line, the
-!> distance of the base circles' tangent points. The penetration of perfect flanks is rho_A + rho_B - rho. All derivatives of this
-!> file are to the three, in this order, to second order; those to the wheels' positions follow from them.
+!> These are the radii of curvature rho_A and rho_B of the involutes on the line of action, and the length rho of that line, the
+!> distance of the tangent points on the base circles. The penetration of perfect flanks is rho_A + rho_B - rho. All derivatives in
+!> this file are with respect to these three, in this order, up to second order. Derivatives with respect to the wheel positions
+!> follow from them.
 !>
-!> A flank that slopes at its end touches there when its involute is past it by x_* (see evl_tip_edge): so far its profile goes on.
-!> Beyond, the edge's wheel lacks e(x_*) + S(x) - S(x_*), and the mate is touched r_b (delta(x) - delta(x_*)) beside the line of
-!> action. Both gap and feet are continuous; so is the slope of the gap, but for what motions of the axles move x_*, which stays.
+!> A flank with a slope at its end touches there when its involute is past the end by x_* (see evl_tip_edge). Up to x_* its profile
+!> is extended. Beyond x_* the gap contribution of the edge is e(x_*) + S(x) - S(x_*), and the contact on the mate is
+!> r_b (delta(x) - delta(x_*)) beside the line of action. Gap and feet are continuous. The slope of the gap is also continuous,
+!> except for axle motions: x_* is held constant.
 module evl_pair_place
    use evl_deviating_flanks, only: flank_value
    use evl_flank_deviation, only: deviation_on, find_slope, flank_branch, flank_slope
@@ -18,38 +20,38 @@ module evl_pair_place
    public :: by_a, by_b, by_line, pair_feet, pair_place, tip_t
    public :: edge_of, end_of, find_feet, on_edge, on_flank, on_straight_end, penetrate, turn_feet, zone_at
 
-   integer, parameter :: by_a = 1, by_b = 2, by_line = 3 !! rho_A, rho_B, rho among the derivatives; A and B among the wheels
+   integer, parameter :: by_a = 1, by_b = 2, by_line = 3 !! indices of derivatives (rho_A, rho_B, rho) and of wheels (A, B)
 
-   integer, parameter :: on_flank = 0        !! both flanks touch
-   integer, parameter :: on_straight_end = 1 !! a flank that goes on past its end, of A; of B: 2
-   integer, parameter :: on_edge = 3         !! a tip edge, of A; of B: 4
+   integer, parameter :: on_flank = 0        !! contact of both flanks
+   integer, parameter :: on_straight_end = 1 !! contact on the extension of the flank of A past its end; of B: 2
+   integer, parameter :: on_edge = 3         !! contact of a tip edge of A; of B: 4
 
-   !> Tip of a wheel's teeth.
+   !> Tip of the teeth of a wheel.
    type :: tip_t
       type(edge_t) :: edge
-      type(flank_branch) :: profile   !! what the flank lacks at its end and beyond, but for pitch errors and runout
+      type(flank_branch) :: profile   !! deviation of the flank at its end and beyond, without pitch errors and runout
       real(wp) :: leaves = 0.0_wp     !! roll length at which the flank ends
       real(wp) :: takes_over = 0.0_wp !! x_* [m]
       real(wp) :: value = 0.0_wp      !! e there [m]
       real(wp) :: slope = 0.0_wp      !! of the flank there, if it is of second order
    end type tip_t
 
-   !> What a pair's zone makes of the three lengths.
+   !> Contact positions and gap contribution for the zone of a pair, as functions of the three lengths.
    type :: pair_feet
       integer :: zone = on_flank
-      integer :: wheel = 0                  !! whose end or edge it is; 0: none
+      integer :: wheel = 0                  !! wheel with the end or edge; 0: none
       logical :: exists = .true.            !! false if the edge is inside the mate's base circle
       real(wp) :: x = 0.0_wp                !! roll length past the end of that wheel's flank [m]
       real(wp) :: rho(3) = 0.0_wp           !! rho_A, rho_B, rho [m]
       real(wp) :: foot(2) = 0.0_wp          !! roll lengths at which A and B are loaded [m]
       real(wp) :: d_foot(3, 2) = 0.0_wp     !! their derivatives
       real(wp) :: d2_foot(3, 3, 2) = 0.0_wp
-      real(wp) :: lack = 0.0_wp             !! what the wheel with the end or edge lacks by it [m]
+      real(wp) :: lack = 0.0_wp             !! gap contribution of the end or edge [m]
       real(wp) :: d_lack(3) = 0.0_wp, d2_lack(3, 3) = 0.0_wp
       real(wp) :: arm = 0.0_wp              !! of the friction force about the wheel with the end or edge [m]
       real(wp) :: d_arm(3) = 0.0_wp
-      real(wp) :: turn = 0.0_wp             !! of the force from the line of action [rad]
-      type(flank_slope) :: slope = flank_slope() !! of that wheel's flank, where it touches
+      real(wp) :: turn = 0.0_wp             !! angle of the force to the line of action [rad]
+      type(flank_slope) :: slope = flank_slope() !! of that wheel's flank at the contact
    end type pair_feet
 
    !> Penetration of a pair.
@@ -60,7 +62,7 @@ module evl_pair_place
 
 contains
 
-   !> The end of a wheel's flank; its edge.
+   !> Zones: extension of a wheel's flank past its end; tip edge of a wheel.
    elemental integer function end_of(wheel)
       integer, intent(in) :: wheel !! by_a or by_b
 
@@ -73,7 +75,7 @@ contains
       edge_of = on_edge + wheel - 1
    end function edge_of
 
-   !> The zone of a pair. Where both ends are past, which takes a penetration as long as the path, that of A.
+   !> Zone of a pair. If both ends are passed, which requires a penetration as long as the path, the zone of A.
    pure integer function zone_at(tips, rho_a, rho_b) result(zone)
       type(tip_t), intent(in) :: tips(2)
       real(wp), intent(in) :: rho_a, rho_b
@@ -91,10 +93,10 @@ contains
       end do
    end function zone_at
 
-   !> Where both wheels are touched.
+   !> Contact positions on both wheels.
    pure subroutine find_feet(tips, zone, rho_a, rho_b, line, feet)
       type(tip_t), intent(in) :: tips(2)
-      integer, intent(in) :: zone             !! which may be continued past its borders
+      integer, intent(in) :: zone             !! may be continued past its borders
       real(wp), intent(in) :: rho_a, rho_b    !! [m]
       real(wp), intent(in) :: line            !! rho [m]
       type(pair_feet), intent(out) :: feet
@@ -121,16 +123,16 @@ contains
       end associate
    end subroutine find_feet
 
-   !> An edge touches the mate.
+   !> Contact of an edge with the mate.
    pure subroutine touch_with_edge(tip, w, feet)
       type(tip_t), intent(in) :: tip
-      integer, intent(in) :: w !! the edge's wheel
+      integer, intent(in) :: w !! wheel with the edge
       type(pair_feet), intent(inout) :: feet
       type(edge_place) :: at, begin
 
       call place_edge(tip%edge, feet%x, feet%rho(by_line), at)
       feet%exists = at%exists
-      begin = edge_place() ! all of it is zero at x = 0
+      begin = edge_place() ! everything is zero at x = 0
       if (tip%takes_over > 0) call place_edge(tip%edge, tip%takes_over, feet%rho(by_line), begin)
       feet%arm = at%arm
       feet%d_arm(w) = at%arm_x
@@ -155,10 +157,10 @@ contains
       end associate
    end subroutine touch_with_edge
 
-   !> What two flanks that slope where they touch lack together, `turn_together`, with second derivatives.
+   !> Joint deviation term of two sloping flanks, as `turn_together`, with second derivatives.
    pure subroutine turn_feet(arm, turns, feet, lacks)
       real(wp), intent(in) :: arm                 !! `turning_arm` [m]
-      type(flank_slope), intent(in) :: turns(2)   !! past the end of a flank, of that wheel the feet know it
+      type(flank_slope), intent(in) :: turns(2)   !! past the end of a flank, the slope of that wheel is in the feet
       type(pair_feet), intent(inout) :: feet
       type(flank_value), intent(inout) :: lacks(2)
       type(flank_slope) :: slopes(2)
@@ -189,8 +191,8 @@ contains
       end do
    end subroutine turn_feet
 
-   !> The penetration, with what both wheels lack besides: on a flank all of it, where the foot is; of a wheel with an end or edge
-   !> what goes on beyond the end of its profile, at its own radius of curvature.
+   !> Penetration including the deviations of both wheels. On a flank, the whole deviation counts, at its foot. For a wheel with an
+   !> end or edge, only the part that applies beyond the end of the profile counts, at its own radius of curvature.
    pure subroutine penetrate(feet, lacks, place)
       type(pair_feet), intent(in) :: feet
       type(flank_value), intent(in) :: lacks(2)

@@ -1,8 +1,8 @@
 !> Rigid unilateral contact: kappa >= 0, F_n >= 0, kappa F_n = 0.
 !>
-!> While a contact is closed its normal force is a multiplier, an algebraic state of the gearbox. One wheel of the mesh, the one
-!> farther from the reference wheel, depends on the others: its two rows are the constraint itself, kappa = 0 and kappa' = 0,
-!> and the row of the multiplier is kappa'' = 0. So neither position nor velocity drifts, and the index is 1.
+!> While a contact is closed, its normal force is a multiplier, an algebraic state of the gearbox. One wheel of the mesh, the one
+!> farther from the reference wheel, is the dependent one. Its two rows are the constraints kappa = 0 and kappa' = 0, and the row of
+!> the multiplier is kappa'' = 0. Therefore neither position nor velocity drifts, and the index is 1.
 !>
 !> Source: Kosenko & Gusev 2011, section 7.3; impacts after Newton, see `impact` in evl_rigid_forces.
 module evl_rigid_contact
@@ -18,7 +18,7 @@ module evl_rigid_contact
 
 contains
 
-   !> The closed-form contact and its derivatives; radii of curvature play no part in the constraint.
+   !> Closed-form contact and its derivatives; the radii of curvature do not affect the constraint.
    pure subroutine rigid_gradient(pair, q, point, gradient)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
@@ -29,7 +29,7 @@ contains
       call gradient_closed_form(pair, q, point, gradient)
    end subroutine rigid_gradient
 
-   !> What vanishes while the contact is closed: kappa [m] and kappa' [m/s].
+   !> Constraint of a closed contact: kappa [m] and kappa' [m/s].
    pure function rigid_constraint(pair, q) result(constraint)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
@@ -40,7 +40,8 @@ contains
       constraint = [-point%h, -point%h_dot]
    end function rigid_constraint
 
-   !> kappa'' [m/s^2]: with v, a the relative velocity and acceleration of the axles, a.e + (v.t)^2/rho and the wheels' part.
+   !> kappa'' [m/s^2]: a.e + (v.t)^2/rho plus the contribution of the wheels; v, a are the relative velocity and acceleration of the
+   !> axles.
    pure real(wp) function rigid_acceleration(pair, q, rates) result(acceleration)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)     !! local variables
@@ -55,7 +56,7 @@ contains
                      - a(1)*line%s + a(2)*line%c + (v(1)*line%c + v(2)*line%s)**2/line%rho
    end function rigid_acceleration
 
-   !> Derivatives of `rigid_acceleration` with respect to the local variables, the rates of the velocities held.
+   !> Derivatives of `rigid_acceleration` with respect to the local variables at constant rates of the velocities.
    pure subroutine rigid_acceleration_gradient(pair, q, rates, gradient)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local), rates(n_local)

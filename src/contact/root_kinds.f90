@@ -1,9 +1,9 @@
-!> The root functions that a tooth contact can have: the one table. A row says which part of the contact's discrete state changes
-!> where its quantity passes a border, which events that are, and what it means to be past the border unnoticed.
+!> Table of all root functions of a tooth contact. A row gives the part of the discrete state that changes when its quantity crosses
+!> a border, the events at the crossing, and texts for a quantity on the wrong side of the border.
 !>
-!> When a kind is live and in which direction is said by `contact_root_direction`, its quantity by `root_quantity`, both in
-!> contact_roots; of a kind with a side the first stands in its row too. A kind that is only noted has a side and a text: its row,
-!> its number and its quantity are all that it takes.
+!> In evl_contact_roots, `contact_root_direction` returns when a kind is active and in which direction, and `root_quantity` returns
+!> its quantity. For a kind with a side, the row also gives when it is active. A kind that is only logged has a side and a text; it
+!> needs a row, a number and a quantity.
 module evl_root_kinds
    use evl_event_kinds, only: event_apart, event_border, event_closed, event_edge_left, event_entered, event_flank_reached, &
                               event_left, event_near, event_opened, &
@@ -20,38 +20,39 @@ module evl_root_kinds
    public :: measures_force, measures_nothing, measures_penetration, measures_rate, measures_sliding
    public :: settles_alone, settles_contact, settles_never, settles_sliding
 
-   !> Roots lie this far past the change of mode, relative to the size of the quantity: a root function never starts at zero.
+   !> Distance of a root from the change of mode, relative to the size of the quantity: a root function never starts at zero.
    real(wp), parameter :: past = 1.0e-10_wp
 
-   !> A root function this near its zero has crossed it: what happens at one instant happens at once, whatever rounding says. It is
-   !> less than roots lie past a change of mode.
+   !> A root function this close to its zero counts as crossed, so that simultaneous events are processed together despite rounding.
+   !> Smaller than the distance `past` of a root from the change of mode.
    real(wp), parameter :: tie = past/2
 
-   !> The same as `past` for the side of a damping law, relative to the rate scale: a damper's force on the wrong side is nothing
-   !> there, and it is above what integration leaves of a rate that has come to rest, or sides would change for ever.
+   !> As `past`, for the side of a damping law, relative to the rate scale. The damper force on the wrong side is negligible there.
+   !> The value exceeds the integration error of a rate that has decayed to zero; otherwise sides would change endlessly.
    real(wp), parameter :: standstill = 1.0e-6_wp
 
-   ! What a root function moves: the integers of the discrete state, held by name; behind them one for each kind with a side.
+   ! Integer of the discrete state that a root function changes: n_held named ones, then one for each kind with a side.
    integer, parameter :: moves_pair = 1, moves_flanks = 2, moves_friction = 3, moves_zone_a = 4, moves_zone_b = 5, moves_side = 6
    integer, parameter :: n_held = 5
 
-   ! What jumps at an event, and how that is settled: where one of a group has just crossed, they are taken back only by far.
-   integer, parameter :: settles_never = 0   !! a place on the path: it ends a mode where it is crossed
+   ! Groups of quantities that may jump at an event. If one of a group has just crossed, the group changes back only by a large
+   ! jump.
+   integer, parameter :: settles_never = 0   !! position on the path: the mode ends when it is crossed
    integer, parameter :: settles_contact = 1
    integer, parameter :: settles_sliding = 2
-   integer, parameter :: settles_alone = 3   !! one that has crossed is not taken back at all
+   integer, parameter :: settles_alone = 3   !! a root function that has crossed does not change back
 
-   ! Where a kind with a side has a meaning.
+   ! Condition under which a kind with a side is active.
    integer, parameter :: live_touching = 1  !! flanks overlap
-   integer, parameter :: live_one_sided = 2 !! and the damping law has two sides
+   integer, parameter :: live_one_sided = 2 !! as live_touching, and the damping law has two sides
    integer, parameter :: live_loaded = 3    !! a force acts
    integer, parameter :: live_on_path = 4   !! the pair is on the path of contact
-   integer, parameter :: live_bends_a = 5, live_bends_b = 6 !! flanks overlap, and wheel A, or B, gives way
+   integer, parameter :: live_bends_a = 5, live_bends_b = 6 !! flanks overlap, and wheel A, or B, is compliant
 
-   ! What stands for # in a text.
+   ! Quantity that replaces # in a text.
    integer, parameter :: measures_nothing = 0, measures_penetration = 1, measures_rate = 2, measures_force = 3, measures_sliding = 4
 
-   !> Numbers of the kinds, in the order of the table; those with a side are the last.
+   !> Numbers of the kinds, in the order of the table; kinds with a side are last.
    type :: root_numbers
       integer :: contact = 1        !! the gap closes or opens
       integer :: force = 2          !! the unclipped force passes zero
@@ -59,34 +60,34 @@ module evl_root_kinds
       integer :: friction_low = 4   !! v_t passes the lower end
       integer :: forward = 5        !! the far end of the path is passed
       integer :: back = 6           !! the near end of the path is passed
-      integer :: switch = 7         !! one pitch since the last switch, of a pair that hands over
+      integer :: switch = 7         !! one pitch since the last switch, of a pair with handover
       integer :: switch_back = 8    !! one pitch back since the last switch
-      integer :: apart = 9          !! the flanks part so far, or come so near, that tracking ends or begins
+      integer :: apart = 9          !! the gap becomes so wide, or so narrow again, that tracking ends or begins
       integer :: tip_a = 10, root_a = 11 !! the contact passes the border of A's tip relief; of its root relief
       integer :: tip_b = 12, root_b = 13 !! the same for B
-      integer :: tip_corner_a = 14, root_corner_a = 15 !! the contact leaves the corner of a relief for the relief, or comes back
+      integer :: tip_corner_a = 14, root_corner_a = 15 !! the contact leaves the corner of a relief onto the relief, or returns
       integer :: tip_corner_b = 16, root_corner_b = 17 !! the same for B
-      integer :: end_a = 18, edge_a = 19 !! the contact passes the end of A's flank; where A's edge takes over
+      integer :: end_a = 18, edge_a = 19 !! the contact passes the end of A's flank; A's edge contact begins
       integer :: end_b = 20, edge_b = 21 !! the same for B
-      integer :: side = 22          !! the rate of the penetration passes zero, where a damping law changes
-      integer :: smooth_low_a = 23, smooth_high_a = 24 !! A is loaded where the curvature of its c jumps
+      integer :: side = 22          !! the rate of the penetration passes zero, where a one-sided damping law changes
+      integer :: smooth_low_a = 23, smooth_high_a = 24 !! the loaded position on A passes a jump of the curvature of its c
       integer :: smooth_low_b = 25, smooth_high_b = 26 !! the same for B
    end type root_numbers
    type(root_numbers), parameter :: root_of = root_numbers()
 
-   !> One kind. In the texts # stands for the quantity with its unit, |#| for its size.
+   !> One kind. In the texts # is the quantity with its unit, |#| its magnitude.
    type :: root_row
       character(len=24) :: name
       integer :: moves = moves_side
       integer :: settles = settles_alone
       integer :: measures = measures_nothing
       real(wp) :: border = 0.0_wp           !! of the quantity, which is of order 1
-      real(wp) :: past = past               !! the root function lies this far beyond the border
-      integer :: rises = no_event, falls = no_event !! what is noted; more may decide about it
-      character(len=64) :: above            !! a tooth pair whose quantity is above the border, though its mode says below
-      character(len=64) :: below = ""       !! and below, though its mode says above; blank: the same
-      integer :: live = 0                   !! where a kind with a side has a meaning
-      character(len=88) :: text = ""        !! of a kind that is noted under its own name: what happens
+      real(wp) :: past = past               !! distance of the root from the border
+      integer :: rises = no_event, falls = no_event !! events to log; further conditions may apply
+      character(len=64) :: above            !! text for a tooth pair with its quantity above the border although its mode is below
+      character(len=64) :: below = ""       !! text for the opposite case; blank: the same text
+      integer :: live = 0                   !! condition under which a kind with a side is active
+      character(len=88) :: text = ""        !! description of a kind that is logged under its own name
    end type root_row
 
    character(len=*), parameter :: wrong_branch = "slides at #, which its branch of friction does not hold for"
@@ -132,7 +133,7 @@ module evl_root_kinds
 
    integer, parameter :: n_root_kinds = size(root_rows)
    integer, parameter :: n_sides = count(root_rows%moves == moves_side)
-   integer, parameter :: n_discrete = n_held + n_sides      !! integers that a tooth contact can have
-   integer, parameter :: side_of_rate = root_of%side - (n_root_kinds - n_sides) !! among the sides
+   integer, parameter :: n_discrete = n_held + n_sides      !! number of integers of a tooth contact
+   integer, parameter :: side_of_rate = root_of%side - (n_root_kinds - n_sides) !! index among the sides
 
 end module evl_root_kinds

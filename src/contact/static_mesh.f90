@@ -1,9 +1,9 @@
-!> A mesh at rest: the penetration and the forces of all tooth pairs of one flank, at a position of the driving wheel and under a
-!> force along the line of action.
+!> Quasi-static mesh: penetration and forces of all tooth pairs of one flank, for a position of the driving wheel and a force along
+!> the line of action.
 !>
-!> Axles are fixed. The driving wheel stands at rho_A of pair 0, the driven one where the torque about the driving axle is r_bA
-!> times the force: dU/drho_A = F, with what the friction of wheels that creep takes of it. h is the transmission error, by which
-!> the driven wheel lags along the line of action: rho_A + rho_B = rho + h.
+!> Axles are fixed. The driving wheel is at rho_A of pair 0. The driven wheel is where the torque about the driving axle is r_bA
+!> times the force: dU/drho_A = F, including the contribution of friction of slowly rotating wheels. h is the transmission error,
+!> the lag of the driven wheel along the line of action: rho_A + rho_B = rho + h.
 module evl_static_mesh
    use evl_coupled_pairs, only: most_pairs, overlaps
    use evl_deviating_flanks, only: flank_value
@@ -23,7 +23,7 @@ module evl_static_mesh
    real(wp), parameter :: tolerance = 1.0e-13_wp !! of the force, relative
    integer, parameter :: most_turns = 100
 
-   !> What the flanks of the pairs lack in material.
+   !> Deviations of the flanks of the pairs.
    type, abstract :: flank_lacks_t
    contains
       procedure(lack), deferred :: at
@@ -31,7 +31,7 @@ module evl_static_mesh
 
    abstract interface
 
-      !> What one wheel's flank of a pair lacks.
+      !> Deviation of the flank of one wheel of a pair.
       pure subroutine lack(self, wheel, pair, rho, beyond, value, turn)
          import :: flank_lacks_t, flank_slope, flank_value, wp
          implicit none (type, external)
@@ -39,9 +39,9 @@ module evl_static_mesh
          integer, intent(in) :: wheel  !! by_a or by_b
          integer, intent(in) :: pair   !! number of the tooth pair
          real(wp), intent(in) :: rho   !! [m]
-         logical, intent(in) :: beyond !! past the end of the flank: without the modifications of the profile, which the tip knows
+         logical, intent(in) :: beyond !! past the end of the flank: without the profile modifications, which are in the tip
          type(flank_value), intent(out) :: value
-         type(flank_slope), intent(out) :: turn !! its slope where it touches, of a gap of second order
+         type(flank_slope), intent(out) :: turn !! slope at the touching point, for a gap of second order
       end subroutine lack
 
    end interface
@@ -49,46 +49,46 @@ module evl_static_mesh
    !> One flank of a mesh on fixed axles.
    type :: static_mesh_t
       type(tip_t) :: tips(2)
-      real(wp) :: fillets(2) = 0.0_wp    !! radii of curvature where the fillets of A and B begin; 0: not known [m]
+      real(wp) :: fillets(2) = 0.0_wp    !! radii of curvature where the fillets of A and B begin; 0: unknown [m]
       real(wp) :: line = 0.0_wp          !! rho [m]
       real(wp) :: base_pitch = 0.0_wp    !! [m]
       real(wp) :: e_star = 0.0_wp        !! effective modulus [Pa]
       real(wp) :: width = 0.0_wp         !! common face width [m]
       real(wp) :: k_difference = 0.0_wp  !! K_A - K_B [1/Pa]
-      real(wp) :: turning_arm = 0.0_wp   !! what the product of both flanks' slopes counts [m]
-      real(wp) :: reach = 0.0_wp         !! how far past the ends of their flanks pairs count, with their edges [m]
+      real(wp) :: turning_arm = 0.0_wp   !! factor of the product of both flanks' slopes [m]
+      real(wp) :: reach = 0.0_wp         !! distance past the flank ends up to which pairs are included, with edge contact [m]
       logical :: is_drive = .true., couples = .true.
       class(wheel_compliance_t), allocatable :: a, b
       class(flank_lacks_t), allocatable :: lacks
       type(creep_t) :: creep
    end type static_mesh_t
 
-   !> Such a mesh at rest.
+   !> Quasi-static state of such a mesh.
    type :: static_state
       real(wp) :: h = 0.0_wp                     !! transmission error [m]
       real(wp) :: h_0 = 0.0_wp                   !! without load [m]
-      real(wp) :: stiffness = 0.0_wp             !! dF/dh at rest of the driving wheel [N/m]
-      integer :: n = 0                           !! pairs that can touch
+      real(wp) :: stiffness = 0.0_wp             !! dF/dh at constant position of the driving wheel [N/m]
+      integer :: n = 0                           !! number of pairs that can touch
       integer :: numbers(most_pairs) = 0
       type(pair_feet) :: feet(most_pairs)
       type(pair_place) :: places(most_pairs)
       type(flank_value) :: lacks(2, most_pairs)
       type(flank_potential) :: potential
-      real(wp) :: overlap(most_pairs) = 0.0_wp   !! penetration less what the other pairs open: > 0 of a pair that carries [m]
+      real(wp) :: overlap(most_pairs) = 0.0_wp   !! penetration less the gap opened by the other pairs: > 0 for a loaded pair [m]
       real(wp) :: friction(most_pairs) = 0.0_wp  !! along t on A [N]
       real(wp) :: held = 0.0_wp                  !! torque about the driving axle over its base radius [N]
    end type static_state
 
 contains
 
-   !> The mesh under a force.
+   !> Solve for the state of the mesh under a force.
    subroutine solve_static(mesh, rho_a, force, state, status, guess)
       type(static_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a !! of pair 0 [m]
       real(wp), intent(in) :: force !! torque about the driving axle over its base radius, > 0 [N]
       type(static_state), intent(out) :: state
       type(status_t), intent(inout) :: status
-      real(wp), intent(in), optional :: guess !! transmission error of a position nearby [m]
+      real(wp), intent(in), optional :: guess !! transmission error at a neighbouring position [m]
       real(wp) :: low, high, h, off, h_0
       integer :: turn
 
@@ -96,7 +96,7 @@ contains
       if (has_failed(status)) return
       low = h_0
       high = h_0
-      h = h_0 + 40*force/(mesh%e_star*mesh%width) ! about what two teeth yield
+      h = h_0 + 40*force/(mesh%e_star*mesh%width) ! approximate deflection of two teeth
       if (present(guess)) h = merge(guess, h, guess > h_0)
       do turn = 1, most_turns
          call look(mesh, rho_a, h, state, status)
@@ -109,9 +109,9 @@ contains
             high = h
          end if
          if (state%stiffness > 0) h = h + off/state%stiffness
-         if (high > low) then ! the force is known on both sides
+         if (high > low) then ! the force is bracketed
             if (.not. state%stiffness > 0 .or. h <= low .or. h >= high) h = (low + high)/2
-            if (.not. (low < h .and. h < high)) exit ! they are neighbours: a step of the force, at an end of a path
+            if (.not. (low < h .and. h < high)) exit ! no number in between: the force jumps, at an end of a path
          else
             h = max(h, low + abs(low - h_0)/2)
          end if
@@ -123,7 +123,7 @@ contains
       if (.not. has_failed(status)) call check_neighbours(mesh, rho_a, state, status)
    end subroutine solve_static
 
-   !> The transmission error at which the first pair touches.
+   !> Transmission error at which the first pair touches.
    subroutine find_free_play(mesh, rho_a, h_0, status)
       type(static_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a
@@ -137,7 +137,7 @@ contains
 
       h_0 = huge(h_0)
       call pairs_within_reach(mesh, rho_a, 0.0_wp, first, last)
-      do k = first, last + 1 ! errors may bring the next one onto its path, or keep the last one off
+      do k = first, last + 1 ! deviations may bring the next pair onto its path, or prevent the last one from reaching it
          h = 0
          do turn = 1, most_turns
             call put(mesh, k, rho_a, h, feet, lacks, place)
@@ -164,7 +164,7 @@ contains
       end associate
    end subroutine pairs_within_reach
 
-   !> One pair in its place.
+   !> Contact position and deviations of one pair.
    pure subroutine put(mesh, k, rho_a, h, feet, lacks, place)
       type(static_mesh_t), intent(in) :: mesh
       integer, intent(in) :: k
@@ -184,11 +184,11 @@ contains
       end do
       call turn_feet(mesh%turning_arm, turns, feet, lacks)
       call penetrate(feet, lacks, place)
-      ! rho_A + rho_B - rho is h but for rounding
+      ! rho_A + rho_B - rho equals h except for rounding
       place%h = place%h + (h - (rho(by_a) + rho(by_b) - mesh%line))
    end subroutine put
 
-   !> All pairs at a transmission error, and what acts.
+   !> All pairs at a transmission error, with their forces.
    subroutine look(mesh, rho_a, h, state, status)
       type(static_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a, h
@@ -228,7 +228,7 @@ contains
       end associate
    end subroutine look
 
-   !> What friction takes of the torque.
+   !> Add the contribution of friction to the torque.
    pure subroutine add_friction(mesh, compliance, state)
       type(static_mesh_t), intent(in) :: mesh
       type(pair_compliance), intent(in) :: compliance
@@ -247,7 +247,7 @@ contains
       end associate
    end subroutine add_friction
 
-   !> Pairs that carry where nothing is known of them.
+   !> Fail if pairs carry load where no model exists.
    subroutine check(mesh, state, status)
       type(static_mesh_t), intent(in) :: mesh
       type(static_state), intent(in) :: state
@@ -271,7 +271,7 @@ contains
       end do
    end subroutine check
 
-   !> Pairs past the reach of edges that would carry as well.
+   !> Fail if pairs beyond the reach of edges would also carry load.
    subroutine check_neighbours(mesh, rho_a, state, status)
       type(static_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a
@@ -304,7 +304,7 @@ contains
       end associate
    end subroutine check_neighbours
 
-   !> A wheel in words.
+   !> Name of a wheel for messages.
    pure character(len=7) function name_of(wheel)
       integer, intent(in) :: wheel
 

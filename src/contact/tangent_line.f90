@@ -1,8 +1,9 @@
-!> Where a point lies relative to the tangents of a circle.
+!> Position of a point relative to the tangents of a circle.
 !>
-!> A point near r_b t_0 + rho_0 e_0 lies on a line that touches the circle of radius r_b; the line is turned from e_0 by `angle`,
-!> and the point lies `rho` from where it touches. With the base circle of a wheel this gives the normal and the radius of
-!> curvature of the involute through a point; with the sum of both base radii it gives the line of action at any centre distance.
+!> A point near r_b t_0 + rho_0 e_0 lies on a line tangent to the circle of radius r_b. The line is rotated from e_0 by `angle`, and
+!> the point is at the distance `rho` from the point of tangency. With the base circle of a wheel this gives the normal and the
+!> radius of curvature of the involute through a point. With the sum of both base radii it gives the line of action at any centre
+!> distance.
 module evl_tangent_line
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local
@@ -11,9 +12,9 @@ module evl_tangent_line
 
    public :: find_tangent_line, tangent_line_gradients, small_sine, tangent_angle, tangent_line_t, versine
 
-   real(wp), parameter :: small_sine = 1.0e-2_wp !! below which an angle comes from a series
+   real(wp), parameter :: small_sine = 1.0e-2_wp !! below this value an angle is computed from a series
 
-   !> Where a point lies relative to a circle's tangents, see `find_tangent_line`.
+   !> Position of a point relative to the tangents of a circle, see `find_tangent_line`.
    type :: tangent_line_t
       logical :: exists   !! false if the point lies inside the circle
       real(wp) :: d_rho   !! rho - rho_0 [m]
@@ -48,7 +49,7 @@ contains
       end if
    end subroutine find_tangent_line
 
-   !> An angle from its sine and cosine [rad].
+   !> Angle from its sine and cosine [rad].
    elemental real(wp) function tangent_angle(s, c) result(angle)
       real(wp), intent(in) :: s, c
 
@@ -59,14 +60,14 @@ contains
       end if
    end function tangent_angle
 
-   !> 1 - cos of a deviation's angle, without cancellation.
+   !> 1 - cos of the angle of a tangent line, without cancellation.
    pure real(wp) function versine(found)
       type(tangent_line_t), intent(in) :: found
 
       versine = found%s**2/(1 + found%c)
    end function versine
 
-   !> Derivatives of a deviation: of its angle, and of rho - rho_0 + r_b angle.
+   !> Derivatives of the angle of a tangent line, and of rho - rho_0 + r_b angle.
    pure subroutine tangent_line_gradients(on, position, rho_0, angle, distance)
       type(tangent_line_t), intent(in) :: on
       real(wp), intent(in) :: position(n_local, 2), rho_0(n_local) !! derivatives of the point and of the nominal distance

@@ -1,17 +1,17 @@
-!> The tip edge of a tooth on the flank of its mate, before and after the path of contact.
+!> Contact of the tip edge of a tooth with the flank of its mate, before and after the path of contact (corner contact).
 !>
 !> Written for the edge of B on the flank of A; for the edge of A both wheels are exchanged. x = rho_B - rho_F is the roll length by
-!> which B's contact has passed the end of its flank, rho_F the radius of curvature there, r_t the rounding of the tip (0: a sharp
-!> edge), l_M = rho_F - r_t where the rounding has its centre M. B turns on by theta = x/r_bB, and with it M by
+!> which B's contact has passed the end of its flank, with the radius of curvature rho_F there. r_t is the rounding of the tip (0: a
+!> sharp edge), and l_M = rho_F - r_t the length at the centre M of the rounding. B rotates by theta = x/r_bB; M moves by
 !>
 !>    a_t = r_bB (1 - cos theta) + l_M sin theta,   a_e = -r_bB sin theta + l_M (1 - cos theta)
 !>
-!> The tangent from A's base circle to M was l_0 = rho - l_M long, rho the length of the line of action; now it is l long and has
-!> turned by delta. A's flank is an involute, whose normals these tangents are, so the gap is that of the flanks without an end, and
-!> S = (l - l_0) + r_bA delta + x: a deviation of the edge's wheel beyond the end of its flank.
+!> The tangent from A's base circle to M had the length l_0 = rho - l_M, where rho is the length of the line of action. Its length
+!> is now l, and it has rotated by delta. A's flank is an involute, whose normals are these tangents. The gap is therefore that of
+!> the flanks without an end, and S = (l - l_0) + r_bA delta + x: a deviation of the edge's wheel beyond the end of its flank.
 !>
-!> Every term below is of second order in x, so that none of S is lost beside lengths of the wheel's size. With
-!> beta = theta - delta, V the motion of M per x along t and e turned by delta:
+!> Every term below is of second order in x, so that S keeps its precision beside lengths of the size of the wheel. With
+!> beta = theta - delta, and V the motion of M per x along t and e rotated by delta:
 !>
 !>    S = r_bB (theta - sin theta) + l_M (1 - cos theta) - a_t sin delta - (a_e + l_0) (1 - cos delta) + r_bA (delta - sin delta)
 !>    S' = 1 - cos beta + (l_M/r_bB) sin beta,   V_t = sin beta + (l_M/r_bB) cos beta,   S'' = V_t (1/r_bB + V_t/l)
@@ -26,7 +26,7 @@ module evl_tip_edge
 
    public :: edge_place, edge_t, end_of_flank, place_edge, small
 
-   !> A tip edge and the wheels that meet there.
+   !> A tip edge and the wheels in contact at it.
    type :: edge_t
       real(wp) :: r_b = 0.0_wp     !! base radius of the edge's wheel [m]
       real(wp) :: r_mate = 0.0_wp  !! base radius of its mate [m]
@@ -34,21 +34,21 @@ module evl_tip_edge
       real(wp) :: rounding = 0.0_wp !! radius of the tip's rounding [m]
    end type edge_t
 
-   !> Where an edge touches. Derivatives to x at constant rho, and to rho at constant x.
+   !> Contact of an edge. Derivatives with respect to x at constant rho, and to rho at constant x.
    type :: edge_place
       logical :: exists = .false. !! false if the edge is inside the mate's base circle
       real(wp) :: gap = 0.0_wp    !! S [m]
       real(wp) :: d_x = 0.0_wp, d_rho = 0.0_wp
       real(wp) :: d_xx = 0.0_wp, d_x_rho = 0.0_wp, d_rho_rho = 0.0_wp !! [1/m]
-      real(wp) :: foot = 0.0_wp   !! r_mate delta: what the mate's radius of curvature at the edge is less than on the path [m]
+      real(wp) :: foot = 0.0_wp   !! r_mate delta: radius of curvature of the mate on the path less that at the edge [m]
       real(wp) :: foot_x = 0.0_wp, foot_rho = 0.0_wp
       real(wp) :: foot_xx = 0.0_wp, foot_x_rho = 0.0_wp, foot_rho_rho = 0.0_wp !! [1/m]
       real(wp) :: arm = 0.0_wp    !! of the friction force about the edge's wheel [m]
       real(wp) :: arm_x = 0.0_wp, arm_rho = 0.0_wp
-      real(wp) :: turn = 0.0_wp   !! delta, by which the normal has turned [rad]
+      real(wp) :: turn = 0.0_wp   !! delta, rotation of the normal [rad]
    end type edge_place
 
-   real(wp), parameter :: small = 0.5_wp !! below which x - sin x comes from a series [rad]
+   real(wp), parameter :: small = 0.5_wp !! below this value x - sin x is computed from a series [rad]
    integer, parameter :: most_turns = 50
    real(wp), parameter :: tolerance = 1.0e-14_wp !! of x_*, relative
 
@@ -59,13 +59,13 @@ contains
    include "contact/tangent_line.inc"
    include "contact/tip_edge.inc"
 
-   !> Where the edge takes over from a flank that lacks material with a slope at its end: x_* [m], from S'(x_*) = e'. Before it the
-   !> flank touches first, as if it went on.
+   !> Start of edge contact for a flank with a sloping deviation at its end: x_* [m], from S'(x_*) = e'. Before x_* the extension of
+   !> the flank touches first.
    !>
-   !> Valid: any slope of a flank; 0 for none, and for flanks that swell towards their end
+   !> Valid: any slope of a flank; 0 for no slope, and for flanks with material increasing towards their end
    pure real(wp) function end_of_flank(edge, profile, rho) result(x)
       type(edge_t), intent(in) :: edge
-      type(flank_branch), intent(in) :: profile !! what the flank lacks at its end, and beyond
+      type(flank_branch), intent(in) :: profile !! deviation of the flank at its end and beyond
       real(wp), intent(in) :: rho               !! length of the line of action [m]
       type(edge_place) :: at
       real(wp) :: step, e, slope, d2e

@@ -1,11 +1,11 @@
-!> One tooth contact of a mesh: a slot that tooth pairs pass through one after the other on one flank, and where the flanks of the
-!> pair touch. What acts there is asked of the flank: evl_flank.
+!> One tooth contact of a mesh: a slot on one flank that tooth pairs pass through in succession, and the position of the contact of
+!> the pair. The flank computes the forces: evl_flank.
 !>
-!> A mesh has as many slots on each flank, drive and coast, as tooth pairs can be on the path of contact at once, and one more
-!> that waits: pair k takes slot k mod n_slots. A pair is on the path while both radii of curvature are below those of the tips.
-!> Where the contact ratio is exactly 1 there is one slot, and a pair hands over to the next one pitch on.
+!> A mesh has as many slots on each flank, drive and coast, as tooth pairs can be on the path of contact at once, plus one for the
+!> waiting pair: pair k uses slot k mod n_slots. A pair is on the path while both radii of curvature are below those of the tips. If
+!> the contact ratio is exactly 1, there is one slot, and a pair hands over to the next after one pitch.
 !>
-!> Forces are counted on the driving wheel A, along t and against e; wheel B feels the opposite.
+!> Forces are those on the driving wheel A, positive along t and against e; the forces on wheel B are opposite.
 module evl_tooth_contact
    use evl_closed_form, only: closed_form_line, place_contact, place_radii, track_closed_form
    use evl_contact_point, only: contact_point, tracked_pair
@@ -50,11 +50,11 @@ module evl_tooth_contact
    integer, parameter :: flank_coast = 1 !! the other side of the teeth
 
    type :: tooth_contact_t
-      integer :: mesh = 0                 !! of the gearbox, to which the contact belongs
+      integer :: mesh = 0                 !! index of its mesh in the gearbox
       integer :: flank = flank_drive      !! drive or coast
-      integer :: i_flank = 0              !! its flank, of the gearbox
-      integer :: slot = 0, n_slots = 1    !! which of the flank's slots, from 0, and how many
-      logical :: handover = .true.        !! one slot, and pairs change one pitch on; else at the ends of the path
+      integer :: i_flank = 0              !! index of its flank in the gearbox
+      integer :: slot = 0, n_slots = 1    !! slot of the flank, from 0, and number of slots
+      logical :: handover = .true.        !! one slot, pairs change after one pitch; otherwise at the ends of the path
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel
       type(tracked_pair) :: pair          !! geometry for the tracking
       class(elastic_law_t), allocatable :: elastic
@@ -66,40 +66,40 @@ module evl_tooth_contact
       real(wp) :: e_star = 0.0_wp         !! effective modulus [Pa]
       real(wp) :: width = 0.0_wp          !! common face width [m]
       real(wp) :: base_pitch = 0.0_wp     !! |ab| [m]
-      real(wp) :: step = 0.0_wp           !! by how much rho_A of a pair is less than that of the pair before; < 0 for coast [m]
+      real(wp) :: step = 0.0_wp           !! decrease of rho_A from one pair to the next; < 0 for coast [m]
       real(wp) :: rho_start = 0.0_wp      !! rho_A of pair 0 at theta = 0 [m]
-      real(wp) :: rho_entry = 0.0_wp      !! rho_A where a pair that hands over begins [m]
+      real(wp) :: rho_entry = 0.0_wp      !! rho_A where a pair with handover begins [m]
       real(wp) :: rho_tip_a = 0.0_wp, rho_tip_b = 0.0_wp !! radii of curvature at the tips, the ends of the path [m]
-      type(rational_t) :: pitches_per_turn !! by how many pitches one turn of the reference wheel moves rho_A0
-      real(wp) :: gap_apart = 0.0_wp      !! gap past which flanks are not tracked [m]
+      type(rational_t) :: pitches_per_turn !! pitches by which one revolution of the reference wheel moves rho_A0
+      real(wp) :: gap_apart = 0.0_wp      !! gap above which flanks are not tracked [m]
       real(wp) :: t_0(2) = 0.0_wp, e_0(2) = 0.0_wp !! nominal basis in the housing frame
       real(wp) :: axial_position = 0.0_wp !! z of the middle of the common width [m]
       real(wp) :: k_a0(2) = 0.0_wp        !! K_A at the reference centre distance [m]
       real(wp) :: force_scale = 0.0_wp    !! normal force at the nominal operating point, or a fallback > 0 [N]
       real(wp) :: h_scale = 0.0_wp        !! its penetration [m]
-      real(wp) :: rate_scale = 0.0_wp     !! its rate, if the contact vibrates that far [m/s]
+      real(wp) :: rate_scale = 0.0_wp     !! rate of a vibration with that amplitude [m/s]
       logical :: deviates = .false.       !! whether a flank deviates from the involute
-      type(flank_deviation_t) :: deviation_a, deviation_b !! and how
-      logical :: has_edges = .false.      !! tip edges touch before and after the path; then it deviates
+      type(flank_deviation_t) :: deviation_a, deviation_b !! deviations of A and B
+      logical :: has_edges = .false.      !! edge contact before and after the path; deviates is then true
       type(tip_t) :: tips(2)              !! of A and B
-      real(wp) :: fillets(2) = 0.0_wp     !! radii of curvature where the fillets of A and B begin; 0: not known [m]
-      real(wp) :: smooth(2, 2) = 0.0_wp   !! radii of curvature between which c is smooth, of A and B; 0: it is stiff [m]
-      integer :: tooth_sign = 1           !! +1: tooth pairs come in the order of A's teeth, counted counterclockwise; -1: against
+      real(wp) :: fillets(2) = 0.0_wp     !! radii of curvature where the fillets of A and B begin; 0: unknown [m]
+      real(wp) :: smooth(2, 2) = 0.0_wp   !! radii of curvature between which c is smooth, of A and B; 0: rigid wheel [m]
+      integer :: tooth_sign = 1           !! +1: tooth pairs are in the order of A's teeth, counted counterclockwise; -1: opposite
       integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
       type(local_link), allocatable :: links(:) !! local variables in terms of the state
-      type(wheel_link) :: link_a, link_b  !! the same, wheel by wheel
-      logical :: axles_rest = .false.     !! both axles are fixed, and the line of action with them
-      type(tangent_line_t) :: rest_line        !! where it is then
-      logical :: leads = .false.          !! the first slot of a rigid flank: the flank's constraint is its
+      type(wheel_link) :: link_a, link_b  !! the same, for each wheel
+      logical :: axles_rest = .false.     !! both axles are fixed, and so is the line of action
+      type(tangent_line_t) :: rest_line        !! line of action for fixed axles
+      logical :: leads = .false.          !! the first slot of a rigid flank, which holds the constraint of the flank
       integer :: i_normal = 0             !! multiplier of a rigid flank in the state; 0 if none
       integer :: i_dependent = 0          !! deviation of the wheel that a closed rigid contact determines
       real(wp) :: mobility = 0.0_wp       !! r_bA^2/J_A + r_bB^2/J_B [1/kg]
       integer :: i_track = 0              !! first tracked variable in the state; 0 if none
-      integer :: i_discrete(n_discrete) = 0 !! indices of its integers in the discrete state, for its door alone; 0: has none
-      integer :: i_root = 0               !! place before its root functions
-      integer :: n_roots = 0              !! how many there are
+      integer :: i_discrete(n_discrete) = 0 !! indices of its integers in the discrete state, for evl_discrete_state only; 0: none
+      integer :: i_root = 0               !! index before its first root function
+      integer :: n_roots = 0              !! number of root functions
       integer :: roots(n_root_kinds) = 0  !! their kinds, the first n_roots
-      integer :: moved(n_root_kinds) = 0  !! which integer of the mode each of them moves
+      integer :: moved(n_root_kinds) = 0  !! integer of the mode that each of them changes
       integer :: directions(zone_tip_corner:zone_edge, flanks_open:flanks_off, n_root_kinds) = 0 !! by that integer and the flanks
    end type tooth_contact_t
 
@@ -109,8 +109,8 @@ module evl_tooth_contact
       integer :: flanks   !! open, loaded, unloaded, apart, or off the path
       integer :: friction           !! branch of the friction law
       integer :: zone_a, zone_b !! parts of the modified flanks
-      integer :: sides(n_sides)     !! of the borders of root kinds that have sides: +1 above, -1 below
-      real(wp) :: share        !! of a rigid flank's normal force that this pair carries
+      integer :: sides(n_sides)     !! for root kinds with a side: +1 above the border, -1 below
+      real(wp) :: share        !! part of a rigid flank's normal force carried by this pair
       real(wp) :: v0           !! approach speed at the last closing [m/s]
    end type contact_mode
    type(contact_mode), parameter :: no_mode = contact_mode(0, flanks_open, 0, 0, 0, 0, 1.0_wp, 0.0_wp)
@@ -125,26 +125,26 @@ module evl_tooth_contact
    end type contact_force
    type(contact_force), parameter :: no_force = contact_force(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
-   !> What a tooth pair yields as its place changes, on A and on B; of flanks that yield only. Per unit width, by the pairs that
-   !> touch, in their order; of a pair alone the first is itself.
+   !> Data of a compliant pair on A and on B; used only for compliant flanks. Per unit width; arrays over the pairs that touch, in
+   !> their order. For independent pairs the first element is the pair itself.
    type :: pair_yielding
-      real(wp) :: slope(2)                 !! s, to where both are loaded: as if the flanks lacked material with this slope [1]
+      real(wp) :: slope(2)                 !! s, with respect to the loaded positions: acts like a slope of the flank deviation [1]
       real(wp) :: by_force(most_pairs, 2)  !! ds/dN [m/N]
-      real(wp) :: by_own(most_pairs, 2)    !! of the pair's own place, over N of each [1/N]
-      real(wp) :: by_other(most_pairs, 2)  !! of the place of each, over its N [1/N]
+      real(wp) :: by_own(most_pairs, 2)    !! with respect to the pair's own position, divided by N of each pair [1/N]
+      real(wp) :: by_other(most_pairs, 2)  !! with respect to the position of each pair, divided by its N [1/N]
       real(wp) :: factor(most_pairs)       !! its row of the factor of `coupled_answer`
-      logical :: carries                   !! the same
-      real(wp) :: by_h, by_line, by_foot(2) !! derivatives of its elastic force, of a pair alone [N/m]
+      logical :: carries                   !! as in `coupled_answer`
+      real(wp) :: by_h, by_line, by_foot(2) !! derivatives of its elastic force, for independent pairs [N/m]
    end type pair_yielding
 
-   !> A tooth contact at a state of the gearbox: scratch of whoever asks, which costs nothing until something is put there.
+   !> A tooth contact at a state of the gearbox: scratch of the caller, not initialised.
    type :: contact_state
       type(contact_mode) :: mode
       real(wp) :: rho_a0             !! nominal radius of curvature on A [m]
       real(wp) :: q(n_local)         !! local variables
       type(contact_point) :: point
-      real(wp) :: overlap            !! by how much its flanks would overlap if it carried nothing: h, less what its flank knows [m]
-      type(elastic_result) :: elastic !! as this and the rest not set where flanks do not touch
+      real(wp) :: overlap            !! overlap of its flanks if it were unloaded: h, less the gap opened by other pairs [m]
+      type(elastic_result) :: elastic !! this and the following components are undefined if flanks do not touch
       type(viscous_result) :: viscous
       type(pair_yielding) :: yielding
       type(edge_contact) :: edge      !! past the end of a flank only
@@ -154,11 +154,11 @@ module evl_tooth_contact
 
 contains
 
-   !> Nominal radius of curvature rho_A0 of the tooth pair in mesh [m]; teeth and turns are whole numbers and stay exact.
+   !> Nominal radius of curvature rho_A0 of the tooth pair in mesh [m]; teeth and revolutions are integers and remain exact.
    pure real(wp) function nominal_rho(contact, theta, turns, teeth) result(rho_a0)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: theta  !! reference angle [rad]
-      integer, intent(in) :: turns   !! whole turns of the reference wheel beside theta
+      integer, intent(in) :: turns   !! whole revolutions of the reference wheel in addition to theta
       integer, intent(in) :: teeth   !! tooth pair: pitches since the start
 
       rho_a0 = nominal_start(contact, turns, teeth) + contact%pair%advance*theta
@@ -172,11 +172,11 @@ contains
       rho_a0 = contact%rho_start + contact%step*rational_pitches(contact%pitches_per_turn, turns, teeth)
    end function nominal_start
 
-   !> Where the contact of a tooth pair is, as its tracking sees it; in closed form where tracking rests. Of a pair off the path of
-   !> contact the radii of curvature are all that closed form gives: they say when a pair enters.
+   !> Contact position of a tooth pair by its tracking method; in closed form while tracking is off. For a pair off the path of
+   !> contact the closed form gives only the radii of curvature, which determine when a pair enters.
    pure subroutine locate_contact(contact, line, at)
       type(tooth_contact_t), intent(in) :: contact
-      type(tangent_line_t), intent(in) :: line    !! of action; tracked points do not use it
+      type(tangent_line_t), intent(in) :: line    !! line of action; not used for tracked points
       type(contact_state), intent(inout) :: at    !! with its mode, rho_a0 and local variables
 
       if (at%mode%flanks == flanks_apart) then
@@ -192,11 +192,11 @@ contains
       at%overlap = at%point%h
    end subroutine locate_contact
 
-   !> The same in closed form whatever the tracking, and wherever the pair is.
+   !> The same in closed form, for any tracking method and any position of the pair.
    pure subroutine locate_anywhere(contact, settles, at)
       type(tooth_contact_t), intent(in) :: contact
-      logical, intent(in) :: settles           !! the parts of the modified flanks follow from the place
-      type(contact_state), intent(inout) :: at !! as of `locate_contact`
+      logical, intent(in) :: settles           !! whether to determine the zones of the modified flanks from the position
+      type(contact_state), intent(inout) :: at !! as in `locate_contact`
 
       call track_closed_form(contact%pair, at%rho_a0, at%q, at%point)
       if (settles) call settle_zones(contact, line_length(contact, at%q), at%point, at%mode)
@@ -204,7 +204,7 @@ contains
       at%overlap = at%point%h
    end subroutine locate_anywhere
 
-   !> From the contact of perfect involutes to that of flanks that deviate, or of a tip edge.
+   !> Correct the contact of perfect involutes for deviations of the flanks or for a tip edge.
    pure subroutine leave_involutes(contact, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at
@@ -222,7 +222,7 @@ contains
       call deviate(contact%pair, a, b, at%q, at%point)
    end subroutine leave_involutes
 
-   !> The line of action of a contact in closed form.
+   !> Line of action of a contact in closed form.
    pure subroutine line_along(contact, q, line)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: q(n_local)
@@ -249,14 +249,14 @@ contains
       beyond_flank = max(mode%zone_a, mode%zone_b) >= zone_end
    end function beyond_flank
 
-   !> The wheel the end of whose flank is passed: by_a or by_b.
+   !> Wheel whose flank end is passed: by_a or by_b.
    pure integer function ended_wheel(mode)
-      type(contact_mode), intent(in) :: mode !! beyond a flank
+      type(contact_mode), intent(in) :: mode !! past the end of a flank
 
       ended_wheel = merge(by_a, by_b, mode%zone_a >= zone_end)
    end function ended_wheel
 
-   !> The wheel whose tip edge touches: by_a, by_b, or 0 where both flanks do.
+   !> Wheel in contact with its tip edge: by_a, by_b, or 0 if both flanks touch.
    pure integer function edge_wheel(mode) result(wheel)
       type(contact_mode), intent(in) :: mode
 
@@ -274,7 +274,8 @@ contains
       if (at%mode%flanks /= flanks_off .and. beyond_flank(at%mode)) foot = at%edge%foot
    end function feet_of
 
-   !> Length of the line of action, whatever the flanks lack: past the end of one, or as the sum of the arms of friction [m].
+   !> Length of the line of action, independent of deviations: from the edge past the end of a flank, otherwise the sum of the arms
+   !> of friction [m].
    pure real(wp) function line_of(at)
       type(contact_state), intent(in) :: at !! with its point
 
@@ -282,7 +283,7 @@ contains
       if (beyond_flank(at%mode)) line_of = at%edge%line
    end function line_of
 
-   !> Elastic + viscous force as if nothing were clipped [N]; 0 where flanks do not overlap.
+   !> Unclipped elastic + viscous force [N]; 0 if flanks do not overlap.
    pure real(wp) function unclipped(at) result(force)
       type(contact_state), intent(in) :: at !! with the forces of its laws
 
@@ -290,7 +291,7 @@ contains
       if (touches(at%mode)) force = at%elastic%force + at%viscous%force
    end function unclipped
 
-   !> What the flanks of a tooth pair lack in material.
+   !> Deviations of the flanks of a tooth pair.
    pure subroutine flank_values(contact, mode, point, a, b, turned)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -309,7 +310,7 @@ contains
       call turn_values(contact%pair, slope_a, slope_b, a, b, turned)
    end subroutine flank_values
 
-   !> The branches of the deviations on which the flanks of a tooth pair lie.
+   !> Branches of the deviations of the flanks of a tooth pair.
    pure subroutine flank_branches(contact, mode, a, b)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -321,7 +322,7 @@ contains
       end associate
    end subroutine flank_branches
 
-   !> The driving wheel's tooth of a pair, counted counterclockwise; any whole turn may be added.
+   !> Tooth of the driving wheel in a pair, counted counterclockwise, modulo the number of teeth.
    pure integer function tooth_of_a(contact, pair) result(tooth)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
@@ -329,7 +330,7 @@ contains
       tooth = contact%tooth_a + contact%tooth_sign*pair
    end function tooth_of_a
 
-   !> The driven wheel's tooth of a pair, counted counterclockwise.
+   !> Tooth of the driven wheel in a pair, counted counterclockwise.
    pure integer function tooth_of_b(contact, pair) result(tooth)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
@@ -337,7 +338,7 @@ contains
       tooth = contact%tooth_b - contact%tooth_sign*pair
    end function tooth_of_b
 
-   !> The parts of its modified flanks on which a contact lies, or past which.
+   !> Zones of the modified flanks in which a contact lies, or past which it lies.
    pure subroutine settle_zones(contact, line, point, mode)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: line !! length of the line of action [m]
@@ -356,21 +357,21 @@ contains
       if (zones(by_b) <= zone_tip) mode%zone_b = deviation_zone(contact%deviation_b, foot(by_b))
    end subroutine settle_zones
 
-   !> Whether a contact lies on both involutes: an edge touches its mate further out than on the line of action.
+   !> Whether a contact lies on both involutes. An edge touches its mate farther out than on the line of action.
    pure logical function on_involutes(at)
       type(contact_state), intent(in) :: at
 
       on_involutes = at%point%exists .and. all(feet_of(at) > 0)
    end function on_involutes
 
-   !> Whether the flanks of a tooth pair overlap, so that the laws say what acts.
+   !> Whether the flanks of a tooth pair overlap, so that the laws give forces.
    pure logical function touches(mode)
       type(contact_mode), intent(in) :: mode
 
       touches = mode%flanks == flanks_loaded .or. mode%flanks == flanks_unloaded
    end function touches
 
-   !> The friction branch that belongs to a contact.
+   !> Friction branch of a contact.
    pure integer function settle_friction(contact, point) result(branch)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point

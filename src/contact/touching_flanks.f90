@@ -1,12 +1,12 @@
-!> Where deviating flanks really touch, how they are curved there, and by how much the gap of first order is too wide.
+!> Actual contact position and curvature of deviating flanks, and the error of the gap of first order.
 !>
-!> Flanks that are turned by their slopes touch beside the line of action, at x along the common tangent, where
+!> Flanks rotated by their slopes touch beside the line of action, at x along the common tangent, where
 !>
 !>    g(x) = sum of  d**2 (rho/2 + d/3)/r_b**2 + e(rho + d)  over A and B,   (rho + d)**2 = rho**2 +- 2 r_b x,  + for A
 !>
-!> is smallest: along the arc of an involute ds = rho/r_b drho, and it turns by drho/r_b. The involute moved by e into the material
-!> has, with the derivatives of e along the arc, e_s = e' r_b/rho and e_ss = (r_b/rho)**2 (e'' - e'/rho), a = 1 - e/rho and
-!> a_s = -e_s/rho + e r_b/rho**3, the curvature
+!> has its minimum: along the arc of an involute ds = rho/r_b drho, and it rotates by drho/r_b. Consider the involute moved by e
+!> into the material. The derivatives of e along the arc are e_s = e' r_b/rho and e_ss = (r_b/rho)**2 (e'' - e'/rho). With
+!> a = 1 - e/rho and a_s = -e_s/rho + e r_b/rho**3, the curvature is
 !>
 !>    ((a**2 + e_s**2)/rho + a e_ss - e_s a_s)/(a**2 + e_s**2)**(3/2)
 !>
@@ -25,11 +25,11 @@ module evl_touching_flanks
 
    public :: contact_pressure, edge_curvature, given_gap, largest_second_order, pressure_at, second_order_gap, touching_curvature
 
-   integer, parameter :: n_places = 200 !! of the path that are looked at
-   integer, parameter :: n_teeth = 60   !! tooth pairs that are looked at, where runout makes them differ
+   integer, parameter :: n_places = 200 !! number of positions evaluated on the path
+   integer, parameter :: n_teeth = 60   !! number of tooth pairs evaluated if runout makes them differ
    integer, parameter :: n_sections = 60
-   integer, parameter :: n_newton = 3   !! steps to the place where flanks touch, which lies within a millimetre
-   real(wp), parameter :: enough = 1.0e-9_wp !! step to that place over the radius of the contact: curvatures are as exact
+   integer, parameter :: n_newton = 3   !! steps to the touching point, which is within a millimetre
+   real(wp), parameter :: enough = 1.0e-9_wp !! step to that point over the radius of the contact; curvatures have the same accuracy
    real(wp), parameter :: golden = 0.61803398874989485_wp
 
 contains
@@ -42,28 +42,28 @@ contains
       type(contact_mode), intent(in) :: mode
       real(wp), intent(in) :: normal !! F_n [N]
       type(contact_point), intent(in) :: point
-      real(wp), intent(in) :: foot(2) !! as of `touching_curvature`
+      real(wp), intent(in) :: foot(2) !! as in `touching_curvature`
 
       pressure = 0
       if (normal > 0) pressure = pressure_at(contact, normal, touching_curvature(contact, mode, point, foot))
    end function contact_pressure
 
-   !> The same where the flanks are known [Pa].
+   !> The same for a given curvature of the flanks [Pa].
    pure real(wp) function pressure_at(contact, normal, curvature) result(pressure)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: normal    !! F_n [N] >= 0
-      real(wp), intent(in) :: curvature !! as of `touching_curvature`
+      real(wp), intent(in) :: curvature !! as from `touching_curvature`
 
       pressure = hertz_pressure(normal, contact%width, contact%e_star, curvature)
    end function pressure_at
 
-   !> Sum of the curvatures of two flanks where they touch [1/m]; NaN if it is not positive, as where one is more hollow than the
-   !> other is round, and on a sharp edge. At the corner of a linear relief, that of the relief.
+   !> Sum of the curvatures of two flanks at their contact [1/m]; NaN if it is not positive, that is, if one flank is more concave
+   !> than the other is convex, and on a sharp edge. At the corner of a linear relief, the value of the relief.
    pure real(wp) function touching_curvature(contact, mode, point, foot) result(curvature)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
       type(contact_point), intent(in) :: point !! on the line of action
-      real(wp), intent(in) :: foot(2)          !! roll lengths at which A and B are loaded: where an edge touches its mate [m]
+      real(wp), intent(in) :: foot(2)          !! roll lengths at which A and B are loaded, to locate edge contact on the mate [m]
       type(flank_branch) :: branch_a, branch_b
       type(flank_value) :: a, b
       type(contact_mode) :: profile
@@ -106,7 +106,7 @@ contains
       if (x > 0) curvature = x
    end function touching_curvature
 
-   !> The reliefs on whose corners a pair touches.
+   !> Mode with the reliefs in place of their corners.
    elemental type(contact_mode) function on_profile(mode) result(profile)
       type(contact_mode), intent(in) :: mode
 
@@ -117,7 +117,7 @@ contains
       if (mode%zone_b == zone_root_corner) profile%zone_b = zone_root
    end function on_profile
 
-   !> The material itself, as it is on the line of action.
+   !> Branches of the material itself, on the line of action (first order).
    pure subroutine profile_branches(contact, mode, a, b)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -128,7 +128,7 @@ contains
       b%is_second = .false.
    end subroutine profile_branches
 
-   !> Sum of the curvatures of a rounded edge and its mate [1/m]; NaN of a sharp edge.
+   !> Sum of the curvatures of a rounded edge and its mate [1/m]; NaN for a sharp edge.
    elemental real(wp) function edge_curvature(rounding, rho_mate) result(curvature)
       real(wp), intent(in) :: rounding, rho_mate !! [m]
 
@@ -136,7 +136,7 @@ contains
       if (rounding > 0) curvature = 1/rho_mate + 1/rounding
    end function edge_curvature
 
-   !> Whether a flank is an involute in a zone, on its place.
+   !> Whether a flank is an undisplaced involute in a zone.
    pure logical function is_involute(deviation, zone)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: zone
@@ -146,14 +146,14 @@ contains
       is_involute = .not. (deviation%crowning > 0 .or. allocated(deviation%pitch) .or. deviation%eccentricity > 0)
    end function is_involute
 
-   !> Radius of curvature of an involute further along its arc, stopped short of its root [m].
+   !> Radius of curvature of an involute at a distance along its arc, limited short of its root [m].
    pure real(wp) function moved(rho, base_radius, arc)
       real(wp), intent(in) :: rho, base_radius, arc !! [m]
 
       moved = sqrt(max(rho**2 + 2*base_radius*arc, (rho/10)**2))
    end function moved
 
-   !> A radius of curvature, stopped at the borders of a zone.
+   !> Radius of curvature limited to the borders of a zone.
    pure real(wp) function within(deviation, zone, rho)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: zone
@@ -167,7 +167,7 @@ contains
       if (zone == zone_none) within = min(max(rho, rho_root), rho_tip)
    end function within
 
-   !> Second derivative of a deviation to the arc of its involute [1/m].
+   !> Second derivative of a deviation with respect to the arc of its involute [1/m].
    pure real(wp) function arc_second(flank, rho, base_radius)
       type(flank_value), intent(in) :: flank
       real(wp), intent(in) :: rho, base_radius
@@ -189,14 +189,13 @@ contains
       end associate
    end function flank_curvature
 
-   !> By how much the gap that a tooth pair is given, of first order or second, is wider than that of the real flanks [m], at
-   !> least 0.
+   !> Amount by which the gap of the model, of first or second order, exceeds that of the actual flanks [m], at least 0.
    !>
-   !> The smallest g by golden sections: reliefs and crowning make it convex.
+   !> The minimum of g is found by golden section search: reliefs and crowning make g convex.
    pure real(wp) function second_order_gap(contact, pair, rho_a) result(gap)
       type(tooth_contact_t), intent(in) :: contact
-      integer, intent(in) :: pair      !! its tooth pair
-      real(wp), intent(in) :: rho_a    !! where on the line of action at its nominal length [m]
+      integer, intent(in) :: pair      !! number of the tooth pair
+      real(wp), intent(in) :: rho_a    !! position on the line of action at its nominal length [m]
       real(wp) :: low, high, left, right, at_left, at_right
       integer :: i
 
@@ -226,7 +225,7 @@ contains
       end associate
    end function second_order_gap
 
-   !> What the flanks of a tooth pair lack where the line of action meets them, as its gap counts it [m].
+   !> Deviation of the flanks of a tooth pair on the line of action, as used in the gap of the model [m].
    pure real(wp) function given_gap(contact, pair, rho_a, rho_b) result(gap)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
@@ -260,7 +259,7 @@ contains
       on_b = moved(rho_b, contact%pair%r_bb, -x)
       mode = no_mode
       mode%tooth_pair = pair
-      mode%zone_a = profile_zone(contact%deviation_a, on_a) ! flanks go on past their ends
+      mode%zone_a = profile_zone(contact%deviation_a, on_a) ! flanks are extended past their ends
       mode%zone_b = profile_zone(contact%deviation_b, on_b)
       call profile_branches(contact, mode, branch_a, branch_b)
       call deviation_on(branch_a, on_a, a%e, a%de, a%d2e)
@@ -268,18 +267,18 @@ contains
       gap = turned_away(rho_a, on_a - rho_a, contact%pair%r_ba) + a%e + turned_away(rho_b, on_b - rho_b, contact%pair%r_bb) + b%e
    end function gap_beside
 
-   !> How far an involute has turned away from its tangent at rho [m].
+   !> Distance of an involute from its tangent at rho [m].
    pure real(wp) function turned_away(rho, d, base_radius)
-      real(wp), intent(in) :: rho, d, base_radius !! d: further than rho [m]
+      real(wp), intent(in) :: rho, d, base_radius !! d: distance from rho [m]
 
       turned_away = (d/base_radius)**2*(rho/2 + d/3)
    end function turned_away
 
-   !> The largest on the path of contact.
+   !> Largest `second_order_gap` on the path of contact.
    pure subroutine largest_second_order(contact, gap, rho_a)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(out) :: gap   !! [m]
-      real(wp), intent(out) :: rho_a !! where [m]
+      real(wp), intent(out) :: rho_a !! its position [m]
       real(wp) :: here, found
       integer :: i, pair, pairs
 

@@ -1,14 +1,15 @@
-!> A flank whose teeth and wheel bodies bend, each pair by itself: Johnson's contact in series with c_A(rho_A) + c_B(rho_B).
+!> Flank with compliant teeth and wheel bodies and independent pairs: Johnson's contact in series with c_A(rho_A) + c_B(rho_B).
 !>
-!> The elastic energy V depends on the place of a pair too, and on the length rho of the line of action. With F over the width b and
-!> the compliance C
+!> The elastic energy V also depends on the position of a pair, and on the length rho of the line of action. With F over the width b
+!> and the compliance C
 !>
 !>    dV = F dh - a_A drho_A - a_B drho_B - P drho,   a_i = F s_i,   s_i = F/(2 b) dC/drho_i,   P = F**2/(2 pi E* b rho)
 !>
-!> so that beside F the forces a_i act as the slope of a deviation would: on the torques with the arms r_b; and on the axles -P
-!> along e and -(r_bA (a_A + P) + r_bB (a_B + P))/rho along t. Viscous forces and friction know nothing of it. No energy is lost.
+!> so that in addition to F the forces a_i act like the slope of a deviation: on the torques with the arms r_b, and on the axles
+!> with -P along e and -(r_bA (a_A + P) + r_bB (a_B + P))/rho along t. Viscous forces and friction have no such terms. Energy is
+!> conserved.
 !>
-!> Past the end of a flank the places where wheels are loaded depend on all three lengths, so that a_i push them all.
+!> Past the end of a flank the loaded positions depend on all three lengths, so that the a_i act on all of them.
 !>
 !> Source: docs/compliant_flanks.md, sections 1 and 3.
 module evl_yielding_flank
@@ -89,7 +90,7 @@ contains
       end do
    end subroutine laws
 
-   !> Elastic force of a perfect tooth pair that carries alone at the pitch point.
+   !> Elastic force of a single perfect tooth pair at the pitch point.
    subroutine pair_alone(self, contact, h, elastic, code)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
@@ -103,7 +104,7 @@ contains
                                d_energy=0.0_wp, excess=0.0_wp)
    end subroutine pair_alone
 
-   !> Its penetration under a force.
+   !> Penetration of a single perfect tooth pair under a force.
    subroutine pair_under(self, contact, force, h, code)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
@@ -128,7 +129,8 @@ contains
       c = sum(own%value)
    end function at_pitch_point
 
-   !> How the elastic and the viscous force of a contact change with the local variables: with where it is loaded.
+   !> Derivatives of the elastic and the viscous force of a contact with respect to the local variables, including those of the
+   !> loaded positions.
    pure subroutine force_changes(self, contacts, at, d, k, elastic, viscous)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -144,7 +146,7 @@ contains
       viscous = viscous_change(at(k), d(k), elastic)
    end subroutine force_changes
 
-   !> How the viscous force changes with the elastic one and besides.
+   !> Derivatives of the viscous force, given those of the elastic force.
    pure function viscous_change(at, d, elastic) result(change)
       type(contact_state), intent(in) :: at
       type(contact_gradient), intent(in) :: d
@@ -156,7 +158,7 @@ contains
       end associate
    end function viscous_change
 
-   !> How the place where a wheel is loaded changes with the local variables.
+   !> Derivatives of the loaded position on a wheel with respect to the local variables.
    pure function change_of(at, d, wheel) result(change)
       type(contact_state), intent(in) :: at
       type(contact_gradient), intent(in) :: d
@@ -172,7 +174,7 @@ contains
       end if
    end function change_of
 
-   !> How the length of the line of action does.
+   !> Derivatives of the length of the line of action.
    pure function change_of_line(at, d) result(change)
       type(contact_state), intent(in) :: at
       type(contact_gradient), intent(in) :: d
@@ -185,7 +187,7 @@ contains
       end if
    end function change_of_line
 
-   !> Add the elastic energy, that of the bodies included.
+   !> Add the elastic energy, including that of the bodies.
    pure subroutine add_energy(self, contacts, first, last, at, energy)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -202,7 +204,7 @@ contains
       end do
    end subroutine add_energy
 
-   !> Add it in eight states.
+   !> `add_energy` for eight states.
    subroutine add_energy_in_lanes(self, contacts, first, last, slots, energy)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -219,7 +221,7 @@ contains
       end do
    end subroutine add_energy_in_lanes
 
-   !> Nothing is gained without work.
+   !> Zero: the power of the force equals the rate of the elastic energy.
    pure function loss_change(self, point, elastic, d) result(change)
       class(yielding_flank_t), intent(in) :: self
       type(contact_point), intent(in) :: point
@@ -243,7 +245,7 @@ contains
       end associate
    end function side_forces
 
-   !> Add what they do to the wheels.
+   !> Add the effect of `side_forces` on the wheels.
    pure subroutine add_yielding(self, contact, at)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
@@ -257,7 +259,7 @@ contains
       end associate
    end subroutine add_yielding
 
-   !> Add how that changes with the local variables.
+   !> Add its derivatives with respect to the local variables.
    pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -272,7 +274,7 @@ contains
       call add_changes(contacts(k), at(k), d(k), elastic, d_slope, torque_a, torque_b, on_a)
    end subroutine add_yielding_changes
 
-   !> How the slopes change of a pair alone.
+   !> Derivatives of the slopes of an independent pair.
    pure subroutine slope_changes(self, contacts, at, d, k, elastic, change)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -290,7 +292,7 @@ contains
       end associate
    end subroutine slope_changes
 
-   !> Add what follows from the changes of F and s.
+   !> Add the derivatives that follow from those of F and s.
    pure subroutine add_changes(contact, at, d, elastic, d_slope, torque_a, torque_b, on_a)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -311,13 +313,13 @@ contains
                          - across(pair, d_a(:, by_a), d_a(:, by_b), push))/line
          on_a(:, 1) = on_a(:, 1) + point%s*push + point%c*d_tangential
          on_a(:, 2) = on_a(:, 2) - point%c*push + point%s*d_tangential
-         if (at%mode%flanks /= flanks_unloaded) return ! else nothing has turned what acts with the normal
+         if (at%mode%flanks /= flanks_unloaded) return ! otherwise the rotation of the normal is not yet included
          on_a(:, 1) = on_a(:, 1) - at%force%on_a(2)*d%angle
          on_a(:, 2) = on_a(:, 2) + at%force%on_a(1)*d%angle
       end associate
    end subroutine add_changes
 
-   !> How they change, but for P.
+   !> Derivatives of `side_forces`, except for P.
    pure subroutine side_changes(at, d, elastic, d_slope, d_a)
       type(contact_state), intent(in) :: at
       type(contact_gradient), intent(in) :: d
@@ -343,7 +345,7 @@ contains
       end associate
    end subroutine side_changes
 
-   !> `laws` in eight states.
+   !> `laws` for eight states.
    subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
@@ -375,7 +377,7 @@ contains
       end do
    end subroutine laws_in_lanes
 
-   !> Add what a_i and P do to the wheels in eight states.
+   !> Add the effect of a_i and P on the wheels for eight states.
    pure subroutine add_yielding_in_lanes(self, contact, slot)
       class(yielding_flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact

@@ -1,4 +1,4 @@
-!> What flanks that yield do to the wheels in eight states at once, as evl_yielding_flank has it in one.
+!> Effect of compliant flanks on the wheels in eight states at once; evl_yielding_flank is the version for one state.
 module evl_yielding_lanes
    use evl_contact_point, only: tracked_pair
    use evl_force_lanes, only: lane_slot
@@ -39,10 +39,10 @@ contains
       end if
    end subroutine line_in_lanes
 
-   !> Add what a_i and P do to the wheels.
+   !> Add the effect of a_i and P on the wheels.
    pure subroutine push_sides_in_lanes(contact, slot)
       type(tooth_contact_t), intent(in) :: contact
-      type(lane_slot), intent(inout) :: slot !! of a pair that touches, with its forces
+      type(lane_slot), intent(inout) :: slot !! of a touching pair, with its forces
       real(wp), dimension(lanes) :: a_a, a_b, along, line
       type(tracked_pair) :: pair
       real(wp) :: per_line
@@ -65,10 +65,10 @@ contains
       end associate
    end subroutine push_sides_in_lanes
 
-   !> What pushes the places where two wheels are loaded, as what pushes rho_A, rho_B and rho.
+   !> Convert forces against the loaded positions of two wheels to forces against rho_A, rho_B and rho.
    pure subroutine feel_at_feet(d_foot, a_a, a_b, along)
       real(wp), intent(in) :: d_foot(lanes, 3, 2)
-      real(wp), intent(inout), dimension(lanes) :: a_a, a_b !! of the places, then of rho_A and rho_B [N]
+      real(wp), intent(inout), dimension(lanes) :: a_a, a_b !! in: against the positions; out: against rho_A, rho_B [N]
       real(wp), intent(out) :: along(lanes)
       real(wp) :: on_a, on_b
       integer :: l

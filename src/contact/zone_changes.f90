@@ -1,4 +1,4 @@
-!> Where a contact lies on the flank of one wheel, once it has passed borders there: of the reliefs, of the flank's end.
+!> Zone of a contact on the flank of one wheel after it has passed borders of the reliefs or the end of the flank.
 module evl_zone_changes
    use evl_flank_deviation, only: flank_deviation_t, has_corner, relief_t, zone_edge, zone_end, zone_none, zone_root, &
                                   zone_root_corner, zone_tip, zone_tip_corner
@@ -10,19 +10,19 @@ module evl_zone_changes
 
 contains
 
-   !> One wheel passed borders.
+   !> Change the zone after borders of one wheel are passed.
    pure subroutine change_zone(deviation, tip, at_tip, at_root, beyond, zone)
       type(flank_deviation_t), intent(in) :: deviation
       type(tip_t), intent(in) :: tip
-      logical, intent(in) :: at_tip(2), at_root(2) !! the borders of the reliefs, the near and the far one of their corners
-      logical, intent(in) :: beyond(2) !! the end of the flank, and where its edge takes over
+      logical, intent(in) :: at_tip(2), at_root(2) !! borders of the reliefs: near and far border of the corner
+      logical, intent(in) :: beyond(2) !! end of the flank, and start of its edge contact
       integer, intent(inout) :: zone
       logical :: leaves
       integer :: i, inside, outside
 
       call change_relief(deviation%tip, at_tip, zone_tip, zone_tip_corner, zone)
       call change_relief(deviation%root, at_root, zone_root, zone_root_corner, zone)
-      leaves = zone == zone_edge ! in the order in which it meets them
+      leaves = zone == zone_edge ! in the order in which they are passed
       do i = merge(2, 1, leaves), merge(1, 2, leaves), merge(-1, 1, leaves)
          if (.not. beyond(i)) cycle
          outside = merge(zone_end, zone_edge, i == 1)
@@ -32,7 +32,7 @@ contains
       end do
    end subroutine change_zone
 
-   !> It passed borders of one relief, in the order in which it meets them.
+   !> Change the zone after borders of one relief are passed, in the order in which they are passed.
    pure subroutine change_relief(relief, fired, mine, corner, zone)
       type(relief_t), intent(in) :: relief
       logical, intent(in) :: fired(2)

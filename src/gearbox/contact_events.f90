@@ -1,4 +1,4 @@
-!> What changes in one tooth contact when something happens to it: its tooth pair, contact mode and friction branch.
+!> Event handling of one tooth contact: changes of its tooth pair, contact mode and friction branch.
 module evl_contact_events
    use evl_closed_form, only: points_from_closed_form
    use evl_contact_modes, only: mode_at
@@ -27,17 +27,17 @@ module evl_contact_events
    public :: contact_event, parts, root_of_contact, roots_of_contact
 
    logical, parameter :: moves_zone(n_root_kinds) = root_rows%moves == moves_zone_a .or. root_rows%moves == moves_zone_b
-   real(wp), parameter :: jump = 1.0e-3_wp    !! overlap over its scale: a gap that closes is nearer to 0
-   real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale: below it flanks that part have lost contact
+   real(wp), parameter :: jump = 1.0e-3_wp    !! overlap over its scale; the overlap of a gap that closes continuously is smaller
+   real(wp), parameter :: grazing = 1.0e-6_wp !! penetration over its scale; below it parting flanks have lost contact
 
 contains
 
-   !> A tooth contact with the company that its force depends on, and its root functions with the directions in which they count.
+   !> Root functions of a tooth contact with their directions; evaluates all contacts that its force depends on.
    subroutine roots_of_contact(gearbox, m, y, integers, reals, known, at, directions, roots, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(gearbox%n_integers)
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
-      logical, intent(inout) :: known(*)          !! [contacts of the gearbox] whether all of `at` is that of this state
+      logical, intent(inout) :: known(*)          !! [contacts of the gearbox] whether `at` is complete for this state
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       integer, intent(out) :: directions(gearbox%contacts(m)%n_roots)
       real(wp), intent(out) :: roots(gearbox%contacts(m)%n_roots)
@@ -54,10 +54,10 @@ contains
       end associate
    end subroutine roots_of_contact
 
-   !> One of its root functions; the others may be left out.
+   !> One of its root functions; the others may be undefined.
    subroutine root_of_contact(gearbox, m, i, y, integers, reals, roots, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: m, i !! contact, number of the root function there
+      integer, intent(in) :: m, i !! contact, index of the root function in it
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       real(wp), intent(out) :: roots(gearbox%contacts(m)%n_roots)
@@ -68,7 +68,7 @@ contains
       integer :: directions(gearbox%contacts(m)%n_roots)
 
       known = .false.
-      if (.not. any(gearbox%contacts(m)%roots(i) == [root_of%contact, root_of%force])) then ! its place is all that counts
+      if (.not. any(gearbox%contacts(m)%roots(i) == [root_of%contact, root_of%force])) then ! only the position matters
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
          call place_contact(gearbox, m, y, integers, place, at)
          at(m)%elastic = no_elastic
@@ -78,13 +78,13 @@ contains
       call roots_of_contact(gearbox, m, y, integers, reals, known, at, directions, roots, status)
    end subroutine root_of_contact
 
-   !> What happened to one tooth contact.
+   !> Apply an event to one tooth contact.
    subroutine contact_event(gearbox, m, fired, now, known, at, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
       integer, intent(in) :: m
       logical, intent(in) :: fired(n_root_kinds) !! by kind
-      logical, intent(inout) :: known(:)          !! [contacts] as of `roots_of_contact`; of no state after this
+      logical, intent(inout) :: known(:)          !! [contacts] as in `roots_of_contact`; all false on return
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       type(status_t), intent(inout) :: status
       real(wp) :: energy
@@ -117,15 +117,15 @@ contains
             closes = .not. touches(mode)
             if (touches(mode)) call check_edge(contact, at(m), status)
             call change_contact(gearbox%flanks(contact%i_flank)%flank, contact, fired, at(m), now%log)
-            ! a gap that closes by a jump is that of an edge that has just come out of the mate's base circle
+            ! a gap closes by a jump only if an edge has just left the mate's base circle: check_edge then reports an error
             if (closes .and. touches(mode) .and. at(m)%overlap > jump*contact%h_scale) at(m)%edge%exists = .false.
             if (touches(mode) .and. .not. has_failed(status)) call check_edge(contact, at(m), status)
          end if
-         ! the radii of curvature jump at a switch, and friction starts anew with a contact
+         ! the radii of curvature jump at a switch, and friction restarts with a contact
          if (mode%flanks == flanks_loaded .and. (changed .or. fired(root_of%contact) .or. fired(root_of%force))) &
             mode%friction = settle_friction(contact, at(m)%point)
          call gearbox%flanks(contact%i_flank)%flank%laws(gearbox%contacts, first, last, at, status)
-         ! what comes or goes with the flanks counts in the balance as negative loss or as loss
+         ! energy jumps with the flanks; gains and losses enter the balance as negative and positive loss
          now%y(gearbox%i_dissipated) = now%y(gearbox%i_dissipated) + (energy - energy_of(gearbox, m, first, last, at))
          call change_sides(contact, fired, mode, now%log)
          if (fired(root_of%apart)) call change_distance(contact, at(m)%q, mode, now%y, now%log)
@@ -134,7 +134,7 @@ contains
       end associate
    end subroutine contact_event
 
-   !> A pair leaves the reach of its edges under load: nothing could take its force over.
+   !> Fail because a pair leaves the reach of its edges under load: no other pair could take over its force.
    subroutine past_reach(gearbox, m, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
@@ -148,16 +148,16 @@ contains
       end associate
    end subroutine past_reach
 
-   !> Elastic energy of a tooth contact and its company [J]. Flanks that overlap may take it away at once, or bring it: pairs that
-   !> leave or enter the path under load, and flanks of another pair that deviate or yield in another way.
+   !> Elastic energy of a tooth contact and the contacts that its force depends on [J]. It may jump at an event: when pairs leave or
+   !> enter the path under load, or when the flanks of the next pair have other deviations or compliance.
    pure real(wp) function energy_of(gearbox, m, first, last, at) result(energy)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, first, last
-      type(contact_state), intent(in) :: at(*) !! with what the laws say
+      type(contact_state), intent(in) :: at(*) !! with the results of the laws
 
       energy = 0
       associate (contact => gearbox%contacts(m), flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
-         if (contact%has_edges) return ! nothing jumps
+         if (contact%has_edges) return ! no jumps
          if (contact%handover .and. .not. (contact%deviates .or. flank%bends)) return ! the next pair has the same energy
          if (first == last .and. .not. touches(at(m)%mode)) return
          if (first == last .and. abs(at(m)%point%h) <= grazing*contact%h_scale) return
@@ -165,7 +165,7 @@ contains
       end associate
    end function energy_of
 
-   !> An end of the path, or a pitch, is passed: the next tooth pair takes the slot, or the one before.
+   !> Change to the next or the previous tooth pair after an end of the path, or a pitch, is passed.
    pure subroutine change_pair(contact, forward, mode, log)
       type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: forward !! at the end where pairs leave in the nominal sense of rotation
@@ -175,7 +175,7 @@ contains
 
       next = next_pair(contact, mode, forward)
       if (contact%handover) then
-         ! both tracked points move by one base pitch along e, and so does rho_A0: turn, zeta, dr, lambda and mu stay
+         ! both tracked points move by one base pitch along e, and so does rho_A0: turn, zeta, dr, lambda and mu do not change
          mode%tooth_pair = next
          call note(log, event_at(contact, mode, merge(root_of%switch, root_of%switch_back, forward)), contact, mode%tooth_pair)
       else if (mode%flanks == flanks_off) then
@@ -188,7 +188,7 @@ contains
       end if
    end subroutine change_pair
 
-   !> The mode of a tooth pair that enters the path: flanks that overlap push at once, unless the damper pulls more.
+   !> Mode of a tooth pair that enters the path: overlapping flanks are loaded at once, unless the damper pulls more.
    subroutine enter(gearbox, m, first, last, integers, at, log, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, first, last, integers(gearbox%n_integers)
@@ -205,7 +205,7 @@ contains
                          //quantity(at(m)%point%h, "m")//": no other pair was on the path to keep them apart", subject_mesh, &
                          contact%mesh, "contact.law")
             end if
-         else if (pairs_with(gearbox, m, flanks_apart, integers) > 0) then ! its tracking rests
+         else if (pairs_with(gearbox, m, flanks_apart, integers) > 0) then ! tracking is off
             mode%flanks = flanks_apart
          else
             call mode_at(flank, gearbox%contacts, m, first, last, at, status)
@@ -214,8 +214,8 @@ contains
       end associate
    end subroutine enter
 
-   !> The contact passed the border of a zone, or lies on the flanks of another pair. A zone may be empty: a relief that is shorter
-   !> than its corner reaches ends where it begins. Then the contact is past the border behind it too, and crosses both here.
+   !> Change the zones after the contact passed a border, or for the flanks of another pair. A zone may be empty: a relief shorter
+   !> than the reach of its corner ends where it begins. The contact is then also past the next border, and crosses both here.
    subroutine change_zones(gearbox, m, changed, fired, y, integers, at, log)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m, integers(gearbox%n_integers)
@@ -256,7 +256,7 @@ contains
       end associate
    end subroutine change_zones
 
-   !> The sliding velocity passed an end of the linear part of the friction law.
+   !> Change the friction branch after the sliding velocity passed an end of the linear part of the friction law.
    pure subroutine change_friction(contact, fired, mode, log)
       type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: fired(:)
@@ -269,7 +269,7 @@ contains
       mode%friction = merge(merge(1, -1, is_high), 0, mode%friction == 0)
    end subroutine change_friction
 
-   !> A quantity passed a border that has sides. It deserves an event where its row has a text.
+   !> Change the side after a quantity passed its border. An event is logged if the row of the kind has a text.
    pure subroutine change_sides(contact, fired, mode, log)
       type(tooth_contact_t), intent(in) :: contact
       logical, intent(in) :: fired(:)
@@ -285,7 +285,7 @@ contains
       end do
    end subroutine change_sides
 
-   !> Which kinds with sides have a meaning in a mode, as far as they are noted or places.
+   !> Kinds with sides that are active in a mode; only those that are logged or are positions on a flank.
    pure function live_sides(contact, mode) result(live)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -300,11 +300,11 @@ contains
       end do
    end function live_sides
 
-   !> Sides that begin to have a meaning are found: nothing has passed a border.
+   !> Determine the sides of kinds that become active; no border has been crossed.
    subroutine begin_sides(gearbox, m, before, at)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
-      logical, intent(in) :: before(n_sides) !! `live_sides` of the mode before
+      logical, intent(in) :: before(n_sides) !! `live_sides` of the previous mode
       type(contact_state), intent(inout) :: at(*)
       logical :: begins(n_sides)
       integer :: sides(n_sides)
@@ -318,7 +318,7 @@ contains
       end associate
    end subroutine begin_sides
 
-   !> Closing, opening, and the clip of the force.
+   !> Change the mode at closing, opening, and clipping of the force.
    pure subroutine change_contact(flank, contact, fired, at, log)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
@@ -332,7 +332,7 @@ contains
             if (.not. fired(root_of%contact)) return
             mode%flanks = flanks_loaded
             mode%v0 = max(at%point%h_dot, 0.0_wp)
-            if (contact%rigid) return ! an impact decides
+            if (contact%rigid) return ! the impact decides
             call note(log, merge(event_edge_closed, event_closed, edge_wheel(mode) > 0), contact, mode%tooth_pair)
          case (flanks_loaded, flanks_unloaded)
             if (fired(root_of%contact) .or. (fired(root_of%force) .and. parts(flank, contact, at))) then
@@ -346,15 +346,16 @@ contains
       end associate
    end subroutine change_contact
 
-   !> Whether the flanks lose contact at this instant: force and penetration vanish together, which of them first is rounding.
-   !> A gap that opens so slowly that forces of the usual size may close it at once only touches zero: that it opens, if it does, is
-   !> seen later; that it closes before it was seen to be open would not be.
-   !> Where the others of a flank open and close its gap too, its own rate does not say so: the gap alone does.
+   !> Whether the flanks lose contact now. Force and penetration vanish together; rounding decides which one is first.
+   !> If a gap opens so slowly that typical forces may close it at once, it does not count as open. A later opening is still
+   !> detected, but a closing before the detected opening would be missed.
+   !> With coupled pairs, other pairs of the flank also open and close the gap. Its own rate is then not conclusive, and the overlap
+   !> alone decides.
    pure logical function parts(flank, contact, at)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
-      real(wp), parameter :: strong = 100 !! twice the accelerations that may be, over that by the reference force
+      real(wp), parameter :: strong = 100 !! twice the possible accelerations over the acceleration by the reference force
 
       parts = at%overlap < grazing*contact%h_scale .and. (at%point%h_dot < 0 .or. contact%rigid)
       if (.not. contact%rigid) &
@@ -362,7 +363,7 @@ contains
       if (flank%couples) parts = at%overlap <= 0
    end function parts
 
-   !> The event that a root function of a contact is which passes zero in a mode.
+   !> Event kind of a root function that passes zero in a mode.
    pure integer function event_at(contact, mode, kind) result(event)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
@@ -372,8 +373,7 @@ contains
       if (contact_root_direction(contact, mode, kind) > 0) event = root_rows(kind)%rises
    end function event_at
 
-   !> Tracking ends where the flanks are too far apart for two of their points to face each other, and begins anew when they
-   !> come near.
+   !> Stop tracking when the flanks are too far apart for two of their points to face each other, and restart it when they are near.
    pure subroutine change_distance(contact, q, mode, y, log)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: q(n_local)

@@ -1,4 +1,4 @@
-!> The tooth contacts of a gearbox at a state: the one way from states to where flanks touch and what acts there.
+!> Tooth contacts of a gearbox at a state: positions and forces. All evaluations use these procedures.
 module evl_contacts_at_state
    use evl_discrete_state, only: carries_points, flanks_of, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns
@@ -13,22 +13,22 @@ module evl_contacts_at_state
 
    public :: find_tracked, flank_place, look_at, look_at_forces, place_contact
 
-   !> What the contacts of a flank share at a state: whoever is placed first finds it.
+   !> Data shared by the contacts of a flank at a state; set by the first contact that is evaluated.
    type :: flank_place
-      integer :: of = 0            !! the contact placed before, whose local variables are those of all; 0: none
+      integer :: of = 0            !! contact evaluated before, whose local variables apply to all; 0: none
       type(tangent_line_t) :: line !! the line of action, where tracking is closed_form
    end type flank_place
 
 contains
 
-   !> Contacts of one flank, all or the company of one: their modes, where they are, and what the laws say of those that touch.
+   !> Evaluate contacts of one flank, all or the range of `company`: modes, positions, and forces of those that touch.
    subroutine look_at(gearbox, first, last, y, integers, reals, at, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: first, last          !! of the gearbox
+      integer, intent(in) :: first, last          !! indices in the gearbox
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
-      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law has no answer
+      type(status_t), intent(inout) :: status     !! code_out_of_domain if a law is not defined
       type(flank_place) :: place
       logical :: any_touch
       integer :: m
@@ -46,7 +46,7 @@ contains
       end associate
    end subroutine look_at
 
-   !> All contacts of one flank: whether they touch; of those that do their modes, where they are and what acts.
+   !> Evaluate all contacts of one flank: whether they touch and, for those that do, modes, positions and all forces.
    subroutine look_at_forces(gearbox, first, last, y, integers, reals, place, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last
@@ -67,7 +67,7 @@ contains
       call gearbox%flanks(gearbox%contacts(first)%i_flank)%flank%forces(gearbox%contacts, first, last, at, status)
    end subroutine look_at_forces
 
-   !> Put a contact in its place.
+   !> Compute the position of a contact.
    pure subroutine place_contact(gearbox, m, y, integers, place, at)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
@@ -89,13 +89,13 @@ contains
       end associate
    end subroutine place_contact
 
-   !> The local variables and the nominal radius of curvature of a contact whose tooth pair the flank's points are tracked of. Where
-   !> none are, or they rest since the flanks are too far apart, the rows of the tracked variables are y' = 0.
+   !> Local variables and nominal radius of curvature of a contact whose tooth pair carries the tracked points of the flank. If it
+   !> does not carry them, or tracking is off because the flanks are too far apart, the rows of the tracked variables are y' = 0.
    pure subroutine find_tracked(gearbox, index, y, integers, tracks, q, rho_a0)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(gearbox%n_integers)
       real(wp), intent(in) :: y(gearbox%n_states)
-      logical, intent(out) :: tracks !! whether there is such a point; else nothing is found
+      logical, intent(out) :: tracks !! whether it carries tracked points; if false, q and rho_a0 are undefined
       real(wp), intent(out) :: q(n_local), rho_a0
 
       associate (contact => gearbox%contacts(index))

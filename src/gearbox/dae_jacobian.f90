@@ -1,4 +1,4 @@
-!> The analytic Jacobian dF/dy + cj dF/dy' of the gearbox.
+!> Analytic Jacobian dF/dy + cj dF/dy' of the gearbox.
 module evl_dae_jacobian
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: algebraic_jacobian, differential_jacobian
@@ -24,7 +24,7 @@ module evl_dae_jacobian
 
 contains
 
-   !> dF/dy + cj dF/dy', all of it.
+   !> Full matrix dF/dy + cj dF/dy'.
    subroutine gearbox_jacobian(gearbox, t, cj, y, yp, integers, reals, jacobian, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, cj
@@ -39,7 +39,7 @@ contains
       call gearbox_jacobian_entries(gearbox, t, cj, y, yp, integers, reals, entries, jacobian, status)
    end subroutine gearbox_jacobian
 
-   !> The same, kept as `entries` says: with a mounted housing in a full matrix, else also in the list of `find_dae_pattern`.
+   !> The same in the storage given by `entries`: a full matrix, or, without a mounted housing, also the list of `find_dae_pattern`.
    subroutine gearbox_jacobian_entries(gearbox, t, cj, y, yp, integers, reals, entries, jacobian, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, cj
@@ -83,7 +83,7 @@ contains
       end do
    end subroutine gearbox_jacobian_entries
 
-   !> Entries that may differ from zero in any discrete state, column after column; the housing is not mounted.
+   !> Entries that may be nonzero in any discrete state, column by column; for a housing that is not mounted.
    subroutine find_dae_pattern(gearbox, rows, columns)
       type(gearbox_t), intent(in) :: gearbox
       integer, allocatable, intent(out) :: rows(:), columns(:)
@@ -112,11 +112,11 @@ contains
       call sort_places(gearbox%n_states, rows, columns)
    end subroutine find_dae_pattern
 
-   !> Note the rows of a tooth contact's multiplier, its constraint and its tracked variables.
+   !> Record the rows of a tooth contact's multiplier, its constraint and its tracked variables.
    pure subroutine note_contact(contact, forces, entries, notes)
       type(tooth_contact_t), intent(in) :: contact
-      type(jacobian_entries), intent(in) :: forces  !! of the rows of the speeds
-      type(jacobian_entries), intent(in) :: entries !! that notes
+      type(jacobian_entries), intent(in) :: forces  !! for the rows of the speeds
+      type(jacobian_entries), intent(in) :: entries !! in recording mode
       real(wp), intent(inout) :: notes(entries%n_entries)
       real(wp), parameter :: some(n_local) = 0.0_wp
       integer :: i, p, row
@@ -140,14 +140,14 @@ contains
       end do
    end subroutine note_contact
 
-   !> Whether a local variable's rate is an acceleration that changes kappa''.
+   !> Whether the rate of a local variable is an acceleration that enters kappa''.
    elemental logical function has_rate(link)
       type(local_link), intent(in) :: link
 
       has_rate = link%local >= at_psi_dot_a .and. link%local <= at_v_b + 1
    end function has_rate
 
-   !> The rows of a mounted housing, and what its accelerations are for the others.
+   !> Rows of a mounted housing, and the effect of its accelerations on the other rows.
    subroutine add_housing(gearbox, cj, y, yp, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: cj, y(gearbox%n_states), yp(gearbox%n_states)
@@ -160,11 +160,11 @@ contains
       jacobian = jacobian + cj*coupling
    end subroutine add_housing
 
-   !> The row of a multiplier: kappa'' in terms of the rows of the velocities, which hold minus their derivatives.
+   !> Row of a multiplier: kappa'' from the rows of the velocities, which contain the negative derivatives of the accelerations.
    pure subroutine add_multiplier(gearbox, index, y, f, integers, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, integers(gearbox%n_integers)
-      real(wp), intent(in) :: y(gearbox%n_states), f(gearbox%n_states) !! f: rates there
+      real(wp), intent(in) :: y(gearbox%n_states), f(gearbox%n_states) !! f: rates at this state
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: jacobian(entries%n_entries)
       real(wp) :: q(n_local), rates(n_local), direct(n_local)
@@ -192,7 +192,7 @@ contains
       end associate
    end subroutine add_multiplier
 
-   !> The rows of the wheel that a closed rigid contact determines: kappa and kappa'.
+   !> Rows of the wheel that a closed rigid contact determines: kappa and kappa'.
    pure subroutine add_constraint(gearbox, contact, y, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
@@ -213,7 +213,7 @@ contains
       end associate
    end subroutine add_constraint
 
-   !> The rows of a mesh's tracked variables.
+   !> Rows of the tracked variables of a mesh.
    pure subroutine add_tracking(gearbox, index, cj, y, yp, integers, entries, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index

@@ -1,4 +1,4 @@
-!> The gearbox as a differential-algebraic system F(t, y, y') = 0, and the y' that belongs to y.
+!> The gearbox as a differential-algebraic system F(t, y, y') = 0, and consistent derivatives y'.
 module evl_dae_residual
    use evl_contact_tracking, only: algebraic_residual, differential_rates, differential_residual
    use evl_contacts_at_state, only: find_tracked
@@ -36,7 +36,7 @@ contains
       call gearbox_rates(gearbox, t, y, integers, reals, residual, status, yp)
       if (has_failed(status)) return
       if (gearbox%housing%is_mounted) call housing_residual(gearbox, t, y, yp, residual, balances)
-      ! the places of the multipliers, which stand together before the energies, hold their rows already
+      ! the rows of the multipliers, which are contiguous before the energies, are already complete
       associate (before => gearbox%i_dissipated - gearbox%n_multipliers - 1, behind => gearbox%i_dissipated)
          residual(:before) = yp(:before) - residual(:before)
          residual(behind:) = yp(behind:) - residual(behind:)
@@ -71,7 +71,7 @@ contains
       end do
    end subroutine gearbox_residual
 
-   !> The y' that belongs to y; tracked variables by the differential form, solved with LAPACK. y has its multipliers already.
+   !> Consistent y' for y; tracked variables by the differential form, solved with LAPACK. y must contain its multipliers.
    subroutine gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -107,7 +107,7 @@ contains
       end do
    end subroutine gearbox_derivative
 
-   !> A tracked point where the involute of its flank does not reach.
+   !> Fail because a tracked point lies inside the base circle, where its flank has no involute.
    subroutine tell_inside(mesh, status)
       integer, intent(in) :: mesh
       type(status_t), intent(inout) :: status

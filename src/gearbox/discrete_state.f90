@@ -1,6 +1,6 @@
-!> The one door to the discrete state of tooth contacts: nobody else knows where their integers stand.
+!> Access to the discrete state of tooth contacts. No other module depends on the layout of their integers.
 !>
-!> What they are is said by the table of root kinds: those held by name, and a side for each kind that has one.
+!> The table of root kinds defines them: n_held named integers, and a side for each kind that has one.
 module evl_discrete_state
    use evl_flank_deviation, only: zone_end
    use evl_gearbox, only: gearbox_t
@@ -15,7 +15,7 @@ module evl_discrete_state
 
 contains
 
-   !> Give places to the integers of all tooth contacts.
+   !> Assign indices in the discrete state to the integers of all tooth contacts.
    pure subroutine number_integers(contacts, n)
       type(tooth_contact_t), intent(inout) :: contacts(:) !! with their root functions
       integer, intent(inout) :: n !! length of the discrete state
@@ -30,10 +30,10 @@ contains
       end do
    end subroutine number_integers
 
-   !> Whether a contact has an integer.
+   !> Whether a contact has integer k.
    pure logical function has_integer(contact, k)
       type(tooth_contact_t), intent(in) :: contact
-      integer, intent(in) :: k !! of the table
+      integer, intent(in) :: k !! index in the table
 
       select case (k)
       case (:n_held)
@@ -43,7 +43,7 @@ contains
       end select
    end function has_integer
 
-   !> The same put where it is wanted.
+   !> Read the mode of a tooth contact from the discrete state.
    pure subroutine take_mode(gearbox, index, integers, reals, mode)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -74,7 +74,7 @@ contains
       if (n > 1) mode%share = 1/real(n, wp)
    end subroutine take_mode
 
-   !> Put the discrete state of a tooth contact back.
+   !> Store the mode of a tooth contact in the discrete state.
    pure subroutine gearbox_store_mode(gearbox, index, mode, integers, reals)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -106,7 +106,7 @@ contains
       flanks = integers(contact%i_discrete(moves_flanks))
    end function flanks_of
 
-   !> Put a tooth pair into a contact.
+   !> Set the tooth pair and the flanks of a contact.
    pure subroutine put_pair(contact, tooth_pair, flanks, integers)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: tooth_pair, flanks
@@ -116,7 +116,7 @@ contains
       call put_flanks(contact, flanks, integers)
    end subroutine put_pair
 
-   !> Open or load the flanks of a contact.
+   !> Set the flanks of a contact.
    pure subroutine put_flanks(contact, flanks, integers)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: flanks
@@ -125,10 +125,10 @@ contains
       integers(contact%i_discrete(moves_flanks)) = flanks
    end subroutine put_flanks
 
-   !> How many tooth pairs of a contact's flank are in a state of contact.
+   !> Number of tooth pairs of a contact's flank in a given state of contact.
    pure integer function pairs_with(gearbox, index, flanks, integers) result(n)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index    !! of any tooth contact of the flank
+      integer, intent(in) :: index    !! any tooth contact of the flank
       integer, intent(in) :: flanks   !! flanks_open, ...
       integer, intent(in) :: integers(gearbox%n_integers)
       integer :: m
@@ -141,11 +141,11 @@ contains
       end associate
    end function pairs_with
 
-   !> Whether a flank's tracked points are those of this contact's tooth pair: the first one of the flank that is on the path; if
-   !> none is, the next one that comes, as the others may lie where their involutes do not reach.
+   !> Whether the tracked points of a flank are those of this contact's tooth pair. This is the first pair of the flank on the path.
+   !> If none is on the path, it is the next to enter, since the involutes of the others may not reach.
    pure logical function carries_points(gearbox, index, integers)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index    !! of the tooth contact
+      integer, intent(in) :: index    !! the tooth contact
       integer, intent(in) :: integers(gearbox%n_integers)
       integer :: m
 
@@ -162,7 +162,7 @@ contains
       end associate
    end function carries_points
 
-   !> The tooth contact that speaks for a mesh: the pair that has been longest on the path of the drive flank, or waits for it.
+   !> Tooth contact that represents a mesh: the pair that has been longest on the path of the drive flank, or waits for it.
    pure integer function leading_contact(gearbox, mesh, integers) result(index)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -182,8 +182,8 @@ contains
       end do
    end function leading_contact
 
-   !> The tooth contact that carries the load of a mesh: the leading one, or the first other one if that does not; the leading
-   !> one if none does.
+   !> Loaded tooth contact of a mesh: the leading one, or the first other one if the leading one is not loaded; the leading one if
+   !> none is loaded.
    pure integer function carrying_contact(gearbox, mesh, integers) result(index)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -200,7 +200,7 @@ contains
       end do
    end function carrying_contact
 
-   !> 2: between the ends of its flanks; 1: past one of them, within reach of an edge; 0: off the path.
+   !> Rank of a pair. 2: between the ends of its flanks; 1: past one of them, within reach of an edge; 0: off the path.
    pure integer function rank_of(contact, integers) result(rank)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: integers(*)
@@ -210,7 +210,7 @@ contains
       if (maxval(integers(contact%i_discrete(moves_zone_a:moves_zone_b))) >= zone_end) rank = 1
    end function rank_of
 
-   !> Whether a tooth contact leads a rigid flank that is closed.
+   !> Whether a tooth contact is the leading one of a closed rigid flank.
    pure logical function is_closed(gearbox, index, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -220,7 +220,7 @@ contains
       if (is_closed) is_closed = pairs_with(gearbox, index, flanks_loaded, integers) > 0
    end function is_closed
 
-   !> The tooth pair of a flank that has been longest on the path; that of the first slot if none is.
+   !> Tooth pair of a flank that has been longest on the path; that of the first slot if none is on the path.
    pure integer function first_pair(gearbox, leader, integers) result(pair)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader, integers(gearbox%n_integers)

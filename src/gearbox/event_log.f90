@@ -1,4 +1,4 @@
-!> What happened at one event, in the order in which it was applied, and the names of all kinds of events.
+!> Log of events in the order in which they are applied, and the names of all event kinds.
 module evl_event_log
    use evl_event_kinds, only: event_rows, n_event_rows
    use evl_kinds, only: wp
@@ -11,22 +11,22 @@ module evl_event_log
 
    public :: event_log, event_of_root, event_t, list_event_kinds, moment_t, n_event_kinds, note
 
-   !> One thing that happened.
+   !> One event.
    type :: event_t
-      integer :: kind = 0        !! place in the table of event kinds, from 0
-      integer :: mesh = 0        !! from 1; 0 if it concerns none
-      integer :: flank = -1      !! drive or coast; -1 if it concerns none
-      integer :: tooth_pair = -1 !! pitches since the start; -1 if it concerns none
+      integer :: kind = 0        !! index in the table of event kinds, from 0
+      integer :: mesh = 0        !! from 1; 0 if none
+      integer :: flank = -1      !! drive or coast; -1 if none
+      integer :: tooth_pair = -1 !! pitches since the start; -1 if none
    end type event_t
 
-   !> What happens at one event, in the order in which it is applied.
+   !> Events in the order in which they are applied.
    type :: event_log
       integer :: n = 0
-      logical :: once = .false. !! what is noted again stands only where it happened last
+      logical :: once = .false. !! a repeated event is listed only at its last occurrence
       type(event_t), allocatable :: events(:)
    end type event_log
 
-   !> A state while it is settled what happens in it.
+   !> State during the handling of an event.
    type :: moment_t
       real(wp) :: t                         !! [s]
       real(wp), allocatable :: y(:)
@@ -37,20 +37,20 @@ module evl_event_log
 
 contains
 
-   !> How many kinds there are: those of their table, then the root functions that are noted under their own names.
+   !> Number of event kinds: those of their table, then the root functions that are logged under their own names.
    pure integer function n_event_kinds() result(n)
 
       n = n_event_rows + count(root_rows%text /= "")
    end function n_event_kinds
 
-   !> The kind of event that a root function is which is noted under its own name.
+   !> Event kind of a root function that is logged under its own name.
    pure integer function event_of_root(kind) result(event)
       integer, intent(in) :: kind !! one with a text
 
       event = n_event_rows - 1 + count(root_rows(:kind)%text /= "")
    end function event_of_root
 
-   !> Names and meanings of all kinds.
+   !> Names and descriptions of all event kinds.
    pure subroutine list_event_kinds(kinds)
       type(kind_t), allocatable, intent(out) :: kinds(:)
 
@@ -61,7 +61,7 @@ contains
       kinds(n_event_rows + 1:)%text = root_rows(places(root_rows%text /= ""))%text
    end subroutine list_event_kinds
 
-   !> Write an event down.
+   !> Add an event to the log.
    pure subroutine note(log, kind, contact, tooth_pair)
       type(event_log), intent(inout) :: log
       integer, intent(in) :: kind
@@ -81,7 +81,7 @@ contains
          log%events(kept) = log%events(i)
       end do
       log%n = kept + 1
-      if (log%n > size(log%events)) log%events = [log%events, event] ! nothing is lost
+      if (log%n > size(log%events)) log%events = [log%events, event] ! grow the array
       log%events(log%n) = event
    end subroutine note
 

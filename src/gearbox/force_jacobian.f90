@@ -1,7 +1,7 @@
-!> What wheels, supports, shafts and tooth contacts add to dF/dy, F being y' - f: the one source of these derivatives, for the
-!> full matrix of an implicit integrator and for the listed entries of radau's.
+!> Contributions of wheels, supports, shafts and tooth contacts to dF/dy, with F = y' - f. All integrators use these derivatives, as
+!> a full matrix or as listed entries (radau).
 !>
-!> A row of psi' holds what acts on its rotor until `couple_reference` completes it.
+!> A row of psi' contains the contributions to its rotor until `couple_reference` completes it.
 module evl_force_jacobian
    use evl_contact_gradient, only: force_gradient, mesh_force_gradient, point_gradient
    use evl_contact_point, only: contact_gradient
@@ -26,7 +26,7 @@ module evl_force_jacobian
 
 contains
 
-   !> Entries that df/dy may have in any discrete state, column after column; the housing is not mounted.
+   !> Entries that df/dy may have in any discrete state, column by column; for a housing that is not mounted.
    subroutine find_pattern(gearbox, rows, columns)
       type(gearbox_t), intent(in) :: gearbox
       integer, allocatable, intent(out) :: rows(:), columns(:)
@@ -34,7 +34,7 @@ contains
       type(jacobian_entries) :: entries
       integer :: room, i, turn
 
-      room = 256 ! more than most have
+      room = 256 ! enough for most gearboxes
       do
          call note_entries(gearbox%n_states, room, entries)
          notes = [(0.0_wp, i=0, room)]
@@ -54,10 +54,10 @@ contains
       call sort_places(gearbox%n_states, rows, columns)
    end subroutine find_pattern
 
-   !> Note what will be added to, but for what `couple_reference` brings.
+   !> Record all entries that are added to, except those of `couple_reference`.
    subroutine note_forces(gearbox, entries, notes)
       type(gearbox_t), intent(in) :: gearbox
-      type(jacobian_entries), intent(in) :: entries !! that notes
+      type(jacobian_entries), intent(in) :: entries !! in recording mode
       real(wp), intent(inout) :: notes(entries%n_entries)
       real(wp) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       integer :: integers(gearbox%n_integers)
@@ -72,7 +72,7 @@ contains
       call add_forces(gearbox, 0.0_wp, y, integers, reals, frame, entries, notes, status)
    end subroutine note_forces
 
-   !> Add what neither time nor the state changes: rates that are states themselves, supports and elastic shafts.
+   !> Add the constant entries: rates that are states themselves, supports and elastic shafts.
    pure subroutine add_constants(gearbox, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       type(jacobian_entries), intent(in) :: entries
@@ -97,7 +97,7 @@ contains
       end do
    end subroutine add_constants
 
-   !> Add all else that the forces bring.
+   !> Add all other contributions of the forces.
    subroutine add_forces(gearbox, t, y, integers, reals, frame, entries, values, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
@@ -132,7 +132,7 @@ contains
       end do
    end subroutine add_forces
 
-   !> What the dampers of a wheel's support take, and the power that drives a prescribed speed.
+   !> Power dissipated in the dampers of a wheel's support, and the power that drives a prescribed speed.
    pure subroutine add_powers(gearbox, index, y, integers, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -155,7 +155,7 @@ contains
       end associate
    end subroutine add_powers
 
-   !> How the torque of a load depends on its wheel; a wheel whose speed is prescribed is not accelerated by it.
+   !> Dependence of the torque of a load on its wheel; it does not accelerate a wheel with prescribed speed.
    pure subroutine add_load(gearbox, load, answer, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       class(load_t), intent(in) :: load
@@ -170,7 +170,7 @@ contains
       end associate
    end subroutine add_load
 
-   !> The power of a load on a wheel whose speed is not prescribed, but for what the turning of the housing adds to its torque.
+   !> Power of a load on a wheel without prescribed speed, except for the effect of the housing rotation on its torque.
    pure subroutine add_load_power(gearbox, load, answer, y, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       class(load_t), intent(in) :: load
@@ -188,7 +188,7 @@ contains
       end associate
    end subroutine add_load_power
 
-   !> The tooth contacts of a flank that touch, in the rows of their wheels, the supports and the energies.
+   !> Touching contacts of a flank, in the rows of their wheels, the supports and the energies.
    subroutine add_flank(gearbox, flank, y, spin, integers, reals, entries, values, status)
       type(gearbox_t), intent(in) :: gearbox
       class(flank_t), intent(in) :: flank
@@ -210,7 +210,7 @@ contains
          if (touches(at(m)%mode)) call point_gradient(gearbox%contacts(m), place%line, at(m), d(m))
       end do
       do m = flank%first, flank%last
-         if (entries%notes) then ! it may touch
+         if (entries%notes) then ! each contact may touch
             at(m)%force = no_force
             gradient = mesh_force_gradient(torque_a=0.0_wp, torque_b=0.0_wp, on_a=0.0_wp, dissipation=0.0_wp)
          else
@@ -229,7 +229,7 @@ contains
       end do
    end subroutine add_flank
 
-   !> How a shaft's torque accelerates the rotors of its wheels, which never changes.
+   !> Acceleration of the rotors by the torque of a shaft; these entries are constant.
    pure subroutine add_shaft_torque(gearbox, shaft, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       type(shaft_t), intent(in) :: shaft
@@ -247,7 +247,7 @@ contains
       end associate
    end subroutine add_shaft_torque
 
-   !> Powers of a shaft: what its damping takes, and what a load brings that prescribes the speed of one of its wheels.
+   !> Powers of a shaft: dissipation by its damping, and work of a load that prescribes the speed of one of its wheels.
    pure subroutine add_shaft(gearbox, shaft, y, spin, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       type(shaft_t), intent(in) :: shaft
@@ -269,11 +269,11 @@ contains
       call scatter(links(:n), gearbox%i_dissipated, -2*shaft%damping*shaft_twist(shaft, y, 1), [0.0_wp, 1.0_wp], entries, values)
    end subroutine add_shaft
 
-   !> The twist of a shaft and its rate, the local variables of its torque, in terms of the state.
+   !> Twist of a shaft and its rate, the local variables of its torque, in terms of the state.
    pure subroutine link_shaft(shaft, links, n)
       type(shaft_t), intent(in) :: shaft
       type(local_link), intent(out) :: links(4)
-      integer, intent(out) :: n !! how many there are
+      integer, intent(out) :: n !! number of links
       integer :: i
 
       n = 0
@@ -286,11 +286,11 @@ contains
       end do
    end subroutine link_shaft
 
-   !> A torque of a contact or a shaft on a wheel: it accelerates the wheel, or, if its speed is prescribed, is carried by the load.
+   !> Torque of a contact or a shaft on a wheel: it accelerates the wheel or, for a prescribed speed, is balanced by the load.
    pure subroutine add_torque(gearbox, links, index, torque, gradient, y, spin, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       type(local_link), intent(in), contiguous :: links(:)
-      integer, intent(in) :: index !! of the wheel
+      integer, intent(in) :: index !! index of the wheel
       real(wp), intent(in) :: torque, gradient(*), y(gearbox%n_states), spin
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
@@ -303,7 +303,7 @@ contains
          call scatter(links, work, wheel_speed(wheel, y), gradient, entries, values)
          call add_turn(wheel, of_speed, work, torque, entries, values)
          if (.not. (gearbox%housing%is_mounted .and. wheel_follows_ground(gearbox, index))) return
-         ! the torque of a speed prescribed against the ground balances it, and acts on the housing
+         ! the torque of a speed prescribed relative to the ground balances it, and acts on the housing
          associate (o => gearbox%housing%i_state + at_omega + 2)
             call scatter(links, work, spin, gradient, entries, values)
             call scatter(links, o, 1.0_wp, gradient, entries, values)
@@ -312,11 +312,11 @@ contains
       end associate
    end subroutine add_torque
 
-   !> A contact's force on the support of a wheel.
+   !> Force of a contact on the support of a wheel.
    pure subroutine add_push(links, wheel, per_mass, gradient, entries, values)
       type(local_link), intent(in), contiguous :: links(:)
       type(wheel_link), intent(in) :: wheel
-      real(wp), intent(in) :: per_mass !! inverse mass, negative for B, which feels the opposite
+      real(wp), intent(in) :: per_mass !! inverse mass; negative for B, where the force is opposite
       real(wp), intent(in) :: gradient(n_local, 2)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)

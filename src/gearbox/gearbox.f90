@@ -1,21 +1,21 @@
-!> A gearbox: wheels on supports with loads, the shafts and the meshes between them, as one differential-algebraic system.
+!> A gearbox: wheels on supports with loads, and the shafts and meshes between them, as one differential-algebraic system.
 !>
-!> Wheels that rigid shafts join are one rotor: they share psi and psi', their inertias and torques add. The rotor's leader, one of
-!> its wheels, stands for it where something is done once a rotor.
+!> Wheels joined by rigid shafts are one rotor: they share psi and psi', and their inertias and torques add. One of its wheels, the
+!> leader, represents the rotor in operations that are done once per rotor.
 !>
 !> State, in this order:
 !>
 !>    theta, omega               angle and speed of the reference wheel
-!>    psi_i, psi_i'              of every rotor but that of the reference wheel: phi_i = g_i theta + psi_i, g_i the kinematic speed
-!>                               ratio
+!>    psi_i, psi_i'              of every rotor except that of the reference wheel: phi_i = g_i theta + psi_i, g_i the kinematic
+!>                               speed ratio
 !>    s_j, s_j'                  of every degree of freedom of a support, from its reference position
 !>    turn, zeta, dr, lambda, mu   of every mesh that tracks its contact points, see evl_contact_tracking
 !>    r, p, v, Omega             of a mounted housing, see evl_housing
 !>    multiplier                 of every flank with rigid contact: its normal force
 !>    dissipated energy, work of the loads
 !>
-!> Discrete integers: turns of the reference wheel beside theta; those of every tooth contact, see evl_discrete_state; knots passed
-!> of every table. Discrete reals: the approach speed at the last closing of every tooth contact.
+!> Discrete integers: revolutions of the reference wheel in addition to theta; those of every tooth contact, see evl_discrete_state;
+!> number of knots passed in every table. Discrete reals: the approach speed at the last closing of every tooth contact.
 module evl_gearbox
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_flank, only: flank_slot
@@ -44,7 +44,7 @@ module evl_gearbox
    public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
-   integer, parameter :: of_angle = 0, of_speed = i_omega - i_theta !! places of them behind that of the angle
+   integer, parameter :: of_angle = 0, of_speed = i_omega - i_theta !! offsets from the index of the angle
 
    type :: wheel_t
       integer :: teeth = 0                   !! 0: a disc
@@ -57,12 +57,12 @@ module evl_gearbox
       real(wp) :: axial_position = 0.0_wp    !! z of its middle plane [m]
       type(rational_t) :: exact_ratio        !! g: nominal speed over that of the reference wheel
       real(wp) :: ratio = 0.0_wp             !! g as a real number
-      integer :: leader = 0                  !! wheel that stands for its rotor
+      integer :: leader = 0                  !! wheel that represents its rotor
       real(wp) :: rotor_inertia = 0.0_wp     !! of all wheels of its rotor about the axle [kg m^2]
       real(wp) :: per_inertia = 0.0_wp       !! its inverse
-      integer, allocatable :: loads(:)       !! those of the gearbox that act on it
+      integer, allocatable :: loads(:)       !! loads of the gearbox that act on it
       integer :: i_psi = 0                   !! index of psi in the state, psi' follows; 0 in the rotor of the reference wheel
-      integer :: i_speed = 0                 !! index of its speed's rate among the rows: i_omega or i_psi + 1
+      integer :: i_speed = 0                 !! row of the rate of its speed: i_omega or i_psi + 1
       integer :: prescribed = 0              !! load that prescribes the speed of its rotor; 0: none
       type(support_t) :: support
       type(flank_deviation_t) :: deviation   !! of its flanks from the involute
@@ -75,12 +75,12 @@ module evl_gearbox
 
    !> Nominal operating point, see evl_nominal_point.
    type :: nominal_point_t
-      logical :: is_balanced = .true.       !! whether the loads balance at some speed; if not, they accelerate the wheels
+      logical :: is_balanced = .true.       !! whether the loads balance at some speed; otherwise they accelerate the wheels
       real(wp) :: speed = 0.0_wp            !! of the reference wheel, counterclockwise positive [rad/s]
-      real(wp) :: speed_scale = 0.0_wp      !! its magnitude, or after 1 s under harmonic torques; 0: rest [rad/s]
+      real(wp) :: speed_scale = 0.0_wp      !! its magnitude, or that after 1 s under harmonic torques; 0: at standstill [rad/s]
       real(wp), allocatable :: force(:)     !! of each mesh: normal force, > 0 on the drive flanks, < 0 on the coast flanks [N]
-      real(wp), allocatable :: torque(:)    !! of each shaft, on its second wheel [N m]; 0 of a rigid one
-      real(wp) :: torque_scale = 0.0_wp     !! torque that the loads put through the train, at the reference wheel [N m]
+      real(wp), allocatable :: torque(:)    !! of each shaft, on its second wheel [N m]; 0 for a rigid one
+      real(wp) :: torque_scale = 0.0_wp     !! torque that the loads transmit through the train, at the reference wheel [N m]
       real(wp), allocatable :: mesh_load(:) !! of each mesh: |force|, or the amplitude under harmonic torques; 0: unloaded [N]
       real(wp), allocatable :: mesh_scale(:), shaft_scale(:) !! |force| and |torque|, or torque_scale referred to mesh and shaft
    end type nominal_point_t
@@ -89,29 +89,29 @@ module evl_gearbox
       type(wheel_t), allocatable :: wheels(:)
       type(load_slot), allocatable :: loads(:)
       type(shaft_t), allocatable :: shafts(:)
-      type(tooth_contact_t), allocatable :: contacts(:) !! mesh by mesh: slots of the drive flank, then of the coast flank
+      type(tooth_contact_t), allocatable :: contacts(:) !! by mesh: slots of the drive flank, then of the coast flank
       type(flank_slot), allocatable :: flanks(:)  !! in the order of their contacts
       type(spur_pair_t), allocatable :: pairs(:)  !! geometry of each mesh
       type(tooth_phase_t), allocatable :: phases(:) !! first tooth pair of each mesh
-      integer, allocatable :: first(:)            !! first tooth contact of each mesh; behind the last mesh, one more than all
-      type(gear_t), allocatable :: gears(:)            !! of each wheel, initial values if it is no real gear
+      integer, allocatable :: first(:)            !! first tooth contact of each mesh; after the last mesh, the total number + 1
+      type(gear_t), allocatable :: gears(:)            !! of each wheel; default values for a wheel without a basic rack
       type(wheel_compliance_t), allocatable :: compliances(:) !! of each wheel
-      type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, the same
+      type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, likewise
       type(nominal_point_t) :: nominal            !! nominal operating point
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing
-      integer, allocatable :: output_offsets(:), output_counts(:) !! indices of what it tells among the values, offsets from 0
-      integer, allocatable :: rows_before(:)      !! each section of their table
-      integer, allocatable :: output_needs(:)     !! what has to be computed for each output
+      integer, allocatable :: output_offsets(:), output_counts(:) !! position of each output in the values: offset from 0, count
+      integer, allocatable :: rows_before(:)      !! rows before each section of the output table
+      integer, allocatable :: output_needs(:)     !! computations required by each output
       logical, allocatable :: output_is_constant(:)
-      real(wp), allocatable :: constants(:)       !! [n_values] the values that never change; 0 where others come
-      integer :: n_pair_places = 0, n_drive_places = 0 !! for tooth pairs of a mesh in the outputs; of the drive flank
-      type(status_t), allocatable :: warnings(:) !! of the creation
-      type(status_t) :: start_refusal            !! why no motion starts: a damping law needs a load
+      real(wp), allocatable :: constants(:)       !! [n_values] constant values; 0 for all others
+      integer :: n_pair_places = 0, n_drive_places = 0 !! slots for tooth pairs of a mesh in the outputs: all, drive flank
+      type(status_t), allocatable :: warnings(:) !! from the creation
+      type(status_t) :: start_refusal            !! error if no simulation can start: a damping law requires a load
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
       integer :: n_states = 0, n_integers = 0, n_values = 0 !! lengths of the state, the discrete state and the outputs
-      integer :: n_multipliers = 0            !! flanks with rigid contact
-      integer :: n_roots = 0                  !! root functions
+      integer :: n_multipliers = 0            !! number of flanks with rigid contact
+      integer :: n_roots = 0                  !! number of root functions
       integer :: i_dissipated = 0, i_work = 0 !! indices of the two energies in the state
    end type gearbox_t
 
@@ -155,7 +155,7 @@ contains
       if (wheel%i_psi > 0) call add_entry(entries, row, wheel%i_psi + order, factor, values)
    end subroutine add_turn
 
-   !> What a wheel deviates from: the reference motion of its centre in the housing frame.
+   !> Reference motion of a wheel's centre in the housing frame, from which its deviation is measured.
    pure type(axle_motion) function wheel_reference(wheel, t) result(motion)
       type(wheel_t), intent(in) :: wheel
       real(wp), intent(in) :: t
@@ -186,11 +186,11 @@ contains
       acceleration = [reference%acceleration + axle_deviation(wheel%support, yp, 1), 0.0_wp]
    end function axle_acceleration
 
-   !> Acceleration, less gravity, of a wheel whose deviation from the reference motion rests at its place [m/s^2].
+   !> Acceleration, less gravity, of a wheel with a constant deviation from the reference motion [m/s^2].
    pure function carried_acceleration(wheel, frame, centre) result(acceleration)
       type(wheel_t), intent(in) :: wheel
       type(frame_t), intent(in) :: frame
-      real(wp), intent(in) :: centre(3) !! where it is [m]
+      real(wp), intent(in) :: centre(3) !! position of the wheel [m]
       real(wp) :: acceleration(3)
       type(axle_motion) :: reference
 

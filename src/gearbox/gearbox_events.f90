@@ -1,4 +1,4 @@
-!> When something happens to a gearbox, and what changes when it does.
+!> Root functions and time events of a gearbox, and the changes of state at events.
 module evl_gearbox_events
    use evl_contact_events, only: root_of_contact
    use evl_contact_roots, only: contact_root_directions, contact_roots
@@ -24,11 +24,11 @@ module evl_gearbox_events
    public :: gearbox_event_room, turns_root
    public :: gearbox_root, gearbox_roots, gearbox_root_directions, gearbox_next_time_event, gearbox_apply_event
 
-   integer, parameter :: most_turns = 2       !! theta is reduced at events past one turn, and at this many at the latest
+   integer, parameter :: most_turns = 2       !! theta is reduced at events after one revolution, and at the latest after this many
 
 contains
 
-   !> Root functions at a state: those of the tooth contacts, and the turns of the reference wheel.
+   !> Root functions at a state: those of the tooth contacts, and that of the revolutions of the reference wheel.
    subroutine gearbox_roots(gearbox, y, integers, reals, roots, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
@@ -51,10 +51,10 @@ contains
       roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine gearbox_roots
 
-   !> One root function at a state, as `gearbox_roots` gives it; the other places of `roots` may change to theirs.
+   !> One root function at a state, as in `gearbox_roots`; other elements of `roots` may change to their values.
    subroutine gearbox_root(gearbox, index, y, integers, reals, roots, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index               !! which one: 1 .. n_roots
+      integer, intent(in) :: index               !! index of the root function: 1 .. n_roots
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(inout) :: roots(gearbox%n_roots)
@@ -71,7 +71,7 @@ contains
       roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine gearbox_root
 
-   !> The root function of the turns of the reference wheel.
+   !> Root function of the revolutions of the reference wheel.
    elemental real(wp) function turns_root(theta) result(root)
       real(wp), intent(in) :: theta !! [rad]
 
@@ -97,11 +97,11 @@ contains
       directions(gearbox%n_roots) = -1
    end subroutine gearbox_root_directions
 
-   !> The most that can be noted at one event: of each contact once and in every turn of settling, after an impact again; what
-   !> impacts and rigid forces bring; what further impacts bring, each kind once; a knot and a revolution.
+   !> Largest number of entries in the log of one event: for each contact one set, one more in every iteration of settling, and
+   !> again after an impact; entries for impacts and rigid forces; each kind once for further impacts; a knot and a revolution.
    pure integer function gearbox_event_room(gearbox) result(room)
       type(gearbox_t), intent(in) :: gearbox
-      integer, parameter :: of_contact = 5 + n_sides !! pair, border, sliding, contact, distance; what is only noted
+      integer, parameter :: of_contact = 5 + n_sides !! pair, border, sliding, contact, distance; logged kinds
       integer, parameter :: of_flank = 4   !! opened, impact or closed, impacts ended, opened
       integer, parameter :: of_pairs = 3   !! a pair that left, one that entered, none
 
@@ -122,7 +122,7 @@ contains
       end do
    end function gearbox_next_time_event
 
-   !> Apply what happened at t and make y' consistent.
+   !> Apply an event at t and make y' consistent.
    subroutine gearbox_apply_event(gearbox, t, fired, time_event, y, yp, integers, reals, log, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -134,7 +134,7 @@ contains
       real(wp), intent(inout) :: reals(size(gearbox%contacts))
       type(event_log), intent(out) :: log    !! at most gearbox_event_room
       type(status_t), intent(inout) :: status
-      integer, parameter :: few = 8 !! events: most often there are no more, and the log grows
+      integer, parameter :: few = 8 !! initial size of the log, which grows if required
       logical :: was_closed(size(gearbox%contacts))
       type(moment_t) :: now
       integer :: i
@@ -175,7 +175,7 @@ contains
       if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_apply_event
 
-   !> Restart with the tracked points exactly on their flanks; where they cannot be put, the derivative says why.
+   !> Put the tracked points exactly onto their flanks before the restart; if this fails, `gearbox_derivative` reports the error.
    subroutine project_tracked(gearbox, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)

@@ -1,6 +1,6 @@
-!> The rates of a gearbox for eight states at once, as `gearbox_rates` gives them for one.
+!> Rates of a gearbox for eight states at once; `gearbox_rates` is the version for one state.
 !>
-!> It serves tooth contacts in closed form with a force law, in a fixed housing without gravity: see `lanes_serve`.
+!> Supported: tooth contacts in closed form with a force law, in a fixed housing without gravity; see `lanes_serve`.
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes
    use evl_flank, only: flank_t
@@ -25,7 +25,7 @@ contains
    include "numerics/all_positive.inc"
    include "parts/springs_and_dampers.inc"
 
-   !> Whether a gearbox can be evaluated here; if not, its states are asked one by one.
+   !> Whether a gearbox is supported by this module; otherwise its states are evaluated one by one.
    pure logical function lanes_serve(gearbox) result(serve)
       type(gearbox_t), intent(in) :: gearbox
       integer :: i
@@ -38,15 +38,15 @@ contains
 
    !> Rates of all states: y' = f(t, y).
    subroutine rates_in_lanes(gearbox, t, y, integers, reals, slots, f, status)
-      type(gearbox_t), intent(in) :: gearbox           !! one that `lanes_serve` accepts
+      type(gearbox_t), intent(in) :: gearbox           !! supported by `lanes_serve`
       real(wp), intent(in) :: t(lanes)                 !! [s]
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))
-      !> [tooth contacts] settled; those that touch are put down
+      !> [tooth contacts] on entry from `settle_slots`; on return with positions and forces of those that touch
       type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
-      type(status_t), intent(inout) :: status          !! code_out_of_domain if a law has no answer in one of the lanes
+      type(status_t), intent(inout) :: status          !! code_out_of_domain if a law is not defined in one of the lanes
       logical :: answered
       integer :: i
 
@@ -83,7 +83,7 @@ contains
       end do
    end subroutine rates_in_lanes
 
-   !> The first lane without an answer says why, in the words of the scalar kernel.
+   !> Report the error of the first lane without a solution, with the message of the scalar kernel.
    subroutine say_why(gearbox, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states), reals(size(gearbox%contacts))
@@ -103,7 +103,7 @@ contains
       call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
    end subroutine say_why
 
-   !> Forces of a flank, where a contact touches, in the rows of its wheels, their supports and the dissipated energy.
+   !> Add the forces of a flank with touching contacts to the rows of its wheels, their supports and the dissipated energy.
    subroutine push_flank(gearbox, flank, y, slots, f, answered)
       type(gearbox_t), intent(in) :: gearbox
       class(flank_t), intent(in) :: flank
@@ -136,7 +136,7 @@ contains
       end do
    end subroutine push_flank
 
-   !> Add to a row of an array. A procedure of its own: with AVX, GCC 12 leaves out sums of rows under a condition.
+   !> Add to a row of an array. A separate procedure, because GCC 12 with AVX omits sums of rows under a condition.
    pure subroutine add_row(x, row)
       real(wp), intent(in) :: x(lanes)
       real(wp), intent(inout) :: row(lanes)
@@ -163,7 +163,7 @@ contains
       end do
    end subroutine push_axle
 
-   !> Torque of an elastic shaft on its two wheels, and what its damping takes.
+   !> Torque of an elastic shaft on its two wheels, and the power dissipated by its damping.
    pure subroutine twist_shaft(shaft, row_a, row_b, row_dissipated, y, f)
       type(shaft_t), intent(in) :: shaft
       integer, intent(in) :: row_a, row_b, row_dissipated
@@ -179,7 +179,7 @@ contains
       f(:, row_dissipated) = f(:, row_dissipated) + damper_power(shaft%damping, rate_a - rate_b)
    end subroutine twist_shaft
 
-   !> Torque and power of the loads of a wheel that has some.
+   !> Torque and power of the loads of a wheel.
    subroutine load_wheel(gearbox, index, t, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -193,7 +193,7 @@ contains
       call add_row(torque*omega, f(:, gearbox%i_work))
    end subroutine load_wheel
 
-   !> Torque that the loads of a wheel know, as `known_torques` has it in one state, and the speed of the wheel.
+   !> Torque of the loads of a wheel without that of a prescribed speed, and speed of the wheel; `known_torques` for eight states.
    subroutine loads_in_lanes(gearbox, index, t, y, integers, omega, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -210,11 +210,11 @@ contains
       end do
    end subroutine loads_in_lanes
 
-   !> The part of the torque of a wheel's loads whose reaction goes to the housing, as `wheel_housing_torque` has it in one state.
+   !> Torque of a wheel's loads with reaction on the housing; `wheel_housing_torque` for eight states.
    subroutine housing_torque_in_lanes(gearbox, index, total, t, y, integers, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
-      real(wp), intent(in) :: total(lanes)   !! of all loads, with that of a prescribed speed [N m]
+      real(wp), intent(in) :: total(lanes)   !! of all loads, including that of a prescribed speed [N m]
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: torque(lanes) !! [N m]
@@ -238,7 +238,7 @@ contains
    !> Add the torque of one load.
    subroutine add_load(gearbox, index, t, y, omega, integers, torque)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index             !! of the load
+      integer, intent(in) :: index             !! index of the load
       real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
       real(wp), intent(in) :: omega(lanes)     !! speed of its wheel [rad/s]
       integer, intent(in) :: integers(gearbox%n_integers)
@@ -254,7 +254,7 @@ contains
       call add_row(mine, torque)
    end subroutine add_load
 
-   !> Acceleration of a support from the forces on it, and what its dampers take.
+   !> Acceleration of a support by the forces on it, and the power dissipated by its dampers.
    pure subroutine accelerate_support(gearbox, support, y, f)
       type(gearbox_t), intent(in) :: gearbox
       type(support_t), intent(in) :: support
@@ -272,7 +272,7 @@ contains
       end do
    end subroutine accelerate_support
 
-   !> From the torque on a rotor to its acceleration; a load that prescribes its speed brings the power that is missing.
+   !> Acceleration of a rotor from the torque on it; a load that prescribes its speed supplies the remaining power.
    subroutine accelerate_rotor(gearbox, leader, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader
@@ -305,7 +305,7 @@ contains
       omega = wheel%ratio*y(:, i_omega) + psi_dot
    end subroutine speed_of
 
-   !> Angle of a wheel in the housing: its whole turns, and the rest [rad].
+   !> Angle of a wheel in the housing: whole revolutions, and the remainder [rad].
    pure subroutine angle_of(wheel, y, integers, revolutions, angle)
       type(wheel_t), intent(in) :: wheel
       real(wp), intent(in) :: y(lanes, *)

@@ -1,6 +1,6 @@
-!> A gearbox in closed form as y' = f(t, y) for the integrator of evl_radau.
+!> A gearbox in closed form as y' = f(t, y) for the integrator evl_radau.
 !>
-!> The gearbox itself does not change, and several models may share it: the discrete state is the model's own, put there between
+!> The gearbox itself is constant and can be shared by several models. The discrete state belongs to the model and is set between
 !> steps by gearbox_ode_set.
 module evl_gearbox_ode
    use evl_archive, only: archive_t
@@ -29,23 +29,23 @@ module evl_gearbox_ode
    public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set, keep_gearbox_ode
    public :: settle_aside, settle_slots
 
-   !> Small errors of theta and omega shift the time at which a tooth pair enters, and with it a motion of 1 kHz: they count
-   !> more than what moves at that frequency.
+   !> Weights of the errors of theta and omega. Small errors shift the time at which a tooth pair enters, and with it a motion of 1
+   !> kHz. They therefore weigh more than errors of states that move at that frequency.
    real(wp), parameter :: theta_weight = 1.0e4_wp, omega_weight = 300.0_wp
-   !> All count a little more: the mean over many states is small when the error of one is not.
+   !> Weight of all states: the mean over many states may be small although the error of one state is not.
    real(wp), parameter :: weight = 2
 
    type, extends(ode_model) :: gearbox_ode
       type(gearbox_t), pointer, private :: gearbox => null()
       integer, allocatable, private :: integers(:) !! discrete state
       real(wp), allocatable, private :: reals(:)   !! discrete state
-      real(wp), private :: cycle = huge(1.0_wp)    !! shortest of a load over time [s]
+      real(wp), private :: cycle = huge(1.0_wp)    !! shortest cycle of a load over time [s]
       type(jacobian_entries), private :: entries     !! of the Jacobian
-      real(wp), allocatable, private :: constants(:) !! [nnz] what never changes in dF/dy, psi'' not yet coupled with theta''
+      real(wp), allocatable, private :: constants(:) !! [nnz] constant part of dF/dy, psi'' not yet coupled with theta''
       logical, private :: in_lanes = .false.       !! whether eight states can be evaluated at once
       !> [tooth contacts] for evaluations in lanes, which change them
       type(lane_slot), allocatable, private :: slots(:)
-      type(lane_slot), allocatable, private :: aside(:) !! the same for root functions elsewhere
+      type(lane_slot), allocatable, private :: aside(:) !! the same for root functions at other states
    contains
       procedure :: rhs
       procedure :: rhs_lanes
@@ -58,7 +58,7 @@ module evl_gearbox_ode
    end type gearbox_ode
 
    interface
-      !> Keep what changes: the discrete state, and what the last evaluation in lanes left.
+      !> Serialize the variable data: the discrete state, and the results of the last evaluation in lanes.
       module subroutine keep_gearbox_ode(archive, self)
          implicit none (type, external)
          type(archive_t), intent(inout) :: archive
@@ -68,11 +68,11 @@ module evl_gearbox_ode
 
 contains
 
-   !> Refuse a gearbox that is no y' = f(t, y) of differential states alone.
+   !> Fail unless a gearbox can be written as y' = f(t, y) with differential states only.
    pure subroutine gearbox_ode_serves(gearbox, status, remedy)
       type(gearbox_t), intent(in) :: gearbox
-      type(status_t), intent(inout) :: status !! `code_invalid_input`: it says why, and the place is what stands in the way
-      character(len=*), intent(in), optional :: remedy !! the first one of the message; default: take integrator ida
+      type(status_t), intent(inout) :: status !! `code_invalid_input`, with the reason and the location of the cause
+      character(len=*), intent(in), optional :: remedy !! first remedy in the message; default: take integrator ida
       character(len=:), allocatable :: first
       integer :: i
 
@@ -96,7 +96,7 @@ contains
                    //" integrate: "//first, subject_housing, field="kind")
    end subroutine gearbox_ode_serves
 
-   !> Make the model of a gearbox that is served; the gearbox has to outlive it.
+   !> Create the model of a supported gearbox; the gearbox must outlive it.
    subroutine gearbox_ode_create(self, gearbox, scale)
       type(gearbox_ode), intent(out) :: self
       type(gearbox_t), intent(in), target :: gearbox
@@ -126,7 +126,7 @@ contains
       call list_root_states(gearbox, self)
    end subroutine gearbox_ode_create
 
-   !> On which states each root function depends: those of a mesh are alike.
+   !> List the states on which each root function depends; the same for all of a mesh.
    pure subroutine list_root_states(gearbox, self)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_ode), intent(inout) :: self
@@ -134,7 +134,7 @@ contains
       integer :: i, m
 
       allocate (self%root_first(self%n_roots), self%root_last(self%n_roots))
-      self%root_states = [i_theta] ! of the turns
+      self%root_states = [i_theta] ! of the revolutions
       self%root_first = 1
       self%root_last = 1
       do i = 1, size(gearbox%pairs)
@@ -149,8 +149,8 @@ contains
       end do
    end subroutine list_root_states
 
-   !> Whether a vibration may feed itself: where friction falls or a load grows with the speed, by friction at all, or by what a
-   !> moving housing adds. Supports, shafts and the dampers of contacts take energy only.
+   !> Possible source of growing vibrations: friction that falls or a load that grows with the speed, friction in general, or a
+   !> moving housing. Supports, shafts and the dampers of contacts only dissipate energy.
    pure integer function kind_of_growth(gearbox) result(growth)
       type(gearbox_t), intent(in) :: gearbox
       logical :: falls
@@ -169,10 +169,10 @@ contains
       if (falls) growth = growth_by_damping
    end function kind_of_growth
 
-   !> What repeats as a gearbox turns, and over time.
+   !> Shortest cycles of a gearbox over the angle and over time.
    pure subroutine find_cycles(gearbox, of_angle, of_time)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(out) :: of_angle !! of theta: a pitch of the mesh whose teeth pass fastest, or less of a load [rad]
+      real(wp), intent(out) :: of_angle !! of theta: shortest pitch of all meshes, or a shorter cycle of a load [rad]
       real(wp), intent(out) :: of_time  !! of a load; huge if there is none [s]
       integer :: i
 
@@ -195,7 +195,7 @@ contains
       end do
    end subroutine find_cycles
 
-   !> Steps pass over no cycle of a load or of the housing's motion. Knots of the loads' tables are stop times.
+   !> Step limit: the cycle of a load or of the housing's motion. Knots of the loads' tables are stop times.
    pure real(wp) function time_in_sight(self, t) result(longest)
       class(gearbox_ode), intent(in) :: self
       real(wp), intent(in) :: t
@@ -204,11 +204,11 @@ contains
       if (self%gearbox%housing%kind == housing_prescribed) longest = min(longest, motion_in_sight(self%gearbox%housing%motion, t))
    end function time_in_sight
 
-   !> Give the model its discrete state.
+   !> Set the discrete state of the model.
    subroutine gearbox_ode_set(self, integers, reals)
       type(gearbox_ode), intent(inout) :: self
       integer, intent(in) :: integers(*) !! [n_integers]
-      real(wp), intent(in) :: reals(*)   !! [one a tooth contact]
+      real(wp), intent(in) :: reals(*)   !! [one per tooth contact]
 
       self%integers = integers(:size(self%integers))
       self%reals = reals(:size(self%reals))
@@ -227,7 +227,7 @@ contains
       call gearbox_rates(self%gearbox, t, y, self%integers, self%reals, f, status)
    end subroutine rhs
 
-   !> f of eight states.
+   !> f for eight states.
    subroutine rhs_lanes(self, t, y, f, status)
       class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
@@ -242,7 +242,7 @@ contains
       end if
    end subroutine rhs_lanes
 
-   !> f of eight states, each by itself; the arrays of its own cost an allocation that `rhs_lanes` can do without.
+   !> f for eight states, one by one. A separate procedure, because its local arrays cost an allocation that `rhs_lanes` avoids.
    subroutine rhs_one_by_one(self, t, y, f, status)
       class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
@@ -266,7 +266,7 @@ contains
       end do
    end subroutine rhs_one_by_one
 
-   !> df/dy, from that of the residual y' - f.
+   !> df/dy, from the derivative of the residual y' - f.
    subroutine jacobian(self, t, y, values, status)
       class(gearbox_ode), intent(in) :: self
       real(wp), intent(in) :: t
@@ -286,7 +286,7 @@ contains
    !> Root functions at a state, all or one.
    subroutine roots(self, t, y, values, status, only)
       class(gearbox_ode), intent(in) :: self
-      real(wp), intent(in) :: t !! none depends on time alone: knots of tables are stop times
+      real(wp), intent(in) :: t !! unused, since knots of tables are stop times
       real(wp), intent(in) :: y(self%n)
       real(wp), intent(inout) :: values(self%n_roots)
       type(status_t), intent(inout) :: status
@@ -299,7 +299,7 @@ contains
       end if
    end subroutine roots
 
-   !> Root functions of eight states near those of the last evaluation in lanes, which knows the contacts that touch.
+   !> Root functions for eight states near those of the last evaluation in lanes, whose data of touching contacts are used.
    subroutine roots_lanes(self, t, y, exact, values, status)
       class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: t(lanes)
@@ -316,7 +316,7 @@ contains
       end if
    end subroutine roots_lanes
 
-   !> Watched channels of eight states near those of the last evaluation.
+   !> Watched channels for eight states near those of the last evaluation.
    subroutine watched_nearby(self, y, n, channels, values)
       class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: y(lanes, self%n)
@@ -327,7 +327,7 @@ contains
       call watched_in_lanes(self%gearbox, y, self%integers, self%slots, n, channels, values)
    end subroutine watched_nearby
 
-   !> Root functions of eight states, each by itself.
+   !> Root functions for eight states, one by one.
    subroutine roots_one_by_one(self, t, y, values, status)
       class(gearbox_ode), intent(in) :: self
       real(wp), intent(in) :: t(lanes)
@@ -345,7 +345,7 @@ contains
       end do
    end subroutine roots_one_by_one
 
-   !> Which crossings count in the present modes.
+   !> Crossing directions that count in the present modes.
    subroutine root_directions(self, directions)
       class(gearbox_ode), intent(in) :: self
       integer, intent(out) :: directions(self%n_roots)
@@ -354,7 +354,7 @@ contains
       where (directions == 0) directions = never
    end subroutine root_directions
 
-   !> Take a discrete state.
+   !> Set the discrete state of slots.
    subroutine settle_slots(gearbox, integers, reals, slots)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: integers(gearbox%n_integers)
@@ -371,9 +371,9 @@ contains
       end do
    end subroutine settle_slots
 
-   !> Slots beside others, for what is not found there.
+   !> Copy the discrete state to a second set of slots, for evaluations at other states.
    pure subroutine settle_aside(slots, aside)
-      type(lane_slot), intent(in) :: slots(:) !! settled
+      type(lane_slot), intent(in) :: slots(:) !! with their discrete state
       type(lane_slot), intent(inout) :: aside(:)
       integer :: i
 

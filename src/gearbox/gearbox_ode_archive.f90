@@ -1,4 +1,4 @@
-!> Keeping the model of an integration in progress.
+!> Serialization of the model of an integration in progress.
 submodule(evl_gearbox_ode) evl_gearbox_ode_archive
    use, intrinsic :: iso_c_binding, only: c_loc
    use, intrinsic :: iso_fortran_env, only: int64
@@ -7,7 +7,7 @@ submodule(evl_gearbox_ode) evl_gearbox_ode_archive
 
 contains
 
-   !> Slots hold numbers alone, so they are kept as they lie in memory.
+   !> Slots contain no pointers or allocatables, so their memory is copied as it is.
    module procedure keep_gearbox_ode
       call keep_integers(archive, size(self%integers), self%integers)
       call keep_reals(archive, size(self%reals), self%reals)

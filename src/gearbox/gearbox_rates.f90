@@ -21,11 +21,12 @@ module evl_gearbox_rates
 
 contains
 
-   !> Rates of all states but the tracked ones, whose places are set to zero: y' = f(t, y). In the place of a multiplier stands what
-   !> has to vanish: kappa'' times the mesh's inertia in a closed rigid contact, the multiplier itself in an open one [N].
+   !> Rates of all states except the tracked ones, whose elements are set to zero: y' = f(t, y). The element of a multiplier is the
+   !> quantity that must vanish [N]: kappa'' times the inertia of the mesh for a closed rigid contact, the multiplier itself for an
+   !> open one.
    !>
-   !> With a mounted housing f depends on v' and Omega' as well, and the places of these two hold the force and the moment that
-   !> act from the ground.
+   !> With a mounted housing f also depends on v' and Omega'. The elements of these two are the force and the moment from the
+   !> ground.
    subroutine gearbox_rates(gearbox, t, y, integers, reals, f, status, yp, contacts)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                     !! [s]
@@ -33,9 +34,9 @@ contains
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))
       real(wp), intent(out) :: f(gearbox%n_states)
-      type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution there
-      real(wp), intent(in), optional :: yp(:)       !! of a mounted housing; v' = Omega' = 0 if not given
-      !> All tooth contacts; of those that do not touch only the mode
+      type(status_t), intent(inout) :: status       !! code_out_of_domain if a law has no solution at y
+      real(wp), intent(in), optional :: yp(:)       !! for a mounted housing; v' = Omega' = 0 if absent
+      !> All tooth contacts; only the mode for those that do not touch
       type(contact_state), intent(inout), optional :: contacts(size(gearbox%contacts))
       type(contact_state) :: at(size(gearbox%contacts))
       type(frame_t) :: frame
@@ -93,7 +94,7 @@ contains
       end do
    end subroutine gearbox_rates
 
-   !> What has to vanish in the place of a multiplier.
+   !> Quantity that must vanish, in the element of a multiplier.
    pure subroutine multiplier_row(gearbox, index, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -139,7 +140,7 @@ contains
       end do
    end subroutine push_flank
 
-   !> Add a mesh's force to the rows of an axle's degrees of freedom [N].
+   !> Add the force of a mesh to the rows of an axle's degrees of freedom [N].
    pure subroutine push_axle(link, force, f)
       type(wheel_link), intent(in) :: link
       real(wp), intent(in) :: force(2) !! (t_0, e_0)
@@ -153,7 +154,7 @@ contains
       end do
    end subroutine push_axle
 
-   !> Add an elastic shaft's torque to the rows of its two wheels, and what its damping takes.
+   !> Add the torque of an elastic shaft to the rows of its two wheels, and the power dissipated by its damping.
    pure subroutine twist_shaft(gearbox, index, y, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -172,7 +173,7 @@ contains
       end associate
    end subroutine twist_shaft
 
-   !> Add the torque of a wheel's loads to the row of its rotor, and its power; accelerate its support by the forces of the meshes.
+   !> Add the torque of a wheel's loads to the row of its rotor, and its power; accelerate its support by the mesh forces.
    pure subroutine load_wheel(gearbox, index, t, y, integers, spin, f, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -180,7 +181,7 @@ contains
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: spin    !! Omega_z of the housing [rad/s]
       real(wp), intent(inout) :: f(gearbox%n_states)
-      real(wp), intent(inout) :: torque !! of the loads; what the turning of the housing adds is added [N m]
+      real(wp), intent(inout) :: torque !! of the loads; the effect of the housing rotation is added [N m]
       real(wp) :: omega
       integer :: j
 
@@ -199,8 +200,8 @@ contains
       end associate
    end subroutine load_wheel
 
-   !> From the torque on a rotor to its acceleration relative to the housing; a load that prescribes its speed brings the torque
-   !> that is missing.
+   !> Acceleration of a rotor relative to the housing from the torque on it; a load that prescribes its speed supplies the remaining
+   !> torque.
    pure subroutine accelerate_rotor(gearbox, leader, y, integers, alpha, f, torques)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader
@@ -227,7 +228,7 @@ contains
       end associate
    end subroutine accelerate_rotor
 
-   !> What the motion of the housing and gravity add to the acceleration of a wheel's support, and to the powers.
+   !> Add the effect of housing motion and gravity to the acceleration of a wheel's support, and to the powers.
    pure subroutine ride_along(gearbox, index, t, torque, y, integers, frame, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index

@@ -1,11 +1,11 @@
-!> The watched outputs of a gearbox at a state, without all that its other outputs need.
+!> Watched outputs of a gearbox at a state, without the data that only other outputs need.
 !>
-!> They come in channels: each watched output of each mesh is one. That of an output of tooth pairs is the largest of the pairs:
-!> where one pair takes over from another it has a kink, but such a kink is no maximum.
+!> There is one channel for each watched output of each mesh. For an output of tooth pairs the channel is the largest value of the
+!> pairs. It has a kink where one pair takes over from another, but such a kink is no maximum.
 !>
-!> Which outputs are watched, and which of their extremes over the run are told, is one table. An extreme belongs to an output of a
-!> mesh or of its tooth pairs and has its unit and its symbol; its name is that of the output with `_max` or `_min`, the time at
-!> which it was first reached has `_time` behind that.
+!> One table defines the watched outputs and the extremes reported over the run. An extreme belongs to an output of a mesh or of its
+!> tooth pairs and has its unit and its symbol. Its name is that of the output with `_max` or `_min`; the time at which it is first
+!> reached has the additional suffix `_time`.
 module evl_gearbox_watch
    use evl_closed_form, only: transmission_error
    use evl_contact_roots, only: contact_roots
@@ -27,9 +27,9 @@ module evl_gearbox_watch
    public :: extreme_t, extremes_table, n_watched_outputs
    public :: watch_normal, watch_friction, watch_error, watch_sliding, watch_pair_normal, watch_pair_pressure, watch_penetration
 
-   integer, parameter :: n_kept = 3 !! reals that are kept of each tooth contact
+   integer, parameter :: n_kept = 3 !! reals stored for each tooth contact
 
-   !> Watched outputs: those that a mesh has once, then those of its tooth pairs.
+   !> Watched outputs: those with one value per mesh, then those of tooth pairs.
    enum, bind(c)
       enumerator :: watch_normal = 1, watch_friction, watch_error, watch_sliding
       enumerator :: watch_pair_normal, watch_pair_pressure, watch_penetration
@@ -69,32 +69,32 @@ module evl_gearbox_watch
 
 contains
 
-   !> How many channels there are.
+   !> Number of channels.
    pure integer function n_channels(gearbox) result(n)
       type(gearbox_t), intent(in) :: gearbox
 
       n = n_watched_outputs*size(gearbox%pairs)
    end function n_channels
 
-   !> The channel of an output of a mesh.
+   !> Channel of an output of a mesh.
    pure integer function channel_of(mesh, watched) result(channel)
       integer, intent(in) :: mesh, watched
 
       channel = n_watched_outputs*(mesh - 1) + watched
    end function channel_of
 
-   !> All channels at a state, what only flanks that touch have is 0 without; and, since they know most of it, its root functions.
-   !> Then the pressure of a tooth pair that is far below the largest so far may be an estimate.
+   !> All channels at a state; quantities of touching flanks are 0 if none touch. Optionally also the root functions, which use the
+   !> same data. The pressure of a tooth pair far below the largest value so far may then be an estimate.
    subroutine watched_at(gearbox, y, integers, reals, values, status, roots, near, highest, kept)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(out) :: values(n_channels(gearbox))
       type(status_t), intent(inout) :: status
-      real(wp), intent(out), optional :: roots(gearbox%n_roots) !! as of `gearbox_roots`; with it come the others
-      real(wp), intent(in), optional :: near                    !! above this part of the largest so far all is exact
-      real(wp), intent(in), optional :: highest(n_channels(gearbox)) !! the largest so far
-      real(wp), intent(inout), optional :: kept(n_kept, size(gearbox%contacts)) !! as of `estimate_curvature`
+      real(wp), intent(out), optional :: roots(gearbox%n_roots) !! as in `gearbox_roots`; requires the following arguments
+      real(wp), intent(in), optional :: near                    !! above this fraction of the largest value so far all is exact
+      real(wp), intent(in), optional :: highest(n_channels(gearbox)) !! the largest values so far
+      real(wp), intent(inout), optional :: kept(n_kept, size(gearbox%contacts)) !! as in `estimate_curvature`
       type(contact_state) :: at(size(gearbox%contacts))
       integer :: directions(n_root_kinds)
       integer :: i, leader, m
@@ -131,14 +131,14 @@ contains
       if (present(roots)) roots(gearbox%n_roots) = turns_root(y(i_theta))
    end subroutine watched_at
 
-   !> The channels of one mesh, as `watched_at` finds them.
+   !> Channels of one mesh, as in `watched_at`.
    subroutine watched_of_mesh(gearbox, mesh, y, integers, reals, values, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
-      real(wp), intent(in) :: y(gearbox%n_states)    !! of its `mesh_states`; the others are not looked at
+      real(wp), intent(in) :: y(gearbox%n_states)    !! of its `mesh_states`; the others are not used
       real(wp), intent(in) :: reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
-      real(wp), intent(inout) :: values(n_channels(gearbox)) !! those of the other meshes stay
+      real(wp), intent(inout) :: values(n_channels(gearbox)) !! those of the other meshes are unchanged
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
       integer :: i, leader, m
@@ -164,7 +164,7 @@ contains
       end do
    end subroutine watched_of_mesh
 
-   !> The states on which the contacts of a mesh depend, in their order.
+   !> States on which the contacts of a mesh depend, in ascending order.
    pure subroutine mesh_states(gearbox, mesh, states)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -196,10 +196,10 @@ contains
       end if
    end function exact_pressure
 
-   !> What the contact that speaks for its mesh adds to the channels, whether it touches or not.
+   !> Channels of the contact that represents its mesh, whether it touches or not.
    pure subroutine watch_mesh(contact, at, values)
       type(tooth_contact_t), intent(in) :: contact
-      type(contact_state), intent(inout) :: at !! off the path its point goes on along the involutes
+      type(contact_state), intent(inout) :: at !! off the path its point is extrapolated along the involutes
       real(wp), intent(inout) :: values(:)
 
       if (at%mode%flanks == flanks_off .and. contact%tracking == tracking_closed_form) call locate_anywhere(contact, .false., at)
@@ -209,7 +209,7 @@ contains
       end associate
    end subroutine watch_mesh
 
-   !> What a tooth pair adds whose flanks overlap, but for its pressure.
+   !> Channels of a tooth pair with overlapping flanks, except its pressure.
    pure subroutine watch_pair(contact, at, values)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -228,8 +228,8 @@ contains
       values(before + watch_friction) = values(before + watch_friction) - normal*factor
    end subroutine watch_pair
 
-   !> Raise the pressure of a mesh to that of a tooth pair; one that a limit is far above is estimated, but for that of an edge,
-   !> which is soon found.
+   !> Raise the pressure of a mesh to that of a tooth pair. A pressure far below the limit is estimated, except for an edge, where
+   !> the exact value is cheap.
    pure subroutine raise_pressure(contact, at, normal, limit, kept, pressure)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -248,13 +248,13 @@ contains
       call raise(estimate, pressure)
    end subroutine raise_pressure
 
-   !> About the curvature of both flanks of a tooth pair together: along its slope from where it was found last.
+   !> Estimate of the sum of the curvatures of both flanks of a tooth pair, linear from the position of the last evaluation.
    pure subroutine estimate_curvature(contact, at, kept, curvature)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
-      real(wp), intent(inout) :: kept(n_kept) !! rho_A, curvature and slope there; zeros: nothing is known
+      real(wp), intent(inout) :: kept(n_kept) !! rho_A, curvature and slope there; zeros: none yet
       real(wp), intent(out) :: curvature
-      real(wp), parameter :: reach = 1.0e-2_wp  !! of the radii of curvature: so far a slope holds; without one a tenth of that
+      real(wp), parameter :: reach = 1.0e-2_wp  !! range of a slope, relative to the radii of curvature; a tenth without slope
       real(wp) :: way, far, slope, found
 
       way = at%point%rho_a - kept(1)
@@ -269,7 +269,7 @@ contains
       curvature = kept(2) + kept(3)*way
    end subroutine estimate_curvature
 
-   !> The larger of two; what is no number, as the pressure of flanks too hollow to touch in one place, raises nothing.
+   !> Maximum of two values. NaN is ignored, for example the pressure of flanks too concave to touch at one point.
    elemental subroutine raise(value, largest)
       real(wp), intent(in) :: value
       real(wp), intent(inout) :: largest

@@ -1,7 +1,7 @@
-!> Newton's and Euler's equations of a mounted housing with all that moves in it, and the accelerations that solve them.
+!> Newton's and Euler's equations of a mounted housing with all moving parts in it, and their solution for the accelerations.
 !>
-!> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact
-!> forces cancel in them.
+!> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact forces
+!> cancel in them.
 module evl_housing_dynamics
    use evl_gearbox, only: axle_acceleration, gearbox_t, wheel_position, wheel_speed
    use evl_gearbox_rates, only: gearbox_rates, multiplier_row
@@ -21,8 +21,8 @@ module evl_housing_dynamics
 
 contains
 
-   !> The two balances of a mounted housing: inertia less applied force and moment. These never meet v' and Omega' themselves:
-   !> of moments of 1e-20 N m nothing would be left beside 1 rad/s^2.
+   !> The two balances of a mounted housing: inertia less applied force and moment. They are not added to v' and Omega' themselves,
+   !> since moments of 1e-20 N m would be lost beside 1 rad/s^2.
    subroutine housing_residual(gearbox, t, y, yp, f, balances)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states)
@@ -62,8 +62,8 @@ contains
       end do
    end subroutine inertia_wrench
 
-   !> How accelerations enter each other's equations through a mounted housing: dF/dy', but without the unit matrix of the rows
-   !> that are y' - f. In the balances are masses and moments of inertia, which may be far below the rounding of 1.
+   !> Coupling of accelerations through a mounted housing: dF/dy', without the unit matrix of the rows y' - f. The balances contain
+   !> masses and moments of inertia, which may be far below the rounding of 1.
    pure subroutine housing_coupling(gearbox, frame, y, coupling)
       type(gearbox_t), intent(in) :: gearbox
       type(frame_t), intent(in) :: frame
@@ -88,7 +88,7 @@ contains
       end associate
    end subroutine housing_coupling
 
-   !> A wheel's part of the coupling; its mass and inertia are added to those of the housing about the origin.
+   !> Contribution of a wheel to the coupling; its mass and inertia are added to those of the housing about the origin.
    pure subroutine couple_wheel(gearbox, index, frame, y, first_moment, tensor, coupling)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -128,7 +128,7 @@ contains
       end associate
    end subroutine couple_wheel
 
-   !> Rates of all states but the tracked ones, with the accelerations of a mounted housing.
+   !> Rates of all states except the tracked ones, including the accelerations of a mounted housing.
    subroutine coupled_rates(gearbox, t, y, integers, reals, f, status, contacts)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
@@ -139,7 +139,7 @@ contains
       type(contact_state), intent(inout), optional :: contacts(size(gearbox%contacts)) !! as in `gearbox_rates`
       integer :: i
 
-      if (present(contacts)) then ! an absent array is handed on by its address, which a sanitizer takes for a use
+      if (present(contacts)) then ! an absent array is passed by its address, which a sanitizer reports as a use
          call gearbox_rates(gearbox, t, y, integers, reals, f, status, contacts=contacts)
       else
          call gearbox_rates(gearbox, t, y, integers, reals, f, status)
@@ -151,8 +151,7 @@ contains
       end do
    end subroutine coupled_rates
 
-   !> Solve dF/dy' y' = -F(y, 0): the equations are linear in y'. All rates but v' and Omega' depend on these two alone, which
-   !> leaves six equations.
+   !> Solve dF/dy' y' = -F(y, 0), which is linear in y'. All other rates depend only on v' and Omega', so that six equations remain.
    subroutine solve_accelerations(gearbox, t, y, f, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
@@ -183,13 +182,13 @@ contains
       end associate
    end subroutine solve_accelerations
 
-   !> Kinetic energy of a mounted housing and its wheels seen from the ground; energy of mount and gravity.
+   !> Kinetic energy of a mounted housing and its wheels relative to the ground; energy of mount and gravity.
    pure subroutine ground_energies(gearbox, y, frame, kinetic, potential)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states)
       type(frame_t), intent(in) :: frame
       real(wp), intent(out) :: kinetic      !! [J]
-      real(wp), intent(inout) :: potential  !! those of contacts and supports; the others are added [J]
+      real(wp), intent(inout) :: potential  !! on entry that of contacts and supports; mount and gravity are added [J]
       real(wp) :: centre(3), velocity(3), spin
       integer :: i
 
@@ -212,7 +211,7 @@ contains
 
    contains
 
-      !> m |velocity seen from the ground|^2/2.
+      !> m |velocity relative to the ground|^2/2.
       pure real(wp) function mass_energy(mass, position, rate) result(energy)
          real(wp), intent(in) :: mass, position(3), rate(3)
 

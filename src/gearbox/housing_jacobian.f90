@@ -1,6 +1,6 @@
-!> What a housing that moves, or gravity, adds to dF/dy.
+!> Contributions of housing motion and gravity to dF/dy.
 !>
-!> Source: the derivatives of docs/housing.md, one by one. Those by y' are in evl_housing_dynamics.
+!> Source: the derivatives of docs/housing.md, one by one. Those with respect to y' are in evl_housing_dynamics.
 module evl_housing_jacobian
    use evl_gearbox, only: add_turn, axle_acceleration, carried_acceleration, gearbox_t, of_angle, of_speed, wheel_position, &
                           wheel_speed
@@ -19,7 +19,7 @@ module evl_housing_jacobian
 
 contains
 
-   !> Add what one wheel and its support feel, before the rows of psi' are coupled with that of the reference wheel.
+   !> Add the contributions to one wheel and its support, before the rows of psi' are coupled with that of the reference wheel.
    pure subroutine ride_gradient(gearbox, index, t, y, integers, frame, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -61,8 +61,8 @@ contains
       end associate
    end subroutine ride_gradient
 
-   !> Add how the motion of a mounted housing acts on one wheel and its support, and what the loads of the wheel do to it, before
-   !> the rows of psi' are coupled.
+   !> Add the effect of a mounted housing's motion on one wheel and its support, and of the wheel's loads on the housing, before the
+   !> rows of psi' are coupled.
    pure subroutine mounted_gradient(gearbox, index, t, y, integers, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -87,8 +87,8 @@ contains
       call ground_gradient(gearbox, index, t, y, integers, frame, jacobian)
    end subroutine mounted_gradient
 
-   !> The loads of a wheel in a mounted housing: their torques depend on its Omega_z, and some act on it from the ground.
-   !> What depends on the meshes through a prescribed speed is not among it.
+   !> Loads of a wheel in a mounted housing: their torques depend on its Omega_z, and some act from the ground. Terms that depend on
+   !> the meshes through a prescribed speed are not included.
    pure subroutine ground_gradient(gearbox, index, t, y, integers, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -146,7 +146,7 @@ contains
       end associate
    end subroutine ground_gradient
 
-   !> d b/d c of a point.
+   !> d b/d c at a point.
    pure function gradient_by_centre(frame) result(gradient)
       type(frame_t), intent(in) :: frame
       real(wp) :: gradient(3, 3)
@@ -154,7 +154,7 @@ contains
       gradient = skew(frame%alpha) + crossed(frame%omega, skew(frame%omega))
    end function gradient_by_centre
 
-   !> d b/d Omega of a point.
+   !> d b/d Omega at a point.
    pure function gradient_by_omega(frame, centre, velocity) result(gradient)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: centre(3), velocity(3)
@@ -174,7 +174,7 @@ contains
       end associate
    end function gradient_by_orientation
 
-   !> Add the rows of a mounted housing, and its mount's powers.
+   !> Add the rows of a mounted housing, and the powers of its mount.
    pure subroutine housing_gradient(gearbox, y, yp, frame, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states), yp(gearbox%n_states)
@@ -223,7 +223,7 @@ contains
       end associate
    end subroutine kinematic_gradient
 
-   !> Mount, force and moment from outside: subtract their derivatives by the housing's states, add those of their powers.
+   !> Mount, external force and moment: subtract their derivatives with respect to the housing states, add those of their powers.
    pure subroutine mount_gradient(gearbox, frame, wrench, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       type(frame_t), intent(in) :: frame
@@ -313,7 +313,7 @@ contains
       wrench(4:6, o:o + 2) = wrench(4:6, o:o + 2) + crossed(centre, by_omega)
    end subroutine add_body
 
-   !> Inertia of a wheel and its support: derivatives by the housing's states, by the support's and by the wheel's speed.
+   !> Inertia of a wheel and its support: derivatives with respect to the states of housing and support and the wheel's speed.
    pure subroutine add_wheel(gearbox, index, frame, y, yp, wrench, jacobian)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index

@@ -1,8 +1,8 @@
-!> Whether the modes of all tooth contacts agree with a state: forces push, pairs in contact overlap, every pair is where its modes
-!> say that it is.
+!> Check that the modes of all tooth contacts agree with a state: forces push, pairs in contact overlap, and every pair is in the
+!> position given by its modes.
 !>
-!> Between events this holds if no event was missed. A root function that comes back before the end of a step may pass unseen; a
-!> state in that step then shows it.
+!> Between events this holds if no event was missed. A root function that crosses zero and returns within a step may be missed; a
+!> state in that step then fails the check.
 module evl_mode_check
    use evl_contact_roots, only: contact_root_direction, contact_roots
    use evl_force_lanes, only: lane_slot
@@ -16,18 +16,19 @@ module evl_mode_check
 
    public :: check_modes, modes_agree
 
-   !> How far past its zero a root function may be, in its own units: forces over the reference force, penetrations over the
-   !> reference penetration, sliding over the knee of friction, places in pitches. It is far above how exactly events are located.
+   !> Permitted distance of a root function past its zero, in its own units: forces over the reference force, penetrations over the
+   !> reference penetration, sliding over the knee of friction, positions in pitches. It is far above the accuracy of event
+   !> location.
    real(wp), parameter :: slack = 1.0e-6_wp
 
 contains
 
    include "numerics/all_positive.inc"
 
-   !> Refuse a state that contradicts its modes, where the contacts are known.
+   !> Fail if a state contradicts its modes; the contacts must be evaluated.
    subroutine check_modes(gearbox, contacts, status)
       type(gearbox_t), intent(in) :: gearbox
-      type(contact_state), intent(in) :: contacts(*) !! all of them, with what the laws say
+      type(contact_state), intent(in) :: contacts(*) !! all contacts, with the results of the laws
       type(status_t), intent(inout) :: status        !! code_out_of_domain: an event was missed; a smaller step may find it
       real(wp) :: roots(n_root_kinds)
       integer :: directions(n_root_kinds), m
@@ -41,10 +42,10 @@ contains
       end do
    end subroutine check_modes
 
-   !> Whether eight states agree with their modes, by the root functions that the lanes found.
+   !> Whether eight states agree with their modes, from the root functions in lanes.
    pure logical function modes_agree(gearbox, slots, roots)
       type(gearbox_t), intent(in) :: gearbox
-      type(lane_slot), intent(in) :: slots(*) !! [tooth contacts] settled
+      type(lane_slot), intent(in) :: slots(*) !! [tooth contacts] with their discrete state
       real(wp), intent(in) :: roots(lanes, gearbox%n_roots)
       real(wp) :: least(lanes), x
       integer :: c, i, l
@@ -57,7 +58,7 @@ contains
                !$omp simd private(x)
                do l = 1, lanes
                   x = slack - direction*at(l)
-                  least(l) = min(least(l), merge(x, 0.0_wp, x > 0)) ! what is no number does not agree
+                  least(l) = min(least(l), merge(x, 0.0_wp, x > 0)) ! NaN does not agree
                end do
             end associate
          end do
@@ -65,7 +66,7 @@ contains
       modes_agree = all_positive(least)
    end function modes_agree
 
-   !> Refuse root functions past the zeros that would have ended the modes.
+   !> Fail if root functions are past the zeros that should have ended the modes.
    subroutine judge(contact, at, directions, roots, status)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -83,7 +84,7 @@ contains
       end do
    end subroutine judge
 
-   !> What a root function past its zero means, in the words of its row.
+   !> Message for a root function past its zero, from the text of its row.
    subroutine describe(contact, at, kind, message)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -101,7 +102,7 @@ contains
                 //": an event was missed; take a smaller max_step or tolerance"
    end subroutine describe
 
-   !> What a root function measures, with its unit; blank if its row does not say.
+   !> Quantity of a root function, with its unit; blank if its row has none.
    subroutine measure(at, kind, is_size, number)
       type(contact_state), intent(in) :: at
       integer, intent(in) :: kind
@@ -130,7 +131,7 @@ contains
       number = quantity(merge(abs(value), value, is_size), trim(unit))
    end subroutine measure
 
-   !> A text with what it measures in place of # or |#|, with blanks behind.
+   !> Text with the quantity inserted for # or |#|, padded with blanks.
    pure function filled(text, number) result(full)
       character(len=*), intent(in) :: text, number
       character(len=len(text) + len(number)) :: full

@@ -1,8 +1,8 @@
-!> What an event does to rigid contacts: impacts of the flanks that close, normal forces of all, flanks that have to open.
+!> Event handling of rigid contacts: impacts of closing flanks, normal forces of all, and opening of flanks.
 !>
-!> The flanks share wheels, so the impact of one can drive another that touches into its partner, or take it along. Whatever
-!> changed the speeds, impacts follow one another at the same instant until no flank that touches approaches. Flanks that would
-!> part so slowly that their load presses them together again stay closed: else they open each other in turn, ever faster.
+!> The flanks share wheels. The impact of one flank can therefore drive another touching flank into its mate, or away from it. After
+!> any jump of the speeds, impacts follow one another at the same instant until no touching flank approaches. Flanks that part so
+!> slowly that their load closes them again stay closed; otherwise they would open each other in turn, ever faster.
 module evl_rigid_events
    use evl_contact_events, only: contact_event
    use evl_discrete_state, only: first_pair, flanks_of, is_closed, pairs_with
@@ -27,7 +27,7 @@ module evl_rigid_events
 
 contains
 
-   !> Which tooth contacts lead a rigid flank that is closed.
+   !> Tooth contacts that are the leading ones of closed rigid flanks.
    pure function closed_flanks(gearbox, integers) result(closed)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: integers(gearbox%n_integers)
@@ -37,7 +37,7 @@ contains
       closed = [(is_closed(gearbox, m, integers), m=1, size(closed))]
    end function closed_flanks
 
-   !> Impacts until no flank that touches approaches, then the normal forces; flanks that would have to pull open.
+   !> Apply impacts until no touching flank approaches, then compute the normal forces; flanks that would have to pull are opened.
    subroutine settle_rigid(gearbox, was_closed, now, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
@@ -45,14 +45,14 @@ contains
       type(status_t), intent(inout) :: status
       logical, dimension(size(gearbox%contacts)) :: closed, closing, held, opened, rebounded
       logical, dimension(size(gearbox%contacts)) :: parted, retried
-      logical :: free(size(gearbox%contacts)) !! may be held: what happened has not parted these flanks, nor have they been held
+      logical :: free(size(gearbox%contacts)) !! may be held: not parted by this event, and not yet held
       integer :: blow, m
 
       closed = was_closed
       rebounded = .false.
       parted = .false.
       retried = .false.
-      ! one whose force has fallen through zero parts, whatever rounding says of it now
+      ! a flank whose force has fallen through zero parts, regardless of rounding
       free = closed_flanks(gearbox, now%integers) .or. .not. was_closed
       do blow = 1, most_blows
          call close_approaching(gearbox, now, status)
@@ -84,7 +84,7 @@ contains
                 gearbox%contacts(max(findloc(closing, .true., dim=1), 1))%mesh, "contact")
    end subroutine settle_rigid
 
-   !> Flanks that have parted while others were as they no longer are: what parts them may be gone. Each is freed again once.
+   !> Allow flanks that have parted to be held again, since the state of the other flanks has changed. Each is allowed once.
    pure subroutine look_again(parted, retried, free)
       logical, intent(inout) :: parted(:), retried(:), free(:)
 
@@ -93,11 +93,11 @@ contains
       parted = .false.
    end subroutine look_again
 
-   !> Impacts of the flanks that close.
+   !> Impacts of the closing flanks.
    subroutine strike(gearbox, was_closed, closing, rebounded, now, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
-      logical, intent(in) :: was_closed(:), closing(:) !! closed_flanks before the impact; those that close in it
+      logical, intent(in) :: was_closed(:), closing(:) !! closed_flanks before the impact; flanks that close in it
       logical, intent(inout) :: rebounded(:)           !! flanks that have rebounded at this instant
       type(status_t), intent(inout) :: status
       logical, dimension(size(gearbox%contacts)) :: rebounds, opened
@@ -121,7 +121,7 @@ contains
       call settle_modes(gearbox, nothing, now, status) ! speeds have jumped
    end subroutine strike
 
-   !> Close the flanks whose gap is past its zero and that approach: that zero will not be crossed again.
+   !> Close approaching flanks whose gap is already past its zero, since that zero will not be crossed again.
    subroutine close_approaching(gearbox, now, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
@@ -137,8 +137,8 @@ contains
       end do
    end subroutine close_approaching
 
-   !> Which open flanks approach past the zero of their gap faster than impacts end: closed flanks of their wheels were put in their
-   !> places, and moved them by rounding.
+   !> Open flanks that approach past the zero of their gap faster than the limit for impacts. Closed flanks of the same wheels were
+   !> projected onto their constraints, which moved these flanks by rounding.
    pure function approach_past_zero(gearbox, y, integers) result(approach)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states)
@@ -155,7 +155,8 @@ contains
       end do
    end function approach_past_zero
 
-   !> Whether a gap is past its zero by what changes at one instant. Farther past it an event was missed, which `check_modes` finds.
+   !> Whether a gap is past its zero by the changes at one instant. Farther past it an event was missed, which `check_modes`
+   !> reports.
    pure logical function is_past(gap, contact)
       real(wp), intent(in) :: gap !! [m]
       type(tooth_contact_t), intent(in) :: contact
@@ -163,7 +164,7 @@ contains
       is_past = -gap/contact%h_scale > past - tie .and. -gap/contact%h_scale < located
    end function is_past
 
-   !> Which open flanks touch and part so slowly that they would not rebound, were they to approach as fast.
+   !> Open flanks that touch and part so slowly that they would not rebound from an approach at the same speed.
    pure function slow(gearbox, y, integers) result(is_slow)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states)
@@ -181,12 +182,12 @@ contains
       end do
    end function slow
 
-   !> Which flanks that part come back before they are as far apart as events are located exactly, and which that overlap approach
-   !> and do not turn before they overlap as far: of flanks that were closed, rounding says which way they move.
+   !> Flanks that part but return before their gap exceeds the accuracy of event location, and flanks that overlap, approach and do
+   !> not reverse before they overlap by as much. For flanks that were closed, rounding decides the direction of motion.
    subroutine come_back(gearbox, free, now, back, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(in) :: now
-      logical, intent(in) :: free(:) !! flanks that are looked at
+      logical, intent(in) :: free(:) !! flanks to be checked
       logical, intent(out) :: back(:)
       type(status_t), intent(inout) :: status
       real(wp) :: gap(2, size(gearbox%contacts)), rates(gearbox%n_states), q(n_local), local_rates(n_local), bend
@@ -223,11 +224,11 @@ contains
 
    end subroutine come_back
 
-   !> Close flanks that touch and hardly move, if that presses them together; the others stay as they are. Those of which together
-   !> none is pressed are tried one by one: with friction one of them may part all others.
+   !> Close touching flanks that hardly move, if this puts them under load; the others are unchanged. If none of them is loaded
+   !> together with the others, they are tried one by one: with friction, one of them may part all others.
    subroutine hold(gearbox, held, now)
       type(gearbox_t), intent(in) :: gearbox
-      logical, intent(inout) :: held(:) !! in: flanks to be tried; out: those that are closed now
+      logical, intent(inout) :: held(:) !! in: flanks to be tried; out: flanks that are now closed
       type(moment_t), intent(inout) :: now
       logical :: tried(size(held))
       integer :: m
@@ -242,15 +243,15 @@ contains
       end do
    end subroutine hold
 
-   !> The same of flanks that are tried together.
+   !> `hold` for flanks that are tried together.
    !>
-   !> Their speeds and those of all closed flanks become 0, which takes energy away. Then the forces decide.
+   !> Their gap rates and those of all closed flanks become 0, which dissipates energy. The forces then decide.
    subroutine hold_together(gearbox, held, now)
       type(gearbox_t), intent(in) :: gearbox
-      logical, intent(inout) :: held(:) !! in: flanks to be tried; out: those that are closed now
+      logical, intent(inout) :: held(:) !! in: flanks to be tried; out: flanks that are now closed
       type(moment_t), intent(inout) :: now
       type(moment_t) :: trial
-      type(status_t) :: status !! of a trial: where it has no solution, nothing is held
+      type(status_t) :: status !! of a trial: if it has no solution, no flank is held
       integer :: nothing(gearbox%n_roots), m
       logical, dimension(size(gearbox%contacts)) :: rebounds, opened, closed, was_closed
 
@@ -282,7 +283,7 @@ contains
       end do
    end subroutine hold_together
 
-   !> Whether a tooth contact leads a rigid flank that is open, with a tooth pair on the path.
+   !> Whether a tooth contact is the leading one of an open rigid flank with a tooth pair on the path.
    pure logical function may_close(gearbox, leader, integers)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader, integers(gearbox%n_integers)
@@ -303,7 +304,7 @@ contains
       gap = rigid_constraint(gearbox%contacts(leader)%pair, q)
    end function gap_of
 
-   !> The tooth pairs of an open flank that are on the path close.
+   !> Close the tooth pairs of an open flank that are on the path.
    subroutine close_flank(gearbox, leader, now, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now

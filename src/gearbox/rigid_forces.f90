@@ -1,7 +1,7 @@
-!> The normal forces of closed rigid contacts at a state, and what an impact does.
+!> Normal forces of closed rigid contacts at a state, and impacts.
 !>
-!> Rates are affine in the multipliers, so a response matrix tells both: its column k is what a unit force in contact k adds to
-!> kappa'' of every contact, or a unit impulse to kappa'.
+!> Rates are affine in the multipliers, so one response matrix gives both. Its column k is the contribution of a unit force in
+!> contact k to kappa'' of every contact, or of a unit impulse to kappa'.
 module evl_rigid_forces
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_discrete_state, only: flanks_of, is_closed, put_flanks
@@ -20,21 +20,21 @@ module evl_rigid_forces
 
    public :: multiplier_rates, set_multipliers, impact, open_flank
 
-   real(wp), parameter :: time_step = 1.0e-8_wp !! for the rates of the multipliers, which only start the next step [s]
-   !> A multiplier this far below 0, over the force scale, is no rounding. Less than how far past 0 the root of an opening lies
-   !> (`past` in evl_tooth_contact): a contact that starts beyond that root would pull without end.
+   real(wp), parameter :: time_step = 1.0e-8_wp !! for the rates of the multipliers, used only at the start of the next step [s]
+   !> A multiplier this far below 0, over the force scale, is not rounding. Smaller than the distance of the root of an opening from
+   !> 0 (`past` in evl_root_kinds): a contact that starts beyond that root would pull without end.
    real(wp), parameter :: pulling = 1.0e-11_wp
 
 contains
 
-   !> Find the multipliers of all closed contacts; a contact that would have to pull opens.
+   !> Compute the multipliers of all closed contacts; a contact that would have to pull opens.
    subroutine set_multipliers(gearbox, t, y, integers, reals, opened, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
-      real(wp), intent(inout) :: y(gearbox%n_states) !! its multipliers are replaced, and dependent wheels put in their places
+      real(wp), intent(inout) :: y(gearbox%n_states) !! its multipliers are replaced, and dependent wheels are projected
       integer, intent(inout) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))
-      logical, intent(out) :: opened(:)              !! [contacts] true for those that lead a flank that had to open
+      logical, intent(out) :: opened(:)              !! [contacts] true for the leading contacts of flanks that had to open
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
       real(wp) :: velocity(gearbox%n_states, gearbox%n_multipliers), force(gearbox%n_multipliers)
@@ -58,10 +58,10 @@ contains
       end do
    end subroutine set_multipliers
 
-   !> A rigid flank opens: no tooth pair of it has a force.
+   !> Open a rigid flank: set its tooth pairs open and its force to 0.
    subroutine open_flank(gearbox, index, y, integers)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index !! of the tooth contact that leads it
+      integer, intent(in) :: index !! its leading tooth contact
       real(wp), intent(inout) :: y(gearbox%n_states)
       integer, intent(inout) :: integers(gearbox%n_integers)
       integer :: m
@@ -72,8 +72,8 @@ contains
       y(gearbox%contacts(index)%i_normal) = 0
    end subroutine open_flank
 
-   !> Put the dependent wheel of every closed contact where kappa = 0, and give it the speed at which kappa' = 0: what a located
-   !> event leaves of both is rounding.
+   !> Project the dependent wheel of every closed contact to kappa = 0 and kappa' = 0. After a located event both differ from 0 by
+   !> rounding only.
    subroutine close_gaps(gearbox, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)
@@ -100,7 +100,7 @@ contains
       end do
    end subroutine close_gaps
 
-   !> kappa'' without multipliers, and what each multiplier adds to it and to all rates.
+   !> kappa'' without multipliers, and the contribution of each multiplier to it and to all rates.
    subroutine responses(gearbox, t, y, integers, reals, closed, n, offset, response, velocity, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -108,7 +108,7 @@ contains
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))
       integer, intent(out) :: closed(:)                !! closed contacts
-      integer, intent(out) :: n                        !! how many
+      integer, intent(out) :: n                        !! their number
       real(wp), intent(out) :: offset(:)               !! rows without multipliers [N]
       real(wp), intent(out) :: response(:, :)          !! rows per unit multiplier [1]
       real(wp), intent(out) :: velocity(:, :)          !! rates per unit multiplier
@@ -164,7 +164,7 @@ contains
                                subject_mesh, gearbox%contacts(closed(1))%mesh, "contact")
    end subroutine solve
 
-   !> Rates of the multipliers, by a difference along the motion. In: all other rates.
+   !> Rates of the multipliers, by a finite difference along the motion. In: all other rates.
    subroutine multiplier_rates(gearbox, t, y, integers, reals, yp, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
@@ -191,18 +191,18 @@ contains
       end do
    end subroutine multiplier_rates
 
-   !> Newton's impact in the contacts that close: kappa' becomes -e times what it was, that of the closed contacts stays 0. The
-   !> friction factors are those of this instant. A contact that would have to pull takes no part and is open afterwards; or, where
-   !> flanks that hardly move are held, none opens here: their normal forces decide.
+   !> Newton's impact in the closing contacts: kappa' becomes -e times its value, that of closed contacts remains 0. The friction
+   !> factors are those of this instant. A contact that would have to pull is left out and opened. If flanks that hardly move are
+   !> held, none is opened here; their normal forces decide.
    !>
-   !> P solves G M^-1 D P = -(1 + e) kappa'; modes: the contacts that close count as closed already.
+   !> P solves G M^-1 D P = -(1 + e) kappa'. Modes: the closing contacts already count as closed.
    subroutine impact(gearbox, closing, holds, now, rebounds, opened, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
-      logical, intent(in) :: closing(:)     !! [contacts] true for those that lead a flank that closes
-      logical, intent(in) :: holds          !! those that close are held whichever way they move
-      logical, intent(out) :: rebounds(:)   !! [contacts] leaders of flanks that close and part again at once
-      logical, intent(out) :: opened(:)     !! [contacts] leaders of flanks that would have to pull
+      logical, intent(in) :: closing(:)     !! [contacts] true for the leading contacts of closing flanks
+      logical, intent(in) :: holds          !! closing flanks are held for any direction of motion
+      logical, intent(out) :: rebounds(:)   !! [contacts] leading contacts of flanks that close and part at once
+      logical, intent(out) :: opened(:)     !! [contacts] leading contacts of flanks that would have to pull
       type(status_t), intent(inout) :: status
       real(wp) :: offset(gearbox%n_multipliers), response(gearbox%n_multipliers, gearbox%n_multipliers)
       real(wp) :: velocity(gearbox%n_states, gearbox%n_multipliers), impulse(gearbox%n_multipliers)

@@ -1,4 +1,4 @@
-!> The root functions of a gearbox for eight states at once, as `gearbox_roots` gives them for one.
+!> Root functions of a gearbox for eight states at once; `gearbox_roots` is the version for one state.
 module evl_roots_lanes
    use evl_contact_lanes, only: contact_in_lanes
    use evl_flank, only: flank_t
@@ -17,25 +17,25 @@ module evl_roots_lanes
 
    public :: roots_in_lanes
 
-   integer, parameter :: width = lanes !! states that the included formulas take at once
+   integer, parameter :: width = lanes !! states evaluated at once by the included formulas
 
 contains
 
    include "numerics/all_positive.inc"
    include "contact/contact_roots.inc"
 
-   !> Root functions of all states: first with what the last `rates_in_lanes` knows of the tooth contacts that touch, then, where
-   !> that is not enough, with what these are here; of the others all is known by then.
+   !> Root functions of all states, in up to two passes. In the first (`nearby`), touching contacts use the data of the last
+   !> `rates_in_lanes`. In the second, they are evaluated at these states; the other contacts are already complete.
    subroutine roots_in_lanes(gearbox, y, integers, reals, slots, aside, nearby, roots, status)
-      type(gearbox_t), intent(in) :: gearbox     !! one that `lanes_serve` accepts
+      type(gearbox_t), intent(in) :: gearbox     !! supported by `lanes_serve`
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))
-      type(lane_slot), intent(in) :: slots(size(gearbox%contacts))    !! [tooth contacts] settled
-      type(lane_slot), intent(inout) :: aside(size(gearbox%contacts)) !! [tooth contacts] settled: scratch for these states
-      logical, intent(in) :: nearby              !! those of the last `rates_in_lanes` will do; else: asked again in the same states
+      type(lane_slot), intent(in) :: slots(size(gearbox%contacts))    !! [tooth contacts] with their discrete state
+      type(lane_slot), intent(inout) :: aside(size(gearbox%contacts)) !! [tooth contacts] likewise, as scratch for these states
+      logical, intent(in) :: nearby              !! data of the last `rates_in_lanes` suffice; false: second pass in the same states
       real(wp), intent(inout) :: roots(lanes, gearbox%n_roots)
-      type(status_t), intent(inout) :: status    !! code_out_of_domain if a law has no answer in one of the lanes
+      type(status_t), intent(inout) :: status    !! code_out_of_domain if a law is not defined in one of the lanes
       logical :: answered
       integer :: i
 
@@ -49,7 +49,7 @@ contains
       roots(:, gearbox%n_roots) = turns_root(y(:, i_theta))
    end subroutine roots_in_lanes
 
-   !> Those of the tooth contacts of a flank.
+   !> Root functions of the tooth contacts of a flank.
    subroutine roots_of_flank(gearbox, flank, y, slots, aside, nearby, roots, answered)
       type(gearbox_t), intent(in) :: gearbox
       class(flank_t), intent(in) :: flank
@@ -63,7 +63,7 @@ contains
       integer :: m
 
       answered = .true.
-      if (.not. (nearby .or. any(slots(flank%first:flank%last)%touches))) return ! nothing is new
+      if (.not. (nearby .or. any(slots(flank%first:flank%last)%touches))) return ! no change
       do m = flank%first, flank%last
          if (nearby .eqv. slots(m)%touches) cycle
          call line_in_lanes(gearbox%contacts(m), y, line)
@@ -85,7 +85,7 @@ contains
       end do
    end subroutine roots_of_flank
 
-   !> Those of one tooth contact.
+   !> Root functions of one tooth contact.
    subroutine roots_of_contact(flank, contact, slot, y, line, roots)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact
@@ -114,7 +114,7 @@ contains
       end associate
    end subroutine roots_of_contact
 
-   !> The first lane without an answer says why, in the words of the scalar kernel.
+   !> Report the error of the first lane without a solution, with the message of the scalar kernel.
    subroutine say_why(gearbox, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(lanes, gearbox%n_states), reals(size(gearbox%contacts))

@@ -1,4 +1,4 @@
-!> Which wheels rigid shafts join to one rotor.
+!> Rotors: wheels joined by rigid shafts.
 module evl_rotors
    use evl_gearbox, only: gearbox_t
    use evl_places, only: joined_to, places
@@ -10,11 +10,12 @@ module evl_rotors
 
 contains
 
-   !> Find the rotor of every wheel, what is behind every rigid shaft, the reference wheel, and the load that prescribes the speed
-   !> of a rotor.
+   !> Determine the rotor of every wheel, the wheels behind every rigid shaft, the reference wheel, and the load that prescribes the
+   !> speed of a rotor.
    !>
-   !> The reference wheel is the leader of the first rotor whose speed is prescribed, or of the first of all; a rotor's leader is
-   !> its first wheel. Errors: code_invalid_input for a shaft whose wheels are one rotor already, and for a second prescribed speed.
+   !> The reference wheel is the leader of the first rotor with a prescribed speed, or of the first rotor; the leader of a rotor is
+   !> its first wheel. Errors: code_invalid_input for a shaft whose wheels already belong to one rotor, and for a second prescribed
+   !> speed.
    subroutine rotors_join(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox !! with wheels, loads and shafts
       type(status_t), intent(inout) :: status
@@ -22,7 +23,7 @@ contains
       integer :: i, k
 
       associate (a => gearbox%shafts%wheel_a, b => gearbox%shafts%wheel_b, rigid => gearbox%shafts%rigid)
-         do i = 1, size(gearbox%shafts) ! an elastic one must not lie between wheels of one rotor
+         do i = 1, size(gearbox%shafts) ! an elastic shaft must not connect wheels of one rotor
             joined = joined_to(a(i), a, b, rigid .and. [(k < i .or. .not. rigid(i), k=1, size(rigid))], size(joined))
             if (.not. joined(b(i))) cycle
             call fail(status, code_invalid_input, "rigid shafts join its two wheels already: what it carries is not" &
@@ -46,7 +47,7 @@ contains
 
    contains
 
-      !> Give the load's rotor its speed.
+      !> Assign a prescribed speed to the rotor of the load.
       subroutine prescribe(load)
          integer, intent(in) :: load
          integer :: leader

@@ -1,9 +1,10 @@
-!> The one door through which modes come to agree with the state after something has happened.
+!> Make the modes consistent with the state after an event; all events use this one procedure.
 !>
-!> At an event more can change than what made it: the slope of a flank jumps at the border of a relief, and with it the rate of
-!> the penetration and the damper's force; speeds jump in an impact; another tooth pair with other flanks takes over. A mode whose
-!> root function is past its zero then would never end, because that zero is never crossed. So after every event the root functions
-!> of contact, force and sliding are looked at in all tooth contacts, and what they say is done, until none is past its zero.
+!> An event can change more than the quantity that caused it. The slope of a flank jumps at the border of a relief, and with it the
+!> rate of the penetration and the damper force. Speeds jump in an impact. Another tooth pair with other flanks takes over. A mode
+!> whose root function is then past its zero would never end, because that zero is never crossed. After every event, the root
+!> functions of contact, force and sliding are therefore evaluated for all tooth contacts, and modes are changed until none is past
+!> its zero.
 module evl_settle_modes
    use evl_contact_events, only: contact_event, parts, roots_of_contact
    use evl_contact_roots, only: by_kind, is_past
@@ -18,18 +19,18 @@ module evl_settle_modes
 
    public :: located, most_settling, settle_modes
 
-   !> How far from zero a root function may be that was located there, in its own units.
+   !> Accuracy of a located zero of a root function, in its own units.
    real(wp), parameter :: located = 1.0e-8_wp
-   integer, parameter :: most_settling = 8 !! looks at all contacts; a jump of speeds needs three
+   integer, parameter :: most_settling = 8 !! passes over all contacts; a jump of speeds needs three
 
 contains
 
-   !> Do what the root functions that crossed zero say, and go on until none is past its zero.
+   !> Apply the root functions that crossed zero, and repeat until none is past its zero.
    subroutine settle_modes(gearbox, fired, now, status)
       type(gearbox_t), intent(in) :: gearbox
-      type(moment_t), intent(inout) :: now !! its energies change where flanks that overlap come or go
+      type(moment_t), intent(inout) :: now !! its energies change if overlapping flanks enter or leave
       integer, intent(in) :: fired(gearbox%n_roots)  !! not 0 where a root function passed zero
-      type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other for ever
+      type(status_t), intent(inout) :: status        !! code_no_solution if two modes contradict each other without end
       logical :: settled, nothing, crossed(n_root_kinds, size(gearbox%contacts)), quiet(size(gearbox%contacts))
       logical :: known(size(gearbox%contacts))
       type(contact_state) :: at(size(gearbox%contacts))
@@ -59,15 +60,15 @@ contains
                 //" another", subject_mesh, gearbox%contacts(restless)%mesh, "contact")
    end subroutine settle_modes
 
-   !> Do what the root functions of one tooth contact say that crossed zero.
+   !> Apply the root functions of one tooth contact that crossed zero.
    subroutine cross(gearbox, m, now, known, at, crossed, quiet, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
       integer, intent(in) :: m
-      logical, intent(inout) :: known(:) !! [contacts] as of `roots_of_contact`
+      logical, intent(inout) :: known(:) !! [contacts] as in `roots_of_contact`
       type(contact_state), intent(inout) :: at(*)     !! [contacts]
-      logical, intent(inout) :: crossed(n_root_kinds) !! those located; those that cross at the same instant come to them
-      logical, intent(out) :: quiet                   !! nothing crosses, and what happens to other contacts does not change that
+      logical, intent(inout) :: crossed(n_root_kinds) !! located ones; those that cross at the same instant are added
+      logical, intent(out) :: quiet                   !! no crossing, and independent of the changes of other contacts
       type(status_t), intent(inout) :: status
       logical :: passed(n_root_kinds, 1)
 
@@ -82,16 +83,16 @@ contains
       end if
    end subroutine cross
 
-   !> Do what the root functions of one tooth contact say that have jumped past zero. What has just crossed zero lies on one side of
-   !> it or the other, as exactly as events are located, and is not taken back for that.
+   !> Apply the root functions of one tooth contact that have jumped past zero. A root function that has just crossed zero may be on
+   !> either side of it, within the accuracy of event location; it is not reversed for that.
    subroutine settle_contact(gearbox, m, crossed, now, known, at, nothing, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now
       integer, intent(in) :: m
       logical, intent(in) :: crossed(n_root_kinds) !! root functions that crossed zero at this event
-      logical, intent(inout) :: known(:) !! [contacts] as of `roots_of_contact`
+      logical, intent(inout) :: known(:) !! [contacts] as in `roots_of_contact`
       type(contact_state), intent(inout) :: at(*)  !! [contacts]
-      logical, intent(out) :: nothing              !! to do
+      logical, intent(out) :: nothing              !! no change required
       type(status_t), intent(inout) :: status
       integer, parameter :: at_all = 1, by_far = 2
       logical :: passed(n_root_kinds, 2), group(n_root_kinds), jumped(n_root_kinds)
@@ -111,8 +112,8 @@ contains
       call contact_event(gearbox, m, jumped, now, known, at, status)
    end subroutine settle_contact
 
-   !> Whether what happens to other contacts changes nothing for this one: rigid ones share a force, tracked ones their points;
-   !> where pairs bend each other and have no edges, one that enters under load lifts others off at once.
+   !> Whether a contact is independent of changes of other contacts. Rigid contacts share a force, and tracked ones their points.
+   !> With coupled pairs and without edges, a pair that enters under load opens others at once.
    pure logical function stands_alone(gearbox, m)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
@@ -123,15 +124,15 @@ contains
       end associate
    end function stands_alone
 
-   !> Which root functions of one tooth contact are past zero at a state, as far as they decide by themselves.
+   !> Root functions of one tooth contact that are past zero at a state and can be decided independently.
    subroutine passed_now(gearbox, m, now, known, at, by, passed, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
       type(moment_t), intent(in) :: now
-      logical, intent(inout) :: known(:) !! [contacts] as of `roots_of_contact`
+      logical, intent(inout) :: known(:) !! [contacts] as in `roots_of_contact`
       type(contact_state), intent(inout) :: at(*) !! [contacts]
-      real(wp), intent(in) :: by(:) !! as of `is_past`, of a force as exact as the reference force
-      logical, intent(out) :: passed(n_root_kinds, size(by)) !! by kind, of each of them; false of those that it does not have
+      real(wp), intent(in) :: by(:) !! as in `is_past`, for a force as accurate as the reference force
+      logical, intent(out) :: passed(n_root_kinds, size(by)) !! by kind, for each element of `by`; false for kinds not present
       type(status_t), intent(inout) :: status
       real(wp) :: roots(n_root_kinds), coarse
       integer :: directions(n_root_kinds)
@@ -146,15 +147,15 @@ contains
             if (contact%roots(i) == root_of%force) coarse = coarseness(contact, at(m))
             passed(contact%roots(i), :) = is_past(directions(i), roots(i), merge(coarse*by, by, by > 0))
          end do
-         ! rigid flanks close by impacts, and their forces are found together
+         ! rigid flanks close by impacts, and their forces are computed together
          if (contact%rigid) passed([root_of%contact, root_of%force], :) = .false.
          if (at(m)%mode%flanks == flanks_open .and. parts(gearbox%flanks(contact%i_flank)%flank, contact, at(m))) &
             passed(root_of%contact, :) = .false.
       end associate
    end subroutine passed_now
 
-   !> How much coarser the zero of a force is than one of the size of the reference force: it is the difference of an elastic and a
-   !> viscous force, which may be larger by far, and has their digits.
+   !> Factor by which the zero of a force is less accurate than one of the size of the reference force. It is the difference of an
+   !> elastic and a viscous force, which may be much larger, and has their absolute accuracy.
    pure real(wp) function coarseness(contact, at)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at

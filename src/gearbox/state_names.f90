@@ -1,4 +1,4 @@
-!> What the states of a gearbox are called.
+!> Names of the states of a gearbox.
 module evl_state_names
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: n_housing_states
@@ -25,13 +25,13 @@ module evl_state_names
 
 contains
 
-   !> Name of a state with the index, from 0, of its wheel or mesh, and its unit; blank if there is no such state. A rotor is named
-   !> by its leader.
+   !> Name of a state with the index, from 0, of its wheel or mesh, and its unit; blank if there is no such state. A rotor has the
+   !> name of its leader.
    subroutine gearbox_state_name(gearbox, index, name, units)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index            !! index in the state
       character(len=*), intent(out) :: name   !! such as "angle_deviation_1"
-      character(len=*), intent(out) :: units  !! "1" if without
+      character(len=*), intent(out) :: units  !! "1" for dimensionless states
       integer :: i, j
 
       name = ""
@@ -83,7 +83,7 @@ contains
 
    !> Name of a support's degree of freedom.
    pure function displacement(n, j) result(name)
-      integer, intent(in) :: n, j !! how many there are, and which
+      integer, intent(in) :: n, j !! number of degrees of freedom, index
       character(len=14) :: name
 
       name = "displacement"

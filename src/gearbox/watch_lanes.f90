@@ -1,5 +1,5 @@
-!> The watched outputs of a gearbox in eight states at once, as `watched_at` gives them for one: from what the last rates in lanes
-!> knew of the tooth contacts, so that they cost little. They are almost those of the states.
+!> Watched outputs of a gearbox for eight states at once; `watched_at` is the version for one state. They use the contact data of
+!> the last rates in lanes at low cost, and are therefore approximate.
 module evl_watch_lanes
    use evl_contact_lanes, only: contact_in_lanes, lane_contact
    use evl_contact_point, only: contact_point, tracked_pair
@@ -26,14 +26,14 @@ contains
    include "contact/lane_point.inc"
    include "contact/transmission_error.inc"
 
-   !> How many rows there can be.
+   !> Largest number of rows.
    pure integer function most_rows(gearbox) result(n)
       type(gearbox_t), intent(in) :: gearbox
 
       n = 4*size(gearbox%pairs) + 3*size(gearbox%contacts)
    end function most_rows
 
-   !> Channels that the rows estimate: the curvature of flanks that deviate is not found everywhere.
+   !> Channels whose rows are estimates: the curvature of deviating flanks is not computed at all states.
    pure function rough_channels(gearbox) result(is_rough)
       type(gearbox_t), intent(in) :: gearbox
       logical, allocatable :: is_rough(:)
@@ -45,17 +45,17 @@ contains
       end do
    end function rough_channels
 
-   !> Rows of channels that are not 0 in the present discrete state, less those that others stand for; each pair has its own,
+   !> Rows of channels that are not 0 in the present discrete state, except those represented by others; each pair has its own rows,
    !> smooth between events.
    subroutine watched_in_lanes(gearbox, y, integers, slots, n, channels, values)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
-      !> [tooth contacts] as the last rates left them; curvatures are kept there
+      !> [tooth contacts] from the last rates; curvatures are stored there
       type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       integer, intent(out) :: n
-      integer, intent(inout) :: channels(:)      !! the first n of these: which ones
-      real(wp), intent(inout) :: values(lanes, *) !! of these
+      integer, intent(inout) :: channels(:)      !! the first n: channel of each row
+      real(wp), intent(inout) :: values(lanes, *) !! values of these rows
       real(wp), dimension(lanes) :: normal, friction
       integer :: c, leader, loaded, m
 
@@ -78,7 +78,7 @@ contains
       end do
    end subroutine watched_in_lanes
 
-   !> One more row.
+   !> Add a row.
    pure subroutine put(channel, of_lanes, n, channels, values)
       integer, intent(in) :: channel
       real(wp), intent(in) :: of_lanes(lanes)
@@ -91,7 +91,7 @@ contains
       values(:, n) = of_lanes
    end subroutine put
 
-   !> A tooth contact that touches: its rows, and what it adds to its mesh.
+   !> Rows of a touching contact, and its contribution to its mesh.
    subroutine watch_pair(gearbox, c, slot, n, channels, values, normal, friction)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: c
@@ -120,14 +120,15 @@ contains
       end associate
    end subroutine watch_pair
 
-   !> Curvature of both flanks together; of flanks that deviate a little more than it is. That takes long, so it is found at the end
-   !> of each step, where the next one begins, and goes evenly between; a place that looks like an extreme is looked at exactly.
+   !> Sum of the curvatures of both flanks; for deviating flanks an estimate slightly above it. The exact value is expensive. It is
+   !> computed at the end of each step, which is the start of the next, with linear interpolation between. Possible extremes are
+   !> evaluated exactly elsewhere.
    pure subroutine curvature_in_lanes(contact, slot, curvature)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot
       real(wp), intent(out) :: curvature(lanes)
       real(wp), parameter :: margin = 2.0e-3_wp
-      real(wp), parameter :: same = 1.0e-6_wp !! of rho: places this near have the same curvature, to far less than the margin
+      real(wp), parameter :: same = 1.0e-6_wp !! relative to rho: the curvature at such a distance is the same, well within margin
       type(contact_point) :: point
       real(wp) :: from, to, way
       integer :: l, wheel
@@ -137,7 +138,7 @@ contains
          if (.not. contact%deviates) return
          wheel = edge_wheel(slot%mode)
          if (wheel > 0) then
-            slot%rho_seen = 0 ! of a flank nothing is known
+            slot%rho_seen = 0 ! no curvature of a flank is stored
             if (.not. contact%tips(wheel)%edge%rounding > 0) return
             do l = 1, lanes
                curvature(l) = edge_curvature(contact%tips(wheel)%edge%rounding, slot%at%edge%foot(l, by_a + by_b - wheel))
@@ -159,7 +160,7 @@ contains
       end associate
    end subroutine curvature_in_lanes
 
-   !> What a mesh has whether it touches or not.
+   !> Rows of a mesh that exist whether it touches or not.
    subroutine watch_mesh(gearbox, m, y, slot, leader, n, channels, values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
@@ -182,7 +183,7 @@ contains
       else
          call line_in_lanes(leader, y, line)
          mode = slot%mode
-         if (mode%flanks == flanks_off) mode%flanks = flanks_open ! else the radii alone would be found
+         if (mode%flanks == flanks_off) mode%flanks = flanks_open ! otherwise only the radii would be computed
          call contact_in_lanes(leader, mode, slot%rho_start, line, at)
          call put(channel_of(m, watch_sliding), at%v_t, n, channels, values)
       end if

@@ -1,4 +1,4 @@
-!> What the loads of a wheel bring: torques, the part that acts on the housing, and the motion of a wheel whose speed is prescribed.
+!> Loads of wheels: torques, their reaction on the housing, and the motion of a wheel with prescribed speed.
 module evl_wheel_loads
    use evl_gearbox, only: gearbox_t, i_turns, wheel_speed, wheel_t
    use evl_housing, only: frame_t, housing_fixed, housing_frame
@@ -13,18 +13,18 @@ module evl_wheel_loads
    public :: ask_load, followed_speed, hold_still, known_torques, load_answer, load_point_of, load_torque, segment_of
    public :: turns_of_wheel, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
 
-   !> What a load says at a state.
+   !> Torque of a load at a state, with derivatives.
    type :: load_answer
       real(wp) :: torque             !! as from `load_torque` [N m]
-      real(wp) :: damping, stiffness !! -dM/domega and -dM/dphi at the speed to which it refers [N m s], [N m]
+      real(wp) :: damping, stiffness !! -dM/domega and -dM/dphi at the speed in its frame of reference [N m s], [N m]
    end type load_answer
 
 contains
 
-   !> Where a load is asked: time, and speed and angle of its wheel in the housing.
+   !> Arguments of a load: time, and speed and angle of its wheel in the housing.
    pure type(load_point) function load_point_of(gearbox, index, t, y, integers) result(at)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index !! of the load
+      integer, intent(in) :: index !! index of the load
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
 
@@ -41,7 +41,7 @@ contains
       end associate
    end function load_point_of
 
-   !> How far the whole turns of the reference wheel have turned a wheel: its whole turns, and the rest [rad].
+   !> Rotation of a wheel by the whole revolutions of the reference wheel: its whole revolutions, and the remainder [rad].
    pure subroutine turns_of_wheel(wheel, integers, revolutions, angle)
       type(wheel_t), intent(in) :: wheel
       integer, intent(in) :: integers(*)
@@ -51,7 +51,7 @@ contains
       angle = 2*pi*angle
    end subroutine turns_of_wheel
 
-   !> Knots that a load's table has passed; 0 without a table.
+   !> Number of knots that a load's table has passed; 0 without a table.
    pure integer function segment_of(load, integers) result(segment)
       class(load_t), intent(in) :: load
       integer, intent(in) :: integers(*)
@@ -63,7 +63,7 @@ contains
    !> Torque of a load at a state [N m]; a prescribed speed has none of its own.
    pure real(wp) function load_torque(gearbox, index, t, y, integers) result(torque)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index !! of the load
+      integer, intent(in) :: index !! index of the load
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp) :: damping, stiffness
@@ -71,10 +71,10 @@ contains
       call gearbox%loads(index)%load%ask(load_point_of(gearbox, index, t, y, integers), torque, damping, stiffness)
    end function load_torque
 
-   !> The same, and how it depends on the speed and the angle of the wheel.
+   !> Torque of a load, with derivatives with respect to the speed and the angle of the wheel.
    pure subroutine ask_load(gearbox, index, t, y, integers, spin, answer)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index !! of the load
+      integer, intent(in) :: index !! index of the load
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
@@ -91,7 +91,7 @@ contains
       end associate
    end subroutine ask_load
 
-   !> Make of a gearbox what a steady state takes it for: loads do not swing, and contacts follow from the wheels' positions.
+   !> Simplify a gearbox for steady states: loads do not oscillate, and contacts are in closed form.
    pure subroutine hold_still(gearbox)
       type(gearbox_t), intent(inout) :: gearbox
       integer :: i
@@ -103,7 +103,7 @@ contains
       gearbox%contacts%i_track = 0
    end subroutine hold_still
 
-   !> Sums of the torques that the loads of each wheel know; that of a prescribed speed is not among them [N m].
+   !> Sum of the torques of the loads of each wheel, without that of a prescribed speed [N m].
    pure subroutine known_torques(gearbox, t, y, integers, torques)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
@@ -119,7 +119,7 @@ contains
       end do
    end subroutine known_torques
 
-   !> What the turning of the housing adds to that of one wheel: torques against the ground follow the speed seen from there [N m].
+   !> Change of a wheel's torque by the housing rotation: torques against the ground depend on the speed relative to it [N m].
    pure real(wp) function wheel_spin_torque(gearbox, index, spin, t, y, integers) result(torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -137,12 +137,12 @@ contains
       end do
    end function wheel_spin_torque
 
-   !> The part of the torque of a wheel's loads whose reaction goes to the housing [N m].
+   !> Part of the torque of a wheel's loads with reaction on the housing [N m].
    pure real(wp) function wheel_housing_torque(gearbox, index, spin, total, t, y, integers) result(torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       real(wp), intent(in) :: spin  !! Omega_z of the housing [rad/s]
-      real(wp), intent(in) :: total !! of all loads, with that of a prescribed speed [N m]
+      real(wp), intent(in) :: total !! of all loads, including that of a prescribed speed [N m]
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       logical :: follows
@@ -159,7 +159,8 @@ contains
       if (.not. follows) torque = torque - wheel_spin_torque(gearbox, index, spin, t, y, integers)
    end function wheel_housing_torque
 
-   !> Whether phi'' + Omega_z', not phi'', follows from torques or a prescribed speed: all but a speed against the housing.
+   !> Whether phi'' + Omega_z', not phi'', follows from torques or a prescribed speed: always, except for a speed against the
+   !> housing.
    pure logical function wheel_follows_ground(gearbox, index) result(follows)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -170,7 +171,7 @@ contains
       end associate
    end function wheel_follows_ground
 
-   !> Angular velocity of a wheel, seen from where a prescribed speed of it refers to [rad/s].
+   !> Angular velocity of a wheel relative to the frame of its prescribed speed [rad/s].
    pure real(wp) function followed_speed(gearbox, index, t, y) result(speed)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -186,7 +187,7 @@ contains
    !> Angular acceleration of a rotor under the torque of its meshes, shafts and loads, or the prescribed one [rad/s^2].
    pure real(wp) function wheel_acceleration(gearbox, index, torque, integers) result(acceleration)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: index       !! of one of its wheels
+      integer, intent(in) :: index       !! one of its wheels
       real(wp), intent(in) :: torque     !! on the rotor [N m]
       integer, intent(in) :: integers(gearbox%n_integers)
 
