@@ -47,7 +47,7 @@ typedef struct {
     char holds[EVL_SHORT_LENGTH];    /**< block type of a block, list or map; list or map of a reference; else "" */
     char variants
         [EVL_ROW_TEXT_LENGTH]; /**< values of the block's first key for which this key is allowed, separated by spaces; ""
-                                             for all; "+KEY": allowed only together with KEY */
+                                             for all; "+KEY": only together with KEY; "-KEY": only without KEY */
 } evl_row;
 
 /** One variant of a block: a law, a type of load or of support. Its rows list the variant's name in `variants`. */
