@@ -143,7 +143,7 @@ EVL_API int evl_gearbox_initial_state(const evl_gearbox *gearbox, const evl_init
 
 /** Absolute scales for error control, computed from the loads and the initial condition: state[i] is the scale of errors of y[i],
  *  row[i] the scale of residual i.
- *  @param duration  duration of the run [s]; limits the time over which loads act in the scales of a mounted housing */
+ *  @param duration  duration of the run [s]; limits the time in which loads supply energy to a mounted housing */
 EVL_API void evl_gearbox_scales(const evl_gearbox *gearbox, const evl_initial *initial, double duration, double *state,
                                 double *row);
 
