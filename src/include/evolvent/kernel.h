@@ -383,7 +383,7 @@ EVL_API int evl_gearbox_roots_and_watched(const evl_gearbox *gearbox, const doub
 
 /** Index of the driving wheel of a mesh. */
 EVL_API int evl_gearbox_driving_wheel(const evl_gearbox *gearbox, int mesh);
-/** Whether a wheel turns or may turn: it moves at the start (y, yp: [n_states]), or a load or the housing drives it. */
+/** Whether a wheel turns or can turn: wheels move at the start (y, yp: [n_states]), or a load or the housing moves it. */
 EVL_API bool evl_gearbox_can_turn(const evl_gearbox *gearbox, int wheel, const double *y, const double *yp);
 /** Rotation of the driving wheel of a mesh, in pitches, from the position where its unloaded tooth pair 0 is at the start of contact: the
  *  position of the static analysis. It grows in the nominal sense of rotation. Linear in y for constant integers. */
