@@ -574,8 +574,8 @@ EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const d
  *                      spaced over the smallest number of pitches of the first mesh, at most 10000, in which every mesh passes whole
  *                      pitches. means returns the outputs averaged in the same way. y, integers, reals are set to the steady state half
  *                      a pitch from the start of contact, to which the vectors refer
- *  @param n_positions  number of positions of that mean; 0: 997. A smaller number should be a prime that does not divide the
- *                      number of pitches
+ *  @param n_positions  number of positions of that mean; 0: 997, or 1009 if 997 divides the number of pitches. A smaller number
+ *                      should be a prime that does not divide the number of pitches
  *  @return EVL_OK, EVL_OUT_OF_DOMAIN (the state is outside the domain of the model, or forces have no derivative there), EVL_SINGULAR
  *          (accelerations of a mounted housing are undetermined), EVL_NO_SOLUTION (a rigid contact, or LAPACK failed); for the mean also
  *          the codes of evl_gearbox_initial_state if there is no steady state */
@@ -600,7 +600,7 @@ EVL_API void evl_gearbox_shape(const evl_gearbox *gearbox, const double *y, cons
  *  @param[out] vectors     [2 * n_states * n_states] as from evl_gearbox_modes; the largest entry of each is the scale of its state; theta
  *                          is excluded
  *  @param[out] amplitudes  [2 * n_states]
- *  @return as evl_gearbox_modes with `means` */
+ *  @return as evl_gearbox_modes with `means`; EVL_NO_SOLUTION also if the gearbox has more than 300 states */
 EVL_API int evl_gearbox_start_distance(const evl_gearbox *gearbox, double t, const double *start,
                                        const int *start_integers, double *y, int *integers, double *reals, int *n_modes,
                                        double *eigenvalues, double *vectors, double *amplitudes, evl_status *status);
