@@ -188,7 +188,7 @@ contains
       end do
    end subroutine take_housing
 
-   !> Include cycles of which other/mine occur per pitch.
+   !> Include cycles that occur other/mine times per pitch.
    pure subroutine take_fraction(other, mine, most, pitches)
       type(rational_t), intent(in) :: other, mine !! nonzero, of either sign
       integer(int64), intent(in) :: most

@@ -1,7 +1,8 @@
 !> Scales of a gearbox: forces, penetrations, speeds and energies that follow from the loads and the initial condition.
 !>
-!> Error control is absolute, each state relative to its own scale: the static penetration h_0 for lengths, h_0 times the natural
-!> frequency of the contact for their rates, the static twist of shafts likewise, a fraction of a pitch for the reference angle.
+!> Error control is absolute, each state relative to its own scale. That of lengths is the static penetration h_0, that of their
+!> rates h_0 times the natural frequency of the contact, that of the reference angle a fraction of a pitch. For shafts the static
+!> twist is used likewise.
 module evl_gearbox_scaling
    use evl_contact_point, only: base_arc
    use evl_elastic_law, only: elastic_result
@@ -235,7 +236,7 @@ contains
       twist = angle*[1.0_wp, frequency]
    end subroutine shaft_scales
 
-   !> Scales of the states and of the residuals, and the corresponding energy. Positions and speeds keep the scales of a long run:
+   !> Scales of the states and of the residuals, and the corresponding energy. Positions and speeds get the scales of a long run:
    !> those of a short run could be below the rounding error of positions far from the origin.
    pure subroutine housing_scales(gearbox, time, state, row, energy)
       type(gearbox_t), intent(in) :: gearbox

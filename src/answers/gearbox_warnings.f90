@@ -10,7 +10,7 @@ module evl_gearbox_warnings
 
    public :: check_contact_width, warn_of_speeds, warn_of_tooth_errors
 
-   real(wp), parameter :: narrow = 0.1_wp    !! half width of the contact strip over a radius of curvature: warn above
+   real(wp), parameter :: narrow = 0.1_wp    !! limit of the half width of the contact strip over a radius of curvature
    real(wp), parameter :: large_error = 0.1_wp !! limit of runout and thickness allowance in modules
    real(wp), parameter :: fast = 1.0e5_wp    !! limit of the speed of a wheel [rad/s]
 

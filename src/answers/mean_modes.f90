@@ -2,7 +2,7 @@
 !>
 !> The stiffness of a mesh varies as tooth pairs enter and leave; vibrations slower than this variation respond to its mean. Meshes
 !> of several stages have different pitches. The positions are evenly spaced over the smallest number of pitches of the first mesh
-!> in which every mesh passes whole pitches. Their number is prime and does not divide that number of pitches, so every mesh is
+!> in which every mesh passes whole pitches. Their number is prime and does not divide the number of pitches. So every mesh is
 !> evaluated at as many evenly spaced positions of its own pitch.
 !>
 !> Distance of a start from the steady motion, in natural modes of the mean stiffness:

@@ -155,7 +155,7 @@ contains
       end do
    end subroutine linearised_matrix
 
-   !> Derivatives at a constant angle of the driving wheel of the first mesh instead of the reference wheel, theta = -psi/g, so that
+   !> Derivatives at a constant angle of the driving wheel of the first mesh instead of the reference wheel, theta = -psi/g. Then
    !> the modes do not depend on the choice of the reference wheel. A wheel with a prescribed speed is always the reference wheel.
    pure subroutine hold_driving_wheel(gearbox, matrix)
       type(gearbox_t), intent(in) :: gearbox

@@ -220,8 +220,8 @@ contains
       end if
    end subroutine mean_torque
 
-   !> Torque transmitted through the train at a speed of the reference wheel, referred to it: half of the sum of all magnitudes,
-   !> including the torque of a prescribed speed or of the inertia; 0 if it is rounding error of the torques at zero speed [N m].
+   !> Torque transmitted through the train at a speed of the reference wheel, referred to it [N m]: half of the sum of all
+   !> magnitudes, including that of a prescribed speed or of the inertia. 0 if it is rounding error of the torques at zero speed.
    pure real(wp) function torque_through(gearbox, now, speed) result(torque)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now

@@ -60,7 +60,7 @@ module evl_output
       real(wp) :: value(4) = 0.0_wp         !! values of the listed element; only if its objects are not empty
       integer :: watched = 0                !! of an extreme: index of the monitored output
       logical :: is_largest = .false.       !! of an extreme: true for a maximum, false for a minimum
-      !> Output of which it is the time derivative, element by element. If that is a scalar, its derivative is the sum of all such.
+      !> Output whose time derivative it is, element by element. The derivative of a scalar output is the sum of all such rates.
       character(len=31) :: rate_of = ""
       character(len=95) :: no_rate = ""     !! why it is the derivative of no output, although it has the unit of one
    end type output_t

@@ -1,5 +1,5 @@
-!> Quasi-static analysis of a mesh: transmission error, stiffness and load sharing under a torque of the driving wheel, at positions
-!> over one pitch or, if pitch errors or runout make teeth differ, over all pitches until the same teeth meet again.
+!> Quasi-static analysis of a mesh: transmission error, stiffness and load sharing under a torque of the driving wheel. Positions
+!> cover one pitch or, if pitch errors or runout make teeth differ, all pitches until the same teeth meet again.
 !>
 !> Axles are at their reference positions. Position x is the distance in pitches from where the unloaded tooth pair 0 is at the
 !> start of its path; pair k is x - k pitches from its start there. Slots for tooth pairs are ordered by the number of whole pitches

@@ -1,9 +1,9 @@
 !> A position of a mesh for the search for quasi-static extremes: the transmission error, and for each tooth pair its force, contact
 !> pressure and zones between the borders of both flanks.
 !>
-!> Between two positions the quantities are smooth functions unless a tooth pair crosses a border: it starts or stops carrying load,
-!> or it passes the end of a relief, of its corner, of a flank, or of the range in which its tip corner is defined. Each border has
-!> a function of the position that changes sign there.
+!> Between two positions the quantities are smooth functions unless a tooth pair crosses a border. There it starts or stops
+!> carrying load, or it passes the end of a relief, of its corner, of a flank, or of the defined range of its tip corner. Each
+!> border has a function of the position that changes sign there.
 module evl_static_node
    use evl_coupled_pairs, only: most_pairs
    use evl_flank_deviation, only: zone_edge, zone_end, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner

@@ -92,7 +92,7 @@ contains
       end do
    end subroutine load_all
 
-   !> Assign the tooth pairs on the path to their slots, and compute their contacts and the maximum penetration of every drive
+   !> Assign the tooth pairs on the path to their slots, and compute their contacts. largest: maximum penetration of every drive
    !> flank; -huge if no pair is on the path.
    subroutine look_at_pairs(gearbox, state, at, largest)
       type(gearbox_t), intent(in) :: gearbox

@@ -76,7 +76,7 @@ typedef int evl_wheel_call(void *self, int n_key, const double *key, int n, doub
 typedef struct {
     void *self;           /**< passed to both procedures */
     evl_wheel_call *find; /**< fill `numbers` for a key */
-    evl_wheel_call *keep; /**< store computed `numbers`, or overwrite them with other values, which are then used */
+    evl_wheel_call *keep; /**< store computed `numbers`, or replace them by other values, which are then used */
 } evl_wheel_store;
 
 /* Initial condition of a case. */
@@ -138,8 +138,8 @@ typedef struct {
     int watched;                /**< of an extreme: index of the monitored output, from 0; else -1 */
     int n;                      /**< of a quantity: number of values, 1, or 2 for a point */
     double value[2];            /**< of a quantity */
-    /** Name of the output of which this one is the time derivative, element by element; "" if none. If that output is a scalar, its
-     *  derivative is the sum of all outputs that name it. */
+    /** Name of the output whose time derivative this one is, element by element; "" if none. The derivative of a scalar output is the
+     *  sum of all outputs that name it. */
     char rate_of[EVL_SHORT_LENGTH];
     char no_rate[3 * EVL_SHORT_LENGTH]; /**< reason why it is the derivative of no output, despite its unit; else "" */
 } evl_output;

@@ -5,7 +5,7 @@
  *
  *    y, yp     [n_states]    continuous state and its time derivative, SI units
  *    integers  [n_integers]  discrete state: revolutions of the reference wheel, teeth passed, contact and friction modes, table segments
- *    reals     [n_reals]     discrete state: approach speed at the last closing of each mesh
+ *    reals     [n_reals]     discrete state: approach speed at the last closing of each tooth contact
  *
  *  Each call depends on (gearbox, state) only. It prints nothing, stores nothing, and can run in any number of threads on the
  *  same gearbox. Every call that can fail returns an evl_code. On failure it also fills `status`, unless that is NULL, with one
@@ -36,7 +36,7 @@ typedef enum {
     EVL_INVALID_INPUT = 1, /**< a parameter is invalid; subject, index and field identify it */
     EVL_OUT_OF_DOMAIN = 2, /**< the state is outside the domain of a law, such as limit (15) of the Johnson force */
     EVL_SINGULAR = 3,      /**< a linear system is singular at this state */
-    EVL_NO_SOLUTION = 4,   /**< no steady state exists, or it was not found */
+    EVL_NO_SOLUTION = 4,   /**< no solution (steady state, orbit, step) exists, or none was found */
     EVL_NO_MEMORY = 5,
     EVL_STORE_FAILED = 6 /**< the caller's evl_wheel_store reported a failure */
 } evl_code;
@@ -63,8 +63,8 @@ typedef struct {
 
 /* ---- description of a gearbox ---------------------------------------------------------------------------------------------- */
 
-/** Get the table of all rows, which is the same for every case. Rows of a block are contiguous; the row that selects the variant is first.
- *  @return number of rows; at most `most` of them are written */
+/** Get the table of all rows, the same for every case. Rows of a block are contiguous; the row that selects the variant is
+ *  first. @return number of rows; at most `most` of them are written */
 EVL_API int evl_rows(int most, evl_row *rows);
 /** Get the variants of a block: contact, damping, friction, load, support. For "event": the event kinds, indexed by the `kind` of
  *  evl_event. @return number of variants; at most `most` of them are written */
@@ -328,7 +328,7 @@ EVL_API int evl_table(int of, int most, evl_output *outputs);
 /** Offsets and numbers of values of the outputs in the array of evl_gearbox_outputs, in C order; [n_outputs] each. Count 0: the
  *  gearbox does not have the output, for example the pose of a fixed housing. */
 EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
-/** Values of the constant outputs, at their offsets in [n_values]; 0 for all other outputs. */
+/** Values of the constant outputs, at their offsets in [n_values]; NaN for all other outputs. */
 EVL_API void evl_gearbox_constants(const evl_gearbox *gearbox, double *values);
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity is undefined. With `check` the discrete state
  *  must agree with y: every tooth pair is loaded, penetrating or separated according to its modes, to 1e-6 of the reference force and
@@ -426,8 +426,8 @@ typedef struct evl_orbits evl_orbits;
  *  @return EVL_OK, or any other code on failure, with the reason in `status` */
 typedef int evl_orbits_take(void *self, double value, const evl_gearbox **gearbox, const double **scale,
                             evl_status *status);
-/** Integrate the gearbox of the last `take` over one period, from a state on the section, to record the results of an orbit. The run also
- *  shows whether it is an orbit.
+/** Integrate the gearbox of the last `take` over `periods` common periods, from a state on the section, to record the results of an
+ *  orbit. The run also shows whether it is an orbit.
  *  @param number  from 1, of a point that this call of evl_orbits_advance may add; results recorded before under this number are discarded
  *  @param period  its length [s]; if no speed is prescribed, it is set to the time taken
  *  @param y, integers, reals  set to the state at the end, shifted back to the period of the start
@@ -618,8 +618,8 @@ typedef struct {
 } evl_static_plan;
 
 /** @param points  positions per pitch, at least 21
- *  @return EVL_OK, or EVL_INVALID_INPUT: no static analysis of this mesh (gears without a basic rack, a law other than johnson, or a
- *          contact ratio below 1 without tip edges), or invalid points */
+ *  @return EVL_OK, or EVL_INVALID_INPUT: invalid points, or a mesh without such an analysis (gears without a basic rack, a law other
+ *          than johnson, a contact ratio below 1 without tip edges) */
 EVL_API int evl_gearbox_static_plan(const evl_gearbox *gearbox, int mesh, int points, evl_static_plan *plan,
                                     evl_status *status);
 /** Offsets and numbers of values of the outputs of EVL_TABLE_OF_STATIC in `values`. */
@@ -631,7 +631,7 @@ EVL_API void evl_gearbox_static_places(const evl_static_plan *plan, int *offsets
  *  @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN (a tip edge on the mate's fillet, or beyond its range), EVL_NO_SOLUTION */
 EVL_API int evl_gearbox_static(const evl_gearbox *gearbox, int mesh, int points, double torque, double speed,
                                double *values, evl_status *status);
-/** Largest quasi-static force of a tooth pair under a torque [N], without friction, over 100 positions in each of `pitches` pitches,
+/** Largest quasi-static force of a tooth pair under a torque [N], without friction. Evaluates 100 positions in each of `pitches` pitches,
  *  or in all different pitches if these are fewer.
  *  @param first  index of the first pitch, counted from the position where tooth pair 0 is at the start of contact
  *  @return as `evl_gearbox_static_plan` and `evl_gearbox_static` */
