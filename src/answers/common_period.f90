@@ -1,8 +1,8 @@
 !> Common period of a gearbox: after it, all meshes, teeth with individual errors, harmonic loads and housing motions are in the
 !> same phase, and a motion can repeat. docs/response.md.
 !>
-!> All cycles are counted in pitches of the first mesh, as fractions: exact ones for meshes and wheels, recognised ones for loads
-!> and the housing.
+!> All cycles are counted in pitches of the first mesh of the case, as fractions: exact ones for meshes and wheels, recognised ones
+!> for loads and the housing.
 module evl_common_period
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank_deviation, only: teeth_differ

@@ -1,7 +1,7 @@
 !> Mesh position of a steady start.
 !>
-!> The position counts pitches of the first mesh in the direction of power flow, by the angle of its driving wheel. It does not
-!> depend on the order of wheels and meshes in the case, nor on the reference wheel.
+!> The position counts pitches of the first mesh in the power flow (see `first_mesh`), by the angle of its driving wheel. It does
+!> not depend on the order of wheels and meshes in the case, nor on the reference wheel.
 !>
 !> Source: docs/theory.md, section 9.
 module evl_steady_position
@@ -27,7 +27,7 @@ module evl_steady_position
 
 contains
 
-   !> The mesh with the highest mesh frequency; if equal, the first in the direction of power flow, then by geometry.
+   !> The mesh with the highest mesh frequency; if equal, the first in the power flow, then by geometry.
    pure integer function first_mesh(gearbox) result(first)
       type(gearbox_t), intent(in) :: gearbox
       integer :: depth(size(gearbox%pairs)), m

@@ -81,7 +81,7 @@ typedef struct {
 
 /* Initial condition of a case. */
 typedef enum {
-    EVL_INITIAL_EQUILIBRIUM = -1, /**< no acceleration at a position of the first mesh; not available in a case file */
+    EVL_INITIAL_EQUILIBRIUM = -1, /**< no acceleration at a mesh position; not available in a case file */
     EVL_INITIAL_REST = 0,         /**< all wheels and supports at zero speed */
     EVL_INITIAL_STEADY = 1,       /**< steady motion: slow modes at their mean, fast modes on the quasi-static path */
     EVL_INITIAL_SPEEDS = 2,       /**< prescribed initial speeds */
@@ -94,7 +94,7 @@ typedef struct {
     /** [n_meshes] initial gap between the flanks [m], negative: penetration; NULL: all in contact. For rest and speeds */
     const double *gaps;
     /** for EVL_INITIAL_EQUILIBRIUM, _STEADY and _PERIODIC, else 0: distance from the start of contact, in pitches of the first mesh in
-     *  the direction of power flow, from 0 to 1e6; NaN: a position within a zone */
+     *  the power flow (the one with the highest mesh frequency), from 0 to 1e6; NaN: a position within a zone */
     double mesh_position;
 } evl_initial;
 

@@ -395,7 +395,7 @@ EVL_API double evl_gearbox_turns(const evl_gearbox *gearbox, int wheel, const do
 
 /** Common period: after it, all meshes, teeth with individual errors, harmonic loads and housing motions are in the same phase. */
 typedef struct {
-    int pitches;  /**< length in pitches of the first mesh */
+    int pitches;  /**< length in pitches of mesh 0 */
     int sense;    /**< of a prescribed speed: +1 nominal sense of rotation, -1 opposite */
     bool by_time; /**< a speed is prescribed: the period is a time; else nothing depends on time: it is an angle */
     double time;  /**< [s] if by_time; else 0 */
@@ -439,7 +439,7 @@ typedef struct {
     evl_orbits_take *take;
     evl_orbits_tell *tell; /**< for orbits at `values`; NULL: these are found like all others */
     double from, to;       /**< limits of the parameter; the interval counts as 1 along a branch */
-    double place; /**< of the section if a speed is prescribed [pitches of the first mesh after t = 0]; not at events */
+    double place;     /**< of the section if a speed is prescribed [pitches of mesh 0 after t = 0]; not at events */
     double tolerance; /**< of the integration, in units of the scales */
     double residual;  /**< tolerance: largest difference after a period, in units of the scales */
     double first_step, smallest_step, largest_step; /**< arclength along a branch, states in units of their scales */
@@ -526,7 +526,7 @@ typedef struct {
 } evl_periodic_setup;
 /** Result of the periodic start: the orbit found. */
 typedef struct {
-    int pitches;          /**< common period in pitches of the first mesh; 0: there is none */
+    int pitches;          /**< common period in pitches of mesh 0; 0: there is none */
     int flows;            /**< integrations made by the search */
     int periods;          /**< common periods over which the motion settled */
     int ties;             /**< coinciding events of the orbit: the multipliers are those of one order of these events */
@@ -561,8 +561,8 @@ EVL_API void evl_gearbox_mesh_mode(const evl_gearbox *gearbox, int mesh, const d
 /** Linearise the gearbox at a state: eigenvalues and eigenvectors of small motions x' = A x, in ascending magnitude.
  *
  *  x: speed of the reference wheel; deviation and its rate of every other rotor; displacements and velocities of the supports.
- *  Prescribed speeds are excluded. The angle of the driving wheel of the first mesh in the direction of power flow, the contact
- *  modes and the friction branches are fixed.
+ *  Prescribed speeds are excluded. The contact modes, the friction branches and the angle of the driving wheel of the first mesh
+ *  in the power flow (the one with the highest mesh frequency) are fixed.
  *
  *  @param[out] n_modes      number of eigenvalues, at most n_states
  *  @param[out] n_rigid      number of independent motions without a restoring force; rotation as a whole (theta) is one of them unless
