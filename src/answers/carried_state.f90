@@ -1,5 +1,5 @@
-!> States of which only their place in the common period counts: taken back by whole periods, compared, carried over to a gearbox
-!> with other parameters. docs/response.md.
+!> States relative to the common period: shifted back by whole periods, compared, and transferred to a gearbox with other
+!> parameters. docs/response.md.
 module evl_carried_state
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -21,8 +21,8 @@ module evl_carried_state
 
 contains
 
-   !> Take a state back by whole common periods: angles, tooth pairs and their slots become those of the same place before; the
-   !> energies begin anew.
+   !> Shift a state back by whole common periods. Angles, tooth pairs and their slots become those of the same phase in the earlier
+   !> period; the energies are reset.
    pure subroutine take_back(gearbox, period, periods, y, integers, reals)
       type(gearbox_t), intent(in) :: gearbox
       type(period_t), intent(in) :: period
@@ -35,7 +35,7 @@ contains
       integer :: m, passed, to
 
       associate (first => gearbox%contacts(1)%pitches_per_turn)
-         above = int(periods, int64)*period%pitches*first%below ! over `below` the turns of the reference wheel
+         above = int(periods, int64)*period%pitches*first%below ! divided by `below`: revolutions of the reference wheel
          below = first%above
       end associate
       whole = above/below
@@ -60,11 +60,11 @@ contains
       end do
    end subroutine take_back
 
-   !> How far two states are from each other: the largest difference of a state in its unit, of an approach speed in that of its
-   !> contact; infinite where the discrete states differ. Energies do not count.
+   !> Distance between two states: the largest difference of a state in its unit, or of an approach speed in the unit of its
+   !> contact; infinite if the discrete states differ. Energies are ignored.
    pure real(wp) function state_distance(gearbox, scale, y_a, integers_a, reals_a, y_b, integers_b, reals_b) result(distance)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: scale(gearbox%n_states) !! units of the states
+      real(wp), intent(in) :: scale(gearbox%n_states) !! scales of the states
       real(wp), intent(in) :: y_a(gearbox%n_states), y_b(gearbox%n_states)
       integer, intent(in) :: integers_a(gearbox%n_integers), integers_b(gearbox%n_integers)
       real(wp), intent(in) :: reals_a(size(gearbox%contacts)), reals_b(size(gearbox%contacts))
@@ -83,17 +83,16 @@ contains
       end do
    end function state_distance
 
-   !> Make a state of a like gearbox, with other parameters, one of this gearbox: speeds that are prescribed become those of its
-   !> loads, all wheels turning with them; penetrations stay; tooth pairs are where its teeth meet, in the modes that belong to
-   !> that.
-   !> Errors: code_out_of_domain if a law has no answer there.
+   !> Transfer a state of a similar gearbox with other parameters to this gearbox. Prescribed speeds become those of its loads, and
+   !> all wheels turn accordingly. Penetrations are unchanged. Tooth pairs and their modes follow from the positions of its teeth.
+   !> Errors: code_out_of_domain if a law cannot be evaluated there.
    subroutine take_over(gearbox, alike, t, y, yp, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
-      logical, intent(in) :: alike !! the other one has as many tooth contacts: approach speeds live on
+      logical, intent(in) :: alike !! the other gearbox has as many tooth contacts: approach speeds are retained
       real(wp), intent(in) :: t
       real(wp), intent(inout) :: y(gearbox%n_states)
       real(wp), intent(out) :: yp(gearbox%n_states)
-      integer, intent(inout) :: integers(gearbox%n_integers) !! not alike: all but the turns are put down
+      integer, intent(inout) :: integers(gearbox%n_integers) !! not alike: only the revolutions are used
       real(wp), intent(inout) :: reals(size(gearbox%contacts))
       type(status_t), intent(inout) :: status
       type(contact_mode) :: before(size(gearbox%contacts)), mode
@@ -120,7 +119,7 @@ contains
       call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine take_over
 
-   !> Prescribed speeds: the first one takes all wheels with it.
+   !> Set prescribed speeds: the first one changes the speeds of all wheels.
    subroutine take_speeds(gearbox, t, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t

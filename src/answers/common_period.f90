@@ -1,8 +1,8 @@
-!> The common period of a gearbox: after it all meshes, the teeth of wheels on which they differ, harmonic loads and motions of the
-!> housing are where they were, and a motion may repeat. docs/response.md.
+!> Common period of a gearbox: after it, all meshes, teeth with individual errors, harmonic loads and housing motions are in the
+!> same phase, and a motion can repeat. docs/response.md.
 !>
-!> All cycles are counted in pitches of the first mesh, as fractions: of meshes and wheels they are exact, those of loads and of the
-!> housing are recognised.
+!> All cycles are counted in pitches of the first mesh of the case, as fractions: exact ones for meshes and wheels, recognised ones
+!> for loads and the housing.
 module evl_common_period
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank_deviation, only: teeth_differ
@@ -16,21 +16,21 @@ module evl_common_period
 
    public :: common_period, period_t, whole_pitches
 
-   integer(int64), parameter :: too_many = 1000001_int64 !! pitches of a common period
-   integer(int64), parameter :: most_common_pitches = 10000 !! whole pitches of all meshes may need more
-   integer(int64), parameter :: most_cycles = 1000_int64 !! pitches in which the cycles of a load come to whole ones
-   real(wp), parameter :: exact = 1.0e-9_wp !! relative: a ratio that is as near to a fraction as that is it
+   integer(int64), parameter :: too_many = 1000001_int64 !! limit of a common period [pitches]
+   integer(int64), parameter :: most_common_pitches = 10000 !! limit of the whole pitches of all meshes
+   integer(int64), parameter :: most_cycles = 1000_int64 !! maximum number of pitches after which the cycles of a load are whole
+   real(wp), parameter :: exact = 1.0e-9_wp !! relative: tolerance for recognising a ratio as a fraction
 
    type :: period_t
       integer :: pitches = 1      !! of the first mesh
-      logical :: by_time = .false. !! speeds are prescribed: it is a time; else an angle
-      integer :: sense = 1        !! of a prescribed speed: +1 the nominal sense of rotation, -1 against it
-      real(wp) :: time = 0.0_wp   !! [s] if by time; else 0
+      logical :: by_time = .false. !! a speed is prescribed: the period is a time; else an angle
+      integer :: sense = 1        !! of a prescribed speed: +1 nominal sense of rotation, -1 opposite
+      real(wp) :: time = 0.0_wp   !! [s] if by_time; else 0
    end type period_t
 
 contains
 
-   !> Find it. Errors: code_invalid_input where there is none, with what stands in the way.
+   !> Find the common period. Errors: code_invalid_input with the reason if there is none.
    pure subroutine common_period(gearbox, period, status)
       type(gearbox_t), intent(in) :: gearbox
       type(period_t), intent(out) :: period
@@ -54,7 +54,7 @@ contains
       if (period%by_time) period%time = period%pitches/abs(speed)
    end subroutine common_period
 
-   !> Whether a speed is prescribed, and how fast the first mesh goes then.
+   !> Whether a speed is prescribed, and the resulting speed of the first mesh.
    pure subroutine prescribed_pitches(gearbox, period, speed, status)
       type(gearbox_t), intent(in) :: gearbox
       type(period_t), intent(inout) :: period
@@ -87,7 +87,7 @@ contains
       if (speed < 0) period%sense = -1
    end subroutine prescribed_pitches
 
-   !> Pitches of a mesh in which every mesh passes whole pitches, or most_common_pitches if that is less.
+   !> Pitches of a mesh in which every mesh passes whole pitches, at most most_common_pitches.
    pure integer(int64) function whole_pitches(gearbox, mesh) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -96,10 +96,10 @@ contains
       call take_meshes(gearbox, mesh, most_common_pitches, pitches)
    end function whole_pitches
 
-   !> Whole pitches of all meshes.
+   !> Include whole pitches of all meshes.
    pure subroutine take_meshes(gearbox, mesh, most, pitches)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: mesh                !! whose pitches count
+      integer, intent(in) :: mesh                !! mesh whose pitches are counted
       integer(int64), intent(in) :: most
       integer(int64), intent(inout) :: pitches
       integer :: m
@@ -113,7 +113,7 @@ contains
       end associate
    end subroutine take_meshes
 
-   !> Whole turns of the wheels whose teeth differ.
+   !> Include whole revolutions of the wheels with individual tooth errors.
    pure subroutine take_teeth(gearbox, pitches)
       type(gearbox_t), intent(in) :: gearbox
       integer(int64), intent(inout) :: pitches
@@ -127,7 +127,7 @@ contains
       end do
    end subroutine take_teeth
 
-   !> Whole cycles of the loads.
+   !> Include whole cycles of the loads.
    pure subroutine take_loads(gearbox, period, speed, pitches, status)
       type(gearbox_t), intent(in) :: gearbox
       type(period_t), intent(in) :: period
@@ -160,7 +160,7 @@ contains
       end do
    end subroutine take_loads
 
-   !> Whole cycles of the housing's prescribed motions.
+   !> Include whole cycles of the prescribed housing motions.
    pure subroutine take_housing(gearbox, period, speed, pitches, status)
       type(gearbox_t), intent(in) :: gearbox
       type(period_t), intent(in) :: period
@@ -188,11 +188,11 @@ contains
       end do
    end subroutine take_housing
 
-   !> Take cycles of which a pitch makes other/mine.
+   !> Include cycles that occur other/mine times per pitch.
    pure subroutine take_fraction(other, mine, most, pitches)
-      type(rational_t), intent(in) :: other, mine !! of either sign, not 0
+      type(rational_t), intent(in) :: other, mine !! nonzero, of either sign
       integer(int64), intent(in) :: most
-      integer(int64), intent(inout) :: pitches    !! becomes `most` if there would be more
+      integer(int64), intent(inout) :: pitches    !! at most `most`
       integer(int64) :: above, below
 
       above = abs(mine%above)/divisor_of(other%above, mine%above) ! the denominator in lowest terms, as two factors
@@ -204,7 +204,7 @@ contains
       end if
    end subroutine take_fraction
 
-   !> Take cycles that come to whole ones in so many pitches.
+   !> Include cycles that are whole after `cycles` pitches.
    pure subroutine take_whole(cycles, most, pitches)
       integer(int64), intent(in) :: cycles, most !! cycles: 1 .. most
       integer(int64), intent(inout) :: pitches
@@ -212,7 +212,7 @@ contains
       pitches = min(most, pitches/divisor_of(pitches, cycles)*cycles)
    end subroutine take_whole
 
-   !> Take cycles by how many of them a pitch has, whatever number that is.
+   !> Include cycles given by a real number per pitch.
    pure subroutine take_real(per_pitch, subject, index, field, pitches, status)
       real(wp), intent(in) :: per_pitch
       integer, intent(in) :: subject, index
@@ -232,7 +232,7 @@ contains
       end if
    end subroutine take_real
 
-   !> Whether so many pitches are whole cycles.
+   !> Whether a number of pitches contains whole cycles.
    pure logical function fits(per_pitch, pitches)
       real(wp), intent(in) :: per_pitch
       integer(int64), intent(in) :: pitches

@@ -1,4 +1,4 @@
-!> What does not change of wheels and meshes: outputs that are told once, when the gearbox is built.
+!> Constant outputs of wheels and meshes, evaluated when the gearbox is created.
 module evl_constant_outputs
    use evl_flank_deviation, only: relief_t
    use evl_gear, only: gear_t
@@ -35,8 +35,8 @@ contains
    subroutine add_mesh_constants(registry, index, contact, couples, pair, at)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
-      type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
-      logical, intent(in) :: couples               !! its tooth pairs yield to each other's loads
+      type(tooth_contact_t), intent(in) :: contact !! first contact of the mesh
+      logical, intent(in) :: couples               !! the compliance of its tooth pairs is coupled
       type(spur_pair_t), intent(in) :: pair
       type(mesh_reference_t), intent(in) :: at     !! at the nominal load
 
@@ -73,12 +73,12 @@ contains
       call add_output(registry, "damping_ratio", "1", "zeta", "damping ratio of the mesh with one tooth pair in contact", at%ratio)
    end subroutine add_mesh_constants
 
-   !> Constants of a wheel's teeth.
+   !> Constants of the teeth of a wheel.
    subroutine add_wheel_teeth(registry, index, wheel, gear, active)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
       type(wheel_t), intent(in) :: wheel
-      type(gear_t), intent(in) :: gear !! initial values if the wheel is no real gear
+      type(gear_t), intent(in) :: gear !! initial values if the wheel has no basic rack
       real(wp), intent(in) :: active   !! its active radius [m]
 
       call begin_section(registry, in_wheel_teeth, dims_wheel, index, is_static=.true.)
@@ -106,18 +106,18 @@ contains
                       wheel%deviation%crowning)
    end subroutine add_wheel_teeth
 
-   !> A length or an angle of a gear; NaN instead of the 0 that stands for an unknown one.
+   !> Length or angle of a gear; NaN if 0, which means unknown.
    pure real(wp) function known(value)
       real(wp), intent(in) :: value
 
       known = merge(value, nan, abs(value) > 0)
    end function known
 
-   !> Constants of a mesh's teeth.
+   !> Constants of the teeth of a mesh.
    subroutine add_mesh_teeth(registry, index, contact, pair)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
-      type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
+      type(tooth_contact_t), intent(in) :: contact !! first contact of the mesh
       type(spur_pair_t), intent(in) :: pair
       real(wp) :: position, root
 
@@ -141,7 +141,7 @@ contains
                       "pitches of tooth pair 0 from its start of contact where angles are 0", position)
    end subroutine add_mesh_teeth
 
-   !> Radius where the active profile of a wheel begins, the smallest over its meshes; NaN without a mesh [m].
+   !> Radius at the start of the active profile of a wheel, the minimum over its meshes; NaN without a mesh [m].
    pure real(wp) function active_radius(gearbox, wheel) result(smallest)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: wheel
@@ -156,7 +156,7 @@ contains
       end do
    end function active_radius
 
-   !> The smaller of two radii, of which the one so far is NaN if there is none.
+   !> Minimum of two radii, where NaN means none so far.
    pure subroutine take_smallest(value, smallest)
       real(wp), intent(in) :: value
       real(wp), intent(inout) :: smallest
@@ -164,7 +164,7 @@ contains
       if (.not. value >= smallest) smallest = value
    end subroutine take_smallest
 
-   !> Radius where a relief begins; NaN without [m].
+   !> Radius at the start of a relief; NaN without relief [m].
    pure real(wp) function relief_start(wheel, relief) result(radius)
       type(wheel_t), intent(in) :: wheel
       type(relief_t), intent(in) :: relief

@@ -1,4 +1,4 @@
-!> The geometry that follows from a description, as rows to be shown: name, unit, symbol, text, value.
+!> Derived geometry of a description, as rows for display: name, unit, symbol, text, value.
 module evl_derived_geometry
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t
@@ -22,18 +22,18 @@ module evl_derived_geometry
 
    integer, parameter :: of_wheel = 0     !! a wheel
    integer, parameter :: of_mesh = 1      !! a mesh
-   integer, parameter :: of_gear = 2      !! a wheel that is a real gear, ISO 21771
-   integer, parameter :: of_gear_mesh = 3 !! a mesh of two of them
-   integer, parameter :: of_deviation = 4 !! how the flanks of a wheel deviate
-   integer, parameter :: of_compliance = 5 !! how the wheels of a mesh give way, and how stiff that makes it
+   integer, parameter :: of_gear = 2      !! a gear defined by a basic rack, ISO 21771
+   integer, parameter :: of_gear_mesh = 3 !! a mesh of two such gears
+   integer, parameter :: of_deviation = 4 !! flank deviations of a wheel
+   integer, parameter :: of_compliance = 5 !! compliance of the gears of a mesh, and the resulting stiffness
 
 contains
 
-   !> The rows of a wheel or mesh; none where it is not what they are of.
+   !> Rows of a wheel or mesh; none if it is not of that kind.
    subroutine quantities_of(gearbox, of, index, table)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: of, index
-      type(output_t), allocatable, intent(out) :: table(:) !! of at most EVL_MOST_QUANTITIES
+      type(output_t), allocatable, intent(out) :: table(:) !! at most EVL_MOST_QUANTITIES rows
       type(registry_t) :: to
 
       select case (of)
@@ -80,7 +80,7 @@ contains
    end subroutine add_wheel
 
    subroutine add_mesh(contact, pair, nominal_force, at, to)
-      type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
+      type(tooth_contact_t), intent(in) :: contact !! first contact of the mesh
       type(spur_pair_t), intent(in) :: pair
       real(wp), intent(in) :: nominal_force        !! [N]
       type(mesh_reference_t), intent(in) :: at     !! at the nominal load
@@ -120,7 +120,7 @@ contains
       call add_output(to, "damping_ratio", "1", "zeta", "damping ratio with one tooth pair", at%ratio)
    end subroutine add_mesh
 
-   !> 1 if a wheel of the mesh gives way, 0 if none does though the contact would allow it, else NaN.
+   !> 1 if a wheel of the mesh is compliant; 0 if none is although the contact would support it; else NaN.
    real(wp) function gives_way(gearbox, index)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -130,7 +130,7 @@ contains
       associate (contact => gearbox%contacts(gearbox%first(index)))
          call contact%elastic%describe(law)
          if (law%name /= "johnson" .or. contact%tracking /= tracking_closed_form) return
-         associate (mesh => gearbox%gear_meshes(index)) ! undercut in the active profile takes no compliance
+         associate (mesh => gearbox%gear_meshes(index)) ! undercut in the active profile excludes compliance
             if (.not. mesh%exists .or. mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b) return
          end associate
          gives_way = merge(1, 0, gearbox%flanks(contact%i_flank)%flank%bends)
@@ -190,7 +190,7 @@ contains
       call add_output(to, "radial_backlash", "m", "j_r", "radial backlash", g%radial_backlash)
    end subroutine add_gear_mesh
 
-   !> Where reliefs begin and how large the pitch errors are; no rows of what the wheel has not.
+   !> Starts of reliefs and magnitudes of pitch errors; no rows for deviations that the wheel does not have.
    subroutine add_deviation(gearbox, index, to)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -218,7 +218,7 @@ contains
       end associate
    end subroutine add_deviation
 
-   !> Compliances and stiffnesses of a mesh, per unit width; no rows of a wheel that does not give way.
+   !> Compliances and stiffnesses of a mesh, per unit width; no rows if its gears are rigid.
    subroutine add_compliance(gearbox, index, to)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -241,7 +241,7 @@ contains
       call add_output(to, "iso_6336", "Pa", "c'", "ISO 6336-1, measured pairs without body: not the same", s%iso)
    end subroutine add_compliance
 
-   !> Whether a wheel's teeth stand elsewhere than at equal pitches.
+   !> Whether a wheel has pitch errors.
    logical function has_pitch_errors(gearbox, index)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -252,7 +252,7 @@ contains
       end associate
    end function has_pitch_errors
 
-   !> Cumulative position deviations of a wheel's teeth, arcs on the reference circle [m]; none if it has no pitch errors.
+   !> Cumulative pitch deviations of a wheel's teeth, arcs on the reference circle [m]; size 0 if it has no pitch errors.
    subroutine pitch_errors_of(gearbox, index, errors)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index

@@ -1,4 +1,4 @@
-!> The state at the start: rest, given speeds, or the steady state.
+!> Initial state: rest, given speeds, or steady state.
 module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use evl_closed_form, only: closed_form_gap, points_from_closed_form
@@ -25,18 +25,18 @@ module evl_gearbox_initial
    public :: initial_at, initial_t, gearbox_start, gearbox_initial_speeds, settle_start
    public :: initial_equilibrium, initial_rest, initial_steady, initial_speeds
 
-   integer, parameter :: initial_rest = 0   !! nothing moves
+   integer, parameter :: initial_rest = 0   !! all speeds 0
    integer, parameter :: initial_steady = 1 !! steady motion under the loads
-   integer, parameter :: initial_speeds = 2 !! given speeds
-   integer, parameter :: initial_equilibrium = -1 !! nothing accelerates at a position of the first mesh; not in a case
+   integer, parameter :: initial_speeds = 2 !! initial speeds given
+   integer, parameter :: initial_equilibrium = -1 !! no acceleration at a position of the first mesh; not available in a case
 
-   real(wp), parameter :: rounding = 1.0e-14_wp  !! relative: speeds that differ less are the same
-   real(wp), parameter :: touching = 1.0e-9_wp   !! gap over the penetration scale below which rigid flanks touch
-   real(wp), parameter :: speed_agreement = 1.0e-12_wp !! relative: an initial and a prescribed speed that differ less agree
+   real(wp), parameter :: rounding = 1.0e-14_wp  !! relative: smaller differences of speeds count as 0
+   real(wp), parameter :: touching = 1.0e-9_wp   !! gap over the penetration scale below which rigid flanks are in contact
+   real(wp), parameter :: speed_agreement = 1.0e-12_wp !! relative tolerance between an initial and a prescribed speed
 
-   real(wp), parameter :: most_pitches = 1.0e6_wp !! position of a steady start
+   real(wp), parameter :: most_pitches = 1.0e6_wp !! maximum position of a steady start
 
-   ! what a case says of the start
+   ! rows of the initial condition
    type(row_t), parameter, public :: initial_rows(*) = [ &
                       row_t("kind", type_choice, "", "at rest; in steady motion under the loads; with given speeds; on a periodic" &
                                            //" orbit", default="rest", words="rest steady speeds periodic"), &
@@ -51,13 +51,13 @@ module evl_gearbox_initial
    type :: initial_t
       integer :: kind = initial_rest       !! one of the kinds above
       real(wp), allocatable :: speeds(:)   !! of the wheels [rad/s], for initial_speeds; else size 0
-      real(wp), allocatable :: gaps(:)     !! of the meshes [m]; size 0: all touch
-      real(wp) :: mesh_position = 0.0_wp   !! of a steady start: pitches from the start of contact; NaN: a position inside a zone
+      real(wp), allocatable :: gaps(:)     !! of the meshes [m]; size 0: all in contact
+      real(wp) :: mesh_position = 0.0_wp   !! of a steady start: pitches from the start of contact; NaN: a position within a zone
    end type initial_t
 
 contains
 
-   !> A start in the steady or the balanced state at a position of the first mesh.
+   !> Start in steady motion or equilibrium at a position of the first mesh.
    pure type(initial_t) function initial_at(kind, mesh_position) result(initial)
       integer, intent(in) :: kind           !! initial_steady, initial_equilibrium
       real(wp), intent(in) :: mesh_position !! pitches from the start of contact
@@ -67,7 +67,7 @@ contains
       allocate (initial%speeds(0), initial%gaps(0)) ! gfortran 12 leaves an empty array in a structure constructor unallocated
    end function initial_at
 
-   !> The wheels' speeds at the start [rad/s], as far as they are given: size 0 for a steady start.
+   !> Initial speeds of the wheels [rad/s] if given; size 0 for a steady start.
    pure function gearbox_initial_speeds(gearbox, initial) result(speeds)
       type(gearbox_t), intent(in) :: gearbox
       type(initial_t), intent(in) :: initial
@@ -83,7 +83,7 @@ contains
       end select
    end function gearbox_initial_speeds
 
-   !> Fill the whole state for time t.
+   !> Compute the complete initial state at time t.
    !> Errors: code_invalid_input, code_no_solution (steady), code_out_of_domain.
    subroutine gearbox_start(gearbox, initial, t, y, yp, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -125,13 +125,13 @@ contains
       call place_pairs(gearbox, y, integers)
       call settle_start(gearbox, t, y, integers, reals, status)
       if (has_failed(status)) return
-      if (any(initial%kind == [initial_steady, initial_equilibrium])) reals = 0 ! it follows from no approach
+      if (any(initial%kind == [initial_steady, initial_equilibrium])) reals = 0 ! no approach precedes the start
       call set_multipliers(gearbox, t, y, integers, reals, opened, status)
       if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
 
    contains
 
-      !> The steady or the balanced state; a position that is NaN is not given.
+      !> Steady state or equilibrium; a NaN position means not given.
       subroutine find_at_position()
          real(wp), allocatable :: position
          type(gearbox_state) :: state
@@ -150,7 +150,7 @@ contains
 
    end subroutine gearbox_start
 
-   !> The description of the start makes sense.
+   !> Check the parameters of the initial condition.
    subroutine check_initial(gearbox, initial, status)
       type(gearbox_t), intent(in) :: gearbox
       type(initial_t), intent(in) :: initial
@@ -174,7 +174,7 @@ contains
       end if
    end subroutine check_initial
 
-   !> Speeds of the wheels; a prescribed speed has to be the given one.
+   !> Set the speeds of the wheels; a prescribed speed must equal the initial speed.
    subroutine set_speeds(gearbox, speeds, t, y, integers, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: speeds(:), t
@@ -208,8 +208,8 @@ contains
       end do
    end subroutine set_speeds
 
-   !> A gap leaves teeth of two flanks their places. In a ring of wheels the last gap follows from the others: it has to be the
-   !> given one. Gaps are those of perfect flanks.
+   !> Check initial gaps: the coast flanks must not overlap. In a closed loop of wheels the last gap follows from the others and
+   !> must equal the given one. Gaps are those of flanks without deviations.
    subroutine check_gaps(gearbox, initial, y, status)
       type(gearbox_t), intent(in) :: gearbox
       type(initial_t), intent(in) :: initial
@@ -218,7 +218,7 @@ contains
       real(wp) :: q(n_local), gap
       integer :: m
 
-      if (.not. any(abs(initial%gaps) > 0)) return ! all that can touch do
+      if (.not. any(abs(initial%gaps) > 0)) return ! all flanks that can be in contact are
       do m = 1, size(gearbox%pairs)
          associate (contact => gearbox%contacts(gearbox%first(m)))
             if (initial%gaps(m) <= contact%base_pitch/2) cycle
@@ -241,7 +241,7 @@ contains
       end do
    end subroutine check_gaps
 
-   !> Tracked variables that belong to the wheels' positions.
+   !> Set tracked variables from the positions of the wheels.
    subroutine set_tracked(gearbox, y)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(inout) :: y(gearbox%n_states)
@@ -257,8 +257,8 @@ contains
       end do
    end subroutine set_tracked
 
-   !> A rigid contact is closed if the flanks touch and do not move relative to each other along the line of action. If they
-   !> approach it counts as open, and the first step finds the impact.
+   !> A rigid contact is closed if the flanks touch without relative motion along the line of action. If they approach, the contact
+   !> counts as open, and the first step finds the impact.
    subroutine settle_rigid(contact, point, mode, status)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_point), intent(in) :: point
@@ -274,8 +274,8 @@ contains
       end if
    end subroutine settle_rigid
 
-   !> Contact modes and friction branches that belong to positions and speeds. Flanks that just touch count as loaded unless
-   !> they move apart, or would be accelerated apart.
+   !> Set contact modes and friction branches from positions and speeds. Flanks that barely touch count as loaded unless they
+   !> separate or would be accelerated apart.
    subroutine settle_start(gearbox, t, y, integers, reals, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states)
@@ -292,7 +292,7 @@ contains
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
          if (at(m)%mode%flanks /= flanks_off) call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
       end do
-      do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
+      do m = 1, size(gearbox%contacts) ! the load of each contact depends on the modes of the contacts coupled to it
          if (at(m)%mode%flanks == flanks_off) cycle
          associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
             call flank%company(m, first, last)

@@ -1,7 +1,7 @@
-!> How a gearbox as a system of orbits changes: on the section, at events, and with its approach speeds.
+!> Changes of a gearbox as a system of orbits: modes on the section, events, and derivatives with respect to approach speeds.
 !>
-!> Root functions and approach speeds are differentiated by differences of fourth order over a thousandth of the scales: they are
-!> smooth there, and exact to 1e-9. Residuals do not contain them.
+!> Derivatives of root functions and approach speeds are fourth-order differences with steps of a thousandth of the scales. The
+!> functions are smooth there; the error is 1e-9. Residuals do not contain these derivatives.
 submodule(evl_gearbox_orbits) evl_gearbox_orbit_changes
    use evl_carried_state, only: take_back, take_over
    use evl_contacts_at_state, only: look_at
@@ -14,11 +14,11 @@ submodule(evl_gearbox_orbits) evl_gearbox_orbit_changes
    use evl_tooth_contact, only: contact_mode, contact_state, touches
    implicit none (type, external)
 
-   real(wp), parameter :: step = 1.0e-3_wp       !! of differences, over the scales
+   real(wp), parameter :: step = 1.0e-3_wp       !! step of the differences, relative to the scales
 
 contains
 
-   !> Put the discrete state where it is used.
+   !> Pass the discrete state on to the ODE, and set the modes.
    subroutine take_modes(self)
       type(gearbox_orbits), intent(inout) :: self
       type(contact_mode) :: mode
@@ -29,12 +29,12 @@ contains
          call take_mode(self%gearbox, m, self%integers, self%reals, mode)
          associate (modes => self%modes(per_contact*(m - 1) + 1:per_contact*m))
             modes = [mode%tooth_pair, mode%flanks, mode%zone_a, mode%zone_b]
-            if (.not. touches(mode)) modes(3:) = 0 ! they mean nothing
+            if (.not. touches(mode)) modes(3:) = 0 ! otherwise undefined
          end associate
       end do
    end subroutine take_modes
 
-   !> The modes of a state on the section.
+   !> Modes of a state on the section.
    module procedure settle
       type(contact_mode) :: mode
       type(event_log) :: log
@@ -52,12 +52,12 @@ contains
          self%reals(self%memory(k)) = y(self%n_gears + k)
       end do
       nothing = 0
-      if (size(self%memory) > 0) & ! whether flanks pull depends on it
+      if (size(self%memory) > 0) & ! whether the contact force is tensile depends on it
          call gearbox_apply_event(self%gearbox, t, nothing, .false., y(:self%n_gears), yp, self%integers, self%reals, log, status)
       if (.not. has_failed(status)) call take_modes(self)
    end procedure settle
 
-   !> A state at which a run of the gearbox came back to the section, as one of this system.
+   !> Convert the state of a gearbox run that returned to the section to a state of this system.
    module procedure gearbox_orbits_arrive
       integer :: began(size(self%modes))
 
@@ -71,7 +71,7 @@ contains
       same_modes = all(self%modes == began)
    end procedure gearbox_orbits_arrive
 
-   !> Tooth pairs that are as many pitches further take the names of those where the motion began.
+   !> Shift tooth pairs, after whole periods, back to the indices at the start of the motion.
    module procedure come_back
       real(wp) :: from(size(self%reals)), before(self%n), rows(self%n, self%n), scrap(self%n_gears)
       integer :: moved(size(self%integers)), k, old
@@ -80,7 +80,7 @@ contains
       from = [(real(k, wp), k=1, size(from))]
       moved = self%integers
       scrap = y(:self%n_gears)
-      call take_back(self%gearbox, self%common, periods, scrap, moved, from) ! where each contact's memory comes from
+      call take_back(self%gearbox, self%common, periods, scrap, moved, from) ! from: source index of each contact's approach speed
       before = y
       rows = derivative
       y(:self%n_gears) = scrap
@@ -99,7 +99,7 @@ contains
       call take_modes(self)
    end procedure come_back
 
-   !> Number of other tooth pairs of the mesh that touch.
+   !> Number of other touching tooth pairs of the mesh.
    module procedure other_contacts
       integer :: m
       type(contact_mode) :: mode
@@ -112,7 +112,7 @@ contains
       end do
    end procedure other_contacts
 
-   !> How f changes with an approach speed.
+   !> Derivative of f with respect to an approach speed.
    module procedure by_memory
       real(wp) :: reals(size(self%reals)), f(self%n_gears, -2:2)
       type(contact_mode) :: mode
@@ -133,7 +133,7 @@ contains
       end do
    end procedure by_memory
 
-   !> How a root function changes with the states it depends on; none depends on time alone.
+   !> Derivatives of a root function with respect to its states; no root function depends on time explicitly.
    module procedure root_gradient
       real(wp) :: roots(self%n_roots), moved(self%n_gears), values(-2:2)
       integer :: i, k
@@ -142,7 +142,7 @@ contains
       by_time = 0
       do i = self%root_first(root), self%root_last(root)
          associate (state => self%root_states(i))
-            if (state == i_omega .and. self%common%by_time) cycle ! it never changes
+            if (state == i_omega .and. self%common%by_time) cycle ! it is constant
             do k = -2, 2
                if (k == 0) cycle
                moved = y(:self%n_gears)
@@ -156,14 +156,14 @@ contains
       end do
    end procedure root_gradient
 
-   !> Slope in the middle of five values, by their number; the middle one is not used.
+   !> Derivative at the middle of five values, per index step; the middle value is not used.
    pure real(wp) function slope_of(values) result(slope)
       real(wp), intent(in) :: values(-2:2)
 
       slope = (8*(values(1) - values(-1)) - (values(2) - values(-2)))/12
    end function slope_of
 
-   !> What an event changes: modes, and the approach speeds of what closes or leaves.
+   !> Apply the changes of an event: modes, and the approach speeds of contacts that close or leave.
    module procedure apply_event
       real(wp) :: before(size(self%reals)), yp(self%n_gears)
       type(event_log) :: log
@@ -191,7 +191,7 @@ contains
       call take_modes(self)
    end procedure apply_event
 
-   !> How the speed at which a contact closes changes with the state.
+   !> Derivative of the closing speed of a contact with respect to the state.
    subroutine approach_gradient(self, m, y, gradient, status)
       type(gearbox_orbits), intent(in) :: self
       integer, intent(in) :: m

@@ -1,8 +1,8 @@
-!> A gearbox as a system whose periodic orbits are sought: `gearbox_ode` with what a period brings back, what events change and how
-!> they change with the state. docs/orbits.md.
+!> A gearbox as a system for the search for periodic orbits: `gearbox_ode` plus the shift by a period, the changes at events and
+!> their derivatives with respect to the state. docs/orbits.md.
 !>
-!> States: those of the gearbox, then for each tooth contact whose damping remembers it the approach speed at the last closing.
-!> Where a speed is prescribed theta and omega are functions of time and need not repeat; energies never do.
+!> States: those of the gearbox, then the approach speed at the last closing of each tooth contact whose damping depends on it.
+!> If a speed is prescribed, theta and omega are functions of time and need not repeat; energies never repeat.
 module evl_gearbox_orbits
    use evl_common_period, only: common_period, period_t
    use evl_gearbox, only: gearbox_t
@@ -19,17 +19,17 @@ module evl_gearbox_orbits
    public :: gearbox_family, gearbox_orbits, gearbox_orbits_arrive, gearbox_orbits_create, gearbox_orbits_start, &
              gearbox_orbits_state
 
-   real(wp), parameter :: weight = 2             !! all states count a little more, as in gearbox_ode
-   integer, parameter :: per_contact = 4         !! modes that belong to what must repeat
+   real(wp), parameter :: weight = 2             !! tightens the scales of all states, as in gearbox_ode
+   integer, parameter :: per_contact = 4         !! number of modes per contact that must repeat
 
-   !> Gearboxes that differ in one number.
+   !> A family of gearboxes that depend on one parameter.
    type, abstract :: gearbox_family
    contains
       procedure(take_interface), deferred :: take
    end type gearbox_family
 
    abstract interface
-      !> The gearbox with a value of the parameter. It lives until the next call.
+      !> Get the gearbox for a value of the parameter. It is valid until the next call.
       subroutine take_interface(self, value, gearbox, scale, status)
          import :: gearbox_family, gearbox_t, status_t, wp
          implicit none (type, external)
@@ -37,29 +37,29 @@ module evl_gearbox_orbits
          real(wp), intent(in) :: value
          type(gearbox_t), pointer, intent(out) :: gearbox
          real(wp), allocatable, intent(out) :: scale(:) !! [n_states] as from gearbox_state_scales
-         type(status_t), intent(inout) :: status !! touched on failure only: there is no such gearbox
+         type(status_t), intent(inout) :: status !! set on failure only: no such gearbox
       end subroutine take_interface
    end interface
 
-   !> Where a root function belongs.
+   !> Mesh, tooth contact and name of a root function.
    type :: root_place
-      integer :: mesh = 0                  !! 1 ..; 0: to none
-      integer :: contact = 0               !! tooth contact, 1 ..
+      integer :: mesh = 0                  !! index from 1; 0: no mesh
+      integer :: contact = 0               !! index of the tooth contact, from 1
       character(len=24) :: name = "turns"
    end type root_place
 
    type, extends(orbit_model) :: gearbox_orbits
       class(gearbox_family), pointer, private :: family => null()
-      type(gearbox_t), pointer :: gearbox => null() !! of the last value
+      type(gearbox_t), pointer :: gearbox => null() !! for the last value
       type(period_t) :: common
-      real(wp), private :: value = 0, place = 0     !! of the parameter; of the section [pitches of the first mesh]
-      logical, private :: is_made = .false., is_current = .false. !! whether there is a gearbox, and that of `value`
+      real(wp), private :: value = 0, place = 0     !! parameter value; section [pitches of the first mesh]
+      logical, private :: is_made = .false., is_current = .false. !! a gearbox exists; it belongs to `value`
       type(gearbox_ode), private :: ode
-      integer, private :: n_gears = 0               !! states of the gearbox
+      integer, private :: n_gears = 0               !! number of states of the gearbox
       integer, allocatable, private :: memory(:)    !! tooth contacts whose approach speeds are states
       integer, allocatable, private :: integers(:)  !! discrete state
       real(wp), allocatable, private :: reals(:)
-      type(root_place), allocatable :: root_list(:) !! [n_roots] the same at all values; there need not be a gearbox any more
+      type(root_place), allocatable :: root_list(:) !! [n_roots], the same for all values; remains valid without a gearbox
    contains
       procedure :: rhs, rhs_lanes, jacobian
       procedure :: roots, roots_lanes, root_directions
@@ -73,7 +73,7 @@ module evl_gearbox_orbits
    end type gearbox_orbits
 
    interface
-      !> The modes of a state on the section.
+      !> Modes of a state on the section.
       module subroutine settle(self, t, y, status)
          implicit none (type, external)
          class(gearbox_orbits), intent(inout) :: self
@@ -82,17 +82,17 @@ module evl_gearbox_orbits
          type(status_t), intent(inout) :: status
       end subroutine settle
 
-      !> A state at which a run of the gearbox came back to the section, as one of this system.
+      !> Convert the state of a gearbox run that returned to the section to a state of this system.
       module subroutine gearbox_orbits_arrive(self, y_gears, integers, reals, y, same_modes)
          implicit none (type, external)
-         type(gearbox_orbits), intent(inout) :: self !! in the modes of the state from which the run began
+         type(gearbox_orbits), intent(inout) :: self !! with the modes of the state at the start of the run
          real(wp), intent(in) :: y_gears(:), reals(:)
          integer, intent(in) :: integers(:)
          real(wp), intent(out) :: y(self%n)
-         logical, intent(out) :: same_modes          !! as those
+         logical, intent(out) :: same_modes          !! the modes equal those at the start
       end subroutine gearbox_orbits_arrive
 
-      !> Tooth pairs that are as many pitches further take the names of those where the motion began.
+      !> Shift tooth pairs, after whole periods, back to the indices at the start of the motion.
       module subroutine come_back(self, periods, y, derivative)
          implicit none (type, external)
          class(gearbox_orbits), intent(inout) :: self
@@ -100,7 +100,7 @@ module evl_gearbox_orbits
          real(wp), intent(inout) :: y(self%n), derivative(self%n, self%n)
       end subroutine come_back
 
-      !> Number of other tooth pairs of the mesh that touch.
+      !> Number of other touching tooth pairs of the mesh.
       pure module function other_contacts(self, root) result(n)
          implicit none (type, external)
          class(gearbox_orbits), intent(in) :: self
@@ -108,17 +108,17 @@ module evl_gearbox_orbits
          integer :: n
       end function other_contacts
 
-      !> How f changes with an approach speed.
+      !> Derivative of f with respect to an approach speed.
       module subroutine by_memory(self, m, t, y, slope, status)
          implicit none (type, external)
          type(gearbox_orbits), intent(in) :: self
-         integer, intent(in) :: m !! tooth contact
+         integer, intent(in) :: m !! index of the tooth contact
          real(wp), intent(in) :: t, y(self%n_gears)
          real(wp), intent(out) :: slope(self%n_gears)
          type(status_t), intent(inout) :: status
       end subroutine by_memory
 
-      !> How a root function changes with the states it depends on; none depends on time alone.
+      !> Derivatives of a root function with respect to its states; no root function depends on time explicitly.
       module subroutine root_gradient(self, t, y, root, by_state, by_time, status)
          implicit none (type, external)
          class(gearbox_orbits), intent(in) :: self
@@ -128,7 +128,7 @@ module evl_gearbox_orbits
          type(status_t), intent(inout) :: status
       end subroutine root_gradient
 
-      !> What an event changes: modes, and the approach speeds of what closes or leaves.
+      !> Apply the changes of an event: modes, and the approach speeds of contacts that close or leave.
       module subroutine apply_event(self, t, fired, time_event, y, by_state, by_time, status)
          implicit none (type, external)
          class(gearbox_orbits), intent(inout) :: self
@@ -143,12 +143,12 @@ module evl_gearbox_orbits
 
 contains
 
-   !> Make it for the gearbox with a first value, which gives all scales.
+   !> Create the system from the gearbox with an initial parameter value, which defines all scales.
    subroutine gearbox_orbits_create(self, family, value, place, status)
       type(gearbox_orbits), intent(out) :: self
-      class(gearbox_family), intent(inout), target :: family !! has to outlive it
+      class(gearbox_family), intent(inout), target :: family !! must outlive this object
       real(wp), intent(in) :: value
-      real(wp), intent(in) :: place !! of the section, where a speed is prescribed [pitches of the first mesh after t = 0]
+      real(wp), intent(in) :: place !! position of the section if a speed is prescribed [pitches of the first mesh after t = 0]
       type(status_t), intent(inout) :: status
 
       self%family => family
@@ -156,7 +156,7 @@ contains
       call self%set_parameter(value, status)
    end subroutine gearbox_orbits_create
 
-   !> The gearbox with a value.
+   !> Switch to the gearbox for a parameter value.
    subroutine set_parameter(self, value, status)
       class(gearbox_orbits), intent(inout) :: self
       real(wp), intent(in) :: value
@@ -192,7 +192,7 @@ contains
       self%is_current = .true.
    end subroutine set_parameter
 
-   !> A prescribed speed has to be that of the reference wheel: then all angles but theta are free.
+   !> Check that prescribed speeds are those of the reference wheel: then all angles except theta are free.
    pure subroutine check_speeds(gearbox, status)
       type(gearbox_t), intent(in) :: gearbox
       type(status_t), intent(inout) :: status
@@ -209,7 +209,7 @@ contains
       end do
    end subroutine check_speeds
 
-   !> What stays the same for all values.
+   !> Set the data common to all values.
    subroutine begin(self, gearbox, common, scale)
       class(gearbox_orbits), intent(inout) :: self
       type(gearbox_t), intent(in), target :: gearbox
@@ -251,7 +251,7 @@ contains
       allocate (self%modes(per_contact*size(gearbox%contacts)), source=0)
    end subroutine begin
 
-   !> Tooth contacts whose damping knows the approach speed at the last closing.
+   !> Tooth contacts whose damping depends on the approach speed at the last closing.
    pure function remembering(gearbox)
       type(gearbox_t), intent(in) :: gearbox
       logical :: remembering(size(gearbox%contacts))
@@ -262,11 +262,11 @@ contains
       end do
    end function remembering
 
-   !> A state of the gearbox on the section, or what is near one, as one of this system.
+   !> Convert a state of the gearbox on or near the section to a state of this system.
    pure subroutine gearbox_orbits_start(self, y_gears, turns, reals, y)
       type(gearbox_orbits), intent(in) :: self
       real(wp), intent(in) :: y_gears(:), reals(:)
-      integer, intent(in) :: turns     !! of the reference wheel
+      integer, intent(in) :: turns     !! revolutions of the reference wheel
       real(wp), intent(out) :: y(self%n)
       integer :: k
 
@@ -278,7 +278,7 @@ contains
       end do
    end subroutine gearbox_orbits_start
 
-   !> The other way round, with the modes that belong to it and the present value of the parameter.
+   !> The inverse: convert to a state of the gearbox, with consistent modes, at the current parameter value.
    subroutine gearbox_orbits_state(self, y, y_gears, integers, reals, status)
       type(gearbox_orbits), intent(inout) :: self
       real(wp), intent(in) :: y(self%n)
@@ -298,7 +298,7 @@ contains
       reals = self%reals
    end subroutine gearbox_orbits_state
 
-   !> f(t, y): a memory rests.
+   !> f(t, y); approach speeds are constant.
    subroutine rhs(self, t, y, f, status)
       class(gearbox_orbits), intent(in) :: self
       real(wp), intent(in) :: t, y(self%n)
@@ -320,7 +320,7 @@ contains
       call self%ode%rhs_lanes(t, y(:, :self%n_gears), f(:, :self%n_gears), status)
    end subroutine rhs_lanes
 
-   !> df/dy; with a memory f changes where its contact touches.
+   !> df/dy; the derivative with respect to an approach speed is nonzero while its contact touches.
    subroutine jacobian(self, t, y, values, status)
       class(gearbox_orbits), intent(in) :: self
       real(wp), intent(in) :: t, y(self%n)
@@ -359,7 +359,7 @@ contains
       call self%ode%roots_lanes(t, y(:, :self%n_gears), exact, values, status)
    end subroutine roots_lanes
 
-   !> Which crossings count.
+   !> Active crossing directions.
    subroutine root_directions(self, directions)
       class(gearbox_orbits), intent(in) :: self
       integer, intent(out) :: directions(self%n_roots)
@@ -367,7 +367,7 @@ contains
       call self%ode%root_directions(directions)
    end subroutine root_directions
 
-   !> As of the gearbox.
+   !> As for the gearbox.
    pure real(wp) function time_in_sight(self, t) result(longest)
       class(gearbox_orbits), intent(in) :: self
       real(wp), intent(in) :: t
@@ -375,7 +375,7 @@ contains
       longest = self%ode%time_in_sight(t)
    end function time_in_sight
 
-   !> The places of all root functions of a gearbox.
+   !> Mesh, contact and name of all root functions of a gearbox.
    pure function root_places(gearbox) result(at)
       type(gearbox_t), intent(in) :: gearbox
       type(root_place) :: at(gearbox%n_roots)

@@ -1,4 +1,4 @@
-!> Every mesh at its nominal load, and the damping laws that refer to it.
+!> Reference data of every mesh at its nominal load, and the damping laws that depend on them.
 module evl_gearbox_references
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: choice_of
@@ -13,15 +13,16 @@ module evl_gearbox_references
 
    public :: gearbox_set_references
 
-   real(wp), parameter :: much = 0.3_wp !! damping ratio above which a mesh is said to be damped too much: measured ones reach 0.17
+   real(wp), parameter :: much = 0.3_wp !! damping ratio above which a warning is issued: measured meshes reach 0.17
 
 contains
 
-   !> Find what every mesh is at its nominal load, complete the damping laws that refer to it, and warn of much damping.
-   !> Where a law refers to a load that no mesh has, the refusal is that of every start; a static analysis brings a load of its own.
-   !> Errors: code_invalid_input for a law that refers to what a mesh has not.
+   !> Compute the reference data of every mesh at its nominal load, complete the damping laws that depend on them, and warn of high
+   !> damping. If a law depends on the nominal load of a mesh without load, gearbox%start_refusal is set: every start fails, but not
+   !> a static analysis, which has its own load.
+   !> Errors: code_invalid_input for such a law if the speeds of both wheels are prescribed.
    subroutine gearbox_set_references(gearbox, status)
-      type(gearbox_t), intent(inout) :: gearbox !! with its scales
+      type(gearbox_t), intent(inout) :: gearbox !! including its scales
       type(status_t), intent(inout) :: status
       logical :: has_load
       integer :: m
@@ -44,7 +45,7 @@ contains
       end do
    end subroutine gearbox_set_references
 
-   !> r_bA^2/J_A + r_bB^2/J_B [1/kg]; a prescribed speed is like an infinite inertia.
+   !> r_bA^2/J_A + r_bB^2/J_B [1/kg]; a prescribed speed counts as infinite inertia.
    pure real(wp) function free_mobility(gearbox, contact) result(mobility)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
@@ -56,10 +57,10 @@ contains
       end associate
    end function free_mobility
 
-   !> Give a mesh the damping law that its reference completes.
+   !> Complete the damping law of a mesh with its reference data.
    subroutine complete(gearbox, m, status)
       type(gearbox_t), intent(inout) :: gearbox
-      integer, intent(in) :: m !! mesh
+      integer, intent(in) :: m !! index of the mesh
       type(status_t), intent(inout) :: status
       class(damping_law_t), allocatable :: stated
       integer :: i

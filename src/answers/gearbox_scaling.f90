@@ -1,7 +1,8 @@
-!> What counts as large in a gearbox: forces, penetrations, speeds and energies that the loads and the start suggest.
+!> Scales of a gearbox: forces, penetrations, speeds and energies that follow from the loads and the initial condition.
 !>
-!> Error control is absolute, each state against its own scale: the static penetration h_0 for lengths, h_0 times the contact's
-!> natural frequency for their rates, the static twist of shafts likewise, a small part of a pitch for the reference angle.
+!> Error control is absolute, each state relative to its own scale. That of lengths is the static penetration h_0, that of their
+!> rates h_0 times the natural frequency of the contact, that of the reference angle a fraction of a pitch. For shafts the static
+!> twist is used likewise.
 module evl_gearbox_scaling
    use evl_contact_point, only: base_arc
    use evl_elastic_law, only: elastic_result
@@ -18,18 +19,18 @@ module evl_gearbox_scaling
 
    public :: gearbox_set_scales, gearbox_state_scales
 
-   real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the pitches that a turn makes: 1e-2 rad at 20 teeth
-   real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of turn times rho, over h_0
-   real(wp), parameter :: multiplier_factor = 1.0e3_wp !! scale of a multiplier over the force: it follows from the rest
+   real(wp), parameter :: angle_share = 0.2_wp     !! scale of theta times the pitches per revolution: 1e-2 rad at 20 teeth
+   real(wp), parameter :: track_factor = 3.0_wp    !! scale of zeta, and of rotation times rho, over h_0
+   real(wp), parameter :: multiplier_factor = 1.0e3_wp !! scale of a multiplier over the force: it follows from the other states
    real(wp), parameter :: smallest_load = 1.0e-9_wp !! force scale of an unloaded mesh over b pi E* rho
    real(wp), parameter :: smallest_twist = 1.0e-9_wp !! of an unloaded shaft [rad]
 
-   real(wp), parameter :: free_time = 1.0_wp !! in which a free housing moves [s]
-   real(wp), parameter :: share = 0.01_wp    !! of that motion: what the gears do to a housing is small beside its weight's sag
+   real(wp), parameter :: free_time = 1.0_wp !! time scale of the motion of a free housing [s]
+   real(wp), parameter :: share = 0.01_wp    !! fraction of that motion: gears move a housing little compared with its weight
 
 contains
 
-   !> Force and penetration scales of all meshes at the nominal operating point. Errors: code_invalid_input where there are none.
+   !> Force and penetration scales of all meshes at the nominal operating point. Errors: code_invalid_input if there are none.
    subroutine gearbox_set_scales(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
@@ -39,7 +40,7 @@ contains
          associate (contact => gearbox%contacts(i))
             contact%force_scale = max(gearbox%nominal%mesh_scale(contact%mesh), &
                                       smallest_load*pi*contact%e_star*contact%pair%rho_0*contact%width)
-            ! rigid flanks have no deflection: their scale counts digits, so the loads count that accelerate the wheels
+            ! rigid flanks have no deflection: their scale only sets the accuracy, so the loads that accelerate the wheels count too
             if (contact%rigid) contact%force_scale = max(contact%force_scale, &
                                                          gearbox%nominal%torque_scale/abs(contact%pair%advance))
             call static_penetration(gearbox, contact, contact%force_scale, contact%h_scale)
@@ -53,7 +54,7 @@ contains
       end do
    end subroutine gearbox_set_scales
 
-   !> Scale of theta: a share of the pitch of the mesh whose teeth pass fastest.
+   !> Scale of theta: a fraction of the pitch of the mesh with the highest mesh frequency.
    pure real(wp) function angle_scale(gearbox) result(scale)
       type(gearbox_t), intent(in) :: gearbox
       integer :: i
@@ -62,13 +63,13 @@ contains
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
             if (wheel%teeth == 0) cycle
-            ! whole numbers before they are divided: alike for all wheels of a train without shafts
+            ! integers before the division: identical for all wheels of a train without shafts
             scale = min(scale, angle_share/(wheel%teeth*real(abs(wheel%exact_ratio%above), wp)/real(wheel%exact_ratio%below, wp)))
          end associate
       end do
    end function angle_scale
 
-   !> Penetration under a force; a force beyond the law is halved until the law carries it. 0 if it carries none.
+   !> Penetration under a force. A force beyond the domain of the law is halved until the law is valid. 0 if no force is valid.
    subroutine static_penetration(gearbox, contact, force, h)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
@@ -76,7 +77,7 @@ contains
       real(wp), intent(out) :: h       !! [m]
       integer :: code
 
-      do while (force > 0) ! not if it is no number
+      do while (force > 0) ! false if NaN
          call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, force, h, code)
          if (code == code_ok) return
          force = force/2
@@ -89,7 +90,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: speeds(:)      !! initial angular velocities of the wheels; size 0 if not given [rad/s]
       real(wp), intent(out) :: state(gearbox%n_states), row(gearbox%n_states)
-      real(wp), intent(in), optional :: duration !! of the run, if it is one [s]
+      real(wp), intent(in), optional :: duration !! duration of the run, if any [s]
       real(wp) :: speed, h(size(gearbox%contacts)), rate(size(gearbox%contacts)), frequency
       real(wp) :: start_force(size(gearbox%pairs)), start_torque(size(gearbox%shafts)), energy, housing_energy, time
       real(wp), dimension(2, size(gearbox%wheels)) :: arc, turn
@@ -147,7 +148,7 @@ contains
       end do
    end subroutine gearbox_state_scales
 
-   !> Penetration, natural frequency and energy scale of a mesh under its nominal load, that of the start, or the impact of the
+   !> Penetration, natural frequency and energy scale of a mesh under its nominal load, its load at the start, or the impact of the
    !> initial speeds.
    subroutine mesh_scales(gearbox, contact, start_force, speeds, h, frequency, energy)
       type(gearbox_t), intent(in) :: gearbox
@@ -156,7 +157,7 @@ contains
       real(wp), intent(in) :: speeds(:)        !! of the wheels at the start [rad/s]
       real(wp), intent(out) :: h               !! [m]
       real(wp), intent(out) :: frequency       !! [rad/s]
-      real(wp), intent(inout) :: energy        !! raised to the mesh's own, if that is larger [J]
+      real(wp), intent(inout) :: energy        !! raised to the energy of the mesh if that is larger [J]
       type(elastic_result) :: elastic
       real(wp) :: force, approach
       integer :: code
@@ -173,15 +174,16 @@ contains
       energy = max(energy, approach**2/contact%mobility/2)
    end subroutine mesh_scales
 
-   !> Scales of what moves with a wheel, value and rate: arcs [m], [m/s], the smallest among its meshes; angles of its rotor [rad],
-   !> [rad/s], the smallest among the meshes and shafts of the rotor's wheels, in the place of the leader. 1 where there are none.
+   !> Scales of the motion of wheels, value and rate: arcs [m], [m/s], the minimum over the meshes of a wheel; angles of its rotor
+   !> [rad], [rad/s], the minimum over the meshes and shafts of the rotor's wheels, stored at its leading wheel. 1 if there are
+   !> none.
    pure subroutine wheel_scales(gearbox, start_torque, speeds, h, rate, arc, turn, energy)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: start_torque(:)    !! of the shafts at the start [N m]
       real(wp), intent(in) :: speeds(:)          !! of the wheels at the start [rad/s]
       real(wp), intent(in) :: h(:), rate(:)      !! of the meshes [m], [m/s]
       real(wp), intent(out) :: arc(:, :), turn(:, :)
-      real(wp), intent(inout) :: energy          !! raised to those of the shafts, if they are larger [J]
+      real(wp), intent(inout) :: energy          !! raised to the energy of the shafts if that is larger [J]
       real(wp) :: twist(2)
       integer :: i, m
 
@@ -210,14 +212,14 @@ contains
       where (turn >= huge(turn)) turn = 1
    end subroutine wheel_scales
 
-   !> Twist of an elastic shaft and its rate under the loads, or under the difference of the initial speeds of its wheels.
+   !> Twist of an elastic shaft and its rate under the loads, or due to the difference of the initial speeds of its wheels.
    pure subroutine shaft_scales(gearbox, shaft, torque, speeds, twist, energy)
       type(gearbox_t), intent(in) :: gearbox
       type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: torque           !! that it carries [N m]
+      real(wp), intent(in) :: torque           !! torque that it transmits [N m]
       real(wp), intent(in) :: speeds(:)        !! as in wheel_scales
       real(wp), intent(out) :: twist(2)        !! [rad], [rad/s]
-      real(wp), intent(inout) :: energy        !! raised to the shaft's own, if that is larger [J]
+      real(wp), intent(inout) :: energy        !! raised to the energy of the shaft if that is larger [J]
       real(wp) :: angle, mobility, frequency, difference
 
       associate (a => gearbox%wheels(shaft%wheel_a), b => gearbox%wheels(shaft%wheel_b))
@@ -234,11 +236,11 @@ contains
       twist = angle*[1.0_wp, frequency]
    end subroutine shaft_scales
 
-   !> Scales of the states and of the rows, and the energy that goes with them. Places and speeds keep the scales of a long run:
-   !> those of a short one may be less than the rounding of places far from the origin.
+   !> Scales of the states and of the residuals, and the corresponding energy. Positions and speeds get the scales of a long run:
+   !> those of a short run could be below the rounding error of positions far from the origin.
    pure subroutine housing_scales(gearbox, time, state, row, energy)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in) :: time   !! in which loads bring energy in [s]
+      real(wp), intent(in) :: time   !! time in which loads supply energy [s]
       real(wp), intent(out) :: state(n_housing_states), row(n_housing_states)
       real(wp), intent(out) :: energy !! [J]
       real(wp) :: mass, inertia, force, moment, position, speed, angle, turn, energies(2)
@@ -261,7 +263,7 @@ contains
       energy = sum(energies)
    end subroutine housing_scales
 
-   !> How far and how fast something moves under a load, and with what energy within a time.
+   !> Displacement and speed of a body under a load, and its energy within a time.
    pure subroutine response(load, inertia, stiffness, start, time, distance, speed, energy)
       real(wp), intent(in) :: load, inertia, stiffness !! stiffness 0: free
       real(wp), intent(in) :: start                    !! speed at the start

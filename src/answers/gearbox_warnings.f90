@@ -1,5 +1,5 @@
-!> Numbers of a gearbox that are allowed but worth knowing: those that stretch the force law, and those that hardly any gearbox has;
-!> they may be right, but more likely a unit is wrong.
+!> Warnings about valid but questionable parameters: limits of the force law, and values that hardly any gearbox has, which may be
+!> correct but more likely have a wrong unit.
 module evl_gearbox_warnings
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: pi, wp
@@ -10,13 +10,13 @@ module evl_gearbox_warnings
 
    public :: check_contact_width, warn_of_speeds, warn_of_tooth_errors
 
-   real(wp), parameter :: narrow = 0.1_wp    !! half width of the contact strip over a radius of curvature: warn above
-   real(wp), parameter :: large_error = 0.1_wp !! runout and thickness allowance in modules
-   real(wp), parameter :: fast = 1.0e5_wp    !! speed of a wheel [rad/s]
+   real(wp), parameter :: narrow = 0.1_wp    !! limit of the half width of the contact strip over a radius of curvature
+   real(wp), parameter :: large_error = 0.1_wp !! limit of runout and thickness allowance in modules
+   real(wp), parameter :: fast = 1.0e5_wp    !! limit of the speed of a wheel [rad/s]
 
 contains
 
-   !> The contact strip has to stay narrow beside the radii of curvature, of which one is smallest at an end of the path.
+   !> Warn if the contact strip is not narrow compared with the radii of curvature; the smallest radius is at an end of the path.
    !>
    !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
    subroutine check_contact_width(gearbox, index)
@@ -36,9 +36,9 @@ contains
       end associate
    end subroutine check_contact_width
 
-   !> Runouts and thickness allowances of more than a tenth of a module: lengths of that size are hardly meant.
+   !> Warn of runouts and thickness allowances above a tenth of a module, which are unlikely to be intended.
    subroutine warn_of_tooth_errors(gearbox)
-      type(gearbox_t), intent(inout) :: gearbox !! its warnings grow
+      type(gearbox_t), intent(inout) :: gearbox !! new warnings are appended
       integer :: i
 
       do i = 1, size(gearbox%wheels)
@@ -62,12 +62,12 @@ contains
 
    end subroutine warn_of_tooth_errors
 
-   !> One warning of wheels that turn faster than 100,000 rad/s: as prescribed, where viscous loads or drives balance the torques,
-   !> or at the start.
+   !> Append one warning if wheels rotate faster than 100,000 rad/s: by a prescribed speed, where viscous loads or drives balance
+   !> the torques, or at the start.
    pure subroutine warn_of_speeds(gearbox, initial, warnings)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: initial(:) !! of the wheels [rad/s]; size 0 if not given
-      type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
+      type(status_t), allocatable, intent(inout) :: warnings(:) !! a new warning is appended
       real(wp) :: speeds(size(gearbox%wheels))
       logical :: is_known(size(gearbox%loads))
       character(len=message_length) :: text
@@ -75,7 +75,7 @@ contains
 
       speeds = 0
       if (size(initial) > 0) speeds = abs(initial)
-      ! torques alone give no speed, only one that grows
+      ! constant torques define no speed, only an increasing one
       is_known = [(gearbox%loads(i)%load%prescribes .or. gearbox%loads(i)%load%by_speed, i=1, size(gearbox%loads))]
       if (any(is_known)) speeds = max(speeds, gearbox%nominal%speed_scale*abs(gearbox%wheels%ratio))
       do i = 1, size(gearbox%loads)
@@ -91,7 +91,7 @@ contains
       call warn(warnings, trim(text), subject_wheel, i)
    end subroutine warn_of_speeds
 
-   !> Say how many other wheels are like the one that is named.
+   !> Append the number of other wheels to which the warning applies.
    pure subroutine add_others(text, n)
       character(len=*), intent(inout) :: text
       integer, intent(in) :: n

@@ -1,5 +1,5 @@
-!> Outputs of the housing in eight states: its pose and motion, its mount and accelerometers; and the places of wheels and meshes
-!> along the axles.
+!> Outputs of the housing at eight states: its pose and motion, mount and accelerometers; and the axial positions of wheels and
+!> meshes.
 !>
 !> Source: docs/housing.md, sections 2 and 4.
 module evl_housing_outputs
@@ -18,7 +18,7 @@ module evl_housing_outputs
 
 contains
 
-   !> Where a wheel stands along its axle.
+   !> Axial position of a wheel.
    subroutine add_wheel_position(registry, index, wheel)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
@@ -30,11 +30,11 @@ contains
                       wheel%transverse_inertia)
    end subroutine add_wheel_position
 
-   !> Where a mesh stands along the axles.
+   !> Axial position of a mesh.
    subroutine add_mesh_position(registry, index, contact)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
-      type(tooth_contact_t), intent(in) :: contact !! the first of the mesh
+      type(tooth_contact_t), intent(in) :: contact !! first contact of the mesh
 
       call begin_section(registry, in_mesh_positions, dims_mesh, index, is_static=.true.)
       call add_output(registry, "contact_axial_position", "m", "z_m", "axial position of the middle of the common width", &
@@ -72,7 +72,7 @@ contains
                       "angular acceleration of the housing, housing frame", at(:, 17:19), rate_of="housing_angular_velocity")
    end subroutine add_pose
 
-   !> Of a mounted housing.
+   !> Outputs of a mounted housing.
    subroutine add_mount(registry, housing, frames)
       type(registry_t), intent(inout) :: registry
       type(housing_t), intent(in) :: housing
@@ -90,7 +90,7 @@ contains
                       rate_of="dissipated_energy")
    end subroutine add_mount
 
-   !> One of the accelerometers.
+   !> Outputs of one accelerometer.
    subroutine add_accelerometer(registry, index, housing, frames)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index

@@ -1,7 +1,7 @@
-!> Instants at which loads that follow tables over time can be extreme.
+!> Instants at which loads given by tables over time can be extreme.
 !>
-!> Between knots all torques and prescribed speeds are linear in time, and so is what follows from their balance: extremes are at
-!> knots. Where a single load has a table, everything else is monotonic in its value: extremes are at its smallest and largest one.
+!> Between knots all torques and prescribed speeds are linear in time, and so are the loads that follow from equilibrium: extremes
+!> are at knots. With a single table everything else is monotonic in its value: extremes are at its minimum and maximum.
 module evl_load_instants
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
@@ -13,7 +13,7 @@ module evl_load_instants
 
    type :: instant_t
       real(wp) :: t = 0.0_wp               !! [s]
-      integer, allocatable :: segments(:)  !! of each load: knots passed; 0 without a table
+      integer, allocatable :: segments(:)  !! of each load: number of knots passed; 0 without a table
    end type instant_t
 
 contains
@@ -45,10 +45,10 @@ contains
       end if
    end subroutine next_instant
 
-   !> Go to the next of the two knots where a table is smallest and largest.
+   !> Go to the next of the two knots with the minimum and maximum of a table.
    pure subroutine next_extreme(gearbox, table, now, exists)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: table !! its load
+      integer, intent(in) :: table !! index of its load
       type(instant_t), intent(inout) :: now
       logical, intent(out) :: exists
       integer :: both(2)
@@ -65,7 +65,7 @@ contains
    !> Go to the next knot of any of several tables.
    pure subroutine next_of_all(gearbox, tables, now, exists)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: tables(:) !! their loads
+      integer, intent(in) :: tables(:) !! indices of their loads
       type(instant_t), intent(inout) :: now
       logical, intent(out) :: exists
       real(wp), parameter :: never = huge(1.0_wp)

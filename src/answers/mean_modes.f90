@@ -1,17 +1,17 @@
-!> Natural modes of the mean over the positions of the meshes, and the distance of a start from the steady motion in them.
+!> Natural modes of the mean over the mesh positions, and the modal distance of a start from the steady motion.
 !>
-!> The stiffness of a mesh changes as tooth pairs come and go; vibrations that are faster than neither feel its mean. Meshes of
-!> several stages have pitches of their own. The positions are spread evenly over the least number of pitches of the first mesh in
-!> which every mesh passes whole pitches; since their number is prime and does not divide that of the pitches, every mesh is met
-!> at as many places of its own pitch, evenly spread too.
+!> The stiffness of a mesh varies as tooth pairs enter and leave; vibrations slower than this variation respond to its mean. Meshes
+!> of several stages have different pitches. The positions are evenly spaced over the smallest number of pitches of the first mesh
+!> in which every mesh passes whole pitches. Their number is prime and does not divide the number of pitches. So every mesh is
+!> evaluated at as many evenly spaced positions of its own pitch.
 !>
-!> Distance of a start from the steady motion, in natural modes of the mean stiffness.
+!> Distance of a start from the steady motion, in natural modes of the mean stiffness:
 !>
 !> Near the steady motion x' = A (x - x_s(t)). A is the mean of the linearised gearbox over one pitch of the first mesh, x_s the
-!> static equilibrium at the present position of the meshes, with the mean speeds. In the modes A v_k = lambda_k v_k of the mean the
+!> static equilibrium at the current mesh positions, with the mean speeds. In the modes A v_k = lambda_k v_k of the mean the
 !> harmonic n of x_s, of amplitude z_n in mode k, has the response z_n H_n, H_n = -lambda_k/(i n Omega - lambda_k). The motion is
-!> this response and sum a_k v_k exp(lambda_k t), which decays: a_k is the start less the mean less the response at the start.
-!> Rigid-body modes, whose eigenvalue is 0, take no part.
+!> this response plus sum a_k v_k exp(lambda_k t), which decays: a_k is the start minus the mean minus the response at the start.
+!> Rigid-body modes, with eigenvalue 0, are excluded.
 module evl_mean_modes
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_common_period, only: whole_pitches
@@ -33,29 +33,29 @@ module evl_mean_modes
 
    public :: gearbox_mean_modes, gearbox_start_distance
 
-   integer, parameter :: primes(2) = [997, 1009]        !! positions; the second if the first divides the number of pitches
+   integer, parameter :: primes(2) = [997, 1009]        !! numbers of positions; the second if the first divides that of the pitches
 
    integer, parameter :: n_harmonics = 8
    integer, parameter :: n_positions = 2*n_harmonics + 1 !! over the pitch
-   integer, parameter :: most_states = 300  !! for more the eigenvalues take too long
-   !> Places in the part of a position, the first that has a steady state counts: where a damper's force jumps as flanks close, some
-   !> have none.
+   integer, parameter :: most_states = 300  !! above this limit the eigenvalues take too long
+   !> Fractions of a position interval, tried in this order until a steady state exists: if a damper's force jumps as flanks close,
+   !> it may not exist.
    real(wp), parameter :: parts(3) = [1/2.0_wp, 1/6.0_wp, 5/6.0_wp]
 
 contains
 
-   !> Eigenvalues and eigenvectors of the mean of A over the steady states, as gearbox_modes gives them, and the mean outputs.
+   !> Eigenvalues and eigenvectors of the mean of A over the steady states, as from gearbox_modes, and the mean outputs.
    subroutine gearbox_mean_modes(gearbox, t, n_positions, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, values, &
                                  status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                         !! [s]
-      integer, intent(in) :: n_positions                !! over which the mean is taken; 0: 997, or 1009
+      integer, intent(in) :: n_positions                !! of the mean; 0: 997, or 1009 if 997 divides the number of pitches
       real(wp), intent(out) :: y(gearbox%n_states)      !! the steady state half a pitch from the start of contact
       integer, intent(out) :: integers(gearbox%n_integers), n_modes, n_rigid
       real(wp), intent(out) :: reals(size(gearbox%contacts))
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states)
       real(wp), intent(out) :: values(gearbox%n_values) !! outputs
-      type(status_t), intent(inout) :: status           !! as gearbox_modes, and of a steady start
+      type(status_t), intent(inout) :: status           !! as for gearbox_modes, and for a steady start
       real(wp) :: matrix(gearbox%n_states, gearbox%n_states), yp(gearbox%n_states), outputs(gearbox%n_values), span
       real(wp), allocatable :: there(:, :)
       integer(int64) :: pitches
@@ -89,7 +89,7 @@ contains
 
    contains
 
-      !> The steady state so many pitches of the first mesh from the start of contact.
+      !> Steady state at a position in pitches of the first mesh from the start of contact.
       subroutine start_at(pitches)
          real(wp), intent(in) :: pitches
 
@@ -98,20 +98,20 @@ contains
 
    end subroutine gearbox_mean_modes
 
-   !> The modes, and the amplitude of each at the start.
+   !> Modes, and the amplitude of each at the start.
    subroutine gearbox_start_distance(gearbox, t, start, turns, y, integers, reals, n_modes, eigenvalues, vectors, amplitudes, &
                                      status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                             !! [s]
       real(wp), intent(in) :: start(gearbox%n_states)
-      integer, intent(in) :: turns                          !! of the reference wheel at the start
+      integer, intent(in) :: turns                          !! revolutions of the reference wheel at the start
       real(wp), intent(out) :: y(gearbox%n_states)          !! a steady state half a pitch from the start
       integer, intent(out) :: integers(gearbox%n_integers), n_modes
       real(wp), intent(out) :: reals(size(gearbox%contacts))
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states) !! [1/s]
       complex(wp), intent(out) :: vectors(gearbox%n_states, gearbox%n_states) !! mode k; largest entry: one scale of the states
       complex(wp), intent(out) :: amplitudes(gearbox%n_states) !! a_k
-      type(status_t), intent(inout) :: status               !! as gearbox_modes, and of a steady start
+      type(status_t), intent(inout) :: status               !! as for gearbox_modes, and for a steady start
       real(wp) :: samples(gearbox%n_states, n_positions + 1), matrix(gearbox%n_states, gearbox%n_states)
       real(wp) :: mean(gearbox%n_states), position, rate
       integer :: i, n_rigid
@@ -140,7 +140,7 @@ contains
       call find_amplitudes(gearbox, mean, samples, rate, n_modes, eigenvalues, vectors, amplitudes, status)
    end subroutine gearbox_start_distance
 
-   !> The steady states of one pitch and the mean of A; the state in the middle is left in y.
+   !> Steady states over one pitch, and the mean of A; y is set to the state in the middle.
    subroutine sample_steady(gearbox, t, position, y, integers, reals, samples, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, position                   !! position: of the start [pitches]
@@ -171,7 +171,7 @@ contains
       end do
    end subroutine sample_steady
 
-   !> A change of the state without the speeds: those are the mean ones.
+   !> Change of the state without the speeds, which are the mean ones.
    pure function static_part(gearbox, change) result(part)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: change(gearbox%n_states)
@@ -188,7 +188,7 @@ contains
       end do
    end function static_part
 
-   !> Amplitudes of the last sample less the response to the others.
+   !> Amplitudes of the last sample minus the response to the others.
    subroutine find_amplitudes(gearbox, mean, samples, rate, n_modes, eigenvalues, vectors, amplitudes, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: mean(:), samples(:, :), rate  !! rate: Omega of the mesh [rad/s]
@@ -205,7 +205,7 @@ contains
       do k = 1, n_modes
          size_of = maxval(abs(vectors(:, k))/scale, mask=[(info /= i_theta, info=1, size(scale))])
          if (size_of > 0) vectors(:, k) = vectors(:, k)/size_of
-         vectors(i_theta, k) = 0 ! where the motion stands is no distance from it
+         vectors(i_theta, k) = 0 ! the angular position is not part of the distance
       end do
       call free_rows(vectors(:, :n_modes), moving)
       if (size(moving) /= n_modes) then
@@ -229,7 +229,7 @@ contains
       end if
       do k = 1, n_modes
          if (eigenvalues(k)%im < 0 .or. .not. abs(eigenvalues(k)) > 0) cycle
-         if (eigenvalues(k)%im > 0) then ! x = 2 Re(a v), of which the basis has the real and the imaginary part of v
+         if (eigenvalues(k)%im > 0) then ! x = 2 Re(a v); the basis contains the real and the imaginary part of v
             amplitudes(k) = less_response(cmplx(right(k, :), -right(k + 1, :), wp)/2, eigenvalues(k), rate)
             amplitudes(k + 1) = conjg(amplitudes(k))
          else
@@ -239,7 +239,7 @@ contains
 
    contains
 
-      !> What moves of a change of the state, in units of the scales; of the orientation of a housing its small turns.
+      !> Free components of a change of the state, in units of the scales; small rotations for the orientation of a housing.
       function rows_of(change) result(rows)
          complex(wp), intent(in) :: change(:)
          complex(wp) :: rows(n_modes), turned(size(change))
@@ -252,7 +252,7 @@ contains
          rows = turned(moving)
       end function rows_of
 
-      !> The states that any mode moves, beside the angle, which the speed determines, and the scalar part of the orientation.
+      !> State indices moved by any mode, except the angle, which the speed determines, and the scalar part of the orientation.
       subroutine free_rows(shapes, rows)
          complex(wp), intent(in) :: shapes(:, :)
          integer, allocatable, intent(out) :: rows(:)
@@ -272,9 +272,9 @@ contains
 
    end subroutine find_amplitudes
 
-   !> Amplitude at the start less the response to the static path there.
+   !> Amplitude at the start minus the response to the static path there.
    pure complex(wp) function less_response(of_samples, lambda, rate) result(amplitude)
-      complex(wp), intent(in) :: of_samples(n_positions + 1) !! those of the path, then that of the start
+      complex(wp), intent(in) :: of_samples(n_positions + 1) !! those of the path, followed by that of the start
       complex(wp), intent(in) :: lambda
       real(wp), intent(in) :: rate
       complex(wp), parameter :: i_unit = (0.0_wp, 1.0_wp)

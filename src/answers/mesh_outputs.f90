@@ -1,4 +1,4 @@
-!> Outputs of the meshes of a gearbox in eight states: what the tooth contacts of a mesh add up to.
+!> Outputs of the meshes of a gearbox at eight states: sums over the tooth contacts of a mesh.
 module evl_mesh_outputs
    use evl_closed_form, only: error_of_turns, points_along
    use evl_contact_lanes, only: contact_in_lanes, gap_in_lanes, lane_contact
@@ -22,37 +22,37 @@ module evl_mesh_outputs
 
    public :: add_coast_outputs, add_mesh_outputs, evaluate_mesh, find_points, mesh_lanes, mesh_points
 
-   !> A mesh; and of the contact that stands for it where that is.
+   !> A mesh, and the position of its leading contact.
    type :: mesh_lanes
       real(wp), dimension(lanes) :: penetration
-      !> F_n of all pairs, and of those on the coast flank; F_t of the drive flank [N].
+      !> Normal force F_n of all pairs, and of those on the coast flank; friction force F_t of the drive flank [N].
       real(wp), dimension(lanes) :: normal = 0.0_wp, coast = 0.0_wp, friction = 0.0_wp
       real(wp), dimension(lanes) :: torque_a = 0.0_wp, torque_b = 0.0_wp !! [N m]
-      !> To friction, to the dampers, and of the elastic energy by itself [W].
+      !> Power lost to friction, to damping, and from the elastic energy as radii of curvature change [W].
       real(wp), dimension(lanes) :: loss = 0.0_wp, damping_loss = 0.0_wp, curvature_loss = 0.0_wp
       real(wp), dimension(lanes) :: touching = 0.0_wp      !! 1 if any flanks overlap, else 0
-      integer :: loaded = 0                                !! pairs that carry load
-      !> Largest penetrations; -huge: no pair is on the path; NaN: no such flank [m].
+      integer :: loaded = 0                                !! number of loaded pairs
+      !> Maximum penetrations of drive and coast flank; -huge: no pair is on the path; NaN: no such flank [m].
       real(wp), dimension(lanes) :: h = -huge(1.0_wp), h_coast = -huge(1.0_wp)
-      real(wp), dimension(lanes) :: deviation = 0.0_wp     !! of the flanks of the first [m]
+      real(wp), dimension(lanes) :: deviation = 0.0_wp     !! flank deviation of the pair with penetration h [m]
       real(wp), dimension(lanes) :: lag                    !! transmission error [m]
-      real(wp), dimension(lanes) :: curvature              !! by how much it is more than the penetration [m]
-      integer :: leader = 0                                !! the contact that stands for the mesh
-      type(contact_mode) :: mode = no_mode                 !! its own
-      type(lane_line) :: line                              !! its line of action; its motion alone where places are not needed
-      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a = 0.0_wp !! the same, as in `lane_contact`
+      real(wp), dimension(lanes) :: curvature              !! transmission error minus penetration [m]
+      integer :: leader = 0                                !! index of the leading contact
+      type(contact_mode) :: mode = no_mode                 !! of the leading contact
+      type(lane_line) :: line                              !! its line of action; only its motion if positions are not needed
+      real(wp), dimension(lanes) :: rho_a0, v_t, l_a, l_b, h_dot, omega_a = 0.0_wp !! of the leading contact, as in `lane_contact`
    end type mesh_lanes
 
-   !> The points of the contact that stands for its mesh, and how far tracked ones are from where they belong.
+   !> Contact points of the leading contact, and the errors of tracked points.
    type :: mesh_points
       real(wp), dimension(lanes, 2) :: driving = nan, driven = nan !! housing frame [m]
-      real(wp) :: gradient_ratio(lanes) = nan                     !! lambda; as the rest NaN where points are not tracked
-      real(wp), dimension(lanes, 2) :: residual = nan, line_distance = nan !! of the driving and of the driven flank [m]
+      real(wp) :: gradient_ratio(lanes) = nan                     !! lambda; NaN if points are not tracked, as the rest
+      real(wp), dimension(lanes, 2) :: residual = nan, line_distance = nan !! of the driving and the driven flank [m]
    end type mesh_points
 
 contains
 
-   !> Rows of a mesh, and of its coast flanks, which only gearboxes with such have.
+   !> Rows of a mesh, and of its coast flanks, which only some gearboxes have.
    subroutine add_mesh_outputs(registry, index, mesh, points)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
@@ -117,7 +117,7 @@ contains
       call add_output(registry, "contact_point_driven", "m", "P_B", "contact point on the driven flank", points%driven)
    end subroutine add_mesh_outputs
 
-   !> Only where a mesh has coast flanks.
+   !> Rows of the coast flank; only if a mesh has coast flanks.
    subroutine add_coast_outputs(registry, index, mesh)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: index
@@ -126,12 +126,12 @@ contains
       call begin_section(registry, in_coast, dims_mesh, index)
       call needs(registry, needs_places)
       call add_output(registry, "coast_gap", "m", "kappa_c", "smallest gap between the flanks on the coast side", &
-                      0 - mesh%h_coast) ! never a NaN of the other sign
+                      0 - mesh%h_coast) ! avoids a NaN of the opposite sign
       call needs(registry, needs_meshes)
       call add_output(registry, "coast_force", "N", "F_nc", "normal force of the tooth pairs on the coast side", mesh%coast)
    end subroutine add_coast_outputs
 
-   !> 1 - friction loss over the power that the driving wheel hands over; NaN without power.
+   !> 1 - friction loss over the power transmitted by the driving wheel; NaN without power.
    elemental real(wp) function efficiency(loss, torque_a, omega_a)
       real(wp), intent(in) :: loss     !! [W]
       real(wp), intent(in) :: torque_a !! [N m]
@@ -143,12 +143,12 @@ contains
       if (input > 0) efficiency = 1 - loss/input
    end function efficiency
 
-   !> The points of the contact that stands for its mesh, in one state after the other.
+   !> Contact points of the leading contact, one state after the other.
    subroutine find_points(gearbox, mesh, states, points)
       type(gearbox_t), intent(in) :: gearbox
       type(mesh_lanes), intent(in) :: mesh
       type(output_states), intent(in) :: states
-      type(mesh_points), intent(out) :: points !! NaN where the contact is not tracked
+      type(mesh_points), intent(out) :: points !! NaN if the contact is not tracked
       type(tangent_line_t) :: line
       real(wp) :: q(n_local), residual(n_track), y(gearbox%n_states)
       logical :: exists, tracks
@@ -175,11 +175,11 @@ contains
       end associate
    end subroutine find_points
 
-   !> Where tracked points are in the housing.
+   !> Positions of tracked points in the housing.
    pure subroutine place_points(gearbox, contact, t, rho_a0, q, driving, driven)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
-      real(wp), intent(in) :: t, rho_a0, q(n_local)    !! as of `tracked_positions`
+      real(wp), intent(in) :: t, rho_a0, q(n_local)    !! as for `tracked_positions`
       real(wp), intent(out) :: driving(2), driven(2)   !! [m]
       type(axle_motion) :: reference
       real(wp) :: point_a(2), point_b(2), origin(2)
@@ -191,12 +191,12 @@ contains
       driven = origin + point_b(1)*contact%t_0 + point_b(2)*contact%e_0
    end subroutine place_points
 
-   !> A mesh in eight states.
+   !> Evaluate a mesh at eight states.
    subroutine evaluate_mesh(gearbox, index, states, has_places, mesh)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
       type(output_states), intent(in) :: states
-      logical, intent(in) :: has_places !! else nothing is needed of where those are that do not touch
+      logical, intent(in) :: has_places !! otherwise positions of contacts that do not touch are not needed
       type(mesh_lanes), intent(out) :: mesh
       type(lane_line) :: line_coast
       type(tracked_pair) :: pair
@@ -238,12 +238,12 @@ contains
          mesh%h_coast = nan
          return
       end if
-      call line_in_lanes(gearbox%contacts(last), states%y, line_coast) ! no pair of the other flank is on the path
+      call line_in_lanes(gearbox%contacts(last), states%y, line_coast) ! no pair of the coast flank is on the path
       call gap_in_lanes(gearbox%contacts(last), line_coast, gap_coast)
       mesh%h_coast = -gap_coast
    end subroutine evaluate_mesh
 
-   !> What a tooth pair that touches adds.
+   !> Add the contribution of a touching tooth pair.
    pure subroutine add_force(is_drive, slot, mesh)
       logical, intent(in) :: is_drive
       type(lane_slot), intent(in) :: slot
@@ -278,15 +278,15 @@ contains
       end associate
    end subroutine add_force
 
-   !> Where a tooth pair on the path is.
+   !> Add the position of a tooth pair on the path.
    pure subroutine add_place(contact, mode, h, gap, mesh)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_mode), intent(in) :: mode
-      real(wp), intent(in) :: h(lanes), gap(lanes) !! penetration, gap of perfect flanks of the drive side [m]
+      real(wp), intent(in) :: h(lanes), gap(lanes) !! penetration; gap of the drive flanks without deviations [m]
       type(mesh_lanes), intent(inout) :: mesh
       integer :: l
 
-      if (contact%rigid) then ! its flanks never overlap
+      if (contact%rigid) then ! rigid flanks never overlap
          if (mode%flanks == flanks_loaded) mesh%touching = 1
       else
          mesh%touching = merge(1.0_wp, mesh%touching, h > 0)
@@ -303,7 +303,7 @@ contains
       mesh%h = max(mesh%h, h)
    end subroutine add_place
 
-   !> What the contact that stands for the mesh tells; off the path it is where it would be.
+   !> Position of the leading contact; off the path, its position on the continued path.
    subroutine lead(contact, slot, aside, gap, mesh)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot, aside
@@ -318,13 +318,13 @@ contains
          call keep(contact, aside%at, gap, mesh)
       else
          mode = slot%mode
-         mode%flanks = flanks_open ! else the radii alone would be found
+         mode%flanks = flanks_open ! otherwise only the radii would be computed
          call contact_in_lanes(contact, mode, slot%rho_start, mesh%line, at)
          call keep(contact, at, gap, mesh)
       end if
    end subroutine lead
 
-   !> What is kept of its place.
+   !> Copy the position of the leading contact.
    pure subroutine keep(contact, at, gap, mesh)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_contact), intent(in) :: at
@@ -337,8 +337,8 @@ contains
       mesh%l_b = at%l_b
       mesh%h_dot = at%h_dot
       mesh%omega_a = at%omega_a
-      mesh%penetration = merge(mesh%h, 0.0_wp, mesh%h >= 0) ! of two zeros max takes either
-      if (mesh%h(1) > -huge(1.0_wp)) return ! else no pair is on the path: nothing overlaps, whatever the involutes would
+      mesh%penetration = merge(mesh%h, 0.0_wp, mesh%h >= 0) ! the sign of max of two zeros is arbitrary
+      if (mesh%h(1) > -huge(1.0_wp)) return ! otherwise no pair is on the path: no overlap of flanks, even if the involutes overlap
       mesh%h = at%h
       if (contact%deviates) mesh%deviation = -gap - at%h
    end subroutine keep

@@ -1,9 +1,9 @@
-!> How stiff a mesh is whose wheels give way: one tooth pair at the pitch point, and two that share the load; and what ISO 6336-1
-!> says of the same teeth, which is another thing: measured single pairs of wheels with and without webs, without the body.
+!> Stiffness of a mesh of compliant gears: one tooth pair at the pitch point, and two that share the load. Also c' of ISO 6336-1 for
+!> the same teeth, which is a different quantity: measured single pairs of wheels with and without webs, without the wheel body.
 !>
-!> A pair that carries the line load N goes together by h = N [ln(4 pi E* rho/N) - 1]/(pi E*) + sum over the loaded pairs l of
+!> The approach of a pair under the line load N is h = N [ln(4 pi E* rho/N) - 1]/(pi E*) + sum over the loaded pairs l of
 !> C_kl N_l: Johnson's contact, and C_kk = c_A + c_B + (K_A - K_B)/2 ln(rho_A/rho_B), C_kl = c_A,k-l + c_B,l-k. The second term
-!> of C_kk is what (5.57) shares otherwise between unequal materials. The stiffness is the secant, the whole load over h.
+!> of C_kk corrects the split between unequal materials in (5.57). The stiffness is the secant, the total load over h.
 !>
 !> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); ISO 6336-1:2006, 9.3.
 module evl_mesh_stiffness
@@ -16,26 +16,26 @@ module evl_mesh_stiffness
 
    public :: iso_stiffness, mesh_stiffness, mesh_stiffness_t
 
-   real(wp), parameter :: usual_load = 1.0e5_wp      !! line load without a nominal one [N/m]
-   real(wp), parameter :: full_load = 1.0e5_wp       !! of ISO 6336-1; c' falls below [N/m]
+   real(wp), parameter :: usual_load = 1.0e5_wp      !! line load if there is no nominal load [N/m]
+   real(wp), parameter :: full_load = 1.0e5_wp       !! limit of ISO 6336-1, below which c' decreases [N/m]
    real(wp), parameter :: steel = 2.06e11_wp         !! Young's modulus of ISO 6336-1 [Pa]
-   real(wp), parameter :: usual_ratio = 0.3_wp       !! Poisson's
-   real(wp), parameter :: measured = 0.8_wp          !! C_M: measured over theory
+   real(wp), parameter :: usual_ratio = 0.3_wp       !! Poisson's ratio
+   real(wp), parameter :: measured = 0.8_wp          !! C_M: measured over theoretical stiffness
    integer, parameter :: most_turns = 60
 
    !> Compliances and stiffnesses of a mesh, per unit width.
    type :: mesh_stiffness_t
       real(wp) :: driving(3) = 0.0_wp, driven(3) = 0.0_wp !! c at start, pitch point and end of the path [1/Pa]
       real(wp) :: next_driving = 0.0_wp, next_driven = 0.0_wp !! c_1 at the pitch point [1/Pa]
-      real(wp) :: line_load = 0.0_wp !! at which the stiffnesses hold [N/m]
+      real(wp) :: line_load = 0.0_wp !! line load of the stiffnesses [N/m]
       real(wp) :: single_pair = 0.0_wp !! one pair at the pitch point [Pa]
-      real(wp) :: double_pair = 0.0_wp !! two pairs, half a base pitch before and behind it; 0: the path is too short [Pa]
+      real(wp) :: double_pair = 0.0_wp !! two pairs, half a base pitch before and after it; 0: the path is too short [Pa]
       real(wp) :: iso = 0.0_wp       !! c' of ISO 6336-1 [Pa]
    end type mesh_stiffness_t
 
 contains
 
-   !> Compliances and stiffnesses of a mesh; initial values if none of its wheels gives way.
+   !> Compliances and stiffnesses of a mesh; initial values if its gears are rigid.
    subroutine mesh_stiffness(gearbox, mesh, answer)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -70,12 +70,12 @@ contains
       end associate
    end subroutine mesh_stiffness
 
-   !> Load over approach of pairs that share a line load [Pa]; the first is the elder.
+   !> Load over approach of pairs that share a line load [Pa]; the first one is the pair that entered first.
    real(wp) function secant(gearbox, mesh, rho_a, line_load) result(stiffness)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
       real(wp), intent(in) :: rho_a(:)  !! radii of curvature on the driving wheel [m]
-      real(wp), intent(in) :: line_load !! of all [N/m]
+      real(wp), intent(in) :: line_load !! total [N/m]
       real(wp) :: share(size(rho_a)), matrix(2, 2), contact_part, before
       integer :: k, turn
 
@@ -102,7 +102,7 @@ contains
       end associate
    end function secant
 
-   !> C_kk.
+   !> C_kk of a pair.
    real(wp) function own_part(gearbox, mesh, rho_a) result(c)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -123,8 +123,8 @@ contains
       real(wp), intent(in) :: elder, younger !! rho on the driving wheel [m]
       type(coupling_at_t) :: a, b
 
-      ! the driving flank faces the sense in which it turns, so the elder pair's tooth is the next one there; on the driven
-      ! wheel the flank faces against it
+      ! the driving flank faces the sense of rotation, so the tooth of the elder pair is the next one in it; on the driven wheel the
+      ! flank faces the opposite sense
       associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
          call gearbox%compliances(contact%wheel_a)%coupling(1, younger, elder, a)
          call gearbox%compliances(contact%wheel_b)%coupling(-1, pair%rho - younger, pair%rho - elder, b)
@@ -132,7 +132,7 @@ contains
       end associate
    end function coupling
 
-   !> c' of ISO 6336-1 of a mesh of solid wheels [Pa]. Its load is F_t K_A/b, tangential at the reference circle, with K_A = 1.
+   !> c' of ISO 6336-1 for a mesh of solid wheels [Pa]. Its load is F_t K_A/b, tangential at the reference circle, with K_A = 1.
    pure real(wp) function iso_stiffness(gearbox, mesh, line_load) result(stiffness)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -141,7 +141,7 @@ contains
 
       associate (contact => gearbox%contacts(gearbox%first(mesh)))
          tangential = line_load*gearbox%pairs(mesh)%base_radius_a/gearbox%gears(contact%wheel_a)%reference_radius
-         ! both moduli from E*, for Poisson's ratio of metals
+         ! both Young's moduli from E*, for the Poisson's ratio of metals
          stiffness = of_steel(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), tangential) &
                      *2*contact%e_star*(1 - usual_ratio**2)/steel
       end associate
@@ -163,7 +163,7 @@ contains
       if (line_load < full_load) stiffness = stiffness*(line_load/full_load)**0.25_wp
    end function of_steel
 
-   !> C_B, by the rack's dedendum and pressure angle.
+   !> C_B, from the dedendum and pressure angle of the rack.
    pure real(wp) function of_rack(gear)
       type(gear_t), intent(in) :: gear
 

@@ -1,9 +1,9 @@
 !> Natural modes: the gearbox linearised at a state, with its eigenvalues and mode shapes.
 !>
-!> The motion is x' = A x with x = (omega, psi_i, psi_i', s_j, s_j') and A = -dF/dy of the explicit system, analytic. What is not
-!> in x: the energies, which nothing depends on; the variables of tracked contact points, which the wheels carry along, so every
-!> mesh is taken in closed form; the angle of the driving wheel of the first mesh, which is held; speeds that are prescribed.
-!> Contact modes and friction branches stay as they are: no event takes part. A mounted housing adds its 12 states.
+!> The motion is x' = A x with x = (omega, psi_i, psi_i', s_j, s_j') and A = -dF/dy of the explicit system, analytic. Not in x are:
+!> the energies, on which nothing depends; the variables of tracked contact points, which follow the wheels, so every mesh is
+!> evaluated in closed form; the angle of the driving wheel of the first mesh, which is fixed; prescribed speeds.
+!> Contact modes and friction branches are fixed: events are excluded. A mounted housing adds its 12 states.
 module evl_modes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_closed_form, only: centre_line_turn_gradient, error_of_turns, gradient_closed_form, track_closed_form
@@ -29,26 +29,26 @@ module evl_modes
    public :: free_states, gearbox_modes, hold_driving_wheel, linearised_matrix, modes_of_matrix, still_matrix
    public :: gearbox_shape
 
-   real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! of a number that went through a decomposition, times its order
+   real(wp), parameter :: rounding = 10*epsilon(1.0_wp) !! relative rounding error of a decomposition, per order of the matrix
 
 contains
 
-   !> Eigenvalues and eigenvectors of the gearbox at a state, from slow to fast, complex pairs side by side.
+   !> Eigenvalues and eigenvectors of the gearbox at a state, in ascending magnitude, with complex pairs adjacent.
    !>
-   !> An eigenvalue that cannot be told from 0 is 0. In the vectors the angle theta follows from the speed, theta = omega/lambda;
-   !> it is 0 where lambda is. The rigid-body modes are the independent motions that nothing restores, the turning of the whole
-   !> gearbox by theta among them unless its speed is prescribed.
+   !> An eigenvalue within rounding error of 0 is set to 0. In the vectors the angle theta follows from the speed, theta =
+   !> omega/lambda; it is 0 if lambda is 0. Rigid-body modes are the independent motions without a restoring force. Rotation of the
+   !> whole gearbox by theta is one of them unless its speed is prescribed.
    subroutine gearbox_modes(gearbox, t, y, integers, reals, n_modes, n_rigid, eigenvalues, vectors, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t                      !! [s]
       real(wp), intent(in) :: y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))
-      integer, intent(out) :: n_modes                !! eigenvalues found, at most n_states
-      integer, intent(out) :: n_rigid                !! rigid-body modes
+      integer, intent(out) :: n_modes                !! number of eigenvalues, at most n_states
+      integer, intent(out) :: n_rigid                !! number of rigid-body modes
       complex(wp), intent(out) :: eigenvalues(gearbox%n_states) !! [1/s]; 0 past n_modes
       complex(wp), intent(out) :: vectors(gearbox%n_states, gearbox%n_states) !! column k in the states' units; 0 past n_modes
-      type(status_t), intent(inout) :: status        !! code_out_of_domain, code_no_solution
+      type(status_t), intent(inout) :: status        !! code_out_of_domain, code_singular, code_no_solution
       real(wp), allocatable :: matrix(:, :)
 
       n_modes = 0
@@ -59,13 +59,13 @@ contains
       if (.not. has_failed(status)) call modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
    end subroutine gearbox_modes
 
-   !> The modes of A, each state in units of its scale, as gearbox_modes gives them.
+   !> Modes of A, with each state in units of its scale, as from gearbox_modes.
    subroutine modes_of_matrix(gearbox, y, matrix, n_modes, n_rigid, eigenvalues, vectors, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states)
-      real(wp), intent(in) :: matrix(:, :) !! of linearised_matrix
+      real(wp), intent(in) :: matrix(:, :) !! from linearised_matrix
       integer, intent(out) :: n_modes, n_rigid
-      complex(wp), intent(inout) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states) !! 0
+      complex(wp), intent(inout) :: eigenvalues(gearbox%n_states), vectors(gearbox%n_states, gearbox%n_states) !! input: 0
       type(status_t), intent(inout) :: status
       integer, allocatable :: speeds(:), positions(:), moving(:)
       complex(wp), allocatable :: shapes(:, :)
@@ -93,7 +93,7 @@ contains
       end do
    end subroutine modes_of_matrix
 
-   !> The units in which the matrix counts the states.
+   !> Scales of the states in the matrix.
    function state_scales(gearbox) result(scale)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), dimension(gearbox%n_states) :: scale, row_scale
@@ -101,7 +101,7 @@ contains
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
    end function state_scales
 
-   !> The places of the speeds and of the positions that are free to move.
+   !> State indices of the free speeds and positions.
    subroutine free_states(gearbox, speeds, positions)
       type(gearbox_t), intent(in) :: gearbox
       integer, allocatable, intent(out) :: speeds(:), positions(:)
@@ -155,11 +155,11 @@ contains
       end do
    end subroutine linearised_matrix
 
-   !> Derivatives at a constant angle of the driving wheel of the first mesh instead of the reference wheel, theta = -psi/g, so that
-   !> the modes do not depend on the choice of the latter. A wheel with a prescribed speed is the reference wheel in any case.
+   !> Derivatives at a constant angle of the driving wheel of the first mesh instead of the reference wheel, theta = -psi/g. Then
+   !> the modes do not depend on the choice of the reference wheel. A wheel with a prescribed speed is always the reference wheel.
    pure subroutine hold_driving_wheel(gearbox, matrix)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(inout) :: matrix(:, :) !! of still_matrix
+      real(wp), intent(inout) :: matrix(:, :) !! from still_matrix
 
       associate (wheel => gearbox%wheels(gearbox%contacts(gearbox%first(first_mesh(gearbox)))%wheel_a))
          if (wheel%i_psi == 0 .or. gearbox%wheels(gearbox%reference)%prescribed > 0) return
@@ -167,7 +167,7 @@ contains
       end associate
    end subroutine hold_driving_wheel
 
-   !> The same of a gearbox that `hold_still` has made, in the units of the states.
+   !> The same for a gearbox prepared by `hold_still`, in the units of the states.
    subroutine still_matrix(closed, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: closed
       real(wp), intent(in) :: t, y(closed%n_states), reals(:)
@@ -176,7 +176,7 @@ contains
       type(status_t), intent(inout) :: status
       real(wp) :: yp(closed%n_states)
 
-      yp = 0 ! y' plays no part: F is y' - f, but for a mounted housing
+      yp = 0 ! F is y' - f, independent of y' except for a mounted housing
       if (closed%housing%is_mounted) call gearbox_derivative(closed, t, y, integers, reals, yp, status)
       if (.not. has_failed(status)) call gearbox_jacobian(closed, t, 0.0_wp, y, yp, integers, reals, matrix, status)
       if (has_failed(status)) return
@@ -189,7 +189,7 @@ contains
 
    !> Eigenvalues and right eigenvectors of a matrix.
    !>
-   !> Source: LAPACK Users' Guide, 3rd ed., section 4.8: rounding moves an eigenvalue by eps |A|/s, s its reciprocal condition
+   !> Source: LAPACK Users' Guide, 3rd ed., section 4.8: rounding changes an eigenvalue by eps |A|/s, s its reciprocal condition
    !> number; those of a double zero by sqrt(eps) |A|.
    subroutine decompose(matrix, eigenvalues, shapes, status)
       real(wp), intent(in) :: matrix(:, :)
@@ -220,7 +220,7 @@ contains
       where (abs(eigenvalues) <= norm*min(slack/max(condition, tiny(norm)), sqrt(slack))) eigenvalues = 0
    end subroutine decompose
 
-   !> Number of independent columns x with matrix x = 0; the entries are of one size.
+   !> Number of independent columns x with matrix x = 0; the entries have similar magnitudes.
    subroutine find_nullity(matrix, nullity, status)
       real(wp), intent(in) :: matrix(:, :)
       integer, intent(out) :: nullity
@@ -237,19 +237,19 @@ contains
       nullity = nullity - count(values > maxval(shape(a))*rounding*values(1))
    end subroutine find_nullity
 
-   !> Ascending absolute values; equal ones keep their order, and so pairs stay side by side.
+   !> Sort by ascending magnitude; the sort is stable, so complex pairs remain adjacent.
    pure subroutine sort_by_size(eigenvalues, shapes)
       complex(wp), intent(inout) :: eigenvalues(:), shapes(:, :)
       integer :: place(size(eigenvalues)), i
 
-      do i = 1, size(place) ! those of one size keep their order
+      do i = 1, size(place) ! equal magnitudes keep their order
          place(i) = count(abs(eigenvalues(:i)) <= abs(eigenvalues(i))) + count(abs(eigenvalues(i + 1:)) < abs(eigenvalues(i)))
       end do
       eigenvalues(place) = eigenvalues
       shapes(:, place) = shapes
    end subroutine sort_by_size
 
-   !> First-order changes that belong to a change dy of the state y; linear in dy.
+   !> First-order changes due to a change dy of the state y; linear in dy.
    pure subroutine gearbox_shape(gearbox, y, dy, arcs, displacements, penetrations, transmission_errors)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states), dy(gearbox%n_states)
@@ -285,15 +285,15 @@ contains
       call gearbox_local(gearbox, contact, y, q)
       call gearbox_local(gearbox, contact, dy, dq)
       associate (pair => contact%pair)
-         call track_closed_form(pair, contact%rho_start, q, point) ! neither h nor Delta depends on the place on the path
+         call track_closed_form(pair, contact%rho_start, q, point) ! neither h nor Delta depends on the position on the path
          call gradient_closed_form(pair, q, point, gradient)
          penetration = dot_product(gradient%h, dq)
          transmission_error = error_of_turns(pair, dq(at_psi_a), dq(at_psi_b), dot_product(centre_line_turn_gradient(pair, q), dq))
       end associate
    end subroutine mesh_shape
 
-   !> From dF/dy to (dF/dy')^-1 dF/dy. Three small turns about the housing's axes stand in the places of the quaternion's vector
-   !> part, and its scalar part takes no part: with p o (1, turn/2), turn' = dOmega - Omega x turn.
+   !> Transform dF/dy to (dF/dy')^-1 dF/dy. Three small rotations about the housing's axes replace the vector part of the
+   !> quaternion, and its scalar part is eliminated: with p o (1, turn/2), turn' = dOmega - Omega x turn.
    subroutine explicit_matrix(gearbox, t, y, yp, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states)

@@ -1,4 +1,4 @@
-!> Outputs of the gearbox as a whole, of its wheels and of its shafts in eight states.
+!> Outputs of the whole gearbox, of its wheels and of its shafts at eight states.
 module evl_motion_outputs
    use evl_gearbox, only: gearbox_t, i_turns, wheel_t
    use evl_housing_dynamics, only: ground_energies
@@ -18,7 +18,7 @@ module evl_motion_outputs
    public :: add_gearbox_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs
    public :: find_axle, find_energies, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
 
-   !> The gearbox as a whole.
+   !> The whole gearbox.
    type :: gearbox_lanes
       real(wp), dimension(lanes) :: theta            !! [rad]
       integer :: turns = 0
@@ -30,15 +30,15 @@ module evl_motion_outputs
       real(wp), dimension(lanes) :: angle, deviation    !! [rad]
       real(wp), dimension(lanes) :: speed, acceleration !! [rad/s], [rad/s^2]
       real(wp), dimension(lanes) :: load_torque = 0.0_wp !! [N m]
-      !> Of the axle [m], [m/s], [m/s^2].
+      !> Motion of the axle [m], [m/s], [m/s^2].
       real(wp), dimension(lanes, 2) :: displacement, velocity, axle_acceleration
-      real(wp), dimension(lanes) :: damping_loss        !! in the dampers of its support [W]
+      real(wp), dimension(lanes) :: damping_loss        !! power loss in the dampers of its support [W]
    end type wheel_lanes
 
    !> A shaft.
    type :: shaft_lanes
       real(wp), dimension(lanes) :: torque = 0.0_wp     !! on the second wheel [N m]
-      real(wp), dimension(lanes) :: twist, loss         !! [rad], in its damper [W]
+      real(wp), dimension(lanes) :: twist, loss         !! twist [rad], power loss in its damper [W]
    end type shaft_lanes
 
 contains
@@ -114,11 +114,11 @@ contains
                       rate_of="dissipated_energy")
    end subroutine add_shaft_outputs
 
-   !> The gearbox as a whole; of a mounted housing seen from the ground.
+   !> Energies of the whole gearbox; those of a mounted housing are relative to the ground.
    subroutine find_energies(gearbox, states, has_forces, at)
       type(gearbox_t), intent(in) :: gearbox
       type(output_states), intent(in) :: states
-      logical, intent(in) :: has_forces !! else the elastic energy of the contacts is left out
+      logical, intent(in) :: has_forces !! otherwise the elastic energy of the contacts is omitted
       type(gearbox_lanes), intent(out) :: at
       real(wp) :: psi(lanes), rate(lanes), y(gearbox%n_states)
       integer :: i, l
@@ -151,7 +151,7 @@ contains
       end do
    end subroutine find_energies
 
-   !> The energy of a wheel that turns.
+   !> Add the rotational energy of a wheel.
    pure subroutine add_motion(inertia, ratio, omega, rate, kinetic)
       real(wp), intent(in) :: inertia, ratio, omega(lanes), rate(lanes)
       real(wp), intent(inout) :: kinetic(lanes)
@@ -163,7 +163,7 @@ contains
       end do
    end subroutine add_motion
 
-   !> The energies of a support.
+   !> Add the energies of a support.
    pure subroutine add_support(support, y, kinetic, potential)
       type(support_t), intent(in) :: support
       real(wp), intent(in) :: y(lanes, *)
@@ -181,7 +181,7 @@ contains
       end do
    end subroutine add_support
 
-   !> The energy of an elastic shaft.
+   !> Add the energy of an elastic shaft.
    pure subroutine add_shaft(shaft, y, potential)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(lanes, *)
@@ -193,11 +193,11 @@ contains
       potential = potential + shaft%stiffness*at%twist**2/2
    end subroutine add_shaft
 
-   !> A wheel, but for its loads.
+   !> Motion of a wheel, without its loads.
    pure subroutine find_wheel_motion(wheel, states, has_rates, at)
       type(wheel_t), intent(in) :: wheel
       type(output_states), intent(in) :: states
-      logical, intent(in) :: has_rates !! else there are no accelerations
+      logical, intent(in) :: has_rates !! otherwise accelerations are not computed
       type(wheel_lanes), intent(inout) :: at
       real(wp), dimension(lanes) :: psi, rate
       integer :: j, turns
@@ -218,7 +218,7 @@ contains
       call find_axle(wheel%support, states%f, 1, at%axle_acceleration)
    end subroutine find_wheel_motion
 
-   !> What the gearbox turns at a ratio, and what a wheel turns more.
+   !> Rotation of a wheel: rotation of the gearbox times the ratio, plus the deviation of the wheel.
    pure subroutine find_turned(ratio, turned, whole, more, total)
       real(wp), intent(in) :: ratio, turned(lanes), whole, more(lanes)
       real(wp), intent(out) :: total(lanes)
@@ -230,10 +230,10 @@ contains
       end do
    end subroutine find_turned
 
-   !> Both components of how an axle deviates, or of a rate of that.
+   !> Both components of the deviation of an axle, or of its rate.
    pure subroutine find_axle(support, y, order, axle)
       type(support_t), intent(in) :: support
-      real(wp), intent(in) :: y(lanes, *) !! as of `axle_deviation`
+      real(wp), intent(in) :: y(lanes, *) !! as for `axle_deviation`
       integer, intent(in) :: order
       real(wp), intent(out) :: axle(lanes, 2)
       integer :: j, k, l
@@ -249,7 +249,7 @@ contains
       end do
    end subroutine find_axle
 
-   !> How far a shaft is twisted, and what its damping takes; a rigid one is not.
+   !> Twist of a shaft and power loss of its damping; 0 for a rigid shaft.
    pure subroutine find_shaft_motion(shaft, y, at)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(lanes, *)

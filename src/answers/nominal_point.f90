@@ -1,10 +1,10 @@
-!> The nominal operating point of a gearbox: the speed at which its loads balance, and the load of every mesh and shaft there.
+!> Nominal operating point of a gearbox: the speed at which its loads balance, and the load of every mesh and shaft there.
 !>
-!> The wheels turn as one, without friction, by their speed ratios g. Each load acts with its mean: tables at a knot, harmonic
-!> torques without their swing. A prescribed speed is that of the point; otherwise the sum of g M(g omega) over all loads vanishes
-!> there. No kind of load has a torque that rises with the speed, so there is one such speed or none. If there is none, the loads
-!> accelerate the wheels: the speed is that after a second from rest, and the inertia of the wheels is part of the balance. Where
-!> tables change the loads, the speed, and the load of each mesh and shaft, is that of the knot where its magnitude is largest.
+!> The wheels turn together, without friction, by their speed ratios g. Each load acts with its mean: tables at a knot, harmonic
+!> torques without their amplitude. A prescribed speed is the speed of the point; otherwise the sum of g M(g omega) over all loads
+!> is zero there. No type of load has a torque that rises with the speed, so there is at most one such speed. If there is none, the
+!> loads accelerate the wheels: the speed is that after one second from rest, and the inertia of the wheels is part of the balance.
+!> If tables change the loads, the speed and each mesh and shaft load are those of the knot with the largest magnitude.
 !> Source: docs/theory.md, "Nominal operating point".
 module evl_nominal_point
    use evl_gearbox, only: gearbox_t, nominal_point_t
@@ -18,15 +18,15 @@ module evl_nominal_point
 
    public :: gearbox_set_nominal, loads_at_start, speed_in_balance
 
-   real(wp), parameter :: spin_up = 1.0_wp        !! time after which the speed of an unbalanced gearbox is taken [s]
-   real(wp), parameter :: rounding = 8*epsilon(1.0_wp) !! sum of torques over the sum of their magnitudes: they balance
-   real(wp), parameter :: nothing = 1.0e-12_wp    !! share of the loads below which a mesh or shaft counts as unloaded
+   real(wp), parameter :: spin_up = 1.0_wp        !! time at which the speed of an unbalanced gearbox is taken [s]
+   real(wp), parameter :: rounding = 8*epsilon(1.0_wp) !! limit of the sum of torques over the sum of their magnitudes for a balance
+   real(wp), parameter :: nothing = 1.0e-12_wp    !! fraction of the loads below which a mesh or shaft counts as unloaded
 
 contains
 
    !> Compute the nominal operating point.
    subroutine gearbox_set_nominal(gearbox)
-      type(gearbox_t), intent(inout) :: gearbox !! with its contacts
+      type(gearbox_t), intent(inout) :: gearbox !! including its contacts
       type(train_t) :: train
       type(nominal_point_t) :: point
       type(instant_t) :: now
@@ -68,7 +68,7 @@ contains
       gearbox%nominal = point
    end subroutine gearbox_set_nominal
 
-   !> Largest load of each mesh [N] and shaft [N m] while wheels that turn at these speeds accelerate under their loads.
+   !> Largest load of each mesh [N] and shaft [N m] during acceleration by the loads at given speeds of the wheels.
    subroutine loads_at_start(gearbox, speeds, force, torque)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: speeds(:) !! of the wheels [rad/s]
@@ -94,7 +94,7 @@ contains
       end do
    end subroutine loads_at_start
 
-   !> Speed of the reference wheel at which the loads of one time balance; without a balance after a second from rest [rad/s].
+   !> Speed of the reference wheel at which the loads at a time balance; without a balance, after one second from rest [rad/s].
    pure real(wp) function speed_in_balance(gearbox, t, integers) result(speed)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -115,7 +115,7 @@ contains
       prescribes_speed = any(gearbox%wheels%prescribed > 0)
    end function prescribes_speed
 
-   !> Speed of the reference wheel: the largest that is prescribed, that of the balance, or that after a second from rest [rad/s].
+   !> Speed of the reference wheel: the largest prescribed one, that of the balance, or that after one second from rest [rad/s].
    pure subroutine operating_speed(gearbox, now, speed, is_balanced)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
@@ -140,14 +140,14 @@ contains
       end do
    end subroutine operating_speed
 
-   !> The speed at which the torques balance, by Newton's method within a bracket from rest on.
+   !> Speed at which the torques balance, by Newton's method with bracketing, starting at rest.
    pure subroutine find_balance(gearbox, now, speed, exists)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
       real(wp), intent(out) :: speed !! of the reference wheel [rad/s]; 0 without a balance
       logical, intent(out) :: exists
       integer, parameter :: most_newton = 200
-      real(wp), parameter :: first = 1.0_wp !! of the speeds that are tried where the torque does not depend on them [rad/s]
+      real(wp), parameter :: first = 1.0_wp !! first trial speed if the torque does not depend on the speed [rad/s]
       real(wp), parameter :: never = huge(1.0_wp)
       real(wp) :: sense, torque, damping, gross, low, high, x, next
       integer :: i
@@ -177,12 +177,12 @@ contains
       if (exists) speed = sense*x
    end subroutine find_balance
 
-   !> All torques at a speed of the reference wheel, referred to it.
+   !> Sum of all torques at a speed of the reference wheel, referred to that wheel.
    pure subroutine sum_torques(gearbox, now, speed, torque, damping, gross)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
       real(wp), intent(in) :: speed    !! [rad/s]
-      real(wp), intent(out) :: torque  !! their sum [N m]
+      real(wp), intent(out) :: torque  !! sum [N m]
       real(wp), intent(out) :: damping !! minus its derivative [N m s]
       real(wp), intent(out) :: gross   !! sum of their magnitudes [N m]
       real(wp) :: mine, slope
@@ -201,11 +201,11 @@ contains
       end do
    end subroutine sum_torques
 
-   !> Torque of a load without its swing.
+   !> Mean torque of a load, without its harmonic amplitude.
    pure subroutine mean_torque(load, t, segment, omega, torque, damping)
       class(load_t), intent(in) :: load
       real(wp), intent(in) :: t      !! [s]
-      integer, intent(in) :: segment !! knots passed
+      integer, intent(in) :: segment !! number of knots passed
       real(wp), intent(in) :: omega  !! speed of its wheel [rad/s]
       real(wp), intent(out) :: torque, damping !! [N m], [N m s]
       class(load_t), allocatable :: still
@@ -220,8 +220,8 @@ contains
       end if
    end subroutine mean_torque
 
-   !> Torque that the loads put through the train at a speed of the reference wheel, and referred to it: half of the sum of all
-   !> magnitudes, that of a prescribed speed or of the inertia included; 0 if it is rounding of the torques at rest [N m].
+   !> Torque transmitted through the train at a speed of the reference wheel, referred to it [N m]: half of the sum of all
+   !> magnitudes, including that of a prescribed speed or of the inertia. 0 if it is rounding error of the torques at zero speed.
    pure real(wp) function torque_through(gearbox, now, speed) result(torque)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
@@ -234,7 +234,7 @@ contains
       if (gross > nothing*gross_at_rest) torque = (gross + abs(remainder))/2
    end function torque_through
 
-   !> Sum of the torques at the operating points that loads state, referred to the reference wheel [N m].
+   !> Sum of the torques at the operating points given for loads, referred to the reference wheel [N m].
    pure real(wp) function rated_torque(gearbox) result(torque)
       type(gearbox_t), intent(in) :: gearbox
       integer :: i
@@ -242,7 +242,7 @@ contains
       torque = sum([(abs(gearbox%wheels(gearbox%loads(i)%load%wheel)%ratio*gearbox%loads(i)%load%rated), i=1, size(gearbox%loads))])
    end function rated_torque
 
-   !> Acceleration of the reference wheel at speeds of all wheels: the prescribed one, or that of the loads [rad/s^2].
+   !> Acceleration of the reference wheel at given wheel speeds: the prescribed one, or that due to the loads [rad/s^2].
    pure real(wp) function acceleration_at(gearbox, now, speeds) result(acceleration)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
@@ -251,7 +251,7 @@ contains
       integer :: i
 
       associate (driver => gearbox%wheels(gearbox%reference)%prescribed)
-         if (driver > 0) then ! of the reference wheel's rotor, whose ratio is 1
+         if (driver > 0) then ! on the reference wheel's rotor, whose ratio is 1
             acceleration = gearbox%loads(driver)%load%acceleration(now%segments(driver))
             return
          end if
@@ -276,7 +276,7 @@ contains
       inertia = sum(gearbox%wheels%inertia*gearbox%wheels%ratio**2)
    end function train_inertia
 
-   !> What each mesh [N] and shaft [N m] carries at one instant.
+   !> Load of each mesh [N] and shaft [N m] at one instant.
    subroutine carried_loads(gearbox, train, now, speeds, acceleration, carried)
       type(gearbox_t), intent(in) :: gearbox
       type(train_t), intent(in) :: train
@@ -301,13 +301,13 @@ contains
       call carry(gearbox, train, torque, acceleration, gross, carried)
    end subroutine carried_loads
 
-   !> The same from the torques on the rotors, which are replaced.
+   !> The same from the torques on the rotors, which are overwritten.
    subroutine carry(gearbox, train, torque, acceleration, gross, carried)
       type(gearbox_t), intent(in) :: gearbox
       type(train_t), intent(in) :: train
       real(wp), intent(inout) :: torque(:)  !! on the leading wheel of each rotor [N m]
       real(wp), intent(in) :: acceleration  !! of the reference wheel [rad/s^2]
-      real(wp), intent(in) :: gross         !! magnitudes of all torques, referred to the reference wheel [N m]
+      real(wp), intent(in) :: gross         !! sum of magnitudes of all torques, referred to the reference wheel [N m]
       real(wp), intent(out) :: carried(:)
       real(wp) :: all(size(train%ends, 2)), total
       integer :: i
@@ -324,13 +324,13 @@ contains
       where (abs(carried)*advances(train, gearbox) <= nothing*total) carried = 0
    end subroutine carry
 
-   !> Amplitudes of the loads of meshes [N] and shafts [N m] under the swings of all loads: their phases are left open, so they add.
+   !> Load amplitudes of meshes [N] and shafts [N m] due to all harmonic loads; they add because the phases are unknown.
    subroutine swinging_loads(gearbox, train, carried, speed, total)
       type(gearbox_t), intent(in) :: gearbox
       type(train_t), intent(in) :: train
       real(wp), intent(out) :: carried(:)
-      real(wp), intent(out) :: speed !! of the reference wheel, after a second under the amplitudes [rad/s]
-      real(wp), intent(out) :: total !! of the amplitudes, referred to the reference wheel [N m]
+      real(wp), intent(out) :: speed !! of the reference wheel, after one second under the amplitudes [rad/s]
+      real(wp), intent(out) :: total !! sum of the amplitudes, referred to the reference wheel [N m]
       real(wp) :: torque(size(gearbox%wheels) + 1), there(size(carried)), acceleration
       integer :: i
 
@@ -354,7 +354,7 @@ contains
       end do
    end subroutine swinging_loads
 
-   !> Of each mesh and shaft: torque at the reference wheel, over what it carries [m], or 1; 1 of a rigid shaft.
+   !> Torque at the reference wheel per load of each mesh [m] and shaft [1]; 1 for a rigid shaft.
    pure function advances(train, gearbox) result(advance)
       type(train_t), intent(in) :: train
       type(gearbox_t), intent(in) :: gearbox

@@ -1,6 +1,6 @@
-!> What one output of a gearbox is, and in which section of the table it stands; and a list of such rows.
+!> Metadata of an output, its section in the table, and a list of rows.
 !>
-!> The list stands apart from `evl_output_registry`, so that no compiler takes it into its quick path.
+!> The list is a module separate from `evl_output_registry` so that compilers do not inline it into the fast path of the registry.
 module evl_output
    use evl_kinds, only: wp
    implicit none (type, external)
@@ -19,15 +19,15 @@ module evl_output
    integer, parameter :: dims_space = 5       !! x, y, z
    integer, parameter :: dims_quaternion = 6  !! w, x, y, z
    integer, parameter :: dims_wheel_space = 7 !! x, y, z of every wheel
-   integer, parameter :: dims_mesh_pair = 8   !! every place for a tooth pair of every mesh
+   integer, parameter :: dims_mesh_pair = 8   !! every tooth pair slot of every mesh
    integer, parameter :: dims_shaft = 9       !! every shaft
    integer, parameter :: dims_accelerometer = 13
    ! of the static analysis of a mesh
    integer, parameter :: dims_position = 10      !! every position
-   integer, parameter :: dims_position_pair = 11 !! every place for a tooth pair at every position
+   integer, parameter :: dims_position_pair = 11 !! every tooth pair slot at every position
    integer, parameter :: dims_harmonic = 12
 
-   !> Sections of the table, in its order. The rows of one are added by one procedure, element by element.
+   !> Sections of the table, in table order. One procedure adds the rows of a section, element by element.
    enum, bind(c)
       enumerator :: in_wheel_constants = 1, in_mesh_constants, in_wheel_teeth, in_mesh_teeth
       enumerator :: in_gearbox, in_wheels, in_meshes, in_pairs, in_coast
@@ -35,16 +35,16 @@ module evl_output
       enumerator :: in_shaft_constants, in_shafts
    end enum
 
-   !> What has to be computed before a value is known, a bit each; what is needed for it is among its bits.
-   integer, parameter :: needs_nothing = 0                 !! but the state
-   integer, parameter :: needs_rates = 1                   !! of the state, and the forces of the tooth contacts
-   integer, parameter :: needs_meshes = 2 + needs_rates    !! the forces and losses of the tooth contacts of a mesh
-   integer, parameter :: needs_places = 4 + needs_meshes   !! and where those are that do not touch
-   integer, parameter :: needs_points = 8 + needs_places   !! the points of the contact that stands for its mesh
-   integer, parameter :: needs_torques = 16 + needs_rates  !! of loads and shafts
-   integer, parameter :: needs_reactions = 32 + needs_torques !! of the wheels on the housing
-   integer, parameter :: needs_pairs = 64 + needs_rates    !! tooth pairs one by one
-   integer, parameter :: needs_pressures = 128 + needs_pairs !! and their contact pressures
+   !> Quantities that an output requires, one bit each; each constant includes the bits of its prerequisites.
+   integer, parameter :: needs_nothing = 0                 !! beyond the state
+   integer, parameter :: needs_rates = 1                   !! time derivatives of the state, and forces of the tooth contacts
+   integer, parameter :: needs_meshes = 2 + needs_rates    !! sums of forces and losses over the tooth contacts of a mesh
+   integer, parameter :: needs_places = 4 + needs_meshes   !! positions of the contacts that do not touch, too
+   integer, parameter :: needs_points = 8 + needs_places   !! contact points of the leading contact of the mesh
+   integer, parameter :: needs_torques = 16 + needs_rates  !! torques of loads and shafts
+   integer, parameter :: needs_reactions = 32 + needs_torques !! reactions of the wheels on the housing
+   integer, parameter :: needs_pairs = 64 + needs_rates    !! individual tooth pairs
+   integer, parameter :: needs_pressures = 128 + needs_pairs !! contact pressures of the tooth pairs
 
    integer, parameter :: none = -1 !! column of a row that is not requested
 
@@ -55,29 +55,29 @@ module evl_output
       integer :: dims = dims_none
       logical :: is_static = .false., is_integer = .false.
       integer :: section = 0
-      integer :: of = dims_none, length = 1 !! dimensions of the elements of its section, numbers of each
+      integer :: of = dims_none, length = 1 !! of: dimension of the elements of its section; length: values per element
       integer :: needs = needs_nothing
-      real(wp) :: value(4) = 0.0_wp         !! the first of them, where objects are not empty
-      integer :: watched = 0                !! of an extreme: which of the watched outputs
-      logical :: is_largest = .false.       !! the same: else the smallest
-      !> Output of which it is the rate: element by element, or, where that has one value, one of the rates that add up to its rate
+      real(wp) :: value(4) = 0.0_wp         !! values of the listed element; only if its objects are not empty
+      integer :: watched = 0                !! of an extreme: index of the monitored output
+      logical :: is_largest = .false.       !! of an extreme: true for a maximum, false for a minimum
+      !> Output whose time derivative it is, element by element. The derivative of a scalar output is the sum of all such rates.
       character(len=31) :: rate_of = ""
-      character(len=95) :: no_rate = ""     !! why it is the rate of no output, though it has the unit of one
+      character(len=95) :: no_rate = ""     !! why it is the derivative of no output, although it has the unit of one
    end type output_t
 
-   !> Rows that are listed.
+   !> A list of rows.
    type :: output_rows
-      integer :: n = 0                            !! rows so far
-      type(output_t), allocatable :: table(:)     !! the first n of these
+      integer :: n = 0                            !! number of rows so far
+      type(output_t), allocatable :: table(:)     !! rows 1 to n are used
       integer :: section = 0, of = dims_none      !! of the next row
-      logical :: is_static = .false.              !! the same
-      integer :: needs = needs_nothing            !! the same
-      logical :: has_texts = .true.               !! of all rows: with unit, symbol and text
+      logical :: is_static = .false.              !! of the next row
+      integer :: needs = needs_nothing            !! of the next row
+      logical :: has_texts = .true.               !! rows include unit, symbol and text
    end type output_rows
 
 contains
 
-   !> The next row.
+   !> Append a row.
    pure subroutine append_row(rows, name, units, symbol, text, value, is_integer, rate_of, no_rate)
       type(output_rows), intent(inout) :: rows
       character(len=*), intent(in) :: name, units, symbol, text
@@ -108,7 +108,7 @@ contains
       end associate
    end subroutine append_row
 
-   !> Rows before each section of a table.
+   !> Number of rows before each section of a table.
    pure subroutine rows_before_sections(table, before)
       type(output_t), intent(in) :: table(:)
       integer, allocatable, intent(out) :: before(:)
@@ -120,7 +120,7 @@ contains
       end do
    end subroutine rows_before_sections
 
-   !> The dimensions of vectors where numbers have these; -1 if there are none.
+   !> Dimensions of an output with vectors of a given length per element; -1 if not supported.
    pure integer function dims_of(of, length) result(dims)
       integer, intent(in) :: of, length
 

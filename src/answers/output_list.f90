@@ -1,4 +1,4 @@
-!> The table of outputs: all sections in their order, of empty objects, as a registry lists them; and which of them a gearbox has.
+!> Table of outputs: all sections in order, listed by a registry from empty objects; and the subset that a gearbox has.
 module evl_output_list
    use evl_constant_outputs, only: active_radius, add_mesh_constants, add_mesh_teeth, add_wheel_constants, add_wheel_teeth
    use evl_gear, only: gear_t
@@ -27,10 +27,10 @@ module evl_output_list
 
 contains
 
-   !> The table: every section once, in its order.
+   !> List the table: every section once, in order.
    subroutine list_outputs(table, without_texts)
       type(output_t), intent(out), allocatable :: table(:)
-      logical, intent(in), optional :: without_texts !! places alone: units, symbols and texts stay blank
+      logical, intent(in), optional :: without_texts !! omit units, symbols and texts
       type(registry_t) :: registry
       type(frame_t), parameter :: frame = frame_t(position=0.0_wp, velocity=0.0_wp, orientation=0.0_wp, rotation=identity, &
                                                   omega=0.0_wp, alpha=0.0_wp, acceleration=0.0_wp)
@@ -74,7 +74,7 @@ contains
       call take_rows(registry, table)
    end subroutine list_outputs
 
-   !> The extremes over a run: the outputs that they are of, with texts of their own.
+   !> List the extremes over a run: their outputs, with separate texts.
    subroutine list_extremes(table)
       type(output_t), intent(out), allocatable :: table(:)
       type(output_t), allocatable :: outputs(:)
@@ -87,7 +87,7 @@ contains
       table%is_largest = extremes_table%is_largest
    end subroutine list_extremes
 
-   !> Which outputs a gearbox has, where they stand among its values, and the values that do not change.
+   !> Determine the outputs of a gearbox, their offsets in the array of values, and the constant values.
    subroutine place_outputs(gearbox)
       type(gearbox_t), intent(inout), target :: gearbox
       type(output_t), allocatable :: table(:)
@@ -110,7 +110,7 @@ contains
       call store_constants(gearbox, gearbox%constants)
    end subroutine place_outputs
 
-   !> How many elements an output has; 0: it is not there.
+   !> Number of elements of an output; 0: the gearbox does not have it.
    pure integer function elements_of(gearbox, output) result(n)
       type(gearbox_t), intent(in) :: gearbox
       type(output_t), intent(in) :: output
@@ -134,7 +134,7 @@ contains
       if (output%section == in_coast .and. gearbox%n_pair_places == gearbox%n_drive_places) n = 0
    end function elements_of
 
-   !> The values that do not change.
+   !> Store the constant values.
    subroutine store_constants(gearbox, values)
       type(gearbox_t), intent(in), target :: gearbox
       real(wp), intent(inout), target, contiguous :: values(:)

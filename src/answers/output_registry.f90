@@ -1,17 +1,16 @@
-!> The registry of outputs. An output is one row where its value stands:
+!> Registry of outputs. One line defines an output where its value is computed:
 !>
 !>    call add_output(registry, "normal_force", "N", "F_n", "normal force of all tooth pairs", mesh%normal)
 !>
-!> The same row lists the output and stores its value. A procedure begins a section of the table for one of its elements, a wheel
-!> or a mesh, and adds its rows in order. A registry as it is declared lists them: name, unit, symbol, text and value of each row;
-!> whole numbers and logicals are known by the type of the value. To list all outputs of a gearbox the objects that values come
-!> from are empty. A registry that stores puts the values of requested rows into their columns; texts are passed by address and
-!> cost nothing.
+!> The same line lists the output and stores its value. A procedure begins a section of the table for one of its elements, a wheel
+!> or a mesh, and adds its rows in order. By default a registry lists them: name, unit, symbol, text and value of each row;
+!> integer and logical outputs are recognised by the type of the value. All outputs are listed from empty objects.
+!> After `store_in` a registry stores the values of requested rows in their columns; texts are passed by address at no cost.
 !>
-!> A value is that of eight states, or one that they share. Columns have the width of what they are stored in: 8 states or 1.
+!> A value consists of eight values, one per state, or of one common to all states. Columns have the width of the storage: 8 or 1.
 !>
-!>    call needs(registry, needs_points)    the rows behind need these; where no requested row does, they are not computed
-!>    if (stores(registry)) x = ...         what cannot be computed of empty objects
+!>    call needs(registry, needs_points)    requirements of the following rows; computed only if such a row is requested
+!>    if (stores(registry)) x = ...         for values that cannot be computed from empty objects
 module evl_output_registry
    use evl_kinds, only: lanes, wp
    use evl_output, only: needs_nothing, none, output_rows, output_t, append_row
@@ -22,28 +21,28 @@ module evl_output_registry
 
    type :: registry_t
       private
-      real(wp), pointer, contiguous :: values(:) => null() !! (width, columns), side by side; not associated: rows are listed
-      integer, pointer, contiguous :: columns(:) => null() !! before the first of each row, or none
-      integer, pointer, contiguous :: rows_before(:) => null() !! each section
-      integer :: width = 1   !! states of a column
-      integer :: row = 0     !! the last one added
-      integer :: element = 1 !! of the section
-      type(output_rows) :: rows !! that are listed
+      real(wp), pointer, contiguous :: values(:) => null() !! (width, columns), contiguous per column; not associated: list rows
+      integer, pointer, contiguous :: columns(:) => null() !! columns before the first one of each row, or none
+      integer, pointer, contiguous :: rows_before(:) => null() !! number of rows before each section
+      integer :: width = 1   !! states per column
+      integer :: row = 0     !! index of the last row added
+      integer :: element = 1 !! index of the element in the section
+      type(output_rows) :: rows !! rows listed
    end type registry_t
 
-   !> One row: name, unit, symbol, text, value.
+   !> Add a row: name, unit, symbol, text, value.
    interface add_output
       module procedure add_real, add_integer, add_logical, add_lanes, add_lane_components
    end interface add_output
 
 contains
 
-   !> A registry that stores.
+   !> Make a registry store values.
    subroutine store_in(registry, rows_before, columns, width, values)
       type(registry_t), intent(out) :: registry
-      integer, intent(in), target, contiguous :: rows_before(:) !! each section
-      integer, intent(in), target, contiguous :: columns(:)     !! of each row: those before its first, or none
-      integer, intent(in) :: width                              !! of columns
+      integer, intent(in), target, contiguous :: rows_before(:) !! before each section
+      integer, intent(in), target, contiguous :: columns(:)     !! of each row: number of columns before its first one, or none
+      integer, intent(in) :: width                              !! states per column
       real(wp), intent(inout), target, contiguous :: values(:)
 
       registry%rows_before => rows_before
@@ -52,23 +51,23 @@ contains
       registry%values => values
    end subroutine store_in
 
-   !> Whether it does.
+   !> Whether the registry stores values.
    pure logical function stores(registry)
       type(registry_t), intent(in) :: registry
 
       stores = associated(registry%values)
    end function stores
 
-   !> List rows without unit, symbol and text, which take time.
+   !> List rows without unit, symbol and text, which is faster.
    pure subroutine list_places(registry)
       type(registry_t), intent(inout) :: registry
 
       registry%rows%has_texts = .false.
    end subroutine list_places
 
-   !> The rows that were listed.
+   !> Return the listed rows.
    pure subroutine take_rows(registry, table)
-      type(registry_t), intent(inout) :: registry !! is left without them
+      type(registry_t), intent(inout) :: registry !! is cleared
       type(output_t), allocatable, intent(out) :: table(:)
 
       if (.not. allocated(registry%rows%table)) allocate (registry%rows%table(0))
@@ -76,11 +75,11 @@ contains
       registry%rows = output_rows()
    end subroutine take_rows
 
-   !> Begin a section for one of its elements.
+   !> Begin a section of the table for one of its elements.
    pure subroutine begin_section(registry, section, dims, element, is_static)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: section
-      integer, intent(in) :: dims      !! of numbers
+      integer, intent(in) :: dims      !! dimension of a scalar of this section
       integer, intent(in) :: element   !! from 1
       logical, intent(in), optional :: is_static
 
@@ -96,7 +95,7 @@ contains
       end if
    end subroutine begin_section
 
-   !> What the rows behind need.
+   !> Set the requirements of the following rows.
    pure subroutine needs(registry, what)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: what
@@ -104,7 +103,7 @@ contains
       registry%rows%needs = what
    end subroutine needs
 
-   !> Values before those of the next row's element, with n components; none if it is not requested.
+   !> Number of values before those of the next row's element, with n components; none if the row is not requested.
    pure subroutine find_place(registry, n, before)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: n
@@ -116,7 +115,7 @@ contains
          before = registry%width*(registry%columns(registry%row) + n*(registry%element - 1))
    end subroutine find_place
 
-   !> A value that all states share.
+   !> Add a value common to all states.
    pure subroutine add_real(registry, name, units, symbol, text, value, rate_of, no_rate)
       type(registry_t), intent(inout) :: registry
       character(len=*), intent(in) :: name, units, symbol, text
@@ -138,7 +137,7 @@ contains
       end if
    end subroutine add_integer
 
-   !> 1 if so, else 0.
+   !> Add 1 for true, 0 for false.
    pure subroutine add_logical(registry, name, units, symbol, text, value)
       type(registry_t), intent(inout) :: registry
       character(len=*), intent(in) :: name, units, symbol, text
@@ -147,7 +146,7 @@ contains
       call add_integer(registry, name, units, symbol, text, merge(1, 0, value))
    end subroutine add_logical
 
-   !> Components of a vector that all states share, side by side.
+   !> Add a vector common to all states.
    pure subroutine add_components(registry, name, units, symbol, text, value, rate_of, no_rate)
       type(registry_t), intent(inout) :: registry
       character(len=*), intent(in) :: name, units, symbol, text
@@ -166,13 +165,13 @@ contains
       end do
    end subroutine add_components
 
-   !> A value of each of eight states.
+   !> Add one value per state, for eight states.
    pure subroutine add_lanes(registry, name, units, symbol, text, value, rate_of, no_rate, is_integer)
-      type(registry_t), intent(inout) :: registry !! with columns of that width
+      type(registry_t), intent(inout) :: registry !! with columns of eight states
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in) :: value(lanes)
       character(len=*), intent(in), optional :: rate_of, no_rate
-      logical, intent(in), optional :: is_integer !! whole numbers
+      logical, intent(in), optional :: is_integer !! the values are integers
       logical :: whole
       integer :: before
 
@@ -186,13 +185,13 @@ contains
       call append_row(registry%rows, name, units, symbol, text, [0.0_wp], whole, rate_of, no_rate)
    end subroutine add_lanes
 
-   !> A vector of each of eight states.
+   !> Add one vector per state, for eight states.
    pure subroutine add_lane_components(registry, name, units, symbol, text, value, rate_of, no_rate)
       type(registry_t), intent(inout) :: registry
       character(len=*), intent(in) :: name, units, symbol, text
       real(wp), intent(in), contiguous :: value(:, :) !! (lanes, components)
       character(len=*), intent(in), optional :: rate_of, no_rate
-      real(wp), parameter :: nothing(4) = 0.0_wp !! no output has more components
+      real(wp), parameter :: nothing(4) = 0.0_wp !! maximum number of components of an output
       integer :: before, k
 
       if (.not. associated(registry%values)) then

@@ -1,6 +1,6 @@
-!> Up to eight states that share their discrete state, with what outputs need of them: found at once where the lanes of the rates
-!> serve the gearbox, else one by one and put into lanes. What is not needed is not found. The lanes behind the last state hold it
-!> once more.
+!> Up to eight states with a common discrete state, and the quantities that outputs require of them. Eight states are evaluated
+!> together if the rates support the gearbox in lanes, otherwise one by one. Quantities that are not required are not computed.
+!> Lanes after the last state contain a copy of it.
 module evl_output_states
    use evl_contacts_at_state, only: flank_place, place_contact
    use evl_discrete_state, only: take_mode
@@ -22,24 +22,24 @@ module evl_output_states
    public :: evaluate_states, output_states, states_create
 
    type :: output_states
-      integer :: n = 0                           !! the first n lanes count
-      logical :: in_lanes = .false.              !! eight are found at once
-      logical :: has_frames = .false.            !! the housing moves, or gravity acts
+      integer :: n = 0                           !! number of lanes in use
+      logical :: in_lanes = .false.              !! eight states are evaluated together
+      logical :: has_frames = .false.            !! the housing moves, gravity acts, or there are accelerometers
       real(wp) :: t(lanes) = 0.0_wp              !! [s]
-      real(wp), allocatable :: y(:, :), f(:, :)  !! (lanes, states), rates
+      real(wp), allocatable :: y(:, :), f(:, :)  !! (lanes, states): states, time derivatives
       integer, allocatable :: integers(:)
       real(wp), allocatable :: reals(:)
-      type(lane_slot), allocatable :: slots(:)   !! tooth contacts with their modes; those that touch with places and forces
-      type(lane_slot), allocatable :: aside(:)   !! the others with their places
+      type(lane_slot), allocatable :: slots(:)   !! tooth contacts with their modes; touching ones with positions and forces
+      type(lane_slot), allocatable :: aside(:)   !! positions of the contacts that do not touch
       type(frame_t) :: frames(lanes)             !! of the housing, with has_frames
       real(wp), allocatable, private :: roots(:, :)
       real(wp), allocatable, private :: y_1(:), f_1(:) !! of one state
-      type(contact_state), allocatable, private :: contacts(:) !! the same
+      type(contact_state), allocatable, private :: contacts(:) !! of one state
    end type output_states
 
 contains
 
-   !> Room for states of a gearbox.
+   !> Allocate the states of a gearbox.
    subroutine states_create(self, gearbox)
       type(output_states), intent(inout) :: self
       type(gearbox_t), intent(in) :: gearbox
@@ -53,14 +53,14 @@ contains
       end associate
    end subroutine states_create
 
-   !> States with what is needed of them.
+   !> Set the states and compute the quantities required.
    subroutine evaluate_states(self, gearbox, needed, check, n, t, y, integers, reals, status)
       type(output_states), intent(inout) :: self
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: needed               !! bits of evl_output
-      logical, intent(in) :: check                !! whether to refuse a state that contradicts its modes, as `check_modes` does
-      integer, intent(in) :: n                    !! the first n states count
-      real(wp), intent(in) :: t(:), y(:, :)       !! up to eight, (states, n_states)
+      logical, intent(in) :: check                !! reject a state inconsistent with its modes, as `check_modes` does
+      integer, intent(in) :: n                    !! number of states in use
+      real(wp), intent(in) :: t(:), y(:, :)       !! up to eight states: t(states), y(states, n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))
       type(status_t), intent(inout) :: status
@@ -75,7 +75,7 @@ contains
       call settle(self, gearbox, integers, reals)
       with_places = check .or. iand(needed, needs_places) == needs_places
       if (.not. (check .or. iand(needed, needs_rates) == needs_rates)) then
-         if (self%has_frames) self%f_1 = 0 ! nobody needs rates
+         if (self%has_frames) self%f_1 = 0 ! rates are not required
          do l = 1, merge(lanes, 0, self%has_frames)
             self%y_1 = self%y(l, :)
             call housing_frame(gearbox%housing, self%t(l), self%y_1, self%frames(l), self%f_1)
@@ -85,14 +85,14 @@ contains
          if (.not. has_failed(status) .and. with_places) &
             call roots_in_lanes(gearbox, self%y, self%integers, self%reals, self%slots, self%aside, .true., self%roots, status)
          if (has_failed(status) .or. .not. check) return
-         ! states that contradict their modes are asked one by one for the reason
+         ! a state inconsistent with its modes: evaluate one by one to get the reason
          if (.not. modes_agree(gearbox, self%slots, self%roots)) call find_one_by_one(self, gearbox, check, with_places, status)
       else
          call find_one_by_one(self, gearbox, check, with_places, status)
       end if
    end subroutine evaluate_states
 
-   !> Settle the slots, unless they are.
+   !> Set up the slots if the discrete state has changed.
    subroutine settle(self, gearbox, integers, reals)
       type(output_states), intent(inout) :: self
       type(gearbox_t), intent(in) :: gearbox
@@ -109,7 +109,7 @@ contains
       call settle_aside(self%slots, self%aside)
    end subroutine settle
 
-   !> One state after the other.
+   !> Evaluate the states one by one.
    subroutine find_one_by_one(self, gearbox, check, with_places, status)
       type(output_states), intent(inout) :: self
       type(gearbox_t), intent(in) :: gearbox
@@ -141,12 +141,12 @@ contains
       end do
    end subroutine find_one_by_one
 
-   !> The tooth contacts that do not touch, beside those that do.
+   !> Positions of the tooth contacts that do not touch.
    subroutine place_others(gearbox, y, integers, reals, contacts)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
-      type(contact_state), intent(inout) :: contacts(size(gearbox%contacts)) !! as `coupled_rates` leaves them
+      type(contact_state), intent(inout) :: contacts(size(gearbox%contacts)) !! from `coupled_rates`
       type(flank_place) :: place
       integer :: i, m
 

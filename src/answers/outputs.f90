@@ -1,7 +1,7 @@
-!> Outputs of a gearbox at states: all of them at one, or those that a sampler requests at up to eight.
+!> Evaluation of outputs: all outputs at one state, or those requested by a sampler at up to eight states.
 !>
-!> Each row of the table stands in one procedure with the formula of its value, at eight states at once: `evl_output_registry` says
-!> how. Values of a sampler stand one output behind the other.
+!> One procedure defines each row of the table with the formula of its value, for eight states at once: see
+!> `evl_output_registry`. The values of a sampler are ordered by output.
 module evl_outputs
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: housing_fixed
@@ -22,24 +22,24 @@ module evl_outputs
 
    public :: gearbox_outputs, output_sampler, sample_outputs, sampler_create
 
-   !> Requested outputs, and scratch of `sample_outputs`.
+   !> Requested outputs, and work arrays of `sample_outputs`.
    type :: output_sampler
-      integer, allocatable :: wanted(:)           !! places in the table
-      integer, allocatable :: before(:)           !! values before those of each; behind the last, all
+      integer, allocatable :: wanted(:)           !! indices in the table
+      integer, allocatable :: before(:)           !! number of values before each output; last element: total
       integer :: needed = needs_nothing           !! bits of evl_output
-      integer, allocatable :: columns(:)          !! of each row of the table, as of `store_in`
-      integer, allocatable, private :: copies(:)  !! of each: the one before it that is the same output; 0: none
+      integer, allocatable :: columns(:)          !! of each row of the table, as for `store_in`
+      integer, allocatable, private :: copies(:)  !! index of the previous request of the same output; 0: none
       type(output_states) :: states
-      real(wp), allocatable, private :: values(:) !! (lanes, values) of states that do not fill the lanes
+      real(wp), allocatable, private :: values(:) !! (lanes, values) of one evaluation
    end type output_sampler
 
 contains
 
-   !> Request some outputs of a gearbox.
+   !> Request outputs of a gearbox.
    subroutine sampler_create(self, gearbox, wanted)
       type(output_sampler), intent(out) :: self
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: wanted(:) !! places in the table
+      integer, intent(in) :: wanted(:) !! indices in the table
       integer :: i, n
 
       n = size(wanted)
@@ -58,7 +58,7 @@ contains
       allocate (self%values(lanes*self%before(n + 1)))
    end subroutine sampler_create
 
-   !> Whether something is needed.
+   !> Whether a quantity is required.
    pure logical function asks(self, what)
       type(output_sampler), intent(in) :: self
       integer, intent(in) :: what
@@ -66,12 +66,12 @@ contains
       asks = iand(self%needed, what) == what
    end function asks
 
-   !> All values at a state.
+   !> All output values at a state.
    subroutine gearbox_outputs(gearbox, t, y, integers, reals, check, values, status)
       type(gearbox_t), intent(in), target :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
-      logical, intent(in) :: check !! whether to refuse a state that contradicts its modes, as `check_modes` does
+      logical, intent(in) :: check !! reject a state inconsistent with its modes, as `check_modes` does
       real(wp), intent(out) :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
       type(output_sampler), target :: sampler
@@ -83,16 +83,16 @@ contains
       values = told(1, :)
    end subroutine gearbox_outputs
 
-   !> Values of the requested outputs at states that share their discrete state, as in a step. Those of eight at once are those of
-   !> one, to the bit.
+   !> Values of the requested outputs at states with a common discrete state, as within a step. Values of eight states evaluated
+   !> together are bitwise identical to those of single states.
    subroutine sample_outputs(self, gearbox, n, t, y, integers, reals, check, values, status)
-      type(output_sampler), intent(inout), target :: self !! scratch of it changes
+      type(output_sampler), intent(inout), target :: self !! its work arrays change
       type(gearbox_t), intent(in), target :: gearbox
-      integer, intent(in) :: n                    !! the first n states count
+      integer, intent(in) :: n                    !! number of states in use
       real(wp), intent(in) :: t(:), reals(size(gearbox%contacts))
       real(wp), intent(in), contiguous :: y(:, :) !! (states, n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
-      logical, intent(in) :: check                !! as of `gearbox_outputs`
+      logical, intent(in) :: check                !! as for `gearbox_outputs`
       real(wp), intent(inout), contiguous :: values(:, :) !! (states, requested values)
       type(status_t), intent(inout) :: status
       integer :: first, last
@@ -107,7 +107,7 @@ contains
       end do
    end subroutine sample_outputs
 
-   !> From the lanes to the states; and the values that never change.
+   !> Copy the values from lanes to states, including the constant values.
    pure subroutine take(self, gearbox, first, values)
       type(output_sampler), intent(in) :: self
       type(gearbox_t), intent(in) :: gearbox
@@ -131,9 +131,9 @@ contains
       end associate
    end subroutine take
 
-   !> All rows that have something to compute.
+   !> Compute and store all rows whose requirements are met.
    subroutine store_outputs(self, gearbox)
-      type(output_sampler), intent(inout), target :: self !! with its states
+      type(output_sampler), intent(inout), target :: self !! including its states
       type(gearbox_t), intent(in), target :: gearbox
       type(registry_t) :: registry
       type(gearbox_lanes) :: whole
@@ -166,12 +166,12 @@ contains
       end associate
    end subroutine store_outputs
 
-   !> The meshes; their torques on every wheel are returned.
+   !> Outputs of the meshes; adds their torques on every wheel.
    subroutine store_meshes(self, registry, gearbox, torque)
       type(output_sampler), intent(in) :: self
       type(registry_t), intent(inout) :: registry
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(inout) :: torque(lanes, size(gearbox%wheels)) !! so far [N m]
+      real(wp), intent(inout) :: torque(lanes, size(gearbox%wheels)) !! incremented [N m]
       type(mesh_lanes) :: mesh
       type(mesh_points) :: points
       integer :: m
@@ -188,7 +188,7 @@ contains
       end do
    end subroutine store_meshes
 
-   !> The wheels, and what they do to the housing.
+   !> Outputs of the wheels, and their reactions on the housing.
    subroutine store_wheels(self, registry, gearbox, load_torque)
       type(output_sampler), intent(in) :: self
       type(registry_t), intent(inout) :: registry

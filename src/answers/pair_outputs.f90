@@ -1,5 +1,5 @@
-!> Outputs of the tooth pairs of a mesh, one by one, in eight states. Every mesh has the same places for them: the slots of the
-!> drive flank, then those of the coast flank. A place where no tooth pair is on the path has no force, and no point.
+!> Outputs of individual tooth pairs of a mesh at eight states. Every mesh has the same slots for them: those of the drive flank,
+!> then those of the coast flank. In a slot without a tooth pair on the path the force is 0 and the point is NaN.
 module evl_pair_outputs
    use evl_contact_lanes, only: lane_contact
    use evl_contact_point, only: contact_point
@@ -17,13 +17,13 @@ module evl_pair_outputs
 
    public :: add_pair_outputs, add_pairs, pair_lanes
 
-   !> A tooth pair. Off the path as it is declared.
+   !> A tooth pair; by default off the path.
    type :: pair_lanes
       type(contact_mode) :: mode = no_mode
-      integer :: tooth_a = 0, tooth_b = 0                !! its teeth, from 0
+      integer :: tooth_a = 0, tooth_b = 0                !! tooth indices, from 0
       real(wp) :: normal(lanes) = 0.0_wp, friction(lanes) = 0.0_wp !! [N]
       real(wp) :: pressure(lanes) = 0.0_wp               !! [Pa]
-      real(wp) :: rho_a(lanes) = nan, h(lanes) = nan, v_t(lanes) = nan !! as of `lane_contact`
+      real(wp) :: rho_a(lanes) = nan, h(lanes) = nan, v_t(lanes) = nan !! as in `lane_contact`
    end type pair_lanes
 
 contains
@@ -33,7 +33,7 @@ contains
    !> Rows of a tooth pair.
    subroutine add_pair_outputs(registry, place, pair)
       type(registry_t), intent(inout) :: registry
-      integer, intent(in) :: place !! of all of all meshes
+      integer, intent(in) :: place !! index of the slot, counted over all meshes
       type(pair_lanes), intent(in) :: pair
 
       call begin_section(registry, in_pairs, dims_mesh_pair, place)
@@ -69,13 +69,13 @@ contains
                       no_rate="difference of the velocities of two flanks: no output has its integral")
    end subroutine add_pair_outputs
 
-   !> All tooth pairs of a mesh.
+   !> Add all tooth pairs of a mesh.
    subroutine add_pairs(registry, gearbox, mesh, states, has_pressure)
       type(registry_t), intent(inout) :: registry
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
       type(output_states), intent(in) :: states
-      logical, intent(in) :: has_pressure !! contact pressures are requested, which take time
+      logical, intent(in) :: has_pressure !! contact pressures are requested; they are expensive
       type(pair_lanes) :: pair
       integer :: before, c, place
 
@@ -96,7 +96,7 @@ contains
       end do
    end subroutine add_pairs
 
-   !> A tooth contact; off the path without point and force.
+   !> Data of a tooth contact; off the path without point and force.
    pure subroutine find_pair(gearbox, contact, slot, aside, pair)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
@@ -116,7 +116,7 @@ contains
       pair%friction = -slot%force%unclipped*slot%force%factor
    end subroutine find_pair
 
-   !> Where it is.
+   !> Copy its position.
    pure subroutine take_place(at, pair)
       type(lane_contact), intent(in) :: at
       type(pair_lanes), intent(inout) :: pair
@@ -126,11 +126,11 @@ contains
       pair%v_t = at%v_t
    end subroutine take_place
 
-   !> Contact pressure of a pair under load, in one state after the other.
+   !> Contact pressure of a loaded pair, one state after the other.
    pure subroutine find_pressure(contact, slot, n, pair)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(in) :: slot
-      integer, intent(in) :: n !! the first n states count
+      integer, intent(in) :: n !! number of states in use
       type(pair_lanes), intent(inout) :: pair
       type(contact_point) :: point
       real(wp) :: foot(2)

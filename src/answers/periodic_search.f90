@@ -1,10 +1,10 @@
-!> The search for the periodic orbit of a start: settling and Newton's iteration in turn. docs/orbits.md, "The periodic start".
+!> Search for the periodic orbit of a start: alternate settling and Newton's method. docs/orbits.md, "The periodic start".
 !>
-!> The motion from the steady start settles for some common periods. Newton's iteration then finds the orbit with one common period.
-!> A stable orbit is accepted once the motion follows the linear flow around it: then the motion from the steady start ends there.
-!> The state of the orbit is moved to the mesh position of the steady start.
+!> The motion from the steady start settles over some common periods. Newton's method then finds the orbit of one common period.
+!> A stable orbit is accepted once the motion follows the linearised flow around it: then the motion from the steady start converges
+!> to it. The state of the orbit is moved to the mesh position of the steady start.
 !>
-!> A flow is one integration over a common period or a part of it. The number of flows bounds the search, so that its result does
+!> A flow is one integration over a common period or a part of it. The search is limited by the number of flows, so its result does
 !> not depend on the computer.
 module evl_periodic_search
    use evl_flow, only: flow_t, follow
@@ -22,39 +22,39 @@ module evl_periodic_search
 
    public :: counted_orbits, move_to_start, periodic_search, periodic_start_t, pitch_rate, search_orbit
 
-   integer, parameter :: settling_pitches = 16 !! of the first round; each other one is twice as long
-   integer, parameter :: most_rounds = 3     !! of settling and Newton's iteration
-   integer, parameter :: most_sections = 4   !! places at which the section may be
-   integer, parameter :: most_corrections = 8 !! of the time to an angle
+   integer, parameter :: settling_pitches = 16 !! in the first round; doubled in each further one
+   integer, parameter :: most_rounds = 3     !! of settling and Newton's method
+   integer, parameter :: most_sections = 4   !! maximum number of positions of the section
+   integer, parameter :: most_corrections = 8 !! maximum corrections of the time at an angle
 
    type(orbit_options), parameter :: search_options = orbit_options(most_iterations=16, most_damped=8, most_halvings=4)
-   real(wp), parameter :: golden = 0.381966011250105_wp !! of a pitch: from one place of the section to the next
-   real(wp), parameter :: settled = 1.0e-4_wp   !! change in a period after which the motion need not settle longer [scales]
-   real(wp), parameter :: rough = 1.0e-9_wp     !! tolerance while the motion settles
-   real(wp), parameter :: linear = 0.5_wp       !! part of the distance to the orbit by which the linear flow may be wrong
-   real(wp), parameter :: there = 1.0e-6_wp     !! distance to the orbit at which the motion has come to it [scales]
-   real(wp), parameter :: repeats_to = 1.0e-9_wp !! the start repeats after a period [scales]
-   real(wp), parameter :: smallest_multiplier = 1.0e-10_wp !! what is smaller is the error of the integration
+   real(wp), parameter :: golden = 0.381966011250105_wp !! shift of the section [pitches]
+   real(wp), parameter :: settled = 1.0e-4_wp   !! change per period below which settling ends [scales]
+   real(wp), parameter :: rough = 1.0e-9_wp     !! tolerance during settling
+   real(wp), parameter :: linear = 0.5_wp       !! maximum error of the linearised flow, relative to the distance to the orbit
+   real(wp), parameter :: there = 1.0e-6_wp     !! distance to the orbit that counts as converged [scales]
+   real(wp), parameter :: repeats_to = 1.0e-9_wp !! tolerance of the start after a period [scales]
+   real(wp), parameter :: smallest_multiplier = 1.0e-10_wp !! smaller ones are integration errors
    real(wp), parameter :: on_angle = 1.0e-13_wp !! [pitches]
 
-   !> What was found.
+   !> Result of the search.
    type :: periodic_start_t
-      integer :: pitches = 0          !! of the first mesh in a common period; 0: not known
-      integer :: flows = 0            !! followed by the search
-      integer :: periods = 0          !! common periods for which the motion settled
-      integer :: ties = 0             !! events of the orbit that coincide: multipliers are those of one order of events
-      real(wp) :: time = 0            !! of the period [s]
+      integer :: pitches = 0          !! common period in pitches of the first mesh; 0: unknown
+      integer :: flows = 0            !! integrations made by the search
+      integer :: periods = 0          !! common periods over which the motion settled
+      integer :: ties = 0             !! coinciding events of the orbit: multipliers are those of one order of events
+      real(wp) :: time = 0            !! period [s]
       real(wp) :: residual = huge(1.0_wp)    !! largest difference after a period [scales]
-      complex(wp) :: multiplier = 0   !! the largest one in size
-      real(wp) :: time_constant = 0   !! of the slowest decay [s]; 0: there is none
+      complex(wp) :: multiplier = 0   !! the one of largest magnitude
+      real(wp) :: time_constant = 0   !! of the slowest decay [s]; 0: not defined
       logical :: has_multiplier = .false.
       logical :: is_stable = .false.
-      logical :: is_reached = .false. !! the motion from the steady start leads there
+      logical :: is_reached = .false. !! the motion from the steady start converges to the orbit
       logical :: is_interrupted = .false.
-      logical :: has_searched = .false. !! the case was not refused before the first flow
+      logical :: has_searched = .false. !! the case was not rejected before the first flow
    end type periodic_start_t
 
-   !> The limits of a search; the caller extends it to interrupt one.
+   !> Limits of a search; extended by callers that can interrupt it.
    type, abstract :: periodic_search
       integer :: most_flows = 200
    contains
@@ -62,7 +62,7 @@ module evl_periodic_search
    end type periodic_search
 
    abstract interface
-      !> Whether the search is to end.
+      !> Whether the search must stop.
       logical function stop_interface(self)
          import :: periodic_search
          implicit none (type, external)
@@ -70,7 +70,7 @@ module evl_periodic_search
       end function stop_interface
    end interface
 
-   !> A gearbox whose flows are counted.
+   !> A gearbox that counts its flows.
    type, extends(gearbox_orbits) :: counted_orbits
       class(periodic_search), pointer :: search => null()
       integer :: flows = 0
@@ -82,7 +82,7 @@ module evl_periodic_search
 
 contains
 
-   !> Count a flow, and refuse it where the search is to end.
+   !> Count a flow, or fail if the search must stop.
    subroutine begin_flow(self, status)
       class(counted_orbits), intent(inout) :: self
       type(status_t), intent(inout) :: status
@@ -97,13 +97,13 @@ contains
       end if
    end subroutine begin_flow
 
-   !> Settle and iterate in turn.
+   !> Alternate settling and Newton's method.
    subroutine search_orbit(model, y_steady, reals, found, orbit, status)
       type(counted_orbits), intent(inout) :: model
       real(wp), intent(in) :: y_steady(:), reals(:)
       type(periodic_start_t), intent(inout) :: found
       type(orbit_t), intent(out) :: orbit
-      type(status_t), intent(inout) :: status !! no orbit was found
+      type(status_t), intent(inout) :: status !! fails if no orbit was found
       type(orbit_t) :: trial
       type(status_t) :: refusal
       real(wp) :: before(model%n), now(model%n), period
@@ -148,7 +148,7 @@ contains
       end if
    end subroutine search_orbit
 
-   !> Move the section, and a state on it, by a part of a pitch that hardly any events are apart.
+   !> Shift the section, and a state on it, by a fraction of a pitch that is unlikely to separate events.
    subroutine shift_section(model, y, status)
       type(counted_orbits), intent(inout) :: model
       real(wp), intent(inout) :: y(:)
@@ -163,13 +163,13 @@ contains
       if (model%common%by_time) model%phase = model%phase + time
    end subroutine shift_section
 
-   !> Let the motion settle for n periods, or until it hardly changes.
+   !> Let the motion settle for n periods, or until it changes little.
    subroutine settle_motion(model, n, found, before, now, period, status)
       type(counted_orbits), intent(inout) :: model
       integer, intent(in) :: n
       type(periodic_start_t), intent(inout) :: found
       real(wp), intent(inout) :: before(:), now(:) !! the last two states on the section
-      real(wp), intent(inout) :: period            !! about that of the orbit [s]
+      real(wp), intent(inout) :: period            !! estimated period of the orbit [s]
       type(status_t), intent(inout) :: status
       type(flow_t) :: flow
       real(wp) :: turned
@@ -189,7 +189,7 @@ contains
       end do
    end subroutine settle_motion
 
-   !> What was found, or how far the iteration came.
+   !> Data of the orbit found, or of the last iterate.
    subroutine describe(model, orbit, found)
       type(counted_orbits), intent(in) :: model
       type(orbit_t), intent(in) :: orbit
@@ -223,7 +223,7 @@ contains
       is_stable = all(abs(own_multipliers(model, orbit)) < 1)
    end function is_stable
 
-   !> Newton's iteration closed the orbit, but an event at the section makes the modes of both ends differ.
+   !> Whether Newton's method closed the orbit, but an event at the section makes the modes at its ends differ.
    pure logical function has_other_modes(orbit)
       type(orbit_t), intent(in) :: orbit
       real(wp), parameter :: closed = 1.0e-6_wp
@@ -231,11 +231,11 @@ contains
       has_other_modes = allocated(orbit%flow%y) .and. orbit%residual <= closed .and. .not. orbit%flow%same_modes
    end function has_other_modes
 
-   !> Whether the motion goes from one state to the next as the linear flow around the orbit says.
+   !> Whether the motion between two states agrees with the linearised flow around the orbit.
    pure logical function follows_linear_flow(model, orbit, before, now) result(follows)
       type(counted_orbits), intent(in) :: model
       type(orbit_t), intent(in) :: orbit
-      real(wp), intent(in) :: before(:), now(:) !! a period apart
+      real(wp), intent(in) :: before(:), now(:) !! one period apart
       real(wp) :: first(model%n), second(model%n), along(model%n)
 
       along = 0
@@ -250,7 +250,7 @@ contains
       follows = norm2(second - first) <= linear*norm2(second)
    end function follows_linear_flow
 
-   !> The part of a vector that is orthogonal to a direction, of length 1 or 0.
+   !> Component of a vector orthogonal to a direction of length 1 or 0.
    pure function across(x, direction)
       real(wp), intent(in) :: x(:), direction(:)
       real(wp) :: across(size(x))
@@ -258,7 +258,7 @@ contains
       across = x - dot_product(x, direction)*direction
    end function across
 
-   !> Follow the orbit to the mesh position of the steady start; there it is compared with itself a period later.
+   !> Integrate the orbit to the mesh position of the steady start, and check there that it repeats after a period.
    subroutine move_to_start(model, orbit, theta, found, y, integers, reals, status)
       type(counted_orbits), intent(inout) :: model
       type(orbit_t), intent(in) :: orbit
@@ -306,7 +306,7 @@ contains
          call fail(status, code_no_solution, "the orbit does not repeat from the mesh position of the start", subject_initial)
    end subroutine move_to_start
 
-   !> How fast a state passes pitches of the first mesh, > 0 in its nominal sense [1/s].
+   !> Rate at which pitches of the first mesh pass, > 0 in its nominal sense of rotation [1/s].
    pure real(wp) function pitch_rate(gearbox, y) result(rate)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
@@ -314,7 +314,7 @@ contains
       rate = pitches_of(gearbox, y(i_omega))
    end function pitch_rate
 
-   !> Pitches of the first mesh in an angle of the reference wheel.
+   !> Pitches of the first mesh per angle of the reference wheel.
    pure real(wp) function pitches_of(gearbox, angle) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: angle !! [rad]

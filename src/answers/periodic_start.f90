@@ -1,4 +1,4 @@
-!> The start on a periodic orbit: what is refused, the search from the steady start, and why it fails. docs/orbits.md, "The periodic
+!> Start on a periodic orbit: restrictions, search from the steady start, and reasons of failure. docs/orbits.md, "The periodic
 !> start".
 module evl_periodic_start
    use evl_dae_residual, only: gearbox_derivative
@@ -18,10 +18,10 @@ module evl_periodic_start
 
    public :: begin_periodic_start, periodic_start
 
-   integer, parameter :: most_pitches = 1000 !! of a common period
+   integer, parameter :: most_pitches = 1000 !! limit of the common period
    character(len=*), parameter :: refused = "a periodic start is refused: "
 
-   !> One gearbox, whatever the parameter.
+   !> A family of one gearbox, independent of the parameter.
    type, extends(gearbox_family) :: single_gearbox
       type(gearbox_t), pointer :: gearbox => null()
       real(wp), allocatable :: scale(:)
@@ -42,12 +42,12 @@ contains
       scale = self%scale
    end subroutine take
 
-   !> The steady start from which an orbit is searched for, of a gearbox that has a periodic start at all. A housing with a
-   !> prescribed motion is at rest in it.
+   !> Steady start from which the search begins; checks that the gearbox supports a periodic start. A housing with a prescribed
+   !> motion is fixed in it.
    !> Errors: code_invalid_input; those of a steady start.
    subroutine begin_periodic_start(gearbox, initial, found, y, yp, integers, reals, status)
       type(gearbox_t), intent(in), target :: gearbox
-      type(initial_t), intent(in) :: initial !! of which the mesh position counts
+      type(initial_t), intent(in) :: initial !! only its mesh position is used
       type(periodic_start_t), intent(inout) :: found
       real(wp), intent(out) :: y(gearbox%n_states), yp(gearbox%n_states)
       integer, intent(out) :: integers(gearbox%n_integers)
@@ -72,7 +72,7 @@ contains
                    //" its nominal sense; start with kind: steady", subject_initial, field="kind")
    end subroutine begin_periodic_start
 
-   !> The model of the orbits, or why there is none.
+   !> Create the model of the orbits, or fail with the reason.
    subroutine prepare(gearbox, family, model, found, status)
       type(gearbox_t), intent(in), target :: gearbox
       type(single_gearbox), intent(inout), target :: family
@@ -102,12 +102,12 @@ contains
       end if
    end subroutine prepare
 
-   !> Fill the whole state at t = 0 with that of the orbit.
-   !> Errors: those of begin_periodic_start; code_invalid_input for too many flows, code_no_solution where no orbit was found or the
+   !> Compute the complete state of the orbit at t = 0.
+   !> Errors: those of begin_periodic_start; code_invalid_input for too many flows, code_no_solution if no orbit was found or the
    !> search was interrupted.
    subroutine periodic_start(gearbox, initial, search, found, y, yp, integers, reals, status)
       type(gearbox_t), intent(in), target :: gearbox
-      type(initial_t), intent(in) :: initial !! of which the mesh position counts
+      type(initial_t), intent(in) :: initial !! only its mesh position is used
       class(periodic_search), intent(inout), target :: search
       type(periodic_start_t), intent(out) :: found
       real(wp), intent(out) :: y(gearbox%n_states), yp(gearbox%n_states)
@@ -137,7 +137,7 @@ contains
       if (has_failed(refusal)) call explain(model, found, refusal, status)
    end subroutine periodic_start
 
-   !> Why there is no start, with the cause and a remedy.
+   !> Report the failure of the search, with cause and remedy.
    subroutine explain(model, found, reason, status)
       type(counted_orbits), intent(in) :: model
       type(periodic_start_t), intent(in) :: found

@@ -1,4 +1,4 @@
-!> The flank of a mesh that a torque of its driving wheel presses.
+!> The flank of a mesh that is loaded by a torque of its driving wheel.
 module evl_pressed_flank
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_gearbox, only: gearbox_t
@@ -10,17 +10,17 @@ module evl_pressed_flank
 
    public :: find_pressed, lag_of, pressed_t
 
-   !> The flank that a torque presses.
+   !> The loaded flank.
    type :: pressed_t
-      integer :: contact = 0        !! one of its contacts
-      integer :: turns = 1          !! +1 drive flank; -1 coast flank, where the wheel lags the less the more it yields
-      real(wp) :: play = 0.0_wp     !! backlash to it from the drive flank [m]
+      integer :: contact = 0        !! index of one of its contacts
+      integer :: turns = 1          !! +1 drive flank; -1 coast flank, where compliance reduces the lag of the driven wheel
+      real(wp) :: play = 0.0_wp     !! backlash from the drive flank to this flank [m]
       real(wp) :: rho_a = 0.0_wp    !! of pair 0 at position 0 [m]
    end type pressed_t
 
 contains
 
-   !> The flank that a torque presses, or why none is.
+   !> Find the flank loaded by a torque, or fail with the reason.
    subroutine find_pressed(gearbox, mesh, torque, speed, flank, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -54,7 +54,7 @@ contains
       end associate
    end subroutine find_pressed
 
-   !> By how much the driven wheel lags where the flanks overlap by h as if perfect [m].
+   !> Lag of the driven wheel at an overlap h of the flanks without deviations [m].
    pure real(wp) function lag_of(flank, h) result(lag)
       type(pressed_t), intent(in) :: flank
       real(wp), intent(in) :: h

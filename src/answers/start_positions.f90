@@ -1,5 +1,5 @@
-!> Positions and speeds that a start is made of; and how far wheels have turned: the positions by which outputs may go. Those are
-!> linear in the state while its integers stay.
+!> Positions and speeds for initial states, and the rotation of wheels, which is the position of outputs over position. Both are
+!> linear in the state for constant integers.
 module evl_start_positions
    use evl_contact_roots, only: ends_of_path, pitches_since_handover
    use evl_discrete_state, only: put_pair
@@ -15,14 +15,14 @@ module evl_start_positions
    public :: can_turn, closed_form_point, gearbox_state, mesh_position, pitches_turned, place_pairs, prescribed_speed, set_gaps, &
              turns_made
 
-   real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: a pair that is no farther outside the path is on it
+   real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: tolerance for a pair to be on the path
 
    !> A state of a gearbox.
    type :: gearbox_state
       real(wp) :: t = 0.0_wp             !! [s]
       real(wp), allocatable :: y(:)      !! [n_states]
       integer, allocatable :: integers(:) !! [n_integers] discrete state
-      real(wp), allocatable :: reals(:)  !! [contacts] the same
+      real(wp), allocatable :: reals(:)  !! [contacts] discrete state
    end type gearbox_state
 
 contains
@@ -46,7 +46,7 @@ contains
       if (abs(pitches) < at_the_end) pitches = 0
    end function mesh_position
 
-   !> The speed that a load prescribes at t [rad/s].
+   !> Speed prescribed by a load at time t [rad/s].
    pure real(wp) function prescribed_speed(gearbox, load, t, integers) result(speed)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: load, integers(:)
@@ -55,7 +55,7 @@ contains
       speed = gearbox%loads(load)%load%speed(t, segment_of(gearbox%loads(load)%load, integers))
    end function prescribed_speed
 
-   !> Turn the wheels, from the reference wheel on, until every mesh has the given penetration; no shaft is twisted.
+   !> Rotate the wheels, starting at the reference wheel, until every mesh has the given penetration; shafts are not twisted.
    pure subroutine set_gaps(gearbox, penetrations, y)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: penetrations(:) !! of the meshes [m]
@@ -74,7 +74,7 @@ contains
             associate (contact => gearbox%contacts(gearbox%first(m)))
                associate (a => contact%wheel_a, b => contact%wheel_b)
                   if (placed(a) .eqv. placed(b)) cycle
-                  arc = -contact%pair%sigma*penetrations(m) ! r_bA psi_A + r_bB psi_B
+                  arc = -contact%pair%sigma*penetrations(m) ! equals r_bA psi_A + r_bB psi_B
                   if (placed(a)) then
                      psi(b) = (arc - contact%pair%r_ba*psi(a))/contact%pair%r_bb
                   else
@@ -100,7 +100,7 @@ contains
       end do
    end subroutine set_gaps
 
-   !> Put into every slot the tooth pair that is on the path of contact, or the next one that will be.
+   !> Assign to every slot the tooth pair that is on the path of contact, or the next one that enters it.
    subroutine place_pairs(gearbox, y, integers)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(:)
@@ -115,7 +115,7 @@ contains
             call put_pair(contact, pair, flanks_open, integers)
             call closed_form_point(gearbox, m, y, integers(i_turns), pair, at)
             call ends_of_path(gearbox%flanks(contact%i_flank)%flank, contact, at%point, near, far)
-            ! a pair that hands over keeps its load for a pitch, forward and back, unless a gap has taken it farther
+            ! on handover, a pair keeps its load within one pitch forward and back, unless a gap has moved it farther
             if (contact%handover .and. .not. abs(y(i_theta)) > 0 .and. near > -1 .and. far >= -at_the_end) then
                moved = pitches_since_handover(contact, at)
                if (abs(moved) > 1) call put_pair(contact, pair_on_path(contact, pair, moved + at_the_end), flanks_open, integers)
@@ -131,12 +131,12 @@ contains
       end do
    end subroutine place_pairs
 
-   !> A tooth contact by the closed form, whatever its tracking, with the parts of its modified flanks.
+   !> Closed-form evaluation of a tooth contact, whatever its tracking, including flank deviations.
    subroutine closed_form_point(gearbox, index, y, turns, teeth, at)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index, turns, teeth
       real(wp), intent(in) :: y(:)
-      type(contact_state), intent(inout) :: at !! of its mode the tooth pair and the zones are put down
+      type(contact_state), intent(inout) :: at !! tooth pair and zones of its mode are set
 
       associate (contact => gearbox%contacts(index))
          call gearbox_local(gearbox, contact, y, at%q)
@@ -146,8 +146,8 @@ contains
       end associate
    end subroutine closed_form_point
 
-   !> Pitches of the driving wheel of a mesh from where its tooth pair 0, unloaded, is at the start of contact: the position of the
-   !> static analysis. They grow in the nominal sense of that wheel.
+   !> Rotation of the driving wheel of a mesh, in pitches, from the position where its unloaded tooth pair 0 is at the start of
+   !> contact: the position of the static analysis. It grows in the nominal sense of rotation.
    pure real(wp) function pitches_turned(gearbox, mesh, y, integers) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh, integers(gearbox%n_integers)
@@ -162,7 +162,7 @@ contains
       end associate
    end function pitches_turned
 
-   !> Turns of a wheel since its start position. They grow in its nominal sense, which the first mesh gives.
+   !> Revolutions of a wheel since its start position, positive in its nominal sense of rotation, which the first mesh defines.
    pure real(wp) function turns_made(gearbox, index, y, integers) result(turns)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! of the wheel
@@ -178,7 +178,7 @@ contains
       end associate
    end function turns_made
 
-   !> Whether anything turns a wheel, or may: a wheel that moves at the start, a load, the housing. All wheels are connected.
+   !> Whether a wheel turns or can turn: wheels move at the start, or a load or the housing moves it. All wheels are connected.
    pure logical function can_turn(gearbox, index, y, yp) result(may)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index            !! of the wheel

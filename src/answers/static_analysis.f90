@@ -1,12 +1,12 @@
-!> The static analysis of a mesh: its transmission error, stiffness and load sharing at rest under a torque of the driving wheel, at
-!> positions over a pitch, or over all pitches until the same teeth meet again where errors of pitch or runout make them differ.
+!> Quasi-static analysis of a mesh: transmission error, stiffness and load sharing under a torque of the driving wheel. Positions
+!> cover one pitch or, if pitch errors or runout make teeth differ, all pitches until the same teeth meet again.
 !>
-!> Axles are at their reference positions. Position x is so many pitches from where tooth pair 0 is at the start of its path,
-!> unloaded; pair k is x - k pitches from its start there. Places for tooth pairs go by how many whole pitches a pair is ahead of
-!> the one that came last onto the path, -1 for the next one: place j holds pair floor(x) - j.
+!> Axles are at their reference positions. Position x is the distance in pitches from where the unloaded tooth pair 0 is at the
+!> start of its path; pair k is x - k pitches from its start there. Slots for tooth pairs are ordered by the number of whole pitches
+!> that a pair is ahead of the one that entered the path last, -1 for the next one: slot j holds pair floor(x) - j.
 !>
-!> A torque against the sense of rotation presses the coast flanks. Their path begins at the tip of the driving wheel's teeth, and
-!> the driven wheel lags by -(h + backlash), h being what these flanks overlap.
+!> A torque against the sense of rotation loads the coast flanks. Their path starts at the tip of the driving wheel's teeth, and the
+!> driven wheel lags by -(h + backlash), where h is the overlap of these flanks.
 !>
 !> Source: docs/static_analysis.md.
 module evl_static_analysis
@@ -36,28 +36,28 @@ module evl_static_analysis
 
    public :: largest_pair_force, least_points, most_positions, plan_static, solve_static_mesh, static_plan_t
 
-   integer, parameter :: least_points = 2*n_harmonics + 1 !! a pitch, for the last harmonic
+   integer, parameter :: least_points = 2*n_harmonics + 1 !! per pitch, for the highest harmonic
    integer, parameter :: most_positions = 500000
 
-   !> What will be asked.
+   !> Extent of an analysis.
    type :: static_plan_t
-      integer :: points = 0      !! positions a pitch
-      integer :: n_pitches = 1   !! until the same teeth meet again
+      integer :: points = 0      !! positions per pitch
+      integer :: n_pitches = 1   !! number of pitches until the same teeth meet again
       integer :: n_positions = 0
-      integer :: n_pairs = 0     !! places for tooth pairs
+      integer :: n_pairs = 0     !! number of tooth pair slots
       integer :: n_values = 0
-      real(wp) :: reach = 0.0_wp !! [m]
+      real(wp) :: reach = 0.0_wp !! range of tip-edge contact beyond the path [m]
       real(wp) :: torque = 0.0_wp !! of the driving wheel at the nominal operating point, < 0 on the coast flanks [N m]
    end type static_plan_t
 
 contains
 
-   !> What the analysis of a mesh comes to.
-   !> Errors: code_invalid_input for a mesh that has none, or points without number.
+   !> Determine the extent of the analysis of a mesh.
+   !> Errors: code_invalid_input if the mesh does not support it, or for too few or too many points.
    subroutine plan_static(gearbox, mesh, points, plan, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
-      integer, intent(in) :: points !! a pitch
+      integer, intent(in) :: points !! per pitch
       type(static_plan_t), intent(out) :: plan
       type(status_t), intent(inout) :: status
       integer, allocatable :: rows_before(:), columns(:)
@@ -78,7 +78,7 @@ contains
       call static_columns(plan%n_positions, plan%n_pairs, rows_before, columns, plan%n_values)
    end subroutine plan_static
 
-   !> How far pairs reach, how many are asked, and after how many pitches they come again.
+   !> Range of tooth pairs beyond the path, number of slots, and number of pitches until the same teeth meet again.
    subroutine measure_mesh(gearbox, mesh, plan, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -97,13 +97,13 @@ contains
          end if
          associate (a => int(merge(contact%deviation_a%teeth, 1, teeth_differ(contact%deviation_a)), int64), &
                     b => int(merge(contact%deviation_b%teeth, 1, teeth_differ(contact%deviation_b)), int64))
-            plan%n_pitches = int(min(a/divisor_of(a, b)*b, int(huge(1), int64))) ! the least that both divide
+            plan%n_pitches = int(min(a/divisor_of(a, b)*b, int(huge(1), int64))) ! least common multiple
          end associate
          plan%n_pairs = floor(pair%contact_ratio + plan%reach/pair%base_pitch) + 1 - youngest
       end associate
    end subroutine measure_mesh
 
-   !> Only real gears with Johnson's contact rest so.
+   !> Check that the gears have a basic rack and the contact law is Johnson's.
    subroutine check_mesh(gearbox, mesh, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -123,7 +123,7 @@ contains
       end select
    end subroutine check_mesh
 
-   !> A whole number in words.
+   !> Text of an integer.
    pure function counted(n) result(text)
       integer, intent(in) :: n
       character(len=quantity_length(real(n, wp), "")) :: text
@@ -131,14 +131,14 @@ contains
       text = quantity(real(n, wp), "")
    end function counted
 
-   !> All values at one torque, where the columns of evl_static_outputs have them.
-   !> Errors: code_invalid_input for a torque that presses nothing; of evl_static_mesh where the mesh finds no rest.
+   !> Compute all values at one torque, in the columns of evl_static_outputs.
+   !> Errors: code_invalid_input for a torque that loads no flanks; those of evl_static_mesh if no equilibrium is found.
    subroutine solve_static_mesh(gearbox, mesh, plan, torque, speed, values, status)
       type(gearbox_t), intent(in), target :: gearbox
       integer, intent(in) :: mesh
       type(static_plan_t), intent(in) :: plan !! of this mesh
       real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
-      real(wp), intent(in) :: speed           !! of it in that sense, at which flanks rub; 0: none do [rad/s]
+      real(wp), intent(in) :: speed           !! of the driving wheel in that sense, for friction; 0: no friction [rad/s]
       real(wp), intent(inout), target, contiguous :: values(:)
       type(status_t), intent(inout) :: status
       integer, allocatable, target :: rows_before(:), columns(:)
@@ -197,17 +197,17 @@ contains
       end do
    end subroutine solve_static_mesh
 
-   !> The largest force of a tooth pair under a torque over some pitches, or over all that differ if these are few; found between
-   !> positions too.
+   !> Largest force of a tooth pair under a torque over a number of pitches, or over all different ones if these are fewer; extremes
+   !> between positions are included.
    !> Errors: those of `plan_static` and `solve_static_mesh`.
    subroutine largest_pair_force(gearbox, mesh, first, pitches, torque, force, status)
       type(gearbox_t), intent(in), target :: gearbox
       integer, intent(in) :: mesh
-      integer, intent(in) :: first, pitches   !! the first pitch, and how many
+      integer, intent(in) :: first, pitches   !! index of the first pitch, number of pitches
       real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
       real(wp), intent(out) :: force          !! [N]
       type(status_t), intent(inout) :: status
-      integer, parameter :: points = 100      ! a pitch
+      integer, parameter :: points = 100      ! per pitch
       type(static_plan_t) :: plan
       type(static_mesh_t), target :: at_rest
       type(static_search) :: search
@@ -246,7 +246,7 @@ contains
       type(tooth_contact_t), intent(in), target :: contact
       type(static_mesh_t), intent(in), target :: at_rest
       type(pressed_t), intent(in) :: flank
-      real(wp), intent(in) :: force !! of the teeth [N]
+      real(wp), intent(in) :: force !! total tooth force [N]
 
       search%contact => contact
       search%mesh => at_rest
@@ -255,7 +255,7 @@ contains
       search%force = force
    end subroutine start_search
 
-   !> What is known of a torque before any position: forces, and what one pair alone and ISO 6336-1 say.
+   !> Data of a torque that do not depend on the position: forces, stiffness of a single pair, and values of ISO 6336-1.
    subroutine start_sum(gearbox, mesh, at_rest, torque, total)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -278,7 +278,7 @@ contains
       end associate
    end subroutine start_sum
 
-   !> Say where the mesh found no rest.
+   !> Add torque and position to the error message.
    subroutine name_place(torque, position, mesh, status)
       real(wp), intent(in) :: torque, position
       integer, intent(in) :: mesh
@@ -290,16 +290,16 @@ contains
                 //" pitches from the start of contact: "//trim(reason), subject_mesh, mesh)
    end subroutine name_place
 
-   !> The tooth pairs at a position.
+   !> Store the tooth pairs at a position.
    subroutine add_pairs(registry, contact, flank, at_rest, pitches, before, n_pairs, force_of_teeth, state)
       type(registry_t), intent(inout) :: registry
       type(tooth_contact_t), intent(in) :: contact
       type(pressed_t), intent(in) :: flank
       type(static_mesh_t), intent(in) :: at_rest
-      integer, intent(in) :: pitches !! whole ones of the position
-      integer, intent(in) :: before  !! places of the positions before it
+      integer, intent(in) :: pitches !! whole pitches of the position
+      integer, intent(in) :: before  !! number of slots of the positions before it
       integer, intent(in) :: n_pairs
-      real(wp), intent(in) :: force_of_teeth !! [N]
+      real(wp), intent(in) :: force_of_teeth !! total [N]
       type(static_state), intent(in) :: state
       type(contact_mode) :: mode
       real(wp) :: force, share, pressure
@@ -319,9 +319,9 @@ contains
       end do
    end subroutine add_pairs
 
-   !> What a position adds to the amplitudes of the harmonics.
+   !> Add the contribution of a position to the amplitudes of the harmonics.
    pure subroutine add_harmonics(i, plan, h, harmonics)
-      integer, intent(in) :: i !! position, from 0
+      integer, intent(in) :: i !! index of the position, from 0
       type(static_plan_t), intent(in) :: plan
       real(wp), intent(in) :: h
       complex(wp), intent(inout) :: harmonics(n_harmonics)

@@ -1,8 +1,8 @@
-!> Extremes of a mesh at rest over all positions, found between the positions that are looked at.
+!> Extremes of a quasi-static analysis over all positions, including extremes between the positions evaluated.
 !>
-!> Positions come in order. Where a tooth pair crosses a border between two of them, the border is located and the limits from both
-!> sides count. A pair that touches only between two positions is found by the parabola of its overlap. The smooth pieces between
-!> borders are left to evl_static_search.
+!> Positions are processed in order. If a tooth pair crosses a border between two of them, the border is located, and the limits
+!> from both sides are included. A pair that touches only between two positions is found from the parabola of its overlap. The
+!> smooth pieces between borders are passed to evl_static_search.
 !>
 !> Source: docs/static_analysis.md.
 module evl_static_extremes
@@ -17,23 +17,23 @@ module evl_static_extremes
 
    public :: extremes_t, finish_extremes, n_before, take_position
 
-   integer, parameter :: n_before = 2 !! positions before the first one: parabolas begin there, and come to its pitch at the end
+   integer, parameter :: n_before = 2 !! positions before the first one: parabolas include it and, by periodicity, the end
 
-   integer, parameter :: most_turns = 60      !! to a border
-   integer, parameter :: deepest = 40         !! borders between two positions
+   integer, parameter :: most_turns = 60      !! maximum number of iterations to locate a border
+   integer, parameter :: deepest = 40         !! maximum number of borders between two positions
 
-   !> The extremes.
+   !> Extreme values.
    type :: extremes_t
-      real(wp) :: lowest_h = 0.0_wp, highest_h = 0.0_wp !! transmission error past the backlash [m]
+      real(wp) :: lowest_h = 0.0_wp, highest_h = 0.0_wp !! transmission error minus backlash [m]
       real(wp) :: softest = 0.0_wp, stiffest = 0.0_wp   !! tangent stiffness [N/m]
-      real(wp) :: force = 0.0_wp      !! largest of a tooth pair [N]
-      real(wp) :: pressure = 0.0_wp   !! largest contact pressure of those known [Pa]
-      real(wp) :: edge_force = 0.0_wp !! largest that a tip edge carries [N]
+      real(wp) :: force = 0.0_wp      !! largest force of a tooth pair [N]
+      real(wp) :: pressure = 0.0_wp   !! largest known contact pressure [Pa]
+      real(wp) :: edge_force = 0.0_wp !! largest force of a tip edge [N]
    end type extremes_t
 
 contains
 
-   !> The next position, whose state is known.
+   !> Process the next position, whose state has been computed.
    subroutine take_position(self, x, state, status)
       type(static_search), intent(inout) :: self
       real(wp), intent(in) :: x !! [pitches]
@@ -50,7 +50,7 @@ contains
       end if
    end subroutine take_position
 
-   !> What the search has come to, after the last position.
+   !> Return the extremes after the last position.
    subroutine finish_extremes(self, extremes, status)
       type(static_search), intent(inout) :: self
       type(extremes_t), intent(out) :: extremes
@@ -63,12 +63,12 @@ contains
                             max(self%records(of_pressure), 0.0_wp), max(self%records(of_edge_force), 0.0_wp))
    end subroutine finish_extremes
 
-   !> Go from one node to the next one, by way of all borders between them.
+   !> Step from one node to the next one, locating all borders between them.
    recursive subroutine pass(self, left, right, looks, depth, status)
       type(static_search), intent(inout) :: self
-      type(static_node), intent(in) :: left  !! the last one of the present piece
+      type(static_node), intent(in) :: left  !! the last node of the current piece
       type(static_node), intent(in) :: right
-      logical, intent(in) :: looks           !! for pairs that touch between them
+      logical, intent(in) :: looks           !! check for pairs that touch only between the nodes
       integer, intent(in) :: depth
       type(status_t), intent(inout) :: status
       type(border_t) :: border
@@ -100,15 +100,15 @@ contains
       end if
    end subroutine pass
 
-   !> Whether quantities have a steep end at a border: where a pair begins to carry, its stiffness grows from 0 as 1/ln(1/force).
+   !> Whether quantities are steep at a border: where a pair starts to carry load, its stiffness grows from 0 as 1/ln(1/force).
    pure logical function ends_steeply(border, node)
       type(border_t), intent(in) :: border
-      type(static_node), intent(in) :: node !! beside it
+      type(static_node), intent(in) :: node !! at the border
 
       ends_steeply = border%wheel == 0 .and. passes(node, border)
    end function ends_steeply
 
-   !> Go from one node to the next one, by more nodes near a steep end.
+   !> Step from one node to the next one, with additional nodes near a steep end.
    recursive subroutine approach(self, left, right, right_is_steep, left_is_steep, depth, status)
       type(static_search), intent(inout) :: self
       type(static_node), intent(in) :: left, right
@@ -133,11 +133,11 @@ contains
       call pass(self, last, right, .false., depth + 1, status)
    end subroutine approach
 
-   !> Narrow a border down: regula falsi that halves the value at an end which stays (Illinois), bisection where that stalls.
+   !> Locate a border: regula falsi with halving of the value at a retained end (Illinois), bisection if that stalls.
    subroutine locate(self, border, left, right, status)
       type(static_search), intent(inout) :: self
       type(border_t), intent(in) :: border
-      type(static_node), intent(inout) :: left, right !! on both sides of it
+      type(static_node), intent(inout) :: left, right !! nodes on both sides of it
       type(status_t), intent(inout) :: status
       type(static_node) :: node
       real(wp) :: at_left, at_right, x, width
@@ -170,7 +170,7 @@ contains
       end do
    end subroutine locate
 
-   !> Where a pair may touch, or part, between the last node and another one though it does not at either.
+   !> Whether, and where, a pair may touch or separate between the last node and another one although it does not at either.
    logical function touches_between(self, right, x)
       type(static_search), intent(in) :: self
       type(static_node), intent(in) :: right
@@ -198,17 +198,17 @@ contains
       end associate
    end function touches_between
 
-   !> The next node of the present piece, or the first one of another.
+   !> Append a node to the current piece, or start a new piece with it.
    subroutine push(self, node, starts, status)
       type(static_search), intent(inout) :: self
       type(static_node), intent(in) :: node
-      logical, intent(in) :: starts !! a piece: a border lies before it
+      logical, intent(in) :: starts !! start a new piece: a border lies before the node
       type(status_t), intent(inout) :: status
       type(static_node) :: nodes(3)
 
       call record(self, node)
       if (starts) then
-         if (self%n_in_piece == 2) then ! nothing was looked at between its borders
+         if (self%n_in_piece == 2) then ! no node was evaluated between its borders
             nodes(1) = self%piece(1)
             nodes(3) = self%piece(2)
             if (nodes(3)%x - nodes(1)%x > sqrt(close)) then

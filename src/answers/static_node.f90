@@ -1,9 +1,9 @@
-!> A position of a mesh at rest for the search of its extremes: the transmission error, and of each tooth pair its force, its
-!> contact pressure and where it lies among the borders of both flanks.
+!> A position of a mesh for the search for quasi-static extremes: the transmission error, and for each tooth pair its force, contact
+!> pressure and zones between the borders of both flanks.
 !>
-!> Between two positions the quantities are smooth functions unless a tooth pair crosses a border: it begins to carry or ends, or
-!> passes the end of a relief, of its corner, of a flank, or of the range that is known of its tip corner. Of each border there is a
-!> function of the position that changes its sign there.
+!> Between two positions the quantities are smooth functions unless a tooth pair crosses a border. There it starts or stops
+!> carrying load, or it passes the end of a relief, of its corner, of a flank, or of the defined range of its tip corner. Each
+!> border has a function of the position that changes sign there.
 module evl_static_node
    use evl_coupled_pairs, only: most_pairs
    use evl_flank_deviation, only: zone_edge, zone_end, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner
@@ -19,47 +19,47 @@ module evl_static_node
    public :: border_of, border_t, index_of, node_of, passes, quantity_at, static_node, touch, value_at
    public :: n_quantities, of_edge_force, of_force, of_h, of_less_h, of_less_stiffness, of_pressure, of_stiffness
 
-   !> Zones of a flank in the order of their radii of curvature, and the number of borders between them.
+   !> Zones of a flank in ascending order of their radii of curvature, and the number of borders between them.
    integer, parameter :: in_order(7) = [zone_root, zone_root_corner, zone_none, zone_tip_corner, zone_tip, zone_end, zone_edge]
    integer, parameter :: n_borders = size(in_order) - 1
 
-   ! Quantities, whose largest values are sought: of the mesh, then of its tooth pairs.
+   ! Quantities to be maximised: of the mesh, then of its tooth pairs.
    integer, parameter :: of_h = 1, of_less_h = 2, of_stiffness = 3, of_less_stiffness = 4, of_force = 5, of_pressure = 6, &
                          of_edge_force = 7, n_quantities = 7
 
-   !> A position.
+   !> Data at a position.
    type :: static_node
       real(wp) :: x = 0.0_wp          !! position [pitches]
       real(wp) :: h = 0.0_wp          !! transmission error [m]
       real(wp) :: stiffness = 0.0_wp  !! dF/dh [N/m]
       real(wp) :: rho_a = 0.0_wp      !! of pair 0 [m]
-      integer :: n = 0                !! pairs
+      integer :: n = 0                !! number of pairs
       integer :: numbers(most_pairs) = 0
       logical :: on_edge(most_pairs) = .false.
-      integer :: ranks(2, most_pairs) = 0      !! of the zones of A and B, in `in_order`; 0: the pair carries nothing
-      integer :: bends(2, most_pairs) = 0      !! how many ends of the smooth range of c the feet have passed; the same
+      integer :: ranks(2, most_pairs) = 0      !! zones of A and B as indices in `in_order`; 0: the pair carries no load
+      integer :: bends(2, most_pairs) = 0      !! number of ends of the smooth range of c that the contact has passed; 0: no load
       real(wp) :: force(most_pairs) = 0.0_wp   !! normal force [N]
-      real(wp) :: pressure(most_pairs) = 0.0_wp !! contact pressure; 0 where it is not known [Pa]
-      real(wp) :: overlap(most_pairs) = 0.0_wp !! as of `static_state` [m]
-      real(wp) :: foot(2, most_pairs) = 0.0_wp !! roll lengths at which A and B are loaded [m]
+      real(wp) :: pressure(most_pairs) = 0.0_wp !! contact pressure; 0 if unknown [Pa]
+      real(wp) :: overlap(most_pairs) = 0.0_wp !! as in `static_state` [m]
+      real(wp) :: foot(2, most_pairs) = 0.0_wp !! roll lengths of the loaded points on A and B [m]
    end type static_node
 
    !> A border that a tooth pair crosses between two positions.
    type :: border_t
       logical :: exists = .false.
       integer :: pair = 0    !! number of the tooth pair
-      integer :: wheel = 0   !! by_a or by_b; 0: it begins or ends to carry
-      integer :: number = 0  !! of the border, between zone `number` and the next one; or an end of the smooth range of c
-      logical :: of_path = .false. !! it carries from, or up to, the end of its path
+      integer :: wheel = 0   !! by_a or by_b; 0: the pair starts or stops carrying load
+      integer :: number = 0  !! border between zone `number` and the next one; or an end of the smooth range of c
+      logical :: of_path = .false. !! the pair starts or stops carrying load at the end of its path
    end type border_t
 
 contains
 
-   !> The position of a state.
+   !> Node of a state.
    pure type(static_node) function node_of(x, rho_a, turns, contact, mesh, state) result(node)
       real(wp), intent(in) :: x               !! [pitches]
       real(wp), intent(in) :: rho_a           !! of pair 0 there [m]
-      integer, intent(in) :: turns            !! +1 or -1: of the numbers of the contact's pairs against those of the mesh
+      integer, intent(in) :: turns            !! +1 or -1: sense of the contact's pair numbers relative to those of the mesh
       type(tooth_contact_t), intent(in) :: contact
       type(static_mesh_t), intent(in) :: mesh
       type(static_state), intent(in) :: state
@@ -87,7 +87,7 @@ contains
       end do
    end function node_of
 
-   !> Zones and largest contact pressure of a pair that carries.
+   !> Zones and maximum contact pressure of a loaded pair.
    pure subroutine touch(contact, number, mesh, state, i, mode, pressure)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: number !! of the contact's tooth pair
@@ -108,7 +108,7 @@ contains
       end associate
    end subroutine touch
 
-   !> Where a tooth pair stands among the pairs of a node; 0: it is not there.
+   !> Index of a tooth pair among the pairs of a node; 0: not found.
    pure integer function index_of(node, pair) result(i)
       type(static_node), intent(in) :: node
       integer, intent(in) :: pair
@@ -117,7 +117,7 @@ contains
       if (node%n > 0) i = findloc(node%numbers(:node%n), pair, dim=1)
    end function index_of
 
-   !> Whether a pair carries.
+   !> Whether a pair carries load.
    pure logical function carries(node, pair)
       type(static_node), intent(in) :: node
       integer, intent(in) :: pair
@@ -128,7 +128,7 @@ contains
       if (i > 0) carries = node%force(i) > 0
    end function carries
 
-   !> A quantity at a node; of a pair that is not there 0.
+   !> Value of a quantity at a node; 0 for a pair that is not there.
    pure real(wp) function quantity_at(node, quantity, pair) result(value)
       type(static_node), intent(in) :: node
       integer, intent(in) :: quantity, pair
@@ -158,7 +158,7 @@ contains
       end select
    end function quantity_at
 
-   !> A border that lies between two nodes.
+   !> A border between two nodes, if any.
    pure type(border_t) function border_of(left, right) result(border)
       type(static_node), intent(in) :: left, right
       integer :: i, j, pair, w
@@ -185,7 +185,7 @@ contains
       border = border_t()
    end function border_of
 
-   !> On which side of a border a node lies: true where the pair carries, or is in a zone behind it.
+   !> Side of a border on which a node lies: true if the pair carries load, or is in a zone beyond the border.
    pure logical function passes(node, border)
       type(static_node), intent(in) :: node
       type(border_t), intent(in) :: border
@@ -201,7 +201,7 @@ contains
       end if
    end function passes
 
-   !> The function of a border: above 0 where a node passes it, but for rounding [m].
+   !> Function of a border: positive where a node passes it, except for rounding [m].
    pure real(wp) function value_at(node, border, contact, mesh) result(value)
       type(static_node), intent(in) :: node
       type(border_t), intent(in) :: border
@@ -225,7 +225,7 @@ contains
       end if
    end function value_at
 
-   !> Radii of curvature at the borders of a wheel's flank [m]; those that it does not have lie at the next one outwards.
+   !> Radii of curvature at the borders of a wheel's flank [m]; missing borders are set to the next one outwards.
    pure function borders_of(contact, wheel) result(borders)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: wheel

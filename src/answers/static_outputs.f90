@@ -1,5 +1,5 @@
-!> What the static analysis of a mesh tells, as rows of a table: of a torque, of the positions in the mesh, of tooth pairs there,
-!> and of the harmonics of the transmission error. Positions and pairs are listed and stored as evl_output_registry says.
+!> Outputs of the quasi-static analysis of a mesh as rows of a table: for a torque, for the mesh positions, for tooth pairs there,
+!> and for the harmonics of the transmission error. Positions and pairs are listed and stored as in evl_output_registry.
 module evl_static_outputs
    use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
@@ -16,27 +16,27 @@ module evl_static_outputs
    public :: n_harmonics, youngest
 
    integer, parameter :: n_harmonics = 10
-   integer, parameter :: youngest = -1 !! the pair that comes next: pitches that it is ahead of the last one on the path
+   integer, parameter :: youngest = -1 !! first slot, for the next pair: pitches ahead of the last pair on the path
 
    integer, parameter :: in_mesh = 1, in_start = 2, in_torque = 3, in_positions = 4, in_pairs = 5, in_harmonics = 6
 
-   !> What all positions at one torque add up to.
+   !> Results over all positions at one torque.
    type :: static_sum
-      real(wp) :: torque = 0.0_wp, force = 0.0_wp !! of the driving wheel; of the teeth [N m], [N]
-      real(wp) :: line_load = 0.0_wp             !! force over the width [N/m]
-      real(wp) :: mean = 0.0_wp                  !! transmission error [m]
+      real(wp) :: torque = 0.0_wp, force = 0.0_wp !! of the driving wheel; total tooth force [N m], [N]
+      real(wp) :: line_load = 0.0_wp             !! tooth force over the width [N/m]
+      real(wp) :: mean = 0.0_wp                  !! mean transmission error [m]
       real(wp) :: secant = 0.0_wp, tangent = 0.0_wp !! mean stiffnesses [N/m]
-      real(wp) :: per_width = 0.0_wp             !! the mean secant stiffness over the width [Pa]
-      real(wp) :: carrying = 0.0_wp              !! mean number of pairs that carry
+      real(wp) :: per_width = 0.0_wp             !! mean secant stiffness over the width [Pa]
+      real(wp) :: carrying = 0.0_wp              !! mean number of loaded pairs
       type(extremes_t) :: extremes
-      real(wp) :: share = 0.0_wp                 !! the largest force of a pair over that of the teeth [1]
+      real(wp) :: share = 0.0_wp                 !! largest force of a pair over the tooth force [1]
       real(wp) :: single = 0.0_wp                !! stiffness of one pair at the pitch point, per width [Pa]
       real(wp) :: iso_single = 0.0_wp, iso = 0.0_wp !! c' and c_gamma of ISO 6336-1 [Pa]
    end type static_sum
 
 contains
 
-   !> The table: every section once.
+   !> List the table: every section once.
    subroutine list_static(table)
       type(output_t), intent(out), allocatable :: table(:)
       type(registry_t) :: registry
@@ -54,7 +54,7 @@ contains
       call take_rows(registry, table)
    end subroutine list_static
 
-   !> How many values each row has.
+   !> Number of values of each row.
    subroutine static_counts(n_positions, n_pairs, counts)
       integer, intent(in) :: n_positions, n_pairs
       integer, allocatable, intent(out) :: counts(:)
@@ -65,10 +65,10 @@ contains
       counts = [(elements_of(table(i)%dims, n_positions, n_pairs), i=1, size(table))]
    end subroutine static_counts
 
-   !> Where the rows stand among the values, and how many these are.
+   !> Offsets of the rows in the array of values, and the number of values.
    subroutine static_columns(n_positions, n_pairs, rows_before, columns, n_values)
       integer, intent(in) :: n_positions, n_pairs
-      integer, allocatable, intent(out) :: rows_before(:), columns(:) !! as of `store_in`
+      integer, allocatable, intent(out) :: rows_before(:), columns(:) !! as for `store_in`
       integer, intent(out) :: n_values
       type(output_t), allocatable :: table(:)
       integer :: i
@@ -83,7 +83,7 @@ contains
       end do
    end subroutine static_columns
 
-   !> Elements of a section.
+   !> Number of elements of a section.
    pure integer function elements_of(dims, n_positions, n_pairs) result(n)
       integer, intent(in) :: dims, n_positions, n_pairs
 
@@ -99,7 +99,7 @@ contains
       end select
    end function elements_of
 
-   !> Of the mesh.
+   !> Rows of the mesh.
    subroutine add_static_mesh(registry, pair, width, speed)
       type(registry_t), intent(inout) :: registry
       type(spur_pair_t), intent(in) :: pair
@@ -118,7 +118,7 @@ contains
                       "speed of the driving wheel that friction goes by; 0: none", speed)
    end subroutine add_static_mesh
 
-   !> Of a position, whatever the torque.
+   !> Rows of a position that do not depend on the torque.
    subroutine add_static_start(registry, position, angle, h_0)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: position
@@ -132,7 +132,7 @@ contains
                       "transmission error without load, where the first pair touches", h_0)
    end subroutine add_static_start
 
-   !> Of all positions at a torque.
+   !> Rows of all positions at a torque.
    subroutine add_static_torque(registry, total)
       type(registry_t), intent(inout) :: registry
       type(static_sum), intent(in) :: total
@@ -167,11 +167,11 @@ contains
                       "c' of ISO 6336-1, from measured pairs without body: not the same", total%iso_single)
    end subroutine add_static_torque
 
-   !> Of a position.
+   !> Rows of a position.
    subroutine add_static_position(registry, position, force, lag, base_radius, state)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: position
-      real(wp), intent(in) :: force       !! of the teeth [N]
+      real(wp), intent(in) :: force       !! total tooth force [N]
       real(wp), intent(in) :: lag         !! of the driven wheel [m]
       real(wp), intent(in) :: base_radius !! of the driven wheel [m]
       type(static_state), intent(in) :: state
@@ -191,12 +191,12 @@ contains
                       count(state%potential%answer%force(:state%n) > 0))
    end subroutine add_static_position
 
-   !> Of a place for a tooth pair at a position.
+   !> Rows of a tooth pair slot at a position.
    subroutine add_static_pair(registry, place, state, i, share, force, pressure)
       type(registry_t), intent(inout) :: registry
-      integer, intent(in) :: place !! of all of all positions
+      integer, intent(in) :: place !! index of the slot, counted over all positions
       type(static_state), intent(in) :: state
-      integer, intent(in) :: i     !! which of its pairs; 0: none is there
+      integer, intent(in) :: i     !! index of the pair in the state; 0: none in this slot
       real(wp), intent(in) :: share, force, pressure !! [1], [N], [Pa]
       real(wp) :: foot(2), friction
       integer :: kind
@@ -223,11 +223,11 @@ contains
                       "0 no force, 1 flank on flank, 2 tip edge of the driving wheel, 3 tip edge of the driven wheel", kind)
    end subroutine add_static_pair
 
-   !> Of a harmonic of the mesh frequency.
+   !> Rows of a harmonic of the mesh frequency.
    subroutine add_static_harmonic(registry, harmonic, amplitude)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: harmonic
-      complex(wp), intent(in) :: amplitude !! sum of all is h = Re sum amplitude exp(2 pi i harmonic position) [m]
+      complex(wp), intent(in) :: amplitude !! h = Re of the sum over all harmonics of amplitude exp(2 pi i harmonic position) [m]
 
       call begin_section(registry, in_harmonics, dims_harmonic, harmonic)
       call add_output(registry, "harmonic_amplitude", "m", "h_n", &
@@ -236,7 +236,7 @@ contains
                       atan2(amplitude%im, amplitude%re))
    end subroutine add_static_harmonic
 
-   !> A stiffness; NaN if there is none.
+   !> A secant stiffness; NaN if h is not positive.
    pure real(wp) function ratio(force, h)
       real(wp), intent(in) :: force, h
 

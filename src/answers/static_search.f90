@@ -1,7 +1,7 @@
-!> The search for the extremes of a mesh at rest: what is found so far, and the candidates for more.
+!> Search for the extremes of a quasi-static analysis: the extremes found so far, and candidates for larger ones.
 !>
-!> A parabola through three neighbouring positions, between which no border lies, shows where an extreme may exceed those found so
-!> far. There the mesh is solved, until the extreme does not move.
+!> A parabola through three neighbouring positions without a border between them predicts where an extreme may exceed those found so
+!> far. The mesh is solved there, repeatedly until the extreme converges.
 module evl_static_search
    use evl_kinds, only: wp
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
@@ -13,28 +13,28 @@ module evl_static_search
 
    public :: close, follow_candidates, list_candidates, record, rho_at, solve_at, static_search, vertex
 
-   real(wp), parameter :: close = 1.0e-9_wp   !! pitches between both sides of a border that is located
-   real(wp), parameter :: enough = 1.0e-6_wp  !! of an extreme, of the range of h: what it has to exceed another one by
-   integer, parameter :: most_steps = 12      !! to an extreme
+   real(wp), parameter :: close = 1.0e-9_wp   !! distance of both sides of a located border [pitches]
+   real(wp), parameter :: enough = 1.0e-6_wp  !! minimum gain of a new extreme, relative to its value, or to the range for h
+   integer, parameter :: most_steps = 12      !! maximum number of iterations for an extreme
 
    !> Three neighbours between which a quantity may exceed its extreme.
    type :: candidate_t
       integer :: quantity = 0, pair = 0
       type(static_node) :: nodes(3)
-      real(wp) :: most = 0.0_wp !! what it may reach
+      real(wp) :: most = 0.0_wp !! estimate of the maximum
    end type candidate_t
 
-   !> A search under way.
+   !> State of a search.
    type :: static_search
       type(tooth_contact_t), pointer :: contact => null()
       type(static_mesh_t), pointer :: mesh => null()
       real(wp) :: rho_a = 0.0_wp !! of pair 0 at position 0 [m]
-      integer :: turns = 1       !! sense in which it moves
-      real(wp) :: force = 0.0_wp !! of the teeth [N]
-      real(wp) :: at = 0.0_wp    !! position that was solved last [pitches]
+      integer :: turns = 1       !! +1 or -1: sense of its motion
+      real(wp) :: force = 0.0_wp !! total tooth force [N]
+      real(wp) :: at = 0.0_wp    !! last position solved [pitches]
       real(wp) :: records(n_quantities) = -huge(1.0_wp)
-      type(static_node) :: piece(3) !! the last nodes of the present piece
-      integer :: n_in_piece = 0     !! how many of them there are, at most 3
+      type(static_node) :: piece(3) !! the last nodes of the current piece
+      integer :: n_in_piece = 0     !! their number, at most 3
       integer :: n_candidates = 0
       type(candidate_t), allocatable :: candidates(:)
    end type static_search
@@ -49,7 +49,7 @@ contains
       rho_at = self%rho_a + self%turns*(x*self%mesh%base_pitch)
    end function rho_at
 
-   !> The mesh at a position between two others.
+   !> Solve the mesh at a position between two others.
    subroutine solve_at(self, x, left, right, node, status)
       type(static_search), intent(inout) :: self
       real(wp), intent(in) :: x
@@ -62,17 +62,17 @@ contains
       if (self%mesh%reach > 0) then
          call solve_static(self%mesh, rho_at(self, x), self%force, state, status, &
                            left%h + (right%h - left%h)*(x - left%x)/(right%x - left%x))
-      else ! two states may be possible at an end of the path: the one that positions have
+      else ! two states may exist at an end of the path: start as at the positions
          call solve_static(self%mesh, rho_at(self, x), self%force, state, status)
       end if
       if (.not. has_failed(status)) node = node_of(x, rho_at(self, x), self%turns, self%contact, self%mesh, state)
    end subroutine solve_at
 
-   !> The vertex of a parabola that has a maximum.
+   !> Vertex of a parabola with a maximum.
    pure subroutine vertex(x, f, at, most, interval)
       real(wp), intent(in) :: x(3), f(3)
       real(wp), intent(out) :: at, most
-      integer, intent(out) :: interval !! 1 or 2: between which it lies; 0: nowhere
+      integer, intent(out) :: interval !! interval 1 or 2 that contains it; 0: none
       real(wp) :: bend, slope
 
       interval = 0
@@ -87,7 +87,7 @@ contains
       interval = merge(1, 2, at < x(2))
    end subroutine vertex
 
-   !> Follow the candidates, the most promising one first, until none may exceed an extreme.
+   !> Process the candidates in descending order of gain until none can exceed an extreme.
    subroutine follow_candidates(self, status)
       type(static_search), intent(inout) :: self
       type(status_t), intent(inout) :: status
@@ -112,7 +112,7 @@ contains
       end do
    end subroutine follow_candidates
 
-   !> What a node has of the extremes.
+   !> Update the extremes with the values at a node.
    pure subroutine record(self, node)
       type(static_search), intent(inout) :: self
       type(static_node), intent(in) :: node
@@ -128,7 +128,7 @@ contains
       end do
    end subroutine record
 
-   !> Whether a value would exceed an extreme by more than matters.
+   !> Whether a value exceeds an extreme significantly.
    pure logical function may_exceed(self, quantity, value)
       type(static_search), intent(in) :: self
       integer, intent(in) :: quantity
@@ -137,7 +137,7 @@ contains
       may_exceed = value > self%records(quantity) + enough*scale_of(self, quantity)
    end function may_exceed
 
-   !> What a part of an extreme is measured by: its value, of h the range.
+   !> Scale of an extreme: its value, or the range for h.
    pure real(wp) function scale_of(self, quantity) result(scale)
       type(static_search), intent(in) :: self
       integer, intent(in) :: quantity
@@ -146,7 +146,7 @@ contains
       if (quantity <= of_less_h) scale = self%records(of_h) + self%records(of_less_h)
    end function scale_of
 
-   !> By how much a candidate may exceed its extreme, over its scale.
+   !> Predicted gain of a candidate, relative to the scale of its extreme.
    pure real(wp) function gain(self, candidate)
       type(static_search), intent(in) :: self
       type(candidate_t), intent(in) :: candidate
@@ -156,7 +156,7 @@ contains
       end associate
    end function gain
 
-   !> List what may exceed an extreme between three nodes of a piece.
+   !> List the candidates between three nodes of a piece.
    subroutine list_candidates(self, nodes)
       type(static_search), intent(inout) :: self
       type(static_node), intent(in) :: nodes(3)
@@ -173,7 +173,7 @@ contains
       end do
    end subroutine list_candidates
 
-   !> List one of them.
+   !> List a candidate if it can exceed its extreme.
    subroutine list_candidate(self, nodes, quantity, pair)
       type(static_search), intent(inout) :: self
       type(static_node), intent(in) :: nodes(3)
@@ -201,7 +201,7 @@ contains
       self%candidates(self%n_candidates) = found
    end subroutine list_candidate
 
-   !> Go to the extreme between three nodes by the vertices of parabolas.
+   !> Iterate to the extreme between three nodes with the vertices of parabolas.
    subroutine follow(self, candidate, status)
       type(static_search), intent(inout) :: self
       type(candidate_t), intent(in) :: candidate

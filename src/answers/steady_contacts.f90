@@ -1,4 +1,4 @@
-!> Tooth pairs of a static equilibrium: positions to begin with, and which pairs carry load at given positions.
+!> Tooth pairs of a static equilibrium: initial positions, and loaded pairs at given positions.
 module evl_steady_contacts
    use evl_contact_modes, only: mode_at
    use evl_discrete_state, only: flanks_of, gearbox_store_mode, take_mode, tooth_pair_of
@@ -14,7 +14,7 @@ module evl_steady_contacts
 
 contains
 
-   !> Positions to begin with: every mesh has about its static penetration, on the pair that is nearest to it.
+   !> Initial positions: every mesh has approximately its static penetration, at the tooth pair with the largest penetration.
    subroutine press_flanks(gearbox, state)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
@@ -37,8 +37,8 @@ contains
       end do
    end subroutine press_flanks
 
-   !> The tooth pairs that carry load at y: those that overlap and push, and on every drive flank at least the nearest one; every
-   !> friction branch as the speeds say.
+   !> Set the loaded tooth pairs at y: those that overlap with a compressive force, and at least the nearest pair of every drive
+   !> flank. Friction branches follow from the speeds.
    subroutine load_all(gearbox, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
@@ -59,7 +59,7 @@ contains
       do m = 1, size(gearbox%contacts)
          call take_mode(gearbox, m, state%integers, state%reals, at(m)%mode)
       end do
-      do m = 1, size(gearbox%contacts) ! what each carries depends on what the others of its company do
+      do m = 1, size(gearbox%contacts) ! the load of each contact depends on the modes of the contacts coupled to it
          if (at(m)%mode%flanks == flanks_off) cycle
          associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
             call flank%company(m, first, last)
@@ -68,7 +68,7 @@ contains
          end associate
       end do
       carried = .false.
-      do pass = 1, 2 ! first what overlaps and pushes, then the nearest pair where that is nothing
+      do pass = 1, 2 ! first overlapping pairs under compression, then the nearest pair if there are none
          do m = 1, size(gearbox%contacts)
             associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive, mode => at(m)%mode, &
                        flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
@@ -78,9 +78,9 @@ contains
                   call flank%company(m, first, last)
                   call mode_at(flank, gearbox%contacts, m, first, last, at, status)
                   if (has_failed(status)) return
-                  mode%sides = 0 ! as the rates say, which the solution still changes
-                  mode%v0 = 0    ! it follows from no approach
-                  if (contact%rigid) mode%flanks = flanks_loaded ! one on the path pushes
+                  mode%sides = 0 ! given by the rates, which the solution still changes
+                  mode%v0 = 0    ! no approach precedes the start
+                  if (contact%rigid) mode%flanks = flanks_loaded ! on the path it carries load
                   if (drives .and. mode%flanks == flanks_loaded) carried(contact%mesh) = .true.
                else if (drives .and. .not. carried(contact%mesh) .and. at(m)%point%h >= largest(contact%mesh)) then
                   mode%flanks = flanks_loaded
@@ -92,8 +92,8 @@ contains
       end do
    end subroutine load_all
 
-   !> Put the tooth pairs that are on the path into their slots, and find their contacts and the largest penetration of every
-   !> mesh's drive flank; -huge if none is on the path.
+   !> Assign the tooth pairs on the path to their slots, and compute their contacts. largest: maximum penetration of every drive
+   !> flank; -huge if no pair is on the path.
    subroutine look_at_pairs(gearbox, state, at, largest)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state

@@ -1,13 +1,13 @@
-!> Newton's method for the steady state: positions at which nothing accelerates, while speeds follow the slopes of flanks.
+!> Newton's method for the steady state: positions without acceleration, with speeds that follow from the slopes of the flanks.
 !>
 !> With q the positions that the contacts determine (psi of the rotors, s of the supports, multipliers of rigid contacts), the
-!> static equilibrium a(theta, omega, q) = 0 changes along theta by
+!> static equilibrium a(theta, omega, q) = 0 varies along theta by
 !>
 !>    da/dtheta + da/dq dq/dtheta = 0
 !>
 !> and the speeds are q' = omega dq/dtheta.
 !>
-!> Where the driving wheel of a mesh has a given angle, theta follows from its deviation: theta = target - psi/g.
+!> If the angle of the driving wheel of a mesh is given, theta follows from its deviation: theta = target - psi/g.
 !>
 !> Source: docs/theory.md, section 9.
 module evl_steady_newton
@@ -27,31 +27,31 @@ module evl_steady_newton
 
    public :: find_slopes, follow, relax_steady, solve_steady, steady_residual, steady_system
 
-   integer, parameter :: max_newton = 60               !! corrections; a start from rest needs about five
+   integer, parameter :: max_newton = 60               !! maximum number of corrections; a start from rest needs about five
    real(wp), parameter :: newton_tolerance = 1.0e-13_wp !! last correction, relative to the scales of the states
-   real(wp), parameter :: few = 16      !! digits that a sum of forces may lose
+   real(wp), parameter :: few = 16      !! rounding errors of a sum of forces, in units of epsilon
 
-   !> What is looked for, and what determines it.
+   !> Unknowns and equations.
    type :: steady_system
-      integer, allocatable :: unknown(:)   !! places in the state; those of q come first
-      integer, allocatable :: row(:)       !! rows that have to vanish, as many
-      integer, allocatable :: speed(:)     !! index of the rate of each of q in the state; 0 if it has none
+      integer, allocatable :: unknown(:)   !! state indices; those of q come first
+      integer, allocatable :: row(:)       !! equations to be satisfied, of the same number
+      integer, allocatable :: speed(:)     !! state index of the rate of each q; 0 if none
       real(wp), allocatable :: slopes(:)   !! dq/dtheta
-      integer :: i_anchor = 0              !! index of the deviation psi of the wheel whose angle is given; 0: theta is given
+      integer :: i_anchor = 0              !! state index of psi of the wheel whose angle is given; 0: theta is given
       real(wp) :: anchor_ratio = 1.0_wp    !! g of that wheel
       real(wp) :: target = 0.0_wp          !! its angle over g [rad]
    end type steady_system
 
 contains
 
-   !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta. Corrections are good that reduce the scaled residual; where these
-   !> do not come to an end, those too that reduce what it asks for.
+   !> Solve F(row) = 0 for y(unknown) with q' = omega dq/dtheta. A correction is accepted if it reduces the scaled residual; if that
+   !> does not converge, also if it reduces the next (simplified Newton) correction.
    !> Errors: code_no_solution, code_out_of_domain.
    subroutine solve_steady(gearbox, system, state, found, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      logical, intent(out) :: found !! false if the corrections do not end
+      logical, intent(out) :: found !! false: not converged
       type(status_t), intent(inout) :: status
       real(wp) :: begin(gearbox%n_states)
 
@@ -62,14 +62,14 @@ contains
       call iterate(gearbox, system, state, .true., found, status)
    end subroutine solve_steady
 
-   !> The same in one of the two ways, halving corrections that leave the domain or are not good. If however small ones leave the
-   !> domain, y has the whole correction: behind the border other modes may hold.
+   !> The same with one of the two criteria. Corrections that leave the domain or are not accepted are halved. If even tiny ones
+   !> leave the domain, y is set to the full correction: beyond the border other modes may apply.
    subroutine iterate(gearbox, system, state, by_corrections, found, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      logical, intent(in) :: by_corrections !! those too that reduce what the residual asks for
-      logical, intent(out) :: found         !! false if the corrections do not end
+      logical, intent(in) :: by_corrections !! accept also those that reduce the next correction
+      logical, intent(out) :: found         !! false: not converged
       type(status_t), intent(inout) :: status
       real(wp), dimension(gearbox%n_states) :: f, y, scale, row_scale
       real(wp), dimension(size(system%row), size(system%row)) :: matrix, before
@@ -132,8 +132,8 @@ contains
       end associate
    end subroutine iterate
 
-   !> What a residual asks for, in units of the scales of the states. Unlike the residual it does not depend on the scales of rows:
-   !> where one is a tiny speed, the residual grows with the square of a correction.
+   !> Simplified Newton correction for a residual, in units of the scales of the states. Unlike the residual it does not depend on
+   !> the scales of rows: for a very small speed the residual grows with the square of a correction.
    function corrections(matrix, residual) result(step)
       real(wp), intent(in) :: matrix(:, :), residual(:)
       real(wp) :: step(size(residual)), factors(size(residual), size(residual)), column(size(residual), 1)
@@ -146,19 +146,20 @@ contains
       if (info /= 0) step = sqrt(huge(1.0_wp))/size(step)
    end function corrections
 
-   !> Corrections below this that no longer shrink are rounding: where heavy axles sag under gears with hardly any load, one digit
-   !> of a place is more than 1e-9 of the penetration. A speed does not count: what corrects one that has run away is rounding.
+   !> Limit below which corrections that no longer decrease are rounding error. With heavy axles and little load, one digit of a
+   !> position exceeds 1e-9 of the penetration. The speed is excluded: relative to a runaway speed, any correction would count as
+   !> rounding.
    pure real(wp) function at_rounding(x) result(least)
-      real(wp), intent(in) :: x(:) !! places that are looked for, in units of their scales
+      real(wp), intent(in) :: x(:) !! unknown positions, in units of their scales
 
       least = max(1.0e-9_wp, few*epsilon(x)*norm2(x))
    end function at_rounding
 
-   !> Whether what is left of every sum of forces is the rounding of its terms. Then a correction is, too, however large it is: the
-   !> friction of light torques that balance holds a speed that is nothing beside the one that they would give in a second. Of a
-   !> speed that has run away past that one it tells nothing.
+   !> Whether the residual of every sum of forces is rounding error of its terms. Then the correction is rounding error too, however
+   !> large: friction of small balanced torques determines a speed that is negligible compared with the speed that the torques would
+   !> produce in a second. Not applicable to a speed that has run away beyond the latter.
    pure logical function is_balanced(matrix, x, residual)
-      real(wp), intent(in) :: matrix(:, :), x(:), residual(:) !! of Newton's method, x as in at_rounding
+      real(wp), intent(in) :: matrix(:, :), x(:), residual(:) !! of Newton's method; x as in at_rounding
       integer :: i
 
       is_balanced = .false.
@@ -168,13 +169,14 @@ contains
       is_balanced = .true.
    end function is_balanced
 
-   !> One implicit Euler step of the flow q' = a(q), whose rest is the equilibrium: (rate + M) dq = a, in units of the scales.
+   !> One implicit Euler step of the flow q' = a(q), whose fixed point is the equilibrium: (rate + M) dq = a, in units of the
+   !> scales.
    !> Errors: code_no_solution, code_out_of_domain.
    subroutine relax_steady(gearbox, system, state, rate, force, distance, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
-      real(wp), intent(inout) :: rate    !! inverse of the step; 0: the largest of M's diagonal [1/s]
+      real(wp), intent(inout) :: rate    !! inverse of the step size; 0: use the largest diagonal element of M [1/s]
       real(wp), intent(out) :: force     !! norm of a before the step, in units of the scales
       real(wp), intent(out) :: distance  !! length of the step, in units of the scales
       type(status_t), intent(inout) :: status
@@ -206,7 +208,7 @@ contains
       call follow(system, state%y)
    end subroutine relax_steady
 
-   !> How the equilibrium at y changes along theta: the slopes dq/dtheta.
+   !> Slopes dq/dtheta of the equilibrium at y.
    subroutine find_slopes(gearbox, system, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state
@@ -237,7 +239,7 @@ contains
       end associate
    end subroutine find_slopes
 
-   !> The speeds that belong to omega, and the angle theta that belongs to the anchor.
+   !> Set the speeds from omega, and theta from the given wheel angle.
    pure subroutine follow(system, y)
       type(steady_system), intent(in) :: system
       real(wp), intent(inout) :: y(:)
@@ -249,7 +251,7 @@ contains
       if (system%i_anchor > 0) y(i_theta) = system%target - y(system%i_anchor)/system%anchor_ratio
    end subroutine follow
 
-   !> The matrix of Newton's method in units of the scales.
+   !> Matrix of Newton's method in units of the scales.
    subroutine steady_matrix(gearbox, system, state, scale, row_scale, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state
@@ -277,7 +279,7 @@ contains
       end associate
    end subroutine steady_matrix
 
-   !> The residual where no speed changes.
+   !> Residual at constant speeds.
    subroutine steady_residual(gearbox, state, residual, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state
@@ -290,7 +292,7 @@ contains
       call gearbox_residual(gearbox, state%t, state%y, yp, state%integers, state%reals, residual, status)
    end subroutine steady_residual
 
-   !> The linear system of Newton's method has no solution.
+   !> Report that the linear system of Newton's method is singular.
    subroutine undetermined(gearbox, status)
       type(gearbox_t), intent(in) :: gearbox
       type(status_t), intent(inout) :: status

@@ -1,7 +1,7 @@
-!> Position of the meshes at a steady start.
+!> Mesh position of a steady start.
 !>
-!> The position counts pitches of the first mesh in the flow of power, by the angle of its driving wheel. It does not depend on the
-!> order of wheels and meshes in the case, nor on the reference wheel.
+!> The position counts pitches of the first mesh in the power flow (see `first_mesh`), by the angle of its driving wheel. It does
+!> not depend on the order of wheels and meshes in the case, nor on the reference wheel.
 !>
 !> Source: docs/theory.md, section 9.
 module evl_steady_position
@@ -13,11 +13,11 @@ module evl_steady_position
 
    public :: default_position, first_mesh, place_at, steady_place
 
-   real(wp), parameter :: same = 1.0e-9_wp       !! relative: properties of meshes that differ less are equal
-   real(wp), parameter :: wide = 0.25_wp         !! least fraction of a pitch with one pair more, in which the default stands
-   real(wp), parameter :: margin = 0.05_wp       !! pitches from every border that are enough
-   integer, parameter :: most_pitches = 64       !! of the first mesh that are searched for a position
-   real(wp), parameter :: shares(5) = [1/2.0_wp, 3/8.0_wp, 5/8.0_wp, 1/4.0_wp, 3/4.0_wp] !! of the zone, in the order of the search
+   real(wp), parameter :: same = 1.0e-9_wp       !! relative tolerance for equal properties of meshes
+   real(wp), parameter :: wide = 0.25_wp         !! minimum fraction of a pitch with one more pair for the default position
+   real(wp), parameter :: margin = 0.05_wp       !! sufficient distance from every border [pitches]
+   integer, parameter :: most_pitches = 64       !! limit of the search for a position, in pitches of the first mesh
+   real(wp), parameter :: shares(5) = [1/2.0_wp, 3/8.0_wp, 5/8.0_wp, 1/4.0_wp, 3/4.0_wp] !! positions in the zone, in search order
 
    !> A wheel with a given angle.
    type :: steady_place
@@ -27,7 +27,7 @@ module evl_steady_position
 
 contains
 
-   !> The mesh with the highest mesh frequency; among equals the first in the flow of power, then by geometry.
+   !> The mesh with the highest mesh frequency; if equal, the first in the power flow, then by geometry.
    pure integer function first_mesh(gearbox) result(first)
       type(gearbox_t), intent(in) :: gearbox
       integer :: depth(size(gearbox%pairs)), m
@@ -39,7 +39,7 @@ contains
       end do
    end function first_mesh
 
-   !> Number of meshes through which power comes to each mesh; in a loop at most the number of meshes.
+   !> Number of meshes upstream of each mesh in the power flow; in a loop at most the number of meshes.
    pure function depths(gearbox) result(depth)
       type(gearbox_t), intent(in) :: gearbox
       integer :: depth(size(gearbox%pairs)), i, m, turn
@@ -55,7 +55,7 @@ contains
       end do
    end function depths
 
-   !> Properties by which meshes are ordered.
+   !> Properties by which meshes are sorted.
    pure function properties(gearbox, mesh, depth) result(list)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh, depth
@@ -69,7 +69,7 @@ contains
       end associate
    end function properties
 
-   !> Whether one list is before another; numbers that are equal but for rounding are passed over.
+   !> Whether one list sorts before another; numbers equal within the tolerance are skipped.
    pure logical function precedes(a, b)
       real(wp), intent(in) :: a(:), b(:)
       integer :: i
@@ -82,7 +82,7 @@ contains
       end do
    end function precedes
 
-   !> Pitches of a mesh in a radian of the reference wheel.
+   !> Pitches of a mesh per radian of the reference wheel.
    pure real(wp) function pitches_per_radian(gearbox, mesh)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -92,7 +92,7 @@ contains
       end associate
    end function pitches_per_radian
 
-   !> The place at which pair 0 of the first mesh is so many pitches from the start of contact, by the angle of the driving wheel.
+   !> Wheel angle for a position: pitches of pair 0 of the first mesh from the start of contact, by the angle of the driving wheel.
    pure type(steady_place) function place_at(gearbox, position) result(place)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: position !! [pitches]
@@ -105,12 +105,12 @@ contains
       end associate
    end function place_at
 
-   !> A position inside a zone of the first mesh, with no other mesh on a border: the middle of the zone with one pair more if this
-   !> is at least a quarter of a pitch, else that of the zone with fewer. Other meshes have the positions of a given state, but for
-   !> whole pitches of the first mesh, and for other places in the zone if these are not enough.
+   !> A position within a zone of the first mesh, with no other mesh at a border: the middle of the zone with one additional pair if
+   !> that zone is at least a quarter of a pitch, else of the zone with fewer pairs. Other meshes have the positions of a given
+   !> state; whole pitches of the first mesh are added and, if these do not suffice, other positions in the zone are tried.
    pure real(wp) function default_position(gearbox, y) result(position)
       type(gearbox_t), intent(in) :: gearbox
-      real(wp), intent(in), optional :: y(:) !! state whose deviations count; none: those of the unloaded gearbox
+      real(wp), intent(in), optional :: y(:) !! state whose deviations are used; absent: those of the unloaded gearbox
       real(wp) :: zone(2), best, least, x
       integer :: first, i, m, n, whole
 
@@ -135,7 +135,7 @@ contains
       end do
    end function default_position
 
-   !> Fractional part of the contact ratio: in this part of a pitch there is one pair more.
+   !> Fractional part of the contact ratio: the fraction of a pitch with one additional pair.
    pure real(wp) function more_pairs_share(gearbox, mesh) result(share)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -145,7 +145,7 @@ contains
       end associate
    end function more_pairs_share
 
-   !> The zone in which the default stands, in pitches after the entry of a pair.
+   !> Zone of the default position, in pitches after the entry of a pair.
    pure function best_zone(gearbox, mesh) result(zone)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -157,7 +157,7 @@ contains
       end associate
    end function best_zone
 
-   !> Position of a mesh where the first mesh has the position x.
+   !> Position of a mesh when the first mesh has the position x.
    pure real(wp) function position_there(gearbox, first, mesh, x, y) result(position)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, mesh

@@ -1,4 +1,4 @@
-!> Why there is no steady state: what the start does not allow, a load of the wrong sense, a slope of flanks, or a pair at the end
+!> Reasons why there is no steady state: an unsupported start, a load of the wrong sense, a slope of flanks, or a pair at the end
 !> of its path.
 module evl_steady_refusals
    use evl_contacts_at_state, only: look_at
@@ -19,11 +19,11 @@ module evl_steady_refusals
 
    public :: check_pressed, check_steady, refuse_alternation, refuse_slope
 
-   real(wp), parameter :: touching = 1.0e-6_wp !! gap over the penetration scale of flanks that touch without a load
+   real(wp), parameter :: touching = 1.0e-6_wp !! gap over the penetration scale of flanks in contact without load
 
 contains
 
-   !> A steady state can exist: no prescribed speed changes, and at most one is prescribed.
+   !> Check that a steady state can exist: no prescribed speed changes, and at most one is prescribed.
    subroutine check_steady(gearbox, integers, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: integers(:)
@@ -53,8 +53,8 @@ contains
       end do
    end subroutine check_steady
 
-   !> In the steady state every tooth pair that carries load pushes.
-   !> Errors: code_no_solution with the load that has the wrong sense, the mesh that nothing presses, or the pair that pulls.
+   !> Check that the force of every loaded tooth pair is compressive.
+   !> Errors: code_no_solution with the load of the wrong sense, the mesh without load, or the pair under tension.
    subroutine check_pressed(gearbox, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state
@@ -80,7 +80,7 @@ contains
       end do
    end subroutine check_pressed
 
-   !> The drive flanks of a mesh would have to pull: say which load has the wrong sense.
+   !> Report the load of the wrong sense that separates the drive flanks of a mesh.
    subroutine refuse_pull(gearbox, contact, state, h, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state
@@ -117,11 +117,11 @@ contains
       end associate
    end subroutine refuse_pull
 
-   !> The load that parts the drive flanks of a mesh; 0 if none does, or if the loads' ways to the mesh close a loop.
+   !> The load that separates the drive flanks of a mesh; 0 if none does, or if the paths from loads to the mesh form a loop.
    !>
-   !> The contact turns A by sigma F r_bA and B by sigma F r_bB, F > 0: the loads on either side, carried over to A or B by the
-   !> speed ratios, have to turn against sigma. Torques that follow the speed have the sense that others give them: where all that
-   !> part the flanks do, the prescribed speed is named, or the drive.
+   !> The contact torque is sigma F r_bA on A and sigma F r_bB on B, F > 0. The loads on either side, transferred to A or B by the
+   !> speed ratios, must act against sigma. Torques that depend on the speed take the sense set by other loads: if all loads that
+   !> separate the flanks do so, the prescribed speed is reported, or the drive.
    integer function wrong_load(gearbox, contact, state) result(wrong)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state
@@ -158,7 +158,7 @@ contains
       end do
    end function wrong_load
 
-   !> Wheels that shafts and other meshes join to the driving wheel of a mesh.
+   !> Wheels connected to the driving wheel of a mesh by shafts and other meshes.
    pure function joined_without(gearbox, contact) result(joined)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact
@@ -172,10 +172,10 @@ contains
       end associate
    end function joined_without
 
-   !> The modes do not settle: name the tooth pair that is on its path where others carry the load, and off it where it does.
+   !> Report modes that do not settle: the tooth pair that is on its path while others are loaded, and off it while it is loaded.
    subroutine refuse_alternation(gearbox, before, integers, status)
       type(gearbox_t), intent(in) :: gearbox
-      integer, intent(in) :: before(:), integers(:) !! modes of the last two turns
+      integer, intent(in) :: before(:), integers(:) !! modes of the last two iterations
       type(status_t), intent(inout) :: status
       character(len=16) :: pair
       integer :: m
@@ -192,7 +192,7 @@ contains
       end do
    end subroutine refuse_alternation
 
-   !> No steady state was found: where flanks deviate, name the tooth pair on the steepest slope.
+   !> Report that no steady state was found; with flank deviations, name the tooth pair on the steepest slope.
    subroutine refuse_slope(gearbox, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state

@@ -1,11 +1,11 @@
-!> Split of a motion by the natural modes: slow modes do not follow the meshes, fast modes do.
+!> Split of a motion by natural modes: slow modes do not follow the meshes, fast modes do.
 !>
 !> With B = -M^-1 K, whose eigenvalues are -omega_k^2, a vector v = sum c_k v_k becomes sum w_k c_k v_k. The weight w is 0 for modes
-!> with a frequency below half the mesh frequency, 1 above twice, and between
+!> with a frequency below half the mesh frequency, 1 above twice, and in between
 !>
 !>    w = s^3 (10 - 15 s + 6 s^2),   s = log2(2 omega/Omega)/2.
 !>
-!> An overdamped mode counts with the slower of its two rates.
+!> For an overdamped mode the slower of its two rates is used.
 !>
 !> Source: docs/theory.md, section 9.
 module evl_steady_split
@@ -18,7 +18,7 @@ module evl_steady_split
    public :: keep_fast_modes, mode_weight
 
    real(wp), parameter :: slow = 0.5_wp, fast = 2.0_wp !! ratios of modal to mesh frequency at which the weight is 0 and 1
-   real(wp), parameter :: tiny_part = 1.0e-13_wp        !! of the largest eigenvalue: a smaller one is 0
+   real(wp), parameter :: tiny_part = 1.0e-13_wp        !! relative to the largest eigenvalue: smaller ones count as 0
 
 contains
 
@@ -32,7 +32,7 @@ contains
       weight = s**3*(10 - 15*s + 6*s**2)
    end function mode_weight
 
-   !> Multiply the modal components of vectors by their weights. If there is no complete set of modes, the vectors stay.
+   !> Multiply the modal components of vectors by their weights. Without a complete set of modes the vectors are unchanged.
    subroutine keep_fast_modes(stiffness, damping, mesh_frequency, vectors)
       real(wp), intent(in) :: stiffness(:, :)    !! B [1/s^2]
       real(wp), intent(in) :: damping(:, :)      !! -M^-1 C [1/s]
@@ -51,7 +51,7 @@ contains
       call dgeevx("B", "N", "V", "N", n, a, n, re, im, left, n, right, n, low, high, balance, norm, condition, condition_vectors, &
                   work, size(work), unused, info)
       if (info /= 0) return
-      ! real and imaginary part of a complex pair stand in its two columns; their weights are equal
+      ! the two columns of a complex pair contain its real and imaginary part; their weights are equal
       factors = right
       right_hand(:, :n) = matmul(damping, right)
       right_hand(:, n + 1:) = vectors
@@ -73,7 +73,7 @@ contains
    pure function rates(squares, damping, im) result(rate)
       real(wp), intent(in) :: squares(:)     !! omega^2
       real(wp), intent(in) :: damping(:, :)  !! of the modes
-      real(wp), intent(in) :: im(:)          !! not 0 for a complex pair
+      real(wp), intent(in) :: im(:)          !! nonzero for a complex pair
       real(wp) :: rate(size(squares)), half
       integer :: k
 

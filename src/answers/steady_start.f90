@@ -1,4 +1,4 @@
-!> The steady start: slow modes have the mean of the quasi-static path, fast modes follow it.
+!> Steady start: slow modes have the mean of the quasi-static path, fast modes follow it.
 !>
 !> Source: docs/theory.md, section 9.
 module evl_steady_start
@@ -22,28 +22,28 @@ module evl_steady_start
 
    public :: find_equilibrium, find_steady_start
 
-   integer, parameter :: sample_numbers(5) = [61, 31, 17, 11, 7] !! positions of the path; primes
-   integer, parameter :: sample_sizes(5) = [24, 48, 96, 192, huge(1)] !! most states with so many positions
-   integer, parameter :: other_positions = 8            !! in a pitch, tried if the default position has no equilibrium
-   integer, parameter :: most_passes = 8                !! corrections of the mean speed
-   real(wp), parameter :: agreement = 1.0e-14_wp        !! relative: a correction of the speed that is small enough
+   integer, parameter :: sample_numbers(5) = [61, 31, 17, 11, 7] !! numbers of positions of the path; primes
+   integer, parameter :: sample_sizes(5) = [24, 48, 96, 192, huge(1)] !! maximum number of states for each of them
+   integer, parameter :: other_positions = 8            !! positions per pitch, tried if the default one has no equilibrium
+   integer, parameter :: most_passes = 8                !! maximum number of corrections of the mean speed
+   real(wp), parameter :: agreement = 1.0e-14_wp        !! relative correction of the speed at convergence
    real(wp), parameter :: speed_step = 1.0e-4_wp        !! relative change of the speed for the derivative of the mean acceleration
 
    !> States of the quasi-static path over the common period.
    type :: path_t
       real(wp), allocatable :: positions(:)             !! of the first mesh [pitches]
       type(gearbox_state), allocatable :: states(:)
-      logical, allocatable :: found(:)                  !! positions with an equilibrium
+      logical, allocatable :: found(:)                  !! whether an equilibrium was found
       real(wp) :: acceleration = 0.0_wp                 !! mean of omega' [rad/s^2]
    end type path_t
 
 contains
 
-   !> The state at a position of the first mesh in which nothing accelerates. Errors: code_no_solution, code_out_of_domain.
+   !> Equilibrium at a position of the first mesh: no acceleration. Errors: code_no_solution, code_out_of_domain.
    subroutine find_equilibrium(gearbox, position, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
-      real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
+      real(wp), intent(in), optional :: position !! [pitches]; absent: a position within a zone
       type(status_t), intent(inout) :: status
       type(equilibrium_models) :: models
       type(steady_place) :: place
@@ -52,11 +52,11 @@ contains
       call find_place(gearbox, position, state, models, x, place, status)
    end subroutine find_equilibrium
 
-   !> The state at a position of the first mesh. Errors: code_no_solution, code_out_of_domain.
+   !> Steady start at a position of the first mesh. Errors: code_no_solution, code_out_of_domain.
    subroutine find_steady_start(gearbox, position, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
-      real(wp), intent(in), optional :: position !! [pitches]; not present: a position inside a zone
+      real(wp), intent(in), optional :: position !! [pitches]; absent: a position within a zone
       type(status_t), intent(inout) :: status
       type(equilibrium_models) :: models
       type(steady_place) :: place
@@ -70,11 +70,11 @@ contains
       call split(gearbox, models, place, path, state, status)
    end subroutine find_steady_start
 
-   !> The equilibrium at the position of the start, with the speed that balances there.
+   !> Equilibrium at the start position, with the speed of the balance there.
    subroutine find_place(gearbox, given, state, models, position, place, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
-      real(wp), intent(in), optional :: given  !! position [pitches]; not present: one inside a zone
+      real(wp), intent(in), optional :: given  !! position [pitches]; absent: one within a zone
       type(equilibrium_models), intent(out) :: models
       real(wp), intent(out) :: position        !! of the start [pitches]
       type(steady_place), intent(out) :: place
@@ -91,7 +91,7 @@ contains
       call find_there()
       if (present(given)) return
       refusal = status
-      do k = 1, other_positions ! where no equilibrium exists at the default
+      do k = 1, other_positions ! if no equilibrium exists at the default position
          if (.not. has_failed(status)) exit
          call clear(status)
          position = (k - 0.5_wp)/other_positions
@@ -116,8 +116,8 @@ contains
 
    end subroutine find_place
 
-   !> The static equilibria over the common period, at the speed at which the mean acceleration is 0. y is the first guess, and has
-   !> this speed afterwards.
+   !> Static equilibria over the common period, at the speed with zero mean acceleration. `state` is the initial guess, and gets
+   !> this speed.
    subroutine find_path(gearbox, models, position, place, state, path)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
@@ -152,7 +152,7 @@ contains
       state%y(i_omega) = speed
    end subroutine find_path
 
-   !> All equilibria of the path at a speed, each from the one before, or from its own at another speed.
+   !> Compute all equilibria of the path at a speed, each from the previous one, or from its own at another speed.
    subroutine walk(models, speed, guess, path)
       type(equilibrium_models), intent(in) :: models
       real(wp), intent(in) :: speed
@@ -186,7 +186,7 @@ contains
       path%acceleration = path%acceleration/max(count(path%found), 1)
    end subroutine walk
 
-   !> Acceleration of the reference wheel at an equilibrium of all deviations [rad/s^2].
+   !> Acceleration of the reference wheel with all deviations in equilibrium [rad/s^2].
    real(wp) function acceleration(gearbox, state)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state
@@ -197,7 +197,7 @@ contains
       acceleration = merge(0.0_wp, -residual(i_omega), has_failed(status))
    end function acceleration
 
-   !> Derivative of the acceleration by the speed at the position of the start [1/s]; 0 if it is not known.
+   !> Derivative of the acceleration with respect to the speed at the start position [1/s]; 0 if unknown.
    real(wp) function speed_slope(models, place, start) result(slope)
       type(equilibrium_models), intent(in) :: models
       type(steady_place), intent(in) :: place
@@ -220,7 +220,8 @@ contains
       if (abs(start%y(i_omega)) > 0) slope = (at(2) - at(1))/(speed_step*start%y(i_omega))
    end function speed_slope
 
-   !> From the equilibrium at the place to the start: mean of the path in slow modes, the place and its slopes in fast ones.
+   !> From the equilibrium to the steady start: slow modes get the mean of the path, fast modes the local equilibrium and its
+   !> slopes.
    subroutine split(gearbox, models, place, path, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
@@ -278,11 +279,11 @@ contains
       call put(gearbox, system, positions, mean + vectors(:, 1), state%y)
    end subroutine split
 
-   !> Derivatives at a constant angle and a constant speed of the driving wheel of the first mesh.
+   !> Derivatives at constant angle and speed of the driving wheel of the first mesh.
    pure subroutine hold_anchor(gearbox, system, matrix)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(in) :: system
-      real(wp), intent(inout) :: matrix(:, :) !! of `still_matrix`
+      real(wp), intent(inout) :: matrix(:, :) !! from `still_matrix`
 
       call hold_driving_wheel(gearbox, matrix)
       associate (anchor => system%i_anchor)
@@ -291,7 +292,7 @@ contains
       end associate
    end subroutine hold_anchor
 
-   !> Keep the fast modes, in the units of the positions.
+   !> Retain the fast modes of vectors, in units of the scales of the positions.
    subroutine scale_and_keep(gearbox, positions, stiffness, damping, frequency, vectors)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: positions(:)
@@ -316,7 +317,7 @@ contains
       end do
    end subroutine scale_and_keep
 
-   !> The highest mesh frequency [rad/s].
+   !> Highest mesh frequency [rad/s].
    pure real(wp) function mesh_frequency(gearbox, speed) result(frequency)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: speed !! of the reference wheel [rad/s]
@@ -326,7 +327,7 @@ contains
       end associate
    end function mesh_frequency
 
-   !> Deviations of a state: its positions, a housing's orientation as small turns from that of another state.
+   !> Position coordinates of a state; the orientation of a housing as small rotations from that of a reference state.
    function coordinates(gearbox, positions, y, y_reference) result(values)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: positions(:)
@@ -341,8 +342,8 @@ contains
       values(n - 2:) = 4*matmul(y(p:p + 3) - y_reference(p:p + 3), small_turns(y_reference(p:p + 3)))
    end function coordinates
 
-   !> Part of slopes along theta that turns the whole gearbox: sum of J_i g_i psi_i over sum of J_i g_i^2; 0 if a speed is
-   !> prescribed. The inertias turn with the mean speed, so this part is taken off the speed of the reference wheel.
+   !> Part of slopes along theta that rotates the whole gearbox: sum of J_i g_i psi_i over sum of J_i g_i^2; 0 if a speed is
+   !> prescribed. The inertias rotate with the mean speed, so this part is subtracted from the speed of the reference wheel.
    pure real(wp) function whole_turn(gearbox, slopes) result(part)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: slopes(:) !! of the states
@@ -363,13 +364,13 @@ contains
       part = turned/inertia
    end function whole_turn
 
-   !> Put positions into the state. The driving wheel of the first mesh keeps its angle.
+   !> Set the positions in the state. The angle of the driving wheel of the first mesh is unchanged.
    subroutine put(gearbox, system, positions, values, y)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_system), intent(in) :: system
       integer, intent(in) :: positions(:)
       real(wp), intent(in) :: values(:)
-      real(wp), intent(inout) :: y(:) !! the equilibrium at the place
+      real(wp), intent(inout) :: y(:) !! input: the equilibrium at the start position
       integer :: n, p
 
       n = size(positions)

@@ -1,4 +1,4 @@
-!> The equilibrium of a gearbox at one position of its meshes: nothing accelerates, and the wheels follow the slopes of the
+!> Equilibrium of a gearbox at one mesh position: no acceleration, with speeds of the wheels that follow from the slopes of the
 !> equilibrium along the path.
 !>
 !> Source: docs/theory.md, section 9.
@@ -23,12 +23,12 @@ module evl_steady_state
 
    public :: equilibrium_models, find_balance, find_models, find_steady_state, list_unknowns, settle_steady
 
-   integer, parameter :: max_modes = 30     !! sets of pairs in contact and friction branches that are tried
-   integer, parameter :: max_relaxed = 400  !! steps of the relaxation
-   real(wp), parameter :: relaxed = 1.0e-6_wp !! a relaxation step below this has come to rest, in units of the scales
-   real(wp), parameter :: faster = 0.5_wp, slower = 4.0_wp !! change of the inverse step after a step that shrinks, and after others
+   integer, parameter :: max_modes = 30     !! maximum number of sets of loaded pairs and friction branches
+   integer, parameter :: max_relaxed = 400  !! maximum number of relaxation steps
+   real(wp), parameter :: relaxed = 1.0e-6_wp !! length of a converged relaxation step, in units of the scales
+   real(wp), parameter :: faster = 0.5_wp, slower = 4.0_wp !! factors of the inverse step size: if the force decreases, else
 
-   !> The gearbox with constant loads and closed-form contacts, in three variants.
+   !> Three variants of the gearbox with constant loads and closed-form contacts.
    type :: equilibrium_models
       type(gearbox_t) :: whole  !! with all laws
       type(gearbox_t) :: static !! without damping of the contacts
@@ -37,7 +37,7 @@ module evl_steady_state
 
 contains
 
-   !> Make the variants.
+   !> Create the variants.
    subroutine find_models(gearbox, models)
       type(gearbox_t), intent(in) :: gearbox
       type(equilibrium_models), intent(out) :: models
@@ -55,9 +55,9 @@ contains
       end do
    end subroutine find_models
 
-   !> Positions and speeds at which nothing accelerates, by Newton's method on the closed form. Approach speeds are 0. A speed that
-   !> is not prescribed is unknown. Its first guess is the speed of the loads, then 0: at the first friction may hardly
-   !> depend on it.
+   !> Positions and speeds without acceleration, by Newton's method on the closed form. Approach speeds are 0. A speed that is not
+   !> prescribed is unknown. Its initial guess is the speed at which the loads balance, then 0: friction may hardly depend on the
+   !> former.
    !> Errors: code_no_solution, code_out_of_domain.
    subroutine find_steady_state(gearbox, models, place, state, status)
       type(gearbox_t), intent(in) :: gearbox
@@ -90,7 +90,7 @@ contains
       if (has_failed(status)) status = refusal
    end subroutine find_steady_state
 
-   !> The same from a speed on.
+   !> The same from an initial speed.
    subroutine find_from(gearbox, models, system, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
@@ -109,8 +109,8 @@ contains
       if (.not. has_failed(status)) call find_balance(models, system, state, status)
    end subroutine find_from
 
-   !> From the static equilibrium to the balance with all dampers, at the speeds of the system's slopes. Where these leave no
-   !> balance, the dampers of the contacts are left out.
+   !> From the static equilibrium to the equilibrium with all dampers, at the speeds from the system's slopes. If there is none, the
+   !> dampers of the contacts are omitted.
    subroutine find_balance(models, system, state, status)
       type(equilibrium_models), intent(in) :: models
       type(gearbox_state), intent(inout) :: state
@@ -127,7 +127,7 @@ contains
       call settle_steady(models%static, system, state, status)
    end subroutine find_balance
 
-   !> What is looked for. A mounted housing has a pose to be found, but it rests.
+   !> Unknowns and equations. The pose of a mounted housing is unknown; its velocity is 0.
    subroutine list_unknowns(gearbox, place, speed_is_unknown, system)
       type(gearbox_t), intent(in) :: gearbox
       type(steady_place), intent(in) :: place
@@ -161,7 +161,7 @@ contains
          row = [row, i_omega]
       end if
       if (gearbox%housing%is_mounted) then
-         ! the turns of the pose stand in the places of Omega, which is 0
+         ! rotations of the pose use the indices of Omega, which is 0
          unknown = [unknown, (gearbox%housing%i_state + at_position + i, i=0, 2), (gearbox%housing%i_state + at_omega + i, i=0, 2)]
          row = [row, (gearbox%housing%i_state + at_velocity + i, i=0, 5)]
       end if
@@ -173,9 +173,8 @@ contains
       system%target = place%angle
    end subroutine list_unknowns
 
-   !> Positions, speeds and modes that belong together, from such that are near to them: modes depend on positions and speeds, these
-   !> on the modes. Where alternating between them does not end, the flow to the equilibrium is followed, with the modes of every
-   !> step.
+   !> Consistent positions, speeds and modes, from nearby ones: modes depend on positions and speeds, and these on the modes. If
+   !> alternating between them does not converge, the flow to the equilibrium is integrated, with the modes updated in every step.
    subroutine settle_steady(gearbox, system, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
@@ -197,13 +196,13 @@ contains
       if (.not. has_failed(status)) call refuse_slope(gearbox, state, status)
    end subroutine settle_steady
 
-   !> Newton's method in the modes of the last solution, until these do not change.
+   !> Newton's method in the modes of the last solution, repeated until the modes do not change.
    subroutine alternate(gearbox, system, state, found, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
       type(steady_system), intent(in) :: system
       logical, intent(out) :: found
-      type(status_t), intent(inout) :: status !! the cause, if it is known
+      type(status_t), intent(inout) :: status !! the cause, if known
       integer :: before(gearbox%n_integers), turn
       type(status_t) :: refusal
       logical :: solved
@@ -217,7 +216,7 @@ contains
          found = solved .and. all(state%integers == before)
          if (found) return
          call solve_steady(gearbox, system, state, solved, status)
-         if (status%code == code_out_of_domain) then ! as where a soft shaft twists by more than these pairs reach
+         if (status%code == code_out_of_domain) then ! for example if a soft shaft twists beyond the range of these pairs
             if (.not. has_failed(refusal)) refusal = status
             call clear(status)
          else if (has_failed(status)) then
@@ -231,7 +230,7 @@ contains
       if (solved) call refuse_alternation(gearbox, before, state%integers, status)
    end subroutine alternate
 
-   !> Follow the flow q' = a(q) to its rest, then end with Newton's method.
+   !> Integrate the flow q' = a(q) to its fixed point, then finish with Newton's method.
    subroutine relax(gearbox, system, state, found)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state

@@ -1,6 +1,6 @@
-!> Torques of loads and shafts, and what wheels do to the housing, in eight states.
+!> Torques of loads and shafts, and reactions of the wheels on the housing, at eight states.
 !>
-!> Source of what a housing that moves adds: docs/housing.md, sections 2 and 4.
+!> Source of the terms of a moving housing: docs/housing.md, sections 2 and 4.
 module evl_torque_outputs
    use evl_force_lanes, only: lane_force
    use evl_gearbox, only: gearbox_t, wheel_position, wheel_reference, wheel_speed, wheel_t
@@ -37,12 +37,12 @@ contains
                       "moment of the wheel and its loads on the housing about the wheel's centre", reaction(:, 4:6))
    end subroutine add_bearing_outputs
 
-   !> Torque of the loads of every wheel; a load that prescribes a speed brings what its rotor needs. And what every wheel needs for
-   !> its motion beside the torque of its meshes, loads and elastic shafts.
+   !> Load torque of every wheel, where a load with prescribed speed supplies the torque that its rotor requires; and the torque
+   !> that every wheel requires for its motion beyond those of its meshes, loads and elastic shafts.
    subroutine find_load_torques(gearbox, states, mesh, load, needed)
       type(gearbox_t), intent(in) :: gearbox
       type(output_states), intent(in) :: states
-      real(wp), intent(in) :: mesh(lanes, size(gearbox%wheels)) !! torque of the meshes; where nothing depends on it, none [N m]
+      real(wp), intent(in) :: mesh(lanes, size(gearbox%wheels)) !! torque of the meshes; 0 if no result depends on it [N m]
       real(wp), intent(out), dimension(lanes, size(gearbox%wheels)) :: load, needed !! [N m]
       real(wp) :: omega(lanes), spin(lanes)
       integer :: i
@@ -62,7 +62,7 @@ contains
       call find_needed(gearbox, states, mesh, load, needed)
    end subroutine find_load_torques
 
-   !> What the turning of the housing adds to the torque of a wheel's loads, in one state after the other.
+   !> Torque that the rotation of the housing adds to the loads of a wheel, one state after the other.
    subroutine find_spin_torque(gearbox, index, states, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -77,7 +77,7 @@ contains
       end do
    end subroutine find_spin_torque
 
-   !> Torque that every wheel needs for its motion.
+   !> Torque required by every wheel for its motion.
    subroutine find_needed(gearbox, states, mesh, load, needed)
       type(gearbox_t), intent(in) :: gearbox
       type(output_states), intent(in) :: states
@@ -104,7 +104,7 @@ contains
       end do
    end subroutine find_needed
 
-   !> Torque that one wheel needs beside those of its meshes and loads.
+   !> Torque required by one wheel beyond those of its meshes and loads.
    pure subroutine need(inertia, ratio, spin, rate, alpha, mesh, load, needed)
       real(wp), intent(in) :: inertia, ratio, spin(lanes), rate(lanes)
       real(wp), intent(in) :: alpha(lanes) !! Omega_z' of the housing [rad/s^2]
@@ -130,7 +130,7 @@ contains
       torque = spring_damper(shaft%stiffness, shaft%damping, psi_a - psi_b, rate_a - rate_b)
    end subroutine carry
 
-   !> Add the torque of loads that prescribe a speed: what the rotor needs.
+   !> Add the torque of loads with prescribed speed: the torque required by the rotor.
    pure subroutine add_prescribed(gearbox, needed, load)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: needed(lanes, size(gearbox%wheels))
@@ -148,10 +148,10 @@ contains
       end do
    end subroutine add_prescribed
 
-   !> Torque of a shaft on its second wheel: by its law, or, if it is rigid, what the wheels behind it need [N m].
+   !> Torque of a shaft on its second wheel: by its law or, if rigid, the torque required by the wheels behind it [N m].
    pure subroutine find_shaft_torque(shaft, y, needed, torque)
       type(shaft_t), intent(in) :: shaft
-      real(wp), intent(in) :: y(lanes, *), needed(lanes, *) !! needed: by every wheel with the torques of all loads
+      real(wp), intent(in) :: y(lanes, *), needed(lanes, *) !! needed: torque required by every wheel, with all loads applied
       real(wp), intent(out) :: torque(lanes)
       integer :: k
 
@@ -160,12 +160,12 @@ contains
          return
       end if
       torque = 0
-      do k = 1, size(shaft%behind) ! a rotor's shafts form no ring
+      do k = 1, size(shaft%behind) ! the shafts of a rotor form no loop
          call add_row(needed(:, shaft%behind(k)), torque)
       end do
    end subroutine find_shaft_torque
 
-   !> What every wheel does to the housing.
+   !> Reactions of every wheel on the housing.
    subroutine find_reactions(gearbox, states, load, reactions)
       type(gearbox_t), intent(in) :: gearbox
       type(output_states), intent(in) :: states
@@ -184,7 +184,7 @@ contains
       end do
       do i = 1, size(gearbox%wheels)
          call add_inertia(gearbox, i, states, reactions(:, :, i))
-         ! the part of the torque of its loads that acts on the housing
+         ! part of the load torque that acts on the housing
          call housing_torque_in_lanes(gearbox, i, load(:, i), states%t, states%y, states%integers, torque)
          if (gearbox%housing%acts .and. .not. wheel_follows_ground(gearbox, i)) then
             call find_spin_torque(gearbox, i, states, spin)
@@ -216,7 +216,7 @@ contains
       end do
    end subroutine push
 
-   !> Add what the inertia of a wheel does.
+   !> Add the inertial force of a wheel.
    subroutine add_inertia(gearbox, index, states, reaction)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -238,7 +238,7 @@ contains
       end associate
    end subroutine add_inertia
 
-   !> Add what the motion of the housing does to the acceleration of a wheel, and the moment that its spin takes.
+   !> Add the contribution of the housing motion to the acceleration of a wheel, and the moment of its rotation.
    subroutine add_apparent(gearbox, wheel, states, acceleration, reaction)
       type(gearbox_t), intent(in) :: gearbox
       type(wheel_t), intent(in) :: wheel

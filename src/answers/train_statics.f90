@@ -1,10 +1,10 @@
-!> Torques that the meshes and shafts of a gear train carry when torques act on its rotors.
+!> Loads of the meshes and shafts of a gear train under given torques on its rotors.
 !>
-!> Every rotor is in balance: the torques on it, and those of its meshes and shafts, add up to zero. A rotor of prescribed speed
-!> takes what is left from the ground; without one the torques have to balance over the whole train. Where meshes and shafts form a
-!> tree, what each carries is the sum of the torques on one side of it. Where they close loops, as in a power split, the balance
-!> leaves one unknown a loop, and the distribution of least complementary energy holds: sum of F^2/(2k) over the meshes plus sum of
-!> T^2/(2c) over the elastic shafts, with k = (pi/4) E* b of each mesh. Source: docs/theory.md, "Nominal operating point".
+!> Every rotor is in equilibrium: the torques on it, and those of its meshes and shafts, add up to zero. A rotor of prescribed speed
+!> transfers the remainder to the ground; without one, the torques must balance over the whole train. In a tree of meshes and shafts
+!> each load is the sum of the torques on one side. In closed loops, as in a power split, the equilibrium leaves one unknown per
+!> loop, and the minimum of the complementary energy applies: sum of F^2/(2k) over the meshes plus sum of T^2/(2c) over the elastic
+!> shafts, with k = (pi/4) E* b of each mesh. Source: docs/theory.md, "Nominal operating point".
 module evl_train_statics
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: pi, wp
@@ -16,23 +16,23 @@ module evl_train_statics
    public :: lay_out_train, train_carries, train_t
 
    !> The train as a graph. Nodes are the leading wheels of the rotors, and the ground. Edges are the meshes, the shafts, and the
-   !> connections of rotors to the ground, in this order. Rigid shafts have no edge of their own: their arms are 0.
+   !> connections of rotors to the ground, in this order. Rigid shafts have no effective edge: their arms are 0.
    type :: train_t
       integer :: n_meshes = 0, n_shafts = 0
-      integer, allocatable :: ends(:, :)      !! (2, edge): the nodes that it joins
-      real(wp), allocatable :: arms(:, :)     !! (2, edge): torque on each node, over what the edge carries [m], or 1
+      integer, allocatable :: ends(:, :)      !! (2, edge): nodes at its ends
+      real(wp), allocatable :: arms(:, :)     !! (2, edge): torque on each node per load of the edge [m], or 1
       real(wp), allocatable :: compliance(:)  !! of each edge [m/N], [rad/(N m)]; 0 to the ground
-      integer, allocatable :: order(:)        !! nodes but the ground, each behind the one that is nearer to it
-      integer, allocatable :: up(:)           !! of each node: its edge on the way to the ground
-      real(wp), allocatable :: loops(:, :)    !! (edge, loop): loads without torques on the rotors
+      integer, allocatable :: order(:)        !! nodes except the ground, each after its parent
+      integer, allocatable :: up(:)           !! of each node: its edge towards the ground
+      real(wp), allocatable :: loops(:, :)    !! (edge, loop): self-equilibrated loads
       real(wp), allocatable :: energies(:, :) !! (loop, loop): complementary energies of their products
    end type train_t
 
 contains
 
-   !> The graph of a gearbox, and its loops.
+   !> Graph of a gearbox, and its loops.
    subroutine lay_out_train(gearbox, train)
-      type(gearbox_t), intent(in) :: gearbox !! with contacts and rotors
+      type(gearbox_t), intent(in) :: gearbox !! including contacts and rotors
       type(train_t), intent(out) :: train
       integer, allocatable :: grounded(:), chords(:)
       integer :: ground, n_edges, i, k
@@ -68,7 +68,7 @@ contains
       call close_loops(train, chords)
    end subroutine lay_out_train
 
-   !> A spanning tree from the ground on; the edges that are not part of it each close a loop.
+   !> Spanning tree from the ground; each edge outside it closes a loop.
    subroutine grow_tree(train, ground, chords)
       type(train_t), intent(inout) :: train
       integer, intent(in) :: ground
@@ -96,10 +96,10 @@ contains
       chords = places([(abs(train%arms(1, e)) > 0 .and. all(train%up(train%ends(:, e)) /= e), e=1, size(train%ends, 2))])
    end subroutine grow_tree
 
-   !> The load of each loop, and the complementary energies.
+   !> Loads of each loop, and their complementary energies.
    subroutine close_loops(train, chords)
       type(train_t), intent(inout) :: train
-      integer, intent(in) :: chords(:) !! edges that close them
+      integer, intent(in) :: chords(:) !! edges that close the loops
       real(wp) :: torque(size(train%up))
       integer :: i, j
 
@@ -117,11 +117,11 @@ contains
       end do
    end subroutine close_loops
 
-   !> What every edge carries under torques that balance, or that prescribed speeds hold.
+   !> Load of every edge under torques that balance, or with prescribed speeds that supply the remainder.
    subroutine train_carries(train, torque, carried)
       type(train_t), intent(in) :: train
       real(wp), intent(in) :: torque(:)   !! on each node, the ground included [N m]
-      real(wp), intent(out) :: carried(:) !! by each edge: normal force [N], torque on the second wheel [N m]
+      real(wp), intent(out) :: carried(:) !! of each edge: normal force [N], torque on the second wheel [N m]
       real(wp) :: matrix(size(train%loops, 2), size(train%loops, 2)), shares(size(train%loops, 2), 1)
       integer :: pivots(size(train%loops, 2)), info
 
@@ -133,7 +133,7 @@ contains
       if (info == 0) carried = carried + matmul(train%loops, shares(:, 1))
    end subroutine train_carries
 
-   !> The same of the spanning tree alone: from its ends towards the ground every edge carries the torques behind it.
+   !> The same for the spanning tree only: from the leaves to the ground, every edge transmits the torques of its subtree.
    pure subroutine tree_carries(train, torque, carried)
       type(train_t), intent(in) :: train
       real(wp), intent(in) :: torque(:)

@@ -1,6 +1,6 @@
-!> C interface of the gearbox: creation, warnings, states, residual, events and inputs; and how this kernel was built.
+!> C interface of the gearbox: creation, warnings, states, residual, events, inputs and build information.
 !>
-!> The header documents each procedure; here is only the passage from C to Fortran. A handle is the address of a gearbox.
+!> The header documents each procedure; this module converts between C and Fortran. A handle is the address of a gearbox.
 module evl_capi
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
@@ -44,13 +44,13 @@ module evl_capi
       integer(c_int) :: kind, mesh, tooth_pair, flank
    end type c_event
 
-   ! The compiler notes -march even where it is its own default; of several the last counts.
+   ! The compiler reports -march even if it is its own default; of several options the last one applies.
    character(len=*), parameter :: options = compiler_options()//" ", key = "-march="
    integer, parameter :: before = index(options, key, back=.true.)
    integer, parameter :: first = merge(before + len(key), 1, before > 0)
    integer, parameter :: length = merge(index(options(first:), " ") - 1, 0, before > 0)
 
-   ! Written once, at compile time; C gets their addresses.
+   ! Set at compile time; C gets their addresses.
    character(len=len(compiler_version()) + 1, kind=c_char), target, protected :: compiler = compiler_version()//c_null_char
    character(len=length + 1, kind=c_char), target, protected :: processor = options(first:first + length - 1)//c_null_char
 

@@ -1,4 +1,4 @@
-!> C interface of descriptions: the table of rows, and a case as entries of it. Indices count from 0 in C, from 1 here.
+!> C interface of descriptions: the table of rows, and cases as lists of entries. Indices are 0-based in C, 1-based here.
 module evl_capi_description
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_positive_inf, ieee_value
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, &
@@ -131,7 +131,7 @@ contains
       if (present(status)) call status_to_c(s, status)
    end function evl_description_create
 
-   !> An entry with copies of its name and numbers.
+   !> Fortran entry with copies of the name and numbers of a C entry.
    subroutine entry_from_c(c, entry)
       type(c_entry), intent(in) :: c
       type(entry_t), intent(out) :: entry
@@ -164,7 +164,7 @@ contains
       end do
    end function evl_description_renew
 
-   !> Whether two entries say the same but for their numbers.
+   !> Whether two entries are identical except for their numbers.
    logical function same_but_for_numbers(c, entry) result(good)
       type(c_entry), intent(in) :: c
       type(entry_t), intent(in) :: entry
@@ -185,7 +185,7 @@ contains
       good = name(len(entry%name) + 1) == c_null_char
    end function same_but_for_numbers
 
-   !> Take the numbers of an entry; those that are others are checked.
+   !> Replace the numbers of an entry; changed numbers are checked.
    subroutine exchange_numbers(description, place, c, status)
       type(description_t), intent(inout) :: description
       integer, intent(in) :: place
@@ -208,7 +208,7 @@ contains
       include "api/delete_of_handle.inc"
    end subroutine evl_description_delete
 
-   !> The entry of a parameter: one that has numbers. 0 if there is none.
+   !> Index of the entry of a parameter: an entry with numbers. 0 if there is none.
    pure integer function place_of_parameter(description, index) result(i)
       type(description_t), intent(in) :: description
       integer, intent(in) :: index !! from 0
@@ -289,7 +289,7 @@ contains
       allocate (initial%gaps, source=array_from_c(c%gaps, size(gearbox%pairs)))
    end function initial_from_c
 
-   !> A copy of a C array; size 0 for NULL.
+   !> Copy of a C array; size 0 for NULL.
    function array_from_c(pointer, n) result(array)
       type(c_ptr), intent(in) :: pointer
       integer, intent(in) :: n

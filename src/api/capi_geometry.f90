@@ -1,4 +1,4 @@
-!> C interface of what follows from a description: geometry, directions of supports, damping. The header documents each procedure.
+!> C interface of derived quantities: geometry, support directions, damping. The header documents each procedure.
 module evl_capi_geometry
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_outputs, only: c_output, output_to_c

@@ -1,6 +1,6 @@
-!> C interface of the natural modes, and of the distance of a start from the steady motion in them.
+!> C interface of the natural modes, and of the modal distance of a start from the steady motion.
 !>
-!> The header's section "natural modes" documents each procedure; here is only the passage from C to Fortran.
+!> The header's section "natural modes" documents each procedure; this module converts between C and Fortran.
 module evl_capi_modes
    use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of

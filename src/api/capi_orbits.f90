@@ -1,6 +1,6 @@
-!> C interface of the search for periodic orbits of a gearbox over one parameter.
+!> C interface of the continuation of periodic orbits of a gearbox over one parameter.
 !>
-!> The header's section "orbits" documents each procedure; here is only the passage from C to Fortran.
+!> The header's section "orbits" documents each procedure; this module converts between C and Fortran.
 module evl_capi_orbits
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_f_pointer, c_f_procpointer, c_funptr, c_int, &
                                                                              c_loc, c_null_char, c_null_ptr, c_ptr
@@ -149,7 +149,7 @@ contains
 
       call advance_branch(self%model, self%options, self%walk, more, s)
       associate (branch => self%branches(self%n_branches))
-         self%before = merge(branch%n, 0, allocated(self%walk%before%tangent)) ! behind a touch the curve begins anew
+         self%before = merge(branch%n, 0, allocated(self%walk%before%tangent)) ! behind a grazing point the predictor starts anew
          do i = 1, size(more)
             call keep_point(branch%points, branch%n, more(i))
          end do
@@ -186,7 +186,7 @@ contains
          call tell(self, at%orbit, orbit)
          orbit%kind = at%kind
          orbit%told = at%told
-         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) then ! of which root function
+         if (at%kind == kind_touch .or. at%kind == kind_touch_fold) then
             orbit%mesh = self%model%root_list(at%root)%mesh - 1
             orbit%whole_mesh = logical(is_whole_mesh(self, at%root, at%orbit), c_bool)
             call to_c(trim(self%model%root_list(at%root)%name), orbit%root)
@@ -213,7 +213,7 @@ contains
       code = answer(s, status)
    end function evl_orbits_state
 
-   !> The state of an orbit on the section.
+   !> State of an orbit on the section.
    subroutine state_of(self, orbit, t, y, integers, reals, status)
       type(orbits_t), intent(inout) :: self
       type(orbit_t), intent(in) :: orbit
@@ -231,7 +231,7 @@ contains
       t = self%model%phase
    end subroutine state_of
 
-   !> What an orbit is.
+   !> Data of an orbit for C.
    subroutine tell(self, orbit, told)
       type(orbits_t), intent(in) :: self
       type(orbit_t), intent(in) :: orbit
@@ -248,8 +248,8 @@ contains
       told%iterations = orbit%iterations
    end subroutine tell
 
-   !> Whether a mesh parts, or touches, as a whole: at a touch no other tooth pair touches, or all that do part with it, as those
-   !> that share a load evenly.
+   !> Whether a mesh loses or gains contact as a whole at a grazing point: no other tooth pair is in contact there, or all that are
+   !> separate together with it, such as pairs that share a load evenly.
    pure logical function is_whole_mesh(self, root, orbit) result(whole)
       type(orbits_t), intent(in) :: self
       integer, intent(in) :: root

@@ -1,8 +1,8 @@
-!> C interface of outputs: their tables, all of them at a state, some at many states (a sampler, whose handle is the address of one
-!> with its gearbox), their extremes, and the positions by which they may go.
+!> C interface of outputs: tables of outputs, all outputs at a state, selected outputs at many states (a sampler; its handle is the
+!> address of a sampler_t), extremes, and positions.
 !>
-!> The header's sections "outputs", "extremes" and "outputs by position" document each procedure; here is only the passage from
-!> Fortran to C.
+!> The header's sections "outputs", "extremes" and "outputs by position" document each procedure; this module converts between
+!> Fortran and C.
 module evl_capi_outputs
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use evl_capi_types, only: answer, c_name_length, c_status, c_text_length, gearbox_of, to_c
@@ -38,7 +38,7 @@ module evl_capi_outputs
    type :: sampler_t
       type(gearbox_t), pointer :: gearbox => null()
       type(output_sampler) :: outputs
-      type(status_t) :: status !! blank between calls: to make one in each takes time
+      type(status_t) :: status !! clear between calls: creating one in each call takes time
    end type sampler_t
 
 contains

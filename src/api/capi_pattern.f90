@@ -1,6 +1,6 @@
-!> C interface of the Jacobian by the entries that may differ from zero.
+!> C interface of the sparse Jacobian.
 !>
-!> The header documents each procedure; here is only the passage from C to Fortran. A handle is the address of a pattern.
+!> The header documents each procedure; this module converts between C and Fortran. A handle is the address of a pattern.
 module evl_capi_pattern
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of
@@ -16,7 +16,7 @@ module evl_capi_pattern
    !> evl_pattern
    type :: pattern_t
       type(gearbox_t), pointer :: gearbox => null()
-      integer, allocatable :: rows(:), columns(:) !! of each entry
+      integer, allocatable :: rows(:), columns(:) !! indices of each entry
       type(jacobian_entries) :: entries
    end type pattern_t
 

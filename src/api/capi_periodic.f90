@@ -1,6 +1,6 @@
-!> C interface of the common period, of states of which only their place in it counts, and of the start on a periodic orbit.
+!> C interface of the common period, of states relative to it, and of the start on a periodic orbit.
 !>
-!> The header's sections "common period" and "the periodic start" document each procedure; here is only the passage from C to
+!> The header's sections "common period" and "the periodic start" document each procedure; this module converts between C and
 !> Fortran.
 module evl_capi_periodic
    use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_double, c_f_procpointer, c_funptr, c_int, c_null_ptr, c_ptr

@@ -1,6 +1,6 @@
-!> C interface of the integrator of gearboxes in closed form.
+!> C interface of the integrator for gearboxes in closed form.
 !>
-!> The header's section "integration" documents each procedure; here is only the passage from C to Fortran. A handle is the
+!> The header's section "integration" documents each procedure; this module converts between C and Fortran. A handle is the
 !> address of a model and its integrator.
 module evl_capi_radau
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int64_t, c_loc, c_null_ptr, c_ptr
@@ -26,8 +26,8 @@ module evl_capi_radau
    type :: integration_t
       type(gearbox_ode) :: model
       type(radau_t) :: solver
-      type(candidate_t), allocatable :: found(:) !! room for a look at a step
-      type(status_t) :: status !! of the last advance: to make one anew each time takes longer than a look at it
+      type(candidate_t), allocatable :: found(:) !! buffer for the extremes found in a step
+      type(status_t) :: status !! of the last advance: creating one in each call takes longer than checking it
    end type integration_t
 
    !> evl_radau_counts

@@ -1,6 +1,6 @@
 !> C interface of the static analysis of a mesh.
 !>
-!> The header's section "static analysis" documents each procedure; here is only the passage from C to Fortran.
+!> The header's section "static analysis" documents each procedure; this module converts between C and Fortran.
 module evl_capi_static
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
    use evl_capi_types, only: answer, c_status, gearbox_of

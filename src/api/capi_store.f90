@@ -1,4 +1,4 @@
-!> C interface: what the caller keeps of wheels, asked through its own procedures.
+!> C interface of the caller's cache of compliant wheels, accessed through the caller's procedures.
 module evl_capi_store
    use, intrinsic :: iso_c_binding, only: c_double, c_f_procpointer, c_funptr, c_int, c_null_funptr, c_null_ptr, c_ptr
    use evl_influence_store, only: influence_store_t
@@ -15,7 +15,7 @@ module evl_capi_store
       type(c_funptr) :: find = c_null_funptr, keep = c_null_funptr
    end type c_wheel_store
 
-   !> The same as the kernel sees it.
+   !> The same as a store of the kernel.
    type, extends(influence_store_t) :: c_store_t
       type(c_wheel_store) :: c
    contains
@@ -57,7 +57,7 @@ contains
       is_kept = answer(self%c%self, self%c%keep, key, numbers, status)
    end subroutine keep
 
-   !> What a procedure of the caller answers.
+   !> Return value of a procedure of the caller.
    integer function answer(self, procedure, key, numbers, status)
       type(c_ptr), intent(in) :: self
       type(c_funptr), intent(in) :: procedure

@@ -1,4 +1,4 @@
-!> The structs of the C header as Fortran sees them, and the passage of strings and statuses.
+!> Structs of the C header in Fortran, and conversion of strings and statuses.
 module evl_capi_types
    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
    use evl_gearbox, only: gearbox_t
@@ -34,7 +34,7 @@ contains
 
    !> A blank-padded string as a C string.
    pure subroutine to_c(text, c_text)
-      character(len=*), intent(in) :: text                !! cut to what fits
+      character(len=*), intent(in) :: text                !! truncated to the length of c_text
       character(kind=c_char), intent(out) :: c_text(:)    !! NUL-terminated
       integer :: i, n
 
@@ -45,10 +45,10 @@ contains
       end do
    end subroutine to_c
 
-   !> A status for C; indices count from 0 there.
+   !> Convert a status to C; indices are 0-based there.
    pure subroutine status_to_c(status, c)
       type(status_t), intent(in) :: status !! of the kernel
-      type(c_status), intent(out) :: c     !! the same
+      type(c_status), intent(out) :: c     !! result
 
       c%code = status%code
       c%subject = status%subject
@@ -57,7 +57,7 @@ contains
       call to_c(status%message, c%message)
    end subroutine status_to_c
 
-   !> The same the other way.
+   !> Convert a status from C.
    pure type(status_t) function status_from_c(c) result(status)
       type(c_status), intent(in) :: c
       character(len=:), allocatable :: field, message
@@ -67,7 +67,7 @@ contains
       status = status_t(code=c%code, subject=c%subject, index=c%index + 1, field=field, message=message)
    end function status_from_c
 
-   !> A C string as a string: no function, for the reason that `quantity` gives.
+   !> Convert a C string to a string. Not a function, for the reason given at `quantity`.
    pure subroutine take_text(c, text)
       character(kind=c_char), intent(in) :: c(:) !! ends with NUL
       character(len=:), allocatable, intent(out) :: text
@@ -79,7 +79,7 @@ contains
       end do
    end subroutine take_text
 
-   !> The code of a call, and why it failed if it did.
+   !> Code of a call; on failure also the status for C.
    integer(c_int) function answer(status, c) result(code)
       type(status_t), intent(in) :: status
       type(c_status), intent(inout), optional :: c

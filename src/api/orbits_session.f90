@@ -1,5 +1,5 @@
-!> What a search for periodic orbits is made of behind the C interface: who is asked, what was found so far, what is kept of a
-!> search that is stopped, and how it goes on.
+!> Session of a continuation of periodic orbits behind the C interface: callbacks, results so far, the saved points of an
+!> interrupted continuation, and its resumption.
 !>
 !> The header's section "orbits" documents the C procedures.
 module evl_orbits_session
@@ -58,7 +58,7 @@ module evl_orbits_session
 
    type :: points_t
       type(branch_point), allocatable :: points(:)
-      integer :: n = 0 !! of them
+      integer :: n = 0 !! number of points
    end type points_t
 
    !> evl_orbits
@@ -67,11 +67,11 @@ module evl_orbits_session
       type(callers_teller) :: teller
       type(gearbox_orbits) :: model
       type(branch_options) :: options
-      type(orbit_t) :: orbit                      !! the last that was found, or switched to
+      type(orbit_t) :: orbit                      !! the last one found, or switched to
       type(points_t), allocatable :: branches(:)
       integer :: n_branches = 0
-      type(branch_walk) :: walk                   !! along the last one
-      integer :: before = 0                       !! which of its points is the ordinary one before the last; 0: none
+      type(branch_walk) :: walk                   !! continuation of the last branch
+      integer :: before = 0                       !! number of the ordinary point before the last; 0: none
    end type orbits_t
 
    !> evl_orbits_progress
@@ -80,11 +80,11 @@ module evl_orbits_session
       integer(c_int) :: crawls, n_ordinary, before, is_smooth
    end type c_walk
 
-   integer, parameter :: n_kept = 9 !! numbers that are kept of a point beside its arrays
+   integer, parameter :: n_kept = 9 !! length of the saved record of a point, without its arrays
 
 contains
 
-   !> Ask the caller for a gearbox.
+   !> Get a gearbox from the caller.
    subroutine take(self, value, gearbox, scale, status)
       class(callers_family), intent(inout) :: self
       real(wp), intent(in) :: value
@@ -105,7 +105,7 @@ contains
       scale = of_caller
    end subroutine take
 
-   !> Let the caller follow what is to be an orbit.
+   !> Let the caller integrate a candidate orbit and record its results.
    subroutine tell_caller(self, number, orbit, status)
       class(callers_teller), intent(inout) :: self
       integer, intent(in) :: number
@@ -130,7 +130,7 @@ contains
       end associate
    end subroutine tell_caller
 
-   !> Room for a new branch, which is empty.
+   !> Append an empty branch.
    subroutine add_branch(self)
       type(orbits_t), intent(inout) :: self
       type(points_t), allocatable :: more(:)
@@ -148,7 +148,7 @@ contains
       allocate (self%branches(self%n_branches)%points(64))
    end subroutine add_branch
 
-   !> Find what was not kept of a point: its flow and what follows from that.
+   !> Recompute the data of a point that are not saved: its flow and derived quantities.
    subroutine complete(self, point, status)
       type(orbits_t), intent(inout) :: self
       type(branch_point), intent(inout) :: point
@@ -157,7 +157,7 @@ contains
 
       if (allocated(point%orbit%multipliers)) return
       iterations = point%orbit%iterations
-      call correct_orbit(self%model, self%options%orbits, point%orbit, status) ! there is nothing left to correct
+      call correct_orbit(self%model, self%options%orbits, point%orbit, status) ! already converged: no correction is needed
       point%orbit%iterations = iterations
    end subroutine complete
 

@@ -1,4 +1,4 @@
-!> The table of all rows: what a case can say, block by block. A block is a line here, its rows stand with the thing they describe.
+!> Table of all rows: the schema of the case file, block by block. Rows of a component are defined in the component's module.
 module evl_case_table
    use evl_accelerometer, only: accelerometer_rows
    use evl_compliance_description, only: compliance_rows
@@ -27,7 +27,7 @@ module evl_case_table
 
    public :: case_table, kinds_of
 
-   type(range_t), parameter :: some_outputs = range_t(1.0_wp, 1000000.0_wp) !! a position
+   type(range_t), parameter :: some_outputs = range_t(1.0_wp, 1000000.0_wp) !! per pitch or turn
 
    type(row_t), parameter :: case_rows(*) = [ &
                              row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
@@ -99,7 +99,7 @@ module evl_case_table
 
 contains
 
-   !> All rows; those of a block stand together, the one that selects its variant first.
+   !> All rows. Rows of a block are contiguous; the row that selects the variant is first.
    subroutine case_table(rows)
       type(row_t), allocatable, intent(out) :: rows(:)
       type(row_t), allocatable :: room(:)
@@ -139,7 +139,7 @@ contains
 
    contains
 
-      !> The rows of a block.
+      !> Append the rows of a block.
       subroutine put(block, more)
          character(len=*), intent(in) :: block
          type(row_t), intent(in) :: more(:)
@@ -150,8 +150,8 @@ contains
          n = n + size(more)
       end subroutine put
 
-      !> The rows of a block whose first selects one of its kinds, and those of each kind. Where they are joined, a row that several
-      !> kinds have stands once; those of laws stay apart, each with its law.
+      !> Append the rows of a block with variants: those in `first`, the first of which selects the variant, then those of each
+      !> variant. If is_joined, a row common to several variants is listed once; otherwise (laws) each variant has its own rows.
       subroutine put_kinds(block, first, is_joined)
          character(len=*), intent(in) :: block
          type(row_t), intent(in) :: first(:)
@@ -180,16 +180,16 @@ contains
 
    end subroutine case_table
 
-   !> Whether two rows are the same but for the kinds that have them.
+   !> Whether two rows are identical except for their variants.
    pure logical function means_same(a, b)
       type(row_t), intent(in) :: a, b
 
       means_same = a%key == b%key .and. a%text == b%text .and. a%type == b%type .and. (a%required .eqv. b%required)
    end function means_same
 
-   !> The kinds of a block; none if it has none.
+   !> Variants of a block; size 0 if it has none.
    subroutine kinds_of(block, kinds)
-      character(len=*), intent(in) :: block !! contact, damping, friction, load or support; or event
+      character(len=*), intent(in) :: block !! contact, damping, friction, load, support or event
       type(kind_t), allocatable, intent(out) :: kinds(:)
       type(kind_finder) :: finder
 

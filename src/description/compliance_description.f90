@@ -1,4 +1,4 @@
-!> What a case says of how a wheel gives way, and the wheel's compliance from it.
+!> Case parameters of the compliance of a wheel, and the compliance computed from them.
 module evl_compliance_description
    use evl_analytic_compliance, only: analytic_samples, is_in_range, ring_range, root_range
    use evl_gear, only: gear_t, gear_tip_angle, gear_tip_curvature
@@ -17,7 +17,7 @@ use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots
 
    public :: compliance_create
 
-   real(wp), parameter :: thinnest_tip = 0.1_wp    !! modules
+   real(wp), parameter :: thinnest_tip = 0.1_wp    !! [modules]
    real(wp), parameter :: shortest_flank = 0.3_wp  !! arc of the involute [modules]
 
    type(row_t), parameter, public :: &
@@ -42,15 +42,15 @@ use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots
 
 contains
 
-   !> The compliance of a wheel; one that does not give way if it has none.
+   !> Compliance of a wheel; a rigid one if the case has no `compliance`.
    !>
    !> Errors: code_invalid_input with subject_wheel, without index; those of the store.
    subroutine compliance_create(wheel, material, gear, store, compliance, warnings, status)
       type(given_t), intent(in) :: wheel, material
       type(gear_t), intent(in) :: gear
-      class(influence_store_t), intent(inout) :: store !! of what was computed before
+      class(influence_store_t), intent(inout) :: store !! cache of computed influence data
       type(wheel_compliance_t), intent(out) :: compliance
-      type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
+      type(status_t), allocatable, intent(inout) :: warnings(:) !! new warnings are appended
       type(status_t), intent(inout) :: status
       type(given_t) :: given, rack
       type(tooth_outline_t) :: outline
@@ -87,7 +87,7 @@ contains
       end associate
    end subroutine compliance_create
 
-   !> Where the wheel is held: between its bore and the material under its teeth.
+   !> Radius at which the wheel is fixed: between its bore and the material below the teeth.
    subroutine find_hub(given, gear, hub, status)
       type(given_t), intent(in) :: given
       type(gear_t), intent(in) :: gear
@@ -111,7 +111,7 @@ contains
       end if
    end subroutine find_hub
 
-   !> What no mesh and no formula serves.
+   !> Reject teeth that neither the finite element mesh nor the formulas cover.
    subroutine check_tooth(gear, status)
       type(gear_t), intent(in) :: gear
       type(status_t), intent(inout) :: status
@@ -136,7 +136,7 @@ contains
       end associate
    end subroutine check_tooth
 
-   !> What the formulas leave out, and where they were not fitted.
+   !> Warn of effects that the formulas neglect, and of use outside their fitted range.
    subroutine warn_of_formulas(outline, hub, warnings)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub !! radius [modules]
@@ -153,7 +153,7 @@ contains
                 field="compliance.model")
    end subroutine warn_of_formulas
 
-   !> Refuse something of a wheel.
+   !> Report an invalid parameter of a wheel.
    subroutine refuse(message, field, status)
       character(len=*), intent(in) :: message, field
       type(status_t), intent(inout) :: status

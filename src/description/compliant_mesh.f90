@@ -1,4 +1,4 @@
-!> Meshes of wheels that give way: what they need of the rest of a case, and their flanks.
+!> Meshes of compliant gears: restrictions on other case parameters, and creation of their flanks.
 module evl_compliant_mesh
    use evl_coupled_flank, only: coupled_flank_t
    use evl_flank, only: flank_slot, flank_t
@@ -17,23 +17,23 @@ module evl_compliant_mesh
 
    public :: check_compliant_mesh, make_flank
 
-   real(wp), parameter :: edge_reach = 0.4_wp !! how far past the path edges can carry [base pitches]
-   real(wp), parameter :: heavy = 1.0e6_wp    !! line load at which tables are looked at; with less, contacts are softer [N/m]
-   integer, parameter :: n_looked = 50        !! at how many places
+   real(wp), parameter :: edge_reach = 0.4_wp !! range beyond the path of contact in which tip edges can carry load [base pitches]
+   real(wp), parameter :: heavy = 1.0e6_wp    !! line load at which tables are checked; contacts are softer at smaller ones [N/m]
+   integer, parameter :: n_looked = 50        !! number of positions checked
 
 contains
 
-   !> What gives way in a wheel is counted beside Johnson's contact, at the points of the closed form; teeth are coupled as far as
-   !> their wheels know how.
+   !> Check the parameters of a mesh of compliant gears. Gear compliance is added to Johnson's contact at the contact points of the
+   !> closed form. Tooth coupling needs coupling data of the wheels.
    subroutine check_compliant_mesh(gearbox, wheels, mesh, index, status)
-      type(gearbox_t), intent(in) :: gearbox !! with its compliances
+      type(gearbox_t), intent(in) :: gearbox !! including its compliances
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: mesh
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       type(given_t) :: contact
 
-      ! one by one: gfortran 12 copies elements that are named by a list, and does not give them back
+      ! one by one: gfortran 12 copies elements selected by an index list and does not free the copies
       associate (a => gearbox%compliances(mesh%driving), b => gearbox%compliances(mesh%driven))
          if (.not. (a%exists .or. b%exists)) then
             if (mesh%word("edge_contact") == "true") call check_edges()
@@ -52,14 +52,14 @@ contains
                   any([a%exists, b%exists] .and. [a%neighbours, b%neighbours] == 0)) then
             call refuse("a wheel with compliance {model: analytic}, or a table without c_1, does not know how its teeth yield to" &
                         //" their neighbours' loads: give false, or finite_elements to the wheel", "tooth_coupling")
-         else if (couples(gearbox, mesh) .and. any([a%neighbours, b%neighbours] == 1)) then ! of a table
+         else if (couples(gearbox, mesh) .and. any([a%neighbours, b%neighbours] == 1)) then ! from a table
             call check_tables(gearbox, wheels, mesh, index, status)
          end if
       end associate
 
    contains
 
-      !> Edges alone, on flanks that do not give way.
+      !> Check tip edges on rigid flanks.
       subroutine check_edges()
          call mesh%inner("contact", contact)
          if (contact%word("law") /= "johnson") then
@@ -79,8 +79,8 @@ contains
 
    end subroutine check_compliant_mesh
 
-   !> What tables say of two pairs that carry has to leave them forces: what each yields to its own load, its contact included, is
-   !> more than what it does to the other's, at all places where two touch.
+   !> Check that tables determine the forces of two loaded tooth pairs: at all positions with two pairs in contact, their compliance
+   !> matrix, contact included, must be positive definite.
    subroutine check_tables(gearbox, wheels, mesh, index, status)
       type(gearbox_t), intent(in) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
@@ -117,7 +117,7 @@ contains
       end associate
    end subroutine check_tables
 
-   !> Whether the tooth pairs of a mesh yield together.
+   !> Whether the compliance of the tooth pairs of a mesh is coupled.
    pure logical function couples(gearbox, mesh)
       type(gearbox_t), intent(in) :: gearbox
       type(mesh_input), intent(in) :: mesh
@@ -125,7 +125,7 @@ contains
       couples = any(gearbox%compliances([mesh%driving, mesh%driven])%neighbours > 0) .and. mesh%word("tooth_coupling") /= "false"
    end function couples
 
-   !> Whether tip edges touch before and after the path of contact.
+   !> Whether tip edges make contact before and after the path of contact.
    pure logical function has_edges(gearbox, mesh)
       type(gearbox_t), intent(in) :: gearbox
       type(mesh_input), intent(in) :: mesh
@@ -134,7 +134,7 @@ contains
       if (mesh%word("edge_contact") == "") has_edges = any(gearbox%compliances([mesh%driving, mesh%driven])%exists)
    end function has_edges
 
-   !> The kind of flank that a mesh has. Built in place: gfortran 12 frees twice what it copies of nested polymorphic components.
+   !> Allocate the flank type of a mesh. Built in place: gfortran 12 frees copies of nested polymorphic components twice.
    subroutine make_flank(gearbox, wheels, mesh, slot)
       type(gearbox_t), intent(in) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
@@ -164,7 +164,7 @@ contains
       end associate
    end subroutine make_flank
 
-   !> A wheel's compliance in its place.
+   !> Copy the compliance of a wheel.
    subroutine take_wheel(compliance, wheel)
       type(wheel_compliance_t), intent(in) :: compliance
       class(wheel_compliance_t), allocatable, intent(out) :: wheel

@@ -1,4 +1,4 @@
-!> Makes the tooth contacts of a gearbox from its meshes: how many there are, their constants, their links to the state.
+!> Creation of the tooth contacts of a gearbox from its meshes: their number, constants and links to the state.
 module evl_contact_build
    use evl_compliant_mesh, only: make_flank
    use evl_coupled_pairs, only: most_pairs
@@ -22,11 +22,12 @@ module evl_contact_build
 
    public :: list_contacts, take_contact, find_dependents
 
-   real(wp), parameter :: least_apart = 1.0e-3_wp !! in base pitches: gap_apart where the path ends on a base circle
+   real(wp), parameter :: least_apart = 1.0e-3_wp !! gap_apart in base pitches if the path of contact ends on a base circle
 
 contains
 
-   !> As many slots as tooth pairs can be on the path at once, and one for the pair that waits, on each flank that can touch.
+   !> Allocate slots on each flank that can make contact: the maximum number of tooth pairs on the path, plus one for the waiting
+   !> pair.
    subroutine list_contacts(gearbox, wheels, meshes)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
@@ -70,7 +71,7 @@ contains
                   contact%has_edges = of%reach > 0
                   contact%deviates = contact%has_edges .or. &
                                      any(gearbox%wheels([meshes(m)%driving, meshes(m)%driven])%deviation%exists)
-                  ! the points of the coast flank follow from the wheels' positions, whatever tracks those of the drive flank
+                  ! contact points of the coast flank follow from the wheels' positions, whatever the tracking of the drive flank
                   contact%tracking = merge(meshes(m)%tracking, tracking_closed_form, flank == flank_drive)
                end associate
             end do
@@ -78,7 +79,7 @@ contains
       end do
    end subroutine list_contacts
 
-   !> Geometry, laws and links to the state of a tooth contact.
+   !> Geometry, laws and state links of a tooth contact.
    subroutine take_contact(gearbox, wheels, given, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
@@ -168,10 +169,10 @@ contains
       call link_states(gearbox, gearbox%contacts(index))
    end subroutine take_contact
 
-   !> The coast flank: the mirror image of the drive flank, on the other side of the same tooth of the driving wheel.
+   !> Coast flank: the mirror image of the drive flank, on the opposite side of the same tooth of the driving wheel.
    !>
-   !> With tau the angle that a tooth fills on the base circle, the involutes of both sides of a tooth are rooted tau apart:
-   !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). On the driven wheel it is the tooth behind, in the order in which pairs come.
+   !> With tau the tooth thickness angle on the base circle, the involutes of both sides of a tooth start tau apart:
+   !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). On the driven wheel it is the next tooth behind, in the order of the pairs.
    pure subroutine take_coast(pair, phase, contact)
       type(spur_pair_t), intent(in) :: pair
       type(tooth_phase_t), intent(in) :: phase
@@ -189,20 +190,20 @@ contains
       end associate
       contact%k_a0 = pair%centre_a + pair%base_radius_a*contact%t_0
       tau = pair%tooth_angle_a
-      ! if it is not known, both wheels' teeth are equally thick on the pitch circles
+      ! if unknown, the teeth of both wheels have the same thickness on the pitch circles
       if (.not. tau > 0) tau = (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2/pair%pitch_radius_a &
                                + 2*(tan(pair%alpha_w) - pair%alpha_w)
       contact%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
       contact%tooth_b = contact%tooth_b - contact%tooth_sign
       if (.not. contact%handover) return
-      ! the pair between the ends of the path at the start is number 0
+      ! the pair within the path of contact at the start has number 0
       passed = floor((contact%rho_entry - contact%rho_start)/pair%base_pitch)
       contact%rho_start = contact%rho_start + passed*pair%base_pitch
       contact%tooth_a = contact%tooth_a + passed*contact%tooth_sign
       contact%tooth_b = contact%tooth_b - passed*contact%tooth_sign
    end subroutine take_coast
 
-   !> The common width of two wheels is the overlap of their faces.
+   !> Common face width of two wheels: the axial overlap of their faces.
    subroutine take_overlap(wheels, a, b, contact, status)
       type(wheel_input), intent(in) :: wheels(:)
       integer, intent(in) :: a, b
@@ -222,9 +223,9 @@ contains
                 //quantity(width(2), "m")//" wide", subject_wheel, b, "axial_position")
    end subroutine take_overlap
 
-   !> The wheel that each rigid mesh determines when it is closed. Wheels that rigid meshes join move as one: each such group is
-   !> reached from one of its wheels on, the one whose speed is prescribed or else the reference wheel, and every mesh determines
-   !> the wheel that it reaches. A mesh that closes a ring of them determines none.
+   !> Wheel that each rigid mesh determines when it is closed. Wheels connected by rigid meshes move as one. Each such group is
+   !> traversed from one wheel: the one with prescribed speed, else the reference wheel. Every mesh determines the wheel that it
+   !> reaches; a mesh that closes a loop determines none.
    subroutine find_dependents(gearbox, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
@@ -248,7 +249,7 @@ contains
 
    contains
 
-      !> Reach all wheels that rigid meshes join to the first one, unless they are reached.
+      !> Traverse all wheels connected to the first one by rigid meshes, unless already reached.
       subroutine reach(first)
          integer, intent(in) :: first
          logical :: group(size(gearbox%wheels)), found
@@ -299,7 +300,7 @@ contains
       if (contact%axles_rest) call find_tangent_line(contact%pair%r_b, contact%pair%rho_0, 0.0_wp, 0.0_wp, contact%rest_line)
    end subroutine link_states
 
-   !> What a tooth contact has to know of a wheel's motion.
+   !> Link of a tooth contact to the motion of a wheel.
    pure type(wheel_link) function link_of(wheel, contact) result(link)
       type(wheel_t), intent(in) :: wheel
       type(tooth_contact_t), intent(in) :: contact
@@ -314,7 +315,7 @@ contains
       end do
    end function link_of
 
-   !> One wheel's local variables in terms of the state.
+   !> Local variables of one wheel in terms of the state.
    subroutine link_wheel(contact, link, at_psi, at_psi_dot, at_u, at_v)
       type(tooth_contact_t), intent(inout) :: contact
       type(wheel_link), intent(in) :: link

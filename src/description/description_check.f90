@@ -1,4 +1,4 @@
-!> A description as it comes from outside: whether its entries are what the rows ask for, and where each of them stands.
+!> Validation of a description from outside: entries against the table of rows, and the location of errors.
 module evl_description_check
    use evl_given, only: description_t, entry_t
    use evl_kinds, only: wp
@@ -12,17 +12,17 @@ module evl_description_check
 
    public :: check_changed_numbers, check_description, entry_path, path_length, place_of_status
 
-   integer, parameter :: path_length = 191 !! characters of a path; EVL_PATH_LENGTH without the NUL
+   integer, parameter :: path_length = 191 !! length of a path; EVL_PATH_LENGTH without the NUL
 
    character(len=13), parameter :: counts(0:4) = &
                                    [character(13) :: "no number", "one number", "two numbers", "three numbers", "four numbers"]
 
-   !> Blocks that a status is about, at the places of its subjects.
+   !> Blocks that are subjects of a status, indexed by the subject code.
    character(len=7), parameter :: blocks(*) = [character(7) :: "wheel", "mesh", "load", "initial", "housing", "shaft"]
 
 contains
 
-   !> Every entry has the numbers that its row asks for, and no block lacks what it requires.
+   !> Check that every entry matches its row and every block is complete.
    !> Errors: code_invalid_input with subject, index and field.
    subroutine check_description(description, status)
       type(description_t), intent(in) :: description
@@ -40,7 +40,7 @@ contains
                call check_numbers(description, i, rows(entries(i)%row), status)
             end if
          end do
-         ! a word that selects a variant is one of its row's here
+         ! from here on each word that selects a variant is one of the words of its row
          do i = 1, size(entries)
             if (has_failed(status)) return
             if (is_block(rows(entries(i)%row))) call check_block(description, i, status)
@@ -48,7 +48,7 @@ contains
       end associate
    end subroutine check_description
 
-   !> Other numbers of an entry, as many as before, of a description that was checked: nothing else of the check depends on them.
+   !> Check changed numbers of an entry of a checked description. Their count is unchanged; no other check depends on the values.
    !> Errors: as above.
    subroutine check_changed_numbers(description, place, status)
       type(description_t), intent(in) :: description
@@ -58,14 +58,14 @@ contains
       call check_numbers(description, place, description%rows(description%entries(place)%row), status)
    end subroutine check_changed_numbers
 
-   !> Whether entries that follow one of this row are those of its block.
+   !> Whether entries of this row are followed by the entries of a block.
    elemental logical function is_block(row)
       type(row_t), intent(in) :: row
 
       is_block = row%type == type_block .or. row%type == type_list .or. row%type == type_map
    end function is_block
 
-   !> Index of the entry whose block has an entry; 0: it is a key of the case.
+   !> Index of the entry whose block contains an entry; 0: a key of the case.
    pure integer function parent_of(entries, place) result(i)
       type(entry_t), intent(in) :: entries(:)
       integer, intent(in) :: place
@@ -77,7 +77,7 @@ contains
       end do
    end function parent_of
 
-   !> Whether the row of an entry is one of the block that it stands in.
+   !> Whether the row of an entry belongs to the block that contains it.
    pure logical function stands_in_its_block(description, place) result(good)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -94,7 +94,7 @@ contains
       end associate
    end function stands_in_its_block
 
-   !> As many numbers as the row asks for, all in its range; or one of its words.
+   !> Check that an entry has the right count of numbers, all in range, or one of the words of its row.
    subroutine check_numbers(description, place, row, status)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -123,7 +123,7 @@ contains
       end associate
    end subroutine check_numbers
 
-   !> The knots of a table increase.
+   !> Check that the knots of a table are strictly increasing.
    subroutine check_knots(description, place, knots, status)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -141,7 +141,7 @@ contains
       end associate
    end subroutine check_knots
 
-   !> A table has as many values as the block has times.
+   !> Check that a table has as many values as its block has knots.
    subroutine check_at_knots(description, place, status)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -159,7 +159,7 @@ contains
       end associate
    end subroutine check_at_knots
 
-   !> A block has what its variant requires, and nothing of another variant.
+   !> Check that a block has all required keys of its variant and no keys of another variant.
    subroutine check_block(description, place, status)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -190,7 +190,7 @@ contains
       end associate
    end subroutine check_block
 
-   !> Where the rows of a block stand: together, in the table of a case. None: first > last.
+   !> First and last row of a block; rows of a block are contiguous. None: first > last.
    pure subroutine find_rows(rows, block, first, last)
       type(row_t), intent(in) :: rows(:)
       character(len=*), intent(in) :: block
@@ -205,7 +205,7 @@ contains
       last = min(last, size(rows))
    end subroutine find_rows
 
-   !> Index of the entry of a key in the block of an entry; 0 if it is not given.
+   !> Index of the entry of a key in the block of an entry; 0 if absent.
    pure integer function entry_of(description, place, key) result(i)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -222,11 +222,11 @@ contains
       i = 0
    end function entry_of
 
-   !> Whether a row belongs to the variant of a block, or beside what the block has.
+   !> Whether a row is allowed for the variant of a block, or with its other keys ("+KEY", "-KEY").
    pure logical function in_variant(description, place, row, selector)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
-      type(row_t), intent(in) :: row, selector !! the first row of the block selects its variant
+      type(row_t), intent(in) :: row, selector !! selector: first row of the block, which selects the variant
       integer :: given
 
       in_variant = .true.
@@ -246,7 +246,7 @@ contains
       end if
    end function in_variant
 
-   !> Write a refusal of an entry, or of a key that its block lacks, down.
+   !> Report an invalid entry, or a key missing in its block.
    subroutine refuse(description, place, message, status, key)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -262,12 +262,12 @@ contains
       call fail(status, code_invalid_input, message, subject, index, trim(field))
    end subroutine refuse
 
-   !> What an entry is about: the subject, which one, and the field in it.
+   !> Subject of an entry: its type, its number, and the field within it.
    subroutine place_of(description, place, subject, number, field)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
       integer, intent(out) :: subject
-      integer, intent(out) :: number !! from 1; 0 if the subject is one
+      integer, intent(out) :: number !! from 1; 0 if there is only one such subject
       character(len=*), intent(out) :: field
       integer :: i, chain(32), n, held
       character(len=path_length) :: path, above
@@ -299,7 +299,7 @@ contains
       if (held > 0) field = path(len_trim(above) + 2:)
    end subroutine place_of
 
-   !> The path of an entry, as --set takes it: names or numbers of elements between the keys.
+   !> Path of an entry as in --set: keys, and names or numbers of elements.
    recursive subroutine entry_path(description, place, path)
       type(description_t), intent(in) :: description
       integer, intent(in) :: place
@@ -324,7 +324,7 @@ contains
       end associate
    end subroutine entry_path
 
-   !> The path of what a status is about; "" if it is about nothing in particular.
+   !> Path of the subject of a status; "" if it has none.
    subroutine place_of_status(description, status, path)
       type(description_t), intent(in) :: description
       type(status_t), intent(in) :: status

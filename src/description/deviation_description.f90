@@ -1,4 +1,4 @@
-!> The description that the flank deviations of a wheel are made from, and whether its numbers make sense.
+!> Case parameters of the flank deviations of a wheel, and their validation.
 module evl_deviation_description
    use evl_flank_deviation, only: flank_deviation_t, relief_t
    use evl_given, only: given_t
@@ -11,7 +11,7 @@ module evl_deviation_description
 
    public :: deviation_create, has_deviation, profile_t
 
-   ! what a case says of the flanks of a wheel
+   ! rows of the flank deviations of a wheel
    type(row_t), parameter, public :: &
       deviation_rows(*) = [ &
       row_t("tip_relief", type_block, "", "material taken off towards the tip", holds="relief", variants="+module"), &
@@ -50,21 +50,21 @@ module evl_deviation_description
       row_t("phase", type_number, "deg", "its direction from the middle of tooth 0, counterclockwise", &
             range=range_t(-360.0_wp, 360.0_wp), default="0", plausible=span_t(0.0_wp, 360.0_wp))]
 
-   real(wp), parameter :: largest = 0.1_wp !! deviations in modules: more is refused
+   real(wp), parameter :: largest = 0.1_wp !! maximum deviation in modules; larger ones are rejected
 
-   !> The profile that deviates.
+   !> Profile of a flank with deviations.
    type :: profile_t
       integer :: teeth = 0
       real(wp) :: base_radius = 0.0_wp      !! r_b [m]
-      real(wp) :: reference_radius = 0.0_wp !! on which pitches are arcs [m]
+      real(wp) :: reference_radius = 0.0_wp !! radius on which pitch errors are arcs [m]
       real(wp) :: rho_start = 0.0_wp        !! radius of curvature at the start of the active profile [m]
       real(wp) :: rho_tip = 0.0_wp          !! radius of curvature at the tip [m]
-      real(wp) :: tooth_angle = 0.0_wp      !! psi_b, that a tooth fills on the base circle [rad]; 0 if not known
+      real(wp) :: tooth_angle = 0.0_wp      !! psi_b, tooth thickness angle on the base circle [rad]; 0 if unknown
    end type profile_t
 
 contains
 
-   !> Whether a wheel asks for any deviation.
+   !> Whether a wheel has any flank deviation.
    logical function has_deviation(wheel)
       type(given_t), intent(in) :: wheel
       type(given_t) :: tip, root, runout
@@ -79,11 +79,10 @@ contains
                            runout%number("amount")] > 0) .or. wheel%has("accuracy") .or. wheel%has("pitch_errors")
    end function has_deviation
 
-   !> Make the deviations of a wheel.
+   !> Compute the flank deviations of a wheel.
    !>
-   !> Relief reaches its amount at the tip, root relief at the start of the active profile; between its start and there it is
-   !> linear or quadratic in the length of roll. Pitch errors are arcs on the reference circle; along the normal they are
-   !> r_b/r as large.
+   !> Tip relief reaches its amount at the tip, root relief at the start of the active profile. From its start, relief is linear or
+   !> quadratic in the length of roll. Pitch errors are arcs on the reference circle; along the normal they are multiplied by r_b/r.
    !> Errors: code_invalid_input with subject_wheel, without index, and the field as in the case file.
    subroutine deviation_create(wheel, profile, deviation, status)
       type(given_t), intent(in) :: wheel
@@ -115,7 +114,7 @@ contains
       call take_pitch_errors(wheel, profile, deviation, status)
    end subroutine deviation_create
 
-   !> Pitch errors from a list or from a class, along the normal.
+   !> Pitch errors along the normal, from a list or from an accuracy class.
    subroutine take_pitch_errors(wheel, profile, deviation, status)
       type(given_t), intent(in) :: wheel
       type(profile_t), intent(in) :: profile
@@ -151,12 +150,12 @@ contains
       deviation%pitch(:) = pitch*(profile%base_radius/profile%reference_radius)
    end subroutine take_pitch_errors
 
-   !> A relief whose start lies within the active profile.
+   !> A relief; its start must be within the active profile.
    subroutine take_relief(wheel, field, profile, rho_end, relief, status)
       type(given_t), intent(in) :: wheel
       character(len=*), intent(in) :: field   !! "tip_relief" or "root_relief"
       type(profile_t), intent(in) :: profile
-      real(wp), intent(in) :: rho_end         !! where the relief reaches its amount [m]
+      real(wp), intent(in) :: rho_end         !! radius of curvature at which the relief reaches its amount [m]
       type(relief_t), intent(inout) :: relief
       type(status_t), intent(inout) :: status
       type(given_t) :: given
@@ -196,9 +195,9 @@ contains
       relief%parabolic = given%word("shape") == "parabolic"
    end subroutine take_relief
 
-   !> No flank deviates by more than a tenth of a module: first-order geometry does not hold there, and a unit is probably wrong.
+   !> Reject deviations above a tenth of a module: first-order geometry is not valid there, and the unit is probably wrong.
    subroutine check_size(length, field, profile, status)
-      real(wp), intent(in) :: length !! [m]
+      real(wp), intent(in) :: length !! deviation [m]
       character(len=*), intent(in) :: field
       type(profile_t), intent(in) :: profile
       type(status_t), intent(inout) :: status
@@ -216,7 +215,7 @@ contains
       end if
    end subroutine check_size
 
-   !> Write the first refusal down.
+   !> Report an invalid parameter, unless an error was reported before.
    subroutine refuse(message, field, status)
       character(len=*), intent(in) :: message, field
       type(status_t), intent(inout) :: status

@@ -1,4 +1,4 @@
-!> The real gears of a gearbox and their meshes, from its description.
+!> Creation of the gears defined by a basic rack, and of their meshes, from the description.
 module evl_gear_build
    use evl_gear, only: agreement, gear_derive, gear_t, thin_tip
    use evl_gearbox, only: gearbox_t
@@ -12,11 +12,11 @@ module evl_gear_build
 
    public :: gearbox_sketch, gears_build
 
-   real(wp), parameter :: rounded_data = 0.5e-6_wp !! overlap of teeth that rounded numbers of a catalogue explain [m]
+   real(wp), parameter :: rounded_data = 0.5e-6_wp !! tooth overlap that rounded catalogue data can explain [m]
 
 contains
 
-   !> Derive all gears and meshes, and write warnings down. Wheels and meshes that are no real gears get initial values.
+   !> Compute all gears and meshes, and append warnings. Wheels and meshes without a basic rack get initial values.
    !>
    !> Errors: code_invalid_input with subject, index and field.
    subroutine gears_build(wheels, meshes, gears, gear_meshes, warnings, status)
@@ -24,7 +24,7 @@ contains
       type(mesh_input), intent(in) :: meshes(:)
       type(gear_t), intent(out) :: gears(size(wheels))
       type(gear_mesh_t), intent(out) :: gear_meshes(size(meshes))
-      type(status_t), allocatable, intent(inout) :: warnings(:) !! grows
+      type(status_t), allocatable, intent(inout) :: warnings(:) !! new warnings are appended
       type(status_t), intent(inout) :: status
       real(wp) :: overlaps(size(meshes))
       integer :: i
@@ -64,7 +64,7 @@ contains
       end do
    end subroutine gears_build
 
-   !> The gears and their meshes alone, of a description that may be refused: nothing else of the gearbox is there.
+   !> Compute only the gears and their meshes, from a description that may be invalid. Other parts of the gearbox are not set.
    subroutine gearbox_sketch(description, gearbox)
       type(description_t), target, intent(in) :: description !! checked
       type(gearbox_t), intent(out) :: gearbox
@@ -79,8 +79,8 @@ contains
       if (.not. has_failed(status)) call gears_sketch(wheels, meshes, gearbox%gears, gearbox%gear_meshes)
    end subroutine gearbox_sketch
 
-   !> The geometry of all gears that can be made and of all meshes that have a working pressure angle, whether they can mesh or not.
-   !> Others get initial values.
+   !> Geometry of all valid gears and of all meshes with a working pressure angle, whether they can mesh or not. Others get initial
+   !> values.
    subroutine gears_sketch(wheels, meshes, gears, gear_meshes)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
@@ -107,7 +107,7 @@ contains
       is_shortened = mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b
    end function is_shortened
 
-   !> By how much undercut shortens the path of contact.
+   !> Warn that undercut shortens the path of contact, with the amounts.
    subroutine warn_of_undercut(gears, given, mesh, index, warnings)
       type(gear_t), intent(in) :: gears(:)
       type(mesh_input), intent(in) :: given
@@ -129,7 +129,7 @@ contains
       end associate
    end subroutine warn_of_undercut
 
-   !> The corner of an undercut tooth at its form circle is not modelled: compliant teeth and tip edges would touch it.
+   !> Reject undercut with compliant teeth or tip edges: they would touch the corner at the form circle, which is not modelled.
    subroutine check_undercut(wheels, given, mesh, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: given
@@ -146,7 +146,7 @@ contains
       end if
    end subroutine check_undercut
 
-   !> Whether a wheel has a compliance.
+   !> Whether a wheel is compliant.
    logical function is_compliant(wheel)
       type(wheel_input), intent(in) :: wheel
       type(given_t) :: block
@@ -157,13 +157,13 @@ contains
       is_compliant = block%word("model") /= "none"
    end function is_compliant
 
-   !> Where the teeth of a mesh overlap by no more than rounded data explain, thinner teeth of its driven gear. Its other meshes
-   !> get the backlash of these.
+   !> If the teeth of a mesh overlap by no more than rounding of the data can explain, make the teeth of its driven gear thinner.
+   !> Other meshes of this gear get the corresponding backlash.
    subroutine give_way(wheels, mesh, gears, overlap)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: mesh
       type(gear_t), intent(inout) :: gears(:)
-      real(wp), intent(out) :: overlap !! by which the driven gear gave way; 0 if it did not [m]
+      real(wp), intent(out) :: overlap !! overlap removed from the driven gear; 0 if unchanged [m]
       type(gear_t) :: thinner
       type(status_t) :: status
 
@@ -182,7 +182,7 @@ contains
       overlap = 0
    end subroutine give_way
 
-   !> The allowance with which a gear's teeth are thinner by an arc of its base circle [m].
+   !> Thickness allowance of a gear whose teeth are made thinner by an arc of its base circle [m].
    pure real(wp) function thinner_by(gear, arc) result(allowance)
       type(gear_t), intent(in) :: gear
       real(wp), intent(in) :: arc !! [m]
@@ -190,8 +190,8 @@ contains
       allowance = gear%thickness_allowance - arc/cos(gear%pressure_angle)
    end function thinner_by
 
-   !> To the refusal of a centre distance at which teeth overlap, add the allowance of the driven wheel with which they fit, in
-   !> digits that are enough; nothing if no such wheel can be made.
+   !> Append a remedy to the error of a centre distance with tooth overlap: the thickness allowance of the driven wheel that fits,
+   !> with enough digits. No change if such a wheel is not possible.
    subroutine name_remedy(driven, a, b, given, status)
       type(wheel_input), intent(in) :: driven
       type(gear_t), intent(in) :: a, b
@@ -206,7 +206,7 @@ contains
       if (given%has_centre_distance) overlap = gear_mesh_overlap(a, b, given%centre_distance)
       if (.not. overlap > 0) return
       allowance = thinner_by(b, overlap)
-      digit = 10.0_wp**(floor(log10(-allowance)) - 5) ! the last one of six, as messages have them
+      digit = 10.0_wp**(floor(log10(-allowance)) - 5) ! last of six digits, as in messages
       allowance = -ceiling(-allowance/digit)*digit
       call gear_derive(driven%given_t, thinner, trial, allowance)
       if (.not. has_failed(trial)) call gear_mesh_derive(a, thinner, given, mesh, trial)
@@ -214,7 +214,7 @@ contains
          status%message = trim(status%message)//"; or teeth of the driven wheel with thickness_allowance "//quantity(allowance, "m")
    end subroutine name_remedy
 
-   !> The mesh of two real gears, if it is one; no mesh of one real gear with another wheel.
+   !> Mesh of two gears with basic racks, if they are; a mesh of one such gear with another wheel is rejected.
    subroutine build_mesh(wheels, gears, given, mesh, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(gear_t), intent(in) :: gears(:)
@@ -245,7 +245,7 @@ contains
       end associate
    end subroutine build_mesh
 
-   !> What a mesh says of its centre distance and backlash.
+   !> Centre distance and backlash given for a mesh.
    type(gear_mesh_input) function distances_of(mesh) result(distances)
       type(mesh_input), intent(in) :: mesh
 
@@ -253,7 +253,7 @@ contains
                                   mesh%number("backlash"))
    end function distances_of
 
-   !> A pitch radius that is given beside a module is the reference radius.
+   !> Check that a pitch radius given together with a module equals the reference radius.
    subroutine check_pitch_radius(wheel, gear, status)
       type(wheel_input), intent(in) :: wheel
       type(gear_t), intent(in) :: gear
@@ -268,7 +268,7 @@ contains
                 field="pitch_radius")
    end subroutine check_pitch_radius
 
-   !> Refuse something of a mesh.
+   !> Report an invalid parameter of a mesh.
    pure subroutine refuse(status, field, message)
       type(status_t), intent(inout) :: status
       character(len=*), intent(in) :: field, message

@@ -1,4 +1,4 @@
-!> Makes a gearbox from its description: checks every number, finds the layout, derives the geometry, numbers the states.
+!> Creation of a gearbox from its description: validation, layout, geometry, and numbering of the states.
 module evl_gearbox_build
    use evl_compliance_description, only: compliance_create
    use evl_compliant_mesh, only: check_compliant_mesh
@@ -34,15 +34,15 @@ module evl_gearbox_build
 
    public :: gearbox_create
 
-   real(wp), parameter :: agreement = 1.0e-9_wp !! relative: base radii from two meshes that differ less are the same
+   real(wp), parameter :: agreement = 1.0e-9_wp !! relative: base radii of one wheel from two meshes must agree to this
 
 contains
 
-   !> Make a gearbox.
+   !> Create a gearbox.
    !> Errors: code_invalid_input with subject, index and field; those of the store.
    subroutine gearbox_create(description, store, gearbox, status)
       type(description_t), target, intent(in) :: description !! checked
-      class(influence_store_t), intent(inout) :: store !! of the wheels that give way
+      class(influence_store_t), intent(inout) :: store !! cache of compliant wheels
       type(gearbox_t), intent(out) :: gearbox
       type(status_t), intent(inout) :: status
       type(given_t) :: root
@@ -110,7 +110,7 @@ contains
       call place_outputs(gearbox)
    end subroutine gearbox_create
 
-   !> How the wheels give way; equal ones are computed once.
+   !> Compliance of the wheels; identical wheels are computed once.
    subroutine take_compliances(wheels, meshes, store, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
@@ -135,11 +135,11 @@ contains
       end do
    end subroutine take_compliances
 
-   !> What the description says of the layout.
+   !> Layout data given in the description.
    subroutine start_layout(wheels, meshes, gearbox, layout)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: meshes(:)
-      type(gearbox_t), intent(in) :: gearbox !! its gears and shafts
+      type(gearbox_t), intent(in) :: gearbox !! including its gears and shafts
       type(layout_t), intent(out) :: layout
       integer :: i
 
@@ -155,7 +155,7 @@ contains
             if (layout%has_radius(i)) layout%pitch_radius(i) = wheels(i)%number("pitch_radius")
          else if (wheels(i)%has("radius")) then
             layout%pitch_radius(i) = wheels(i)%number("radius")
-         else ! a solid disc of this mass and inertia
+         else ! radius of a solid disc with this mass and inertia
             layout%pitch_radius(i) = sqrt(2*wheels(i)%number("inertia")/wheels(i)%number("mass"))
          end if
       end do
@@ -169,8 +169,8 @@ contains
       layout%shaft_b = gearbox%shafts%wheel_b
    end subroutine start_layout
 
-   !> Mass, inertia, support and speed ratio of every wheel. A solid disc of the pitch radius, less
-   !> the bore of a real gear, unless mass and inertia are given.
+   !> Mass, inertia, support and speed ratio of every wheel. Unless mass and inertia are given, the wheel is a solid disc with the
+   !> pitch radius and, if it has a basic rack, the bore.
    subroutine take_wheels(wheels, layout, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(layout_t), intent(in) :: layout
@@ -200,7 +200,8 @@ contains
       end do
    end subroutine take_wheels
 
-   !> Inertia about a diameter: given, or that of any axisymmetric body that is alike over its width, as a disc or a ring is.
+   !> Inertia about a diameter: given, or that of an axisymmetric body with constant cross-section over its width, such as a disc or
+   !> ring.
    subroutine take_transverse(given, index, mass, inertia, transverse_inertia, status)
       type(wheel_input), intent(in) :: given
       integer, intent(in) :: index
@@ -217,7 +218,7 @@ contains
                 index, "transverse_inertia")
    end subroutine take_transverse
 
-   !> Give every quantity its place in the state and in the discrete state.
+   !> Assign indices in the state and in the discrete state.
    subroutine number_states(gearbox)
       type(gearbox_t), intent(inout) :: gearbox
       integer :: i, j, n
@@ -267,7 +268,7 @@ contains
       gearbox%n_states = n + 2
    end subroutine number_states
 
-   !> Number the root functions, and the discrete state: the turns, what the contacts have, and the knots passed.
+   !> Number the root functions and the discrete state: revolutions, contact modes, and knots passed.
    subroutine number_modes(gearbox)
       type(gearbox_t), intent(inout) :: gearbox
       integer :: i
@@ -283,7 +284,7 @@ contains
             gearbox%n_roots = gearbox%n_roots + contact%n_roots
          end associate
       end do
-      gearbox%n_roots = gearbox%n_roots + 1 ! turns of the reference wheel
+      gearbox%n_roots = gearbox%n_roots + 1 ! revolutions of the reference wheel
       gearbox%n_integers = i_turns
       call number_integers(gearbox%contacts, gearbox%n_integers)
       do i = 1, size(gearbox%loads)
@@ -327,7 +328,7 @@ contains
       end associate
    end subroutine take_pair
 
-   !> Where the first tooth pair of each mesh is.
+   !> Position of the first tooth pair of each mesh.
    subroutine place_teeth(meshes, gearbox, status)
       type(mesh_input), intent(in) :: meshes(:)
       type(gearbox_t), intent(inout) :: gearbox
@@ -352,7 +353,7 @@ contains
                            //", which the teeth around the loop leave: only closed_form carries it", subject_mesh, m, "tracking")
    end subroutine place_teeth
 
-   !> Whether the flank of a mesh fits the sense of rotation that the first mesh gives the wheels.
+   !> Warn if the flank of a mesh does not match the sense of rotation that follows from the first mesh.
    subroutine check_senses(gearbox, layout, first_mesh, given, index)
       type(gearbox_t), intent(inout) :: gearbox
       type(layout_t), intent(in) :: layout
@@ -367,7 +368,7 @@ contains
 
    contains
 
-      !> +1 if a wheel turns like the reference wheel, -1 if against it.
+      !> +1 if a wheel rotates in the sense of the reference wheel, -1 if opposite.
       pure integer function turn(wheel)
          integer, intent(in) :: wheel
 
@@ -376,7 +377,7 @@ contains
 
    end subroutine check_senses
 
-   !> A wheel has one base circle, whatever it meshes with.
+   !> Set the radii of a wheel; all its meshes must give the same base circle.
    subroutine take_radii(gearbox, index, base_radius, tip_radius, mesh, status)
       type(gearbox_t), intent(inout) :: gearbox
       integer, intent(in) :: index, mesh

@@ -1,5 +1,4 @@
-!> The description that a gearbox is made from: its wheels, meshes and shafts, what a case says of them, and whether that makes a
-!> gearbox.
+!> Description of a gearbox: wheels, meshes and shafts, their case parameters, and their validation.
 module evl_gearbox_description
    use evl_damping_law, only: damping_law_t
    use evl_deviation_description, only: deviation_rows
@@ -95,17 +94,17 @@ module evl_gearbox_description
       row_t("tracking", type_choice, "", "how the points of contact are found", default="closed_form", &
             words="closed_form algebraic differential")]
 
-   !> A wheel as given, and what of it is asked of many.
+   !> A wheel as given, with frequently used parameters.
    type, extends(given_t) :: wheel_input
       integer :: teeth = 0          !! 0: a disc
-      logical :: is_gear = .false.  !! its radii follow from a module, not from a pitch radius
+      logical :: is_gear = .false.  !! its radii are computed from a module, not from a pitch radius
       type(given_t) :: material
       real(wp) :: compliance = 0.0_wp !! of its material: (1 - nu^2)/E [1/Pa]
    end type wheel_input
 
    !> A mesh as given.
    type, extends(given_t) :: mesh_input
-      integer :: driving = 0, driven = 0       !! wheels, from 1
+      integer :: driving = 0, driven = 0       !! indices of wheels, from 1
       integer :: driving_rotation = -1         !! +1: counterclockwise
       class(elastic_law_t), allocatable :: contact
       class(damping_law_t), allocatable :: damping
@@ -146,7 +145,7 @@ contains
       end do
    end subroutine read_description
 
-   !> A wheel; one without teeth is a disc: it needs a size.
+   !> Read a wheel. One without teeth is a disc and needs a radius, or mass and inertia.
    subroutine read_wheel(wheel, index, materials, status)
       type(wheel_input), intent(inout) :: wheel
       integer, intent(in) :: index
@@ -175,7 +174,7 @@ contains
       end if
    end subroutine read_wheel
 
-   !> The place of a block with a name; 0 if there is none.
+   !> Index of the block with a name; 0 if there is none.
    pure integer function named(name, blocks) result(i)
       character(len=*), intent(in) :: name
       class(given_t), intent(in) :: blocks(:)
@@ -186,12 +185,12 @@ contains
       i = 0
    end function named
 
-   !> A shaft joins two different wheels.
+   !> Read a shaft, which connects two different wheels.
    subroutine read_shaft(given, index, wheels, shaft, status)
       type(given_t), intent(in) :: given
       integer, intent(in) :: index
       type(wheel_input), intent(in) :: wheels(:)
-      type(shaft_t), intent(out) :: shaft !! but for its places in the state
+      type(shaft_t), intent(out) :: shaft !! without its state indices
       type(status_t), intent(inout) :: status
       type(given_t), allocatable :: ends(:)
 
@@ -212,7 +211,7 @@ contains
       end if
    end subroutine read_shaft
 
-   !> A mesh joins two different wheels, and its laws exist and have valid parameters.
+   !> Read a mesh, which connects two different wheels; its laws must exist and have valid parameters.
    subroutine read_mesh(mesh, index, wheels, status)
       type(mesh_input), intent(inout) :: mesh
       integer, intent(in) :: index
@@ -245,7 +244,7 @@ contains
                 //" none", subject_mesh, index, "damping.law")
    end subroutine read_mesh
 
-   !> The laws of a mesh with their parameters.
+   !> Read the laws of a mesh with their parameters.
    subroutine read_laws(mesh, index, status)
       type(mesh_input), intent(inout) :: mesh
       integer, intent(in) :: index
@@ -272,7 +271,7 @@ contains
       call take_parameters(mesh%friction, "friction", blocks(3), finders(3)%found, index, status)
    end subroutine read_laws
 
-   !> The parameters of a law, NaN for those that its block leaves open; the field of an error is named family.parameter.
+   !> Parameters of a law, NaN for those not given in its block; the field of an error is family.parameter.
    subroutine take_parameters(law, family, block, info, index, status)
       class(force_law_t), intent(inout) :: law
       character(len=*), intent(in) :: family

@@ -1,4 +1,4 @@
-!> Gives the wheels of a gearbox the deviations of their flanks, and refuses meshes that cannot have any.
+!> Flank deviations of the wheels of a gearbox; rejects meshes that do not support them.
 module evl_gearbox_deviations
    use evl_deviation_description, only: deviation_create, has_deviation, profile_t
    use evl_gear, only: gear_tip_curvature
@@ -14,13 +14,13 @@ module evl_gearbox_deviations
 
    public :: check_second_order, gearbox_set_deviations
 
-   real(wp), parameter :: worth_knowing = 0.02_wp !! second order of the gap over the reference penetration: warn above
+   real(wp), parameter :: worth_knowing = 0.02_wp !! limit for a warning: second order of the gap over the reference penetration
 
 contains
 
-   !> Make the deviations of all wheels, once the geometry of all meshes is known.
+   !> Set the deviations of all wheels after the geometry of all meshes is known.
    !>
-   !> The active profile of a wheel goes from its lowest start in any of its meshes to its tip.
+   !> The active profile of a wheel extends from its lowest start in any of its meshes to its tip.
    !> Errors: code_invalid_input with the wheel or the mesh and the field.
    subroutine gearbox_set_deviations(gearbox, wheels, meshes, status)
       type(gearbox_t), intent(inout) :: gearbox
@@ -46,7 +46,7 @@ contains
       end do
    end subroutine gearbox_set_deviations
 
-   !> The profile of a wheel. Errors: a wheel that is no real gear, or that meshes with none.
+   !> Profile of a wheel. Errors: a wheel without a basic rack, or without an active profile in its meshes.
    subroutine find_profile(gearbox, wheels, meshes, index, profile, status)
       type(gearbox_t), intent(in) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
@@ -83,7 +83,7 @@ contains
                 subject_wheel, index, "teeth")
    end subroutine find_profile
 
-   !> Only the closed form of an elastic contact knows deviating flanks.
+   !> Reject deviations unless tracking is in closed form and the contact is elastic.
    subroutine check_mesh(gearbox, mesh, index, status)
       type(gearbox_t), intent(in) :: gearbox
       type(mesh_input), intent(in) :: mesh
@@ -101,7 +101,7 @@ contains
                    //" deviations of its wheels out", subject_mesh, index, "contact.law")
    end subroutine check_mesh
 
-   !> The gap between deviating flanks is one of first order, or of second order of each flank alone: say so where that matters.
+   !> Warn where the approximation of the gap matters: first order, or second order of each flank alone (with tip edges).
    subroutine check_second_order(gearbox, index)
       type(gearbox_t), intent(inout) :: gearbox
       integer, intent(in) :: index

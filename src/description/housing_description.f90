@@ -1,4 +1,4 @@
-!> The description that a housing is made from, and whether its numbers are in range.
+!> Case parameters of a housing, and their validation.
 module evl_housing_description
    use evl_accelerometer, only: accelerometer_take
    use evl_given, only: given_t
@@ -15,7 +15,7 @@ module evl_housing_description
 
    real(wp), parameter :: rounding = 1.0e-12_wp !! relative: a flat body meets the triangle inequality with equality
 
-   ! what a case says of the housing and its mount
+   ! rows of the housing and its mount
    type(row_t), parameter, public :: &
       housing_rows(*) = [ &
       row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
@@ -66,7 +66,7 @@ module evl_housing_description
 
 contains
 
-   !> Make a housing from the checked description of a case. Errors: code_invalid_input with the field.
+   !> Create a housing from the checked description of a case. Errors: code_invalid_input with the field.
    subroutine housing_create(root, housing, status)
       type(given_t), intent(in) :: root
       type(housing_t), intent(out) :: housing
@@ -87,7 +87,7 @@ contains
       housing%acts = housing%kind /= housing_fixed .or. any(abs(housing%gravity) > 0)
    end subroutine housing_create
 
-   !> What is told of its acceleration; a direction of no length is none.
+   !> Accelerometers of the housing; a direction of zero length is invalid.
    subroutine take_accelerometers(given, housing, status)
       type(given_t), intent(in) :: given
       type(housing_t), intent(inout) :: housing
@@ -107,7 +107,7 @@ contains
       end do
    end subroutine take_accelerometers
 
-   !> Write a refusal down.
+   !> Report an invalid parameter, unless an error was reported before.
    subroutine refuse(message, field, status)
       character(len=*), intent(in) :: message, field
       type(status_t), intent(inout) :: status
@@ -115,7 +115,7 @@ contains
       if (.not. has_failed(status)) call fail(status, code_invalid_input, message, subject_housing, field=field)
    end subroutine refuse
 
-   !> The terms of a prescribed motion.
+   !> Terms of a prescribed motion.
    subroutine take_motion(given, housing)
       type(given_t), intent(in) :: given
       type(housing_t), intent(inout) :: housing
@@ -133,7 +133,7 @@ contains
       end do
    end subroutine take_motion
 
-   !> The inertia tensor from its diagonal and its elements xy, yz, xz.
+   !> Inertia tensor from its diagonal and its elements xy, yz, xz.
    pure function tensor(diagonal, products) result(matrix)
       real(wp), intent(in) :: diagonal(3), products(3)
       real(wp) :: matrix(3, 3)
@@ -143,9 +143,9 @@ contains
       matrix(:, 3) = [products(3), products(2), diagonal(3)]
    end function tensor
 
-   !> Some body has this inertia tensor: it is positive definite, and no principal moment exceeds the sum of the others.
+   !> Check that an inertia tensor is physical: positive definite, and no principal moment exceeds the sum of the others.
    !>
-   !> The latter is the same as that tr(I)/2 - I, the second moment of the mass, is positive semidefinite.
+   !> The latter is equivalent to tr(I)/2 - I, the second moment of mass, being positive semidefinite.
    subroutine check_tensor(inertia, status)
       real(wp), intent(in) :: inertia(3, 3)
       type(status_t), intent(inout) :: status
@@ -183,7 +183,7 @@ contains
                     + m(1, 3)*(m(1, 2)*m(2, 3) - m(2, 2)*m(1, 3))
    end function determinant
 
-   !> A mounted housing.
+   !> Parameters of a mounted housing.
    subroutine take_mounted(given, housing, status)
       type(given_t), intent(in) :: given
       type(housing_t), intent(inout) :: housing

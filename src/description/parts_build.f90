@@ -1,4 +1,4 @@
-!> Makes loads and supports from what a case says of them, by their kinds.
+!> Creation of loads and supports from their case parameters.
 module evl_parts_build
    use evl_gearbox, only: load_slot
    use evl_gearbox_description, only: wheel_input
@@ -19,7 +19,7 @@ module evl_parts_build
 
 contains
 
-   !> The loads of all wheels, not yet numbered in the discrete state.
+   !> Create the loads of all wheels, without indices in the discrete state.
    !> Errors: code_invalid_input with the load and the parameter.
    subroutine loads_build(wheels, loads, status)
       type(wheel_input), intent(in) :: wheels(:)
@@ -52,7 +52,7 @@ contains
       end do
    end subroutine loads_build
 
-   !> One of them.
+   !> Create one load.
    subroutine load_build(given, wheel, index, load, status)
       type(given_t), intent(in) :: given
       integer, intent(in) :: wheel, index
