@@ -1,6 +1,6 @@
 !> Interface of a model to the integrator: y' = f(t, y) with discrete states, root functions and events.
 !>
-!> The interface is independent of what is modelled. A model extends `ode_model`, stores its discrete state in its own
+!> The interface is independent of the modelled system. A model extends `ode_model`, stores its discrete state in its own
 !> components, and overrides the procedures that apply: right-hand side and Jacobian always, root functions if there are any.
 !>
 !> A procedure that cannot be evaluated at a trial state (outside a law's domain) reports `code_out_of_domain`: the integrator

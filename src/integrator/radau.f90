@@ -7,8 +7,8 @@
 !>         outcome_event: change the model's discrete state and y as solver%fired says, then call radau_restart
 !>
 !> All variable data are in `radau_t` and in the model: integrations may be interleaved, or run in threads, with results
-!> bitwise equal to those of single ones. Nothing is allocated after `radau_create`, except the full matrices at the first
-!> step for which diagonal pivots are insufficient.
+!> bitwise equal to those of single ones. `radau_create` allocates all memory, except the full matrices for the first step
+!> with insufficient diagonal pivots.
 !>
 !> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most 0.0022 tolerance^(4/7)
 !> in root mean square. The exponent converts between the order 7 of the estimate and the order 13 of the result. A separate
