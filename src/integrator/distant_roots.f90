@@ -16,7 +16,7 @@ module evl_distant_roots
 contains
 
    !> List the functions that may come near zero. The others have the sign of the previous step at all nodes, which is stored
-   !> in `sign_after`, and change so little that their interpolants stay away from zero.
+   !> in `sign_after`. They change so little that their interpolants stay away from zero.
    pure subroutine list_near(n, n_live, live, g, sign_now, sign_after, n_near, near)
       integer, intent(in) :: n                    !! functions
       integer, intent(in) :: n_live, live(n_live) !! functions to examine

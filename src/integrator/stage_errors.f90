@@ -68,9 +68,9 @@ contains
 
    !> Step size with an error of about 1, before any step is made: the eighth derivative of y is J^7 f if J hardly changes.
    !>
-   !> The polynomial of degree 7 through the nodes c then differs from y by h^8 y''''''''/8! prod(tau - c), its slope at the
-   !> start by the product of the seven other nodes; the estimate is that divided by the real eigenvalue. Stiff components,
-   !> which the filter would damp, make the result too small, not too large.
+   !> The polynomial of degree 7 through the nodes c then differs from y by h^8 y''''''''/8! prod(tau - c). Its slope at the
+   !> start differs by the product of the seven other nodes; the estimate is that divided by the real eigenvalue. Stiff
+   !> components, which the filter would damp, make the result too small, not too large.
    module procedure foresee_step
       real(wp), parameter :: factorial_8 = 40320
       real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
