@@ -157,8 +157,8 @@ contains
       end associate
    end subroutine solve_whole
 
-   !> Solve it for a constant Jacobian: with A^-1 T = T Lambda and Z = (T x I) W it is (Lambda/h - J) W = (T^-1 1) x (J D),
-   !> one real system and three complex ones, each with as many unknowns as there are moving states.
+   !> Solve it for a constant Jacobian: with A^-1 T = T Lambda and Z = (T x I) W it is (Lambda/h - J) W = (T^-1 1) x (J D).
+   !> These are one real system and three complex ones, each with as many unknowns as there are moving states.
    subroutine solve_apart(model, states, h, derivative, good)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states

@@ -161,8 +161,8 @@ contains
    end subroutine solve_system
 
    !> dP/dp of an orbit that was integrated over one round, by a one-sided difference. The other side is used if there is no
-   !> such system, or if root functions do not fire there as in the orbit, since P may have a corner, or a square root near
-   !> one; then a shorter one.
+   !> such system, or if root functions do not fire there as in the orbit: P may have a corner, or a square root near one.
+   !> Shorter differences follow.
    subroutine differentiate_by_parameter(model, options, orbit, status)
       class(orbit_model), intent(inout) :: model !! has another value of the parameter on return
       type(orbit_options), intent(in) :: options

@@ -253,7 +253,7 @@ contains
          end if
       end do
       if (kind == kind_touch .and. b - a <= accuracy*min(1.0_wp, way)) &
-         leap = norm2(way_to(model, options, left, right))/way ! of the two sides
+         leap = norm2(way_to(model, options, left, right))/way ! of both sides
       point%kind = kind
       point%root = root
       found = is_genuine(model, kind, point%orbit)

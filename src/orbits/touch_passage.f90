@@ -1,8 +1,7 @@
 !> Continuation past a grazing orbit, at which a root function just touches zero, if a force jumps or has a corner there.
 !>
 !> The mode behind the grazing point lasts for s. Its effect on the flow is that of a force times s, and s is the square root
-!> of how far the root function passes zero. With theta, which passes zero at grazing, s = sqrt(-theta) and g the gradient of
-!> theta,
+!> of how far the root function passes zero. With theta, which passes zero at grazing, its gradient g, and s = sqrt(-theta),
 !>
 !>     theta > 0:    (D - 1) dy + dP/dp dp          = 0    orbits on one side: tangent t
 !>     theta < 0:    (D - 1) dy + dP/dp dp + c s    = 0
