@@ -174,8 +174,7 @@ contains
       end do
    end function motion_in_sight
 
-   !> Time to the next knot, or to a later one at a distance of at most `most` times the shortest knot interval behind the
-   !> next knot.
+   !> Time to the next knot, or to a later one within `most` times the shortest interval of the knots behind the next one.
    pure real(wp) function knots_in_sight(time, t) result(longest)
       real(wp), intent(in) :: time(:), t
       real(wp), parameter :: most = 4.001_wp, here = 8*epsilon(t) !! here: tolerance, of the time, for knots reached
