@@ -5,7 +5,7 @@
 !> there the flanks touch only if the teeth around the loop fit; otherwise a gap within the backlash remains. Wheels on one
 !> shaft are independent: the teeth determine the angle at which a wheel is fastened to its shaft.
 !>
-!> With c the angle of a tooth's middle, tau the tooth angle on the base circle, and sigma, chi as in evl_mesh_geometry, the
+!> Let c be the angle of a tooth's middle, tau the tooth angle on the base circle, and sigma, chi as in evl_mesh_geometry. The
 !> root of its flank is sigma tau/2 before c, so
 !>
 !>    rho_A = r_bA (alpha_w + tau_A/2 - sigma (c_A - chi))   rho_B = r_bB (pi + alpha_w + tau_B/2 - sigma (c_B - chi))

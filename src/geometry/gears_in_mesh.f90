@@ -69,8 +69,8 @@ contains
 
    !> Derive the geometry of a mesh and check it.
    !>
-   !> The centre distance is the given one, or that of the given backlash, or the zero-backlash distance of the profile shifts
-   !> (where thickness allowances leave a backlash).
+   !> The centre distance is the given one, or that of the given backlash. Otherwise it is the zero-backlash distance of the
+   !> profile shifts, at which thickness allowances leave a backlash.
    !> Errors: code_invalid_input with subject_mesh, without index; field centre_distance, backlash or none.
    pure subroutine gear_mesh_derive(a, b, given, mesh, status)
       type(gear_t), intent(in) :: a, b        !! the driving and the driven gear

@@ -6,9 +6,9 @@
 !>    rho_F = r sin alpha - (depth/sin alpha + rounding)
 !>
 !> If that is negative, the rounded tip removes a part of the involute: undercut. All normals of contact pass through the
-!> pitch point P. With M at u along the line and L = |PM|, the point of the fillet is P + (1 + rounding/L) (u, -depth) when
-!> the wheel has turned by (u - u_F)/r, where u_F = depth/tan alpha is the end of the flank. The involute begins at its
-!> intersection with the fillet.
+!> pitch point P. Let M be at u along the line, with L = |PM|, and let u_F = depth/tan alpha be the end of the flank. The
+!> point of the fillet is P + (1 + rounding/L) (u, -depth) when the wheel has turned by (u - u_F)/r. The involute begins at
+!> its intersection with the fillet.
 !>
 !> Source: ISO 21771, form diameter and undercut; ISO 53, basic rack; the fillet from the law of gearing.
 module evl_rack_generation
