@@ -1,5 +1,4 @@
-!> Collocation polynomial of a step: values in lanes at its eight nodes; evaluation, differentiation, transfer to another
-!> step.
+!> Collocation polynomial of a step: values in lanes at its eight nodes; evaluation, differentiation, transfer to another step.
 !>
 !> A polynomial of degree 7 is defined by its values at the nodes; tau is the time since the start of the step in units of the
 !> step. Sums run over fixed counts of lanes, so that the compiler vectorises them.
@@ -61,8 +60,7 @@ contains
       end do
    end subroutine interpolate
 
-   !> Values of the eight Lagrange polynomials at tau; the interpolant at tau is their sum weighted with the values at the
-   !> nodes.
+   !> Values of the eight Lagrange polynomials at tau; the interpolant at tau is their sum weighted with the values at the nodes.
    !>
    !> Products accumulate from both ends, which avoids division by tau - node.
    pure subroutine lagrange_at(tau, basis)

@@ -286,8 +286,7 @@ contains
       end do
    end subroutine fill
 
-   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary parts; on return those
-   !> of x.
+   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary parts; on return those of x.
    pure subroutine condensed_solve(self, b)
       type(condensed_t), intent(inout) :: self !! its scratch changes
       real(wp), intent(inout) :: b(n_systems, 2, self%n)

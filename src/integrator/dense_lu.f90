@@ -1,5 +1,4 @@
-!> LU factorisation with row exchanges of the four matrices shift_k I - J, for states in which diagonal pivots are
-!> insufficient.
+!> LU factorisation with row exchanges of the four matrices shift_k I - J, for states in which diagonal pivots are insufficient.
 !>
 !> Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 3.4.
 module evl_dense_lu

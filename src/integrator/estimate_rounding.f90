@@ -1,9 +1,9 @@
 !> Rounding error of the error estimate: the lower bound of a meaningful tolerance.
 !>
-!> f has a rounding error of about eps sum_j |J_ij y_j|, rarely more than four times that: forces are differences of
-!> positions, and stiff forces have rounding errors far above their own last digit. The estimate (gamma/h I - J)^-1 (f(t, y) -
-!> p'(t)) contains that of f at the start and that of the stages; p' at the start is a weighted sum of their slopes. Its
-!> filter divides row i by
+!> f has a rounding error of about eps sum_j |J_ij y_j|, rarely more than four times that: forces are differences of positions, and
+!> stiff forces have rounding errors far above their own last digit. The estimate (gamma/h I - J)^-1 (f(t, y) - p'(t)) contains
+!> that of f at the start, and that of the stages times the sum of the |weights| of their slopes in p'(t). Its filter divides
+!> row i by
 !>   gamma/h + |J_ii| + h/gamma sum_j |J_ij J_ji|,
 !> which is exact for a mass on a spring and a damper.
 module evl_estimate_rounding

@@ -8,9 +8,8 @@
 !>   `most_hidden` of the range of these values (found by linear programming).
 !> - For each remaining maximum of the interpolant, the time is computed.
 !>
-!> Maxima that pass are candidates: the caller evaluates the model itself around that time. For a channel with estimated
-!> values only, the whole step may have to be searched: the maximum of an estimate says little about the position of the
-!> channel's maximum.
+!> Maxima that pass are candidates: the caller evaluates the model itself around that time. For a channel with estimated values
+!> only, the whole step may have to be searched: the maximum of an estimate says little about the position of the channel's maximum.
 module evl_extreme_finder
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_collocation, only: combine, extremum_between, lagrange_matrix, polynomial_at, slopes_of

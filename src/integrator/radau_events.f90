@@ -277,8 +277,7 @@ contains
       slope = sum(basis*roots%slope(:, i))
    end subroutine slope_at
 
-   !> Mark all functions that cross zero at this event: the first, simultaneous ones, and those that crossed in the repeated
-   !> step.
+   !> Mark all functions that cross zero at this event: the first, simultaneous ones, and those that crossed in the repeated step.
    pure subroutine note_fired(self, first, h)
       type(radau_t), intent(inout) :: self
       integer, intent(in) :: first

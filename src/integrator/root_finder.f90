@@ -1,11 +1,10 @@
 !> Detection and location of zeros of the root functions within a step.
 !>
 !> All root functions are known at the eight nodes of the step. A sign change between two nodes is a crossing. A function that
-!> touches zero and returns between two nodes shows no sign change: its interpolant falls towards zero at the left node, rises
-!> at the right one, and the two tangents intersect beyond zero. Only then is the extremum of the interpolant computed. If it
-!> is near zero, the model is evaluated there and on the way to the extremum of its own function. A sign change found this way
-!> splits the interval. Not detected are two extrema between two neighbouring nodes, and a dip below the accuracy of the dense
-!> output.
+!> touches zero and returns between two nodes shows no sign change: its interpolant falls towards zero at the left node, rises at
+!> the right one, and the two tangents intersect beyond zero. Only then is the extremum of the interpolant computed. If it is near
+!> zero, the model is evaluated there and on the way to the extremum of its own function. A sign change found this way splits the
+!> interval. Not detected are two extrema between two neighbouring nodes, and a dip below the accuracy of the dense output.
 !>
 !> Most functions change little in a step. If the values at the nodes exclude an interpolant near zero, no further test
 !> follows. Functions that the model declares `never` zero in its discrete state cost nothing.

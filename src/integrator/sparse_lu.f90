@@ -309,8 +309,7 @@ contains
       end do
    end subroutine eliminate
 
-   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary parts; on return those
-   !> of x.
+   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary parts; on return those of x.
    pure subroutine sparse_lu_solve(lu, b)
       type(sparse_lu_t), intent(in) :: lu
       real(wp), intent(inout) :: b(n_systems, 2, lu%n)

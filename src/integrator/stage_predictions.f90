@@ -1,5 +1,4 @@
-!> Initial values of Newton's iteration for the stages of a step: increments, their transformation, and the states at the
-!> stages.
+!> Initial values of Newton's iteration for the stages of a step: increments, their transformation, and the states at the stages.
 !>
 !> Two predictions serve different kinds of steps. The extrapolated polynomial of the last step is good where the solution is
 !> smooth in units of the step. The linear model
@@ -47,8 +46,7 @@ contains
       self%matrix(lanes, :) = 0
    end subroutine find_continuation
 
-   !> Start Newton's iteration from the linear model z' = f(start) + J z: one iteration from zero, with the same f at all
-   !> stages.
+   !> Start Newton's iteration from the linear model z' = f(start) + J z: one iteration from zero, with the same f at all stages.
    module procedure predict_linearly
       call linear_residual(self%integrals%n_coupled, self%start, self%change)
       call solve_systems(self)

@@ -11,9 +11,8 @@
 !> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
 !> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
 !>
-!> For very stiff components the filter accepts any step: the stages are correct, however far apart, but the values between
-!> them are not. The dense output therefore has a separate estimate: the Chebyshev coefficients of the polynomial,
-!> extrapolated by one.
+!> For very stiff components the filter accepts any step: the stages are correct, however far apart, but the values between them
+!> are not. The dense output therefore has a separate estimate: the Chebyshev coefficients of the polynomial, extrapolated by one.
 !>
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
 module evl_stage_solver
