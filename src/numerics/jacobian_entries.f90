@@ -1,5 +1,4 @@
-!> Storage of the entries of a Jacobian: a full matrix, or a list of the entries that may differ from zero, recorded
-!> beforehand.
+!> Storage of the entries of a Jacobian: a full matrix, or a list of the entries that may differ from zero, recorded beforehand.
 !>
 !> Code that adds to an entry passes its row and column and does not depend on the storage. In a list every row has a hash
 !> table, indexed by the last bits of the column, as many as distinguish the columns of that row. Entries are thus found

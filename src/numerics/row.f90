@@ -239,8 +239,7 @@ contains
       end associate
    end function fault_of
 
-   !> Error text for a number out of its range, such as "coefficient = -1.00000 N s/m must be at least 0"; "" if it is in
-   !> range.
+   !> Error text for a number out of its range, such as "coefficient = -1.00000 N s/m must be at least 0"; "" if it is in range.
    pure function range_error(row, value) result(text)
       type(row_t), intent(in) :: row
       real(wp), intent(in) :: value !! in row%unit
