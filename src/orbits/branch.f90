@@ -210,8 +210,7 @@ contains
 
    end subroutine advance_branch
 
-   !> Last few points of a branch before its end, on the smooth part, and the grazing point (touch) before these, if there is
-   !> one.
+   !> Last few points of a branch before its end, on the smooth part, and the grazing point (touch) before these, if there is one.
    pure function before_end(known, points) result(last)
       type(branch_point), intent(in) :: known(:)  !! points before the first one of `points`
       type(branch_point), intent(in) :: points(:) !! the last one is the end

@@ -2,8 +2,7 @@
 !>
 !> Along a step D' = J(t, y(t)) D is solved by the same method, Radau IIA with seven stages, on the polynomial of the step. A
 !> piece as long as the step has the step's own stages and gives the exact derivative of the step (internal differentiation).
-!> Modes that are hardly visible in the state, such as one without motion, are present in D: pieces are as short as D
-!> requires.
+!> Modes that are hardly visible in the state, such as one without motion, are present in D: pieces are as short as D requires.
 !>
 !> Error of a piece: the end has order 13, the polynomial through the stages order 7. With p the pair of its last two
 !> Chebyshev coefficients and q the next pair, p q decreases with the fourteenth power of the piece, as the error at its end

@@ -48,8 +48,7 @@ contains
       end do
    end subroutine find_multipliers
 
-   !> Whether all lie inside the unit circle by more than rounding: those of an undamped system lie on it, which is not
-   !> stable.
+   !> Whether all lie inside the unit circle by more than rounding: those of an undamped system lie on it, which is not stable.
    pure logical function are_inside(multipliers)
       complex(wp), intent(in) :: multipliers(:)
       real(wp), parameter :: rounding = 1.0e-9_wp

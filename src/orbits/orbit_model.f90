@@ -1,8 +1,7 @@
 !> Interface of a system to the search for periodic orbits: an `ode_model` that also provides the derivatives of its events.
 !>
-!> The system is driven in time with a known period, or autonomous with an unknown one. All quantities that must repeat after
-!> a period are in y and in `modes`. A memory variable, such as a speed at first contact, is a state with rate 0 that events
-!> set.
+!> The system is driven in time with a known period, or autonomous with an unknown one. All quantities that must repeat after a
+!> period are in y and in `modes`. A memory variable, such as a speed at first contact, is a state with rate 0 that events set.
 !>
 !> Other states in y need not repeat: those on which no other depends, such as an energy, and those that depend on time alone,
 !> such as the angle of a wheel with prescribed speed. The derivative of the flow excludes them.
@@ -67,8 +66,7 @@ module evl_orbit_model
          type(status_t), intent(inout) :: status  !! touched on failure only
       end subroutine root_gradient_interface
 
-      !> Apply an event: change modes and state, and return the derivatives of the new state by the old one and by the event
-      !> time.
+      !> Apply an event: change modes and state, and return the derivatives of the new state by the old one and by the event time.
       subroutine apply_event_interface(self, t, fired, time_event, y, by_state, by_time, status)
          import :: orbit_model, status_t, wp
          implicit none (type, external)
@@ -108,8 +106,7 @@ contains
       real(wp), intent(inout) :: derivative(self%n, self%n) !! (i, j): state i by state j at the start
    end subroutine nothing_to_bring
 
-   !> Number of other closed contacts in the present modes, among those that belong together with the contact of a root
-   !> function.
+   !> Number of other closed contacts in the present modes, among those that belong together with the contact of a root function.
    pure integer function no_others(self, root) result(n)
       class(orbit_model), intent(in) :: self
       integer, intent(in) :: root !! 1 .. n_roots

@@ -42,11 +42,10 @@ contains
       call correct_orbit(model, options, orbit, status)
    end subroutine find_orbit
 
-   !> Newton's iteration from an approximate orbit. If its derivative is predicted, flows are computed without it, which costs
-   !> a third, and the derivative is updated by each change (Broyden); only the converged orbit needs its own. If convergence
-   !> is slow, the derivative is computed after all. Far from the orbit flows need not be accurate: the error of the
-   !> integration only has to be small beside the residual after the next iteration, which is about the square of the present
-   !> one.
+   !> Newton's iteration from an approximate orbit. If its derivative is predicted, flows are computed without it, which costs a
+   !> third, and the derivative is updated by each change (Broyden); only the converged orbit needs its own. If convergence is
+   !> slow, the derivative is computed after all. Far from the orbit flows need not be accurate: the error of the integration
+   !> only has to be small beside the residual after the next iteration, which is about the square of the present one.
    subroutine correct_orbit(model, options, orbit, status, tangent, foreseen, far)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options

@@ -274,8 +274,7 @@ contains
 
    end subroutine locate
 
-   !> Zero of a function by inverse quadratic interpolation through three points, if it lies between two bounds; else
-   !> `otherwise`.
+   !> Zero of a function by inverse quadratic interpolation through three points, if it lies between two bounds; else `otherwise`.
    pure real(wp) function foreseen_zero(ways, values, a, b, otherwise) result(zero)
       real(wp), intent(in) :: ways(3), values(3), a, b, otherwise
       integer :: i, j, k

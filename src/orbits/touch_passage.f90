@@ -7,14 +7,12 @@
 !>     theta < 0:    (D - 1) dy + dP/dp dp + c s    = 0
 !>                   g_y dy + g_p dp                = 0    on the other side: du = b s
 !>
-!> with D and dP/dp of the grazing orbit, without the mode behind. s and the orbit are smooth along the branch, so that each
-!> half has a tangent; the derivative of the flow behind the grazing point grows as 1/s. Newton's iteration for the grazing
-!> orbit therefore uses orbits before it, where the flow is smooth. If b turns back in the parameter, the grazing point is a
-!> fold.
+!> with D and dP/dp of the grazing orbit, without the mode behind. s and the orbit are smooth along the branch, so that each half
+!> has a tangent; the derivative of the flow behind the grazing point grows as 1/s. Newton's iteration for the grazing orbit
+!> therefore uses orbits before it, where the flow is smooth. If b turns back in the parameter, the grazing point is a fold.
 !>
 !> If a force begins without a jump, and acts only while flanks approach, as that of a damper that does not pull, its effect
-!> is
-!> proportional to s**2 = -theta: the flow has a corner, with the derivative D - c g behind it, and
+!> is proportional to s**2 = -theta: the flow has a corner, with the derivative D - c g behind it, and
 !>
 !>     theta < 0:    (D - 1) dy + dP/dp dp + c s**2 = 0
 !>                   g_y dy + g_p dp                = -s**2
@@ -175,8 +173,7 @@ contains
                  norm2(way) <= 2*seen .and. dot_product(way, now%tangent) > ahead*norm2(way)
    end function leads_to
 
-   !> First point behind a grazing point, as far away as the branch is nearly straight: multipliers grow towards the grazing
-   !> point.
+   !> First point behind a grazing point, as far away as the branch is nearly straight: multipliers grow towards the grazing point.
    subroutine step_off(model, options, touch, touching, onward, power, beyond_over_way, steps, next, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options

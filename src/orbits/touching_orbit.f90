@@ -1,5 +1,4 @@
-!> Grazing orbit ahead on a branch, at which a root function just touches zero, computed from before it, where the flow is
-!> smooth.
+!> Grazing orbit ahead on a branch, at which a root function just touches zero, computed from before it, where the flow is smooth.
 !>
 !> theta, which passes zero at grazing, is an additional equation. A branch that comes from behind the grazing point is
 !> extrapolated to the zero of theta, and the iteration begins a little before it.
