@@ -1,5 +1,4 @@
-!> Johnson's contact in series with an elastic body: normal force per unit width of a tooth pair that is not coupled to
-!> others.
+!> Johnson's contact in series with an elastic body: normal force per unit width of a tooth pair that is not coupled to others.
 !>
 !> With the length Lambda, the body's compliance c [1/Pa] and w > 1:
 !>
@@ -12,9 +11,8 @@
 !>
 !> and dV = N dh - N**2/2 dc - N**2/(2 pi E* Lambda) dLambda, exactly.
 !>
-!> Valid: 1 < ell < 699; that is h < 4 Lambda/e**2 exp(pi E* c), beyond which there is no solution and an error is reported,
-!> and h > Lambda exp(pi E* c - 698.6), below which N is linear in h: 1e-285 m for pi E* c = 40 and Lambda = 0.1 m. Forces are
-!> odd in h.
+!> Valid: 1 < ell < 699; that is h < 4 Lambda/e**2 exp(pi E* c), beyond which there is no solution and an error is reported, and h
+!> > Lambda exp(pi E* c - 698.6), below which N is linear in h: 1e-285 m for pi E* c = 40 and Lambda = 0.1 m. Forces are odd in h.
 !>
 !> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); the rest is derived in docs/compliant_flanks.md.
 module evl_compliant_johnson

@@ -84,8 +84,7 @@ contains
       call self%evaluate(lanes, at%h, at%h_dot, elastic, at%v0, at%side, force)
    end subroutine force_lanes
 
-   !> Parameter that only the mesh can provide: its key, or that of the parameter that refers to the mesh; "" if there is
-   !> none.
+   !> Parameter that only the mesh can provide: its key, or that of the parameter that refers to the mesh; "" if there is none.
    pure function left_to_mesh(self) result(name)
       class(damping_law_t), intent(in) :: self
       character(len=short_length) :: name

@@ -104,8 +104,7 @@ contains
       end do
    end subroutine potential_by_lane
 
-   !> Reason why `force` returns code_out_of_domain, as one sentence; "" if it does not. A law with an explicit limit
-   !> overrides it.
+   !> Reason why `force` returns code_out_of_domain, as one sentence; "" if it does not. A law with an explicit limit overrides it.
    pure subroutine limit_message(self, ctx, message)
       class(elastic_law_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx

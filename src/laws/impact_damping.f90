@@ -1,17 +1,16 @@
 !> Viscous forces that multiply the elastic one, after Hunt and Crossley: F_v = F_e chi h'/v0.
 !>
 !> v0 is the approach speed at the last closing, so that an impact loses the same fraction of its energy at every speed. The
-!> laws differ in how chi depends on their nominal coefficient of restitution e. The actual restitution e' follows from m h''
-!> = -F_e (1 + chi h'/v0) without loads: division by 1 + chi h'/v0 and integration over h, once from v0 to 0 and once from 0
+!> laws differ in how chi depends on their nominal coefficient of restitution e. The actual restitution e' follows from
+!> m h'' = -F_e (1 + chi h'/v0) without loads: division by 1 + chi h'/v0 and integration over h, once from v0 to 0 and once from 0
 !> to -e' v0, eliminates the elastic energy and gives, for any elastic law,
 !>
 !>    chi (1 + e') = ln[(1 + chi)/(1 - chi e')]
 !>
 !> Hence e' < 1/chi: in a free impact the flanks never pull.
 !>
-!> Source: P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in
-!> multibody dynamics, Multibody Syst. Dyn. 25 (2011) 357, a comparison. The source of each chi is in the table; docs/laws.md
-!> has the titles.
+!> Source: P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in multibody
+!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, a comparison. The source of each chi is in the table; docs/laws.md has the titles.
 module evl_impact_damping
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: yes
@@ -96,8 +95,7 @@ contains
       if (present(d_elastic)) d_elastic = share*h_dot
    end subroutine evaluate
 
-   !> Set v0_min, if it was left open, to the speed amplitude of a vibration as large as the penetration under the nominal
-   !> load.
+   !> Set v0_min, if it was left open, to the speed amplitude of a vibration as large as the penetration under the nominal load.
    pure subroutine complete(self, stiffness, mass, h_0)
       class(impact_damping_t), intent(inout) :: self
       real(wp), intent(in) :: stiffness, mass, h_0

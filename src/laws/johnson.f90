@@ -232,9 +232,9 @@ contains
    !>    V = N h/2 - N**2/(4 pi E*) + y N h/6 - y N**2/(9 pi E*) + N (24 h**2 + 20 h y rho_sum - 27 (y rho_sum)**2) y/(576 rho_sum)
    !>
    !> The first two terms are the energy at constant radii. Each further order is minus the integral over h of the derivative
-   !> of the previous one by rho_sum. The terms omitted are of the relative order (h/rho_sum)**3: below 1e-13 for h < 3e-4
-   !> rho_sum, which is beyond the strength of steel. `force_over_width` has the derivatives of this V, so that no energy is
-   !> lost where it is relevant.
+   !> of the previous one by rho_sum. The terms omitted are of the relative order (h/rho_sum)**3: below 1e-13 for
+   !> h < 3e-4 rho_sum, which is beyond the strength of steel. `force_over_width` has the derivatives of this V, so that no energy
+   !> is lost where it is relevant.
    !>
    !> It holds for each law N = pi E* h/w with w - ln w = ln(rho_sum/h) + constant: for Radzimovsky's as well.
    !>
