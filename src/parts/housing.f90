@@ -182,8 +182,7 @@ contains
    end function mount_loss
 
    !> Contribution of a mounted housing to the rates: r', p', and, at the indices of v' and Omega', the force and the moment
-   !> about the origin from the ground, added to those of the loads; also the power dissipated and the power of external
-   !> forces.
+   !> about the origin from the ground, added to those of the loads; also the power dissipated and the power of external forces.
    pure subroutine housing_rates(housing, frame, f, dissipation, power)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame

@@ -78,8 +78,7 @@ module evl_load
 
 contains
 
-   !> Error message for numbers that are in their ranges but inconsistent, and the parameter to change; "" if there is no
-   !> error.
+   !> Error message for numbers that are in their ranges but inconsistent, and the parameter to change; "" if there is no error.
    pure subroutine no_refusal(given, message, field)
       type(given_t), intent(in) :: given
       character(len=*), intent(out) :: message, field
@@ -117,8 +116,7 @@ contains
       stiffness = by_angle(1)
    end subroutine ask
 
-   !> Change of a torque against the ground by the rotation of the housing: it depends on the speed relative to the ground [N
-   !> m].
+   !> Change of a torque against the ground by the rotation of the housing: it depends on the speed relative to the ground [N m].
    !>
    !> The tangent replaces the difference where both agree within rounding: it is exact if the torque is linear in the speed.
    pure real(wp) function spin_torque(self, at, spin) result(torque)
