@@ -136,8 +136,7 @@ contains
 
    end subroutine place
 
-   !> Remainder of a length after division by the pitch, at least 0; a pitch minus rounding counts as 0 and gives a result
-   !> below it.
+   !> Remainder of a length after division by the pitch, at least 0; a pitch minus rounding counts as 0 and gives a result below it.
    pure real(wp) function remainder(length, pitch)
       real(wp), intent(in) :: length, pitch
 

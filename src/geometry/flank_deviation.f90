@@ -1,9 +1,9 @@
 !> Flank deviations of one wheel: tip and root relief, profile crowning, pitch errors and runout.
 !>
 !> The actual flank is the involute displaced into the material by e(rho) along its normal; e < 0 is excess material. With e_1
-!> and e_2 of both flanks the gap of a tooth pair is kappa + e_1(rho_1) + e_2(rho_2). Over the radius of curvature rho = r_b
-!> xi, xi the roll angle, for tooth k (counted counterclockwise) and side s (+1: the flank that faces clockwise, which pushes
-!> when the wheel drives clockwise; -1: the other one):
+!> and e_2 of both flanks the gap of a tooth pair is kappa + e_1(rho_1) + e_2(rho_2). Over the radius of curvature
+!> rho = r_b xi, xi the roll angle, for tooth k (counted counterclockwise) and side s (+1: the flank that faces clockwise, which
+!> pushes when the wheel drives clockwise; -1: the other one):
 !>
 !>    e = C_a u_a**p_a [tip]  or  C_f u_f**p_f [root]  or  0     u = (rho - rho_s)/(rho_end - rho_s), p = 1 linear, 2 parabolic
 !>      + C_alpha ((rho - rho_m)/((rho_tip - rho_start)/2))**2
@@ -14,8 +14,8 @@
 !>
 !>    min over d of  e(rho + d) + d**2/(2 q),  q = r_b**2 (1/rho - 1/line)
 !>
-!> on a flank e - F e'**2/2 with F = q/(1 + q e''), and at the corner of a linear relief, where d = rho_s - rho, e(rho_s) +
-!> d**2/(2 q). The zones are then those of the point of contact. Both flanks of a pair turn by the slopes s at these points:
+!> on a flank e - F e'**2/2 with F = q/(1 + q e''), and at the corner of a linear relief, where d = rho_s - rho,
+!> e(rho_s) + d**2/(2 q). The zones are then those of the point of contact. Both flanks of a pair turn by the slopes s there:
 !> this adds r_bA r_bB s_A s_B/line to their common deviation.
 module evl_flank_deviation
    use evl_elementary, only: sine_cosine

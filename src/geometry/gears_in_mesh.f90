@@ -128,8 +128,7 @@ contains
       mesh = m
    end subroutine gear_mesh_geometry
 
-   !> Radius of curvature of a mate at the end of the path of contact: at its tip, or where undercut ends the gear's involute
-   !> [m].
+   !> Radius of curvature of a mate at the end of the path of contact: at its tip, or where undercut ends the gear's involute [m].
    pure real(wp) function path_end(gear, line_of_action, rho_tip) result(rho)
       type(gear_t), intent(in) :: gear
       real(wp), intent(in) :: line_of_action !! T1T2 [m]

@@ -7,10 +7,9 @@
 !>
 !> rounded to 1 above 10, to 0.5 from 5 to 10, to 0.1 below 5. Source: ISO 1328-1:2013, 5.2 and 5.3, formulas (5) and (6).
 !>
-!> Random numbers are identical on every machine: the generator is SplitMix64. Its arithmetic is modulo 2**64. Fortran
-!> integers are signed and must not overflow, so sums and products are formed from parts that fit. Source: G. L. Steele, D.
-!> Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014, with the constants of S. Vigna's
-!> splitmix64.c.
+!> Random numbers are identical on every machine: the generator is SplitMix64. Its arithmetic is modulo 2**64. Fortran integers
+!> are signed and must not overflow, so sums and products are formed from parts that fit. Source: G. L. Steele, D. Lea, C. H.
+!> Flood, Fast splittable pseudorandom number generators, OOPSLA 2014, with the constants of S. Vigna's splitmix64.c.
 module evl_pitch_errors
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_kinds, only: pi, wp

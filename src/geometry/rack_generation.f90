@@ -80,8 +80,8 @@ contains
               + flank_end(reference_radius, pressure_angle, depth, rounding)/(reference_radius*cos(pressure_angle))
    end subroutine fillet_point
 
-   !> That angle at a given radius; below the deepest point, that of the deepest point [rad].   Valid: depth > 0, radius <=
-   !> form radius
+   !> That angle at a given radius; below the deepest point, that of the deepest point [rad].
+   !> Valid: depth > 0, radius <= form radius
    pure real(wp) function fillet_at_radius(reference_radius, pressure_angle, depth, rounding, at_radius) result(angle)
       real(wp), intent(in) :: reference_radius, pressure_angle, depth, rounding !! as above
       real(wp), intent(in) :: at_radius !! [m]
