@@ -1,16 +1,16 @@
-!> Which tooth stands where: the place of the first tooth pair of every mesh, a wheel's teeth being placed by another mesh already.
+!> Tooth positions in a gear train: first tooth pair of every mesh, consistent with other meshes of its wheels.
 !>
-!> The first mesh of a train starts with a pair at the start of contact. That places all teeth of its two wheels, and through a
-!> wheel's other meshes those of its neighbours. A mesh whose wheels are both placed closes a loop: there the flanks touch only if
-!> the teeth around the loop fit, and within the backlash they leave a gap. Wheels on one shaft are placed on their own: a wheel is
-!> fastened to its shaft as its teeth demand.
+!> The first mesh of a train starts with a pair at the start of contact. That determines the positions of all teeth of its two
+!> wheels and, through a wheel's other meshes, those of its neighbours. A mesh whose wheels are both determined closes a loop:
+!> there the flanks touch only if the teeth around the loop fit; otherwise a gap within the backlash remains. Wheels on one
+!> shaft are independent: the teeth determine the angle at which a wheel is fastened to its shaft.
 !>
-!> With c the angle of a tooth's middle, tau the angle that it fills on the base circle, and sigma, chi as in evl_mesh_geometry,
-!> the root of its flank is sigma tau/2 before c, so
+!> Let c be the angle of a tooth's middle, tau the tooth angle on the base circle, and sigma, chi as in evl_mesh_geometry. The
+!> root of its flank is sigma tau/2 before c, so
 !>
 !>    rho_A = r_bA (alpha_w + tau_A/2 - sigma (c_A - chi))   rho_B = r_bB (pi + alpha_w + tau_B/2 - sigma (c_B - chi))
 !>
-!> Source: Kosenko & Gusev 2011, section 7.1, for any flank; a tooth later is a base pitch along the line of action.
+!> Source: Kosenko & Gusev 2011, section 7.1, for any flank; the next tooth is a base pitch further along the line of action.
 module evl_first_tooth_pair
    use evl_kinds, only: pi, wp
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh
@@ -19,9 +19,9 @@ module evl_first_tooth_pair
 
    public :: tooth_mesh_t, tooth_phase_t, find_tooth_phases
 
-   real(wp), parameter :: agreement = 1.0e-9_wp !! of a base pitch: teeth around a loop that fit so well fit exactly
+   real(wp), parameter :: agreement = 1.0e-9_wp !! of a base pitch: teeth around a loop that fit within this fit exactly
 
-   !> What the places of teeth depend on in one mesh.
+   !> Data of a mesh that determine tooth positions.
    type :: tooth_mesh_t
       integer :: wheel_a = 0, wheel_b = 0 !! driving and driven wheel, from 1
       integer :: sigma = 1                !! flank
@@ -33,27 +33,27 @@ module evl_first_tooth_pair
       real(wp) :: backlash = 0.0_wp       !! normal backlash [m]
    end type tooth_mesh_t
 
-   !> Where the first tooth pair of a mesh is.
+   !> Position of the first tooth pair of a mesh.
    type :: tooth_phase_t
       real(wp) :: rho_start = 0.0_wp      !! its rho_A, from the start of contact to a base pitch further [m]
       real(wp) :: gap = 0.0_wp            !! between its flanks, in a mesh that closes a loop [m]
-      integer :: tooth_a = 0, tooth_b = 0 !! its teeth: how many counterclockwise from the first ones of the wheels
+      integer :: tooth_a = 0, tooth_b = 0 !! its teeth, counted counterclockwise from the first ones of the wheels
    end type tooth_phase_t
 
 contains
 
-   !> Place the teeth of all wheels from the first mesh on. A mesh of wheels whose teeth are not known begins at the start of
-   !> contact.
+   !> Determine the tooth positions of all wheels, from the first mesh on. A mesh of wheels with unknown tooth angle begins at
+   !> the start of contact.
    !> Errors: code_invalid_input for a loop whose teeth do not fit.
    pure subroutine find_tooth_phases(base_radius, tooth_angle, teeth, meshes, phases, status)
       real(wp), intent(in) :: base_radius(:)     !! of every wheel [m]
-      real(wp), intent(in) :: tooth_angle(:)     !! tau of every wheel [rad]; 0: not known
+      real(wp), intent(in) :: tooth_angle(:)     !! tau of every wheel [rad]; 0: unknown
       integer, intent(in) :: teeth(:)            !! of every wheel
       type(tooth_mesh_t), intent(in) :: meshes(:)
       type(tooth_phase_t), intent(out) :: phases(:)
       type(status_t), intent(inout) :: status
       logical :: placed(size(teeth)), done(size(meshes))
-      real(wp) :: middle(size(teeth)) !! c of the first tooth of every wheel that is placed
+      real(wp) :: middle(size(teeth)) !! c of the first tooth of every wheel with known position
       integer :: m
 
       placed = .false.
@@ -75,7 +75,7 @@ contains
 
    contains
 
-      !> A mesh with a wheel that is placed, or else the first one that is left.
+      !> Next mesh: one with a wheel whose position is known, or else the first remaining one.
       pure integer function next_mesh() result(next)
          integer :: k
 
@@ -89,7 +89,7 @@ contains
 
    end subroutine find_tooth_phases
 
-   !> Place the first tooth pair of a mesh, and the first tooth of a wheel that has none yet.
+   !> Determine the first tooth pair of a mesh, and the first tooth of a wheel whose position is unknown.
    pure subroutine place(mesh, base_radius, tooth_angle, teeth, placed, middle, phase)
       type(tooth_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: base_radius(:), tooth_angle(:)
@@ -124,7 +124,7 @@ contains
 
    contains
 
-      !> The tooth of a wheel whose middle is at an angle; it is the first one if the wheel has none yet.
+      !> Tooth of a wheel whose middle is at an angle; it is the first one if the wheel's position is unknown.
       pure subroutine take_tooth(wheel, angle, tooth)
          integer, intent(in) :: wheel
          real(wp), intent(in) :: angle
@@ -136,7 +136,7 @@ contains
 
    end subroutine place
 
-   !> A length less whole pitches, at least 0; a pitch less rounding is 0, too, and comes out below it.
+   !> Remainder of a length after division by the pitch, at least 0; a pitch minus rounding counts as 0 and gives a result below it.
    pure real(wp) function remainder(length, pitch)
       real(wp), intent(in) :: length, pitch
 

@@ -1,22 +1,22 @@
-!> What a flank lacks in material: tip and root relief, crowning of the profile, pitch errors and runout of one wheel.
+!> Flank deviations of one wheel: tip and root relief, profile crowning, pitch errors and runout.
 !>
-!> The real flank is the involute moved into the material by e(rho) along its normal; e < 0 is too much material. With e_1 and
-!> e_2 of both flanks the gap of a tooth pair is kappa + e_1(rho_1) + e_2(rho_2). Over the radius of curvature rho = r_b xi, xi
-!> the roll angle, for tooth k (counted counterclockwise) and side s (+1: the flank that faces clockwise, which pushes when the
-!> wheel drives clockwise; -1: the other one):
+!> The actual flank is the involute displaced into the material by e(rho) along its normal; e < 0 is excess material. With e_1
+!> and e_2 of both flanks the gap of a tooth pair is kappa + e_1(rho_1) + e_2(rho_2). Over the radius of curvature
+!> rho = r_b xi, xi the roll angle, for tooth k (counted counterclockwise) and side s (+1: the flank that faces clockwise, which
+!> pushes when the wheel drives clockwise; -1: the other one):
 !>
 !>    e = C_a u_a**p_a [tip]  or  C_f u_f**p_f [root]  or  0     u = (rho - rho_s)/(rho_end - rho_s), p = 1 linear, 2 parabolic
 !>      + C_alpha ((rho - rho_m)/((rho_tip - rho_start)/2))**2
 !>      + s p_k - s e_c sin(k gamma - s psi_b/2 + s rho/r_b - psi_c)
 !>
-!> docs/deviations.md derives the last line, and what second order changes: a flank that its slope turns touches beside the line of
-!> action. Where `line` is given, the profile's part of e is the least that moving along the common tangent leaves,
+!> docs/deviations.md derives the last line, and the effect of second order: a flank with a slope touches beside the line of
+!> action. If `line` is set, the profile's part of e is the minimum over displacements along the common tangent,
 !>
 !>    min over d of  e(rho + d) + d**2/(2 q),  q = r_b**2 (1/rho - 1/line)
 !>
 !> on a flank e - F e'**2/2 with F = q/(1 + q e''), and at the corner of a linear relief, where d = rho_s - rho,
-!> e(rho_s) + d**2/(2 q). The zones then are those of the place that touches. Both flanks of a pair turn by the slopes s at these
-!> places: what they lack together is r_bA r_bB s_A s_B/line more.
+!> e(rho_s) + d**2/(2 q). The zones are then those of the point of contact. Both flanks of a pair turn by the slopes s there:
+!> this adds r_bA r_bB s_A s_B/line to their common deviation.
 module evl_flank_deviation
    use evl_elementary, only: sine_cosine
    use evl_kinds, only: pi, wp
@@ -30,24 +30,24 @@ module evl_flank_deviation
 
    integer, parameter :: zone_tip_corner = -3  !! on the corner where a linear tip relief begins
    integer, parameter :: zone_root_corner = -2 !! on that of a root relief
-   integer, parameter :: most_turns = 40 !! to where a corner touches: each comes ten times nearer at least
+   integer, parameter :: most_turns = 40 !! iterations for the contact of a corner: each reduces the error at least tenfold
    integer, parameter :: zone_root = -1 !! below the border of the root relief
    integer, parameter :: zone_none = 0  !! between the borders
    integer, parameter :: zone_tip = 1   !! beyond the border of the tip relief
-   integer, parameter :: zone_end = 2   !! past the end of the flank, which goes on straight: of wheels that touch with their edges
-   integer, parameter :: zone_edge = 3  !! and beyond that its edge; in both the tip knows the profile, pitch and runout are left
+   integer, parameter :: zone_end = 2   !! past the end of the flank, which is extended straight: of wheels with tip-edge contact
+   integer, parameter :: zone_edge = 3  !! its edge beyond that; in both the tip has the profile, and only pitch and runout remain
 
-   !> Relief from its border on.
+   !> Relief beyond its border.
    type :: relief_t
       real(wp) :: amount = 0.0_wp        !! C_a or C_f at the end of the profile [m]; 0: no relief
       real(wp) :: border = 0.0_wp        !! rho_s, radius of curvature at which it begins [m]
-      real(wp) :: taken(2) = 0.0_wp      !! where a contact that comes meets its corner, and where it leaves the corner for it [m]
-      real(wp) :: slopes(0:3) = 0.0_wp   !! of the slope between both, a cubic of what lies behind over what there is of it
+      real(wp) :: taken(2) = 0.0_wp      !! rho at which an approaching contact reaches its corner, and leaves it for the relief [m]
+      real(wp) :: slopes(0:3) = 0.0_wp   !! of the slope between both: cubic in the fraction of this range
       real(wp) :: length = 1.0_wp        !! from the border to the end of the profile [m], negative for root relief
-      logical :: parabolic = .false.     !! with the slope 0 at its border
+      logical :: parabolic = .false.     !! its slope is 0 at its border
    end type relief_t
 
-   !> Deviations of all flanks of one wheel; the initial values are those of a perfect one.
+   !> Deviations of all flanks of one wheel; the initial values are those of a perfect wheel.
    type :: flank_deviation_t
       logical :: exists = .false.        !! whether there is any deviation
       type(relief_t) :: tip, root
@@ -56,15 +56,15 @@ module evl_flank_deviation
       real(wp) :: half_length = 1.0_wp   !! from there to its ends [m]
       integer :: teeth = 1               !! z
       real(wp), allocatable :: pitch(:)  !! p_k of teeth 0 to z-1 along the normal [m], (0:teeth-1); not allocated: no errors
-      real(wp) :: eccentricity = 0.0_wp  !! e_c of the teeth's centre to the axle [m]
+      real(wp) :: eccentricity = 0.0_wp  !! e_c of the centre of the teeth from the axle [m]
       real(wp) :: phase = 0.0_wp         !! psi_c, direction of the eccentricity from the middle of tooth 0 [rad]
       real(wp) :: base_radius = 1.0_wp   !! r_b [m]
-      real(wp) :: half_tooth = 0.0_wp    !! psi_b/2, half of the angle that a tooth fills on the base circle [rad]
-      real(wp) :: line = 0.0_wp          !! length of the line of action, for the gap of second order; 0: that of first order [m]
-      real(wp) :: least = 0.0_wp         !! below which q goes on as it is there: far off the path [m]
+      real(wp) :: half_tooth = 0.0_wp    !! psi_b/2, half of the tooth angle on the base circle [rad]
+      real(wp) :: line = 0.0_wp          !! length of the line of action, for the gap of second order; 0: first order [m]
+      real(wp) :: least = 0.0_wp         !! lower limit of rho in q: far off the path [m]
    end type flank_deviation_t
 
-   !> The flank of one tooth in one zone: all that does not depend on rho. The initial values are those of a perfect one.
+   !> Flank of one tooth in one zone: all quantities independent of rho. The initial values are those of a perfect flank.
    type :: flank_branch
       real(wp) :: border = 0.0_wp          !! rho_s of the relief [m]
       real(wp) :: per_length = 0.0_wp      !! 1/(rho_end - rho_s) [1/m]
@@ -78,23 +78,23 @@ module evl_flank_deviation
       real(wp) :: angle = 0.0_wp           !! k gamma - s psi_b/2 - psi_c [rad]
       real(wp) :: turn = 0.0_wp            !! s/r_b [rad/m]
       logical :: is_second = .false.       !! of second order
-      logical :: is_corner = .false.       !! and on a corner at `border`; the offset has e there
-      logical :: slopes = .false.          !! and its profile slopes somewhere
+      logical :: is_corner = .false.       !! and on a corner at `border`; the offset contains e there
+      logical :: slopes = .false.          !! and its profile has a slope somewhere
       real(wp) :: r_b2 = 0.0_wp            !! r_b**2 [m2]
       real(wp) :: per_line = 0.0_wp        !! 1/line [1/m]
       real(wp) :: least = 0.0_wp           !! [m]
    end type flank_branch
 
-   !> The slope of a flank of second order where it touches.
+   !> Slope of a flank of second order at its point of contact.
    type :: flank_slope
       real(wp) :: s = 0.0_wp   !! [1]
-      real(wp) :: ds = 0.0_wp  !! to rho [1/m]
+      real(wp) :: ds = 0.0_wp  !! by rho [1/m]
       real(wp) :: d2s = 0.0_wp !! [1/m2]
    end type flank_slope
 
 contains
 
-   !> Whether the flanks of a wheel are not all the same.
+   !> Whether the flanks of a wheel differ.
    pure logical function teeth_differ(deviation)
       type(flank_deviation_t), intent(in) :: deviation
 
@@ -103,8 +103,8 @@ contains
 
    include "geometry/flank_branch.inc"
 
-   !> Deviation e of a flank with its derivatives to rho. Every formula holds for all rho: a zone that is held continues its
-   !> branch beyond the border.   Valid: rho near the profile of the wheel
+   !> Deviation e of a flank with its derivatives by rho. Every formula is defined for all rho: a zone that is held extends
+   !> its branch beyond the border.   Valid: rho near the profile of the wheel
    pure subroutine deviation_on(branch, rho, e, de, d2e)
       type(flank_branch), intent(in) :: branch
       real(wp), intent(in) :: rho     !! radius of curvature [m]
@@ -121,7 +121,7 @@ contains
       if (abs(branch%runout) > 0) call add_runout(branch, rho, e, de, d2e)
    end subroutine deviation_on
 
-   !> The slope of a profile of second order where it touches, with its derivatives to rho.
+   !> Slope of a profile of second order at its point of contact, with its derivatives by rho.
    pure subroutine slope_on(deviation, zone, branch, rho, value)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: zone
@@ -136,7 +136,7 @@ contains
       end if
    end subroutine slope_on
 
-   !> The same off corners.
+   !> `slope_on` away from corners.
    pure subroutine find_slope(branch, rho, value)
       type(flank_branch), intent(in) :: branch
       real(wp), intent(in) :: rho
@@ -145,7 +145,7 @@ contains
       call touching_slope(branch, rho, value%s, value%ds, value%d2s)
    end subroutine find_slope
 
-   !> The relief on whose corner a contact is.
+   !> Relief whose corner is in contact.
    pure type(relief_t) function corner_in(deviation, zone) result(relief)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: zone !! zone_tip_corner or zone_root_corner
@@ -154,7 +154,7 @@ contains
       if (zone == zone_tip_corner) relief = deviation%tip
    end function corner_in
 
-   !> The branch of one tooth's flank in a zone.
+   !> Branch of one tooth's flank in a zone.
    pure type(flank_branch) function deviation_branch(deviation, tooth, side, zone) result(branch)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: tooth    !! k, any integer; taken modulo z
@@ -228,11 +228,11 @@ contains
       if (deviation%tip%amount > 0) rho_tip = deviation%tip%border
    end subroutine deviation_borders
 
-   !> Take the gap of second order with a mate: where contacts meet and leave the corners of reliefs.
+   !> Set up the gap of second order with a mate: where contacts reach and leave the corners of reliefs.
    subroutine take_line(deviation, line, rho_start)
       type(flank_deviation_t), intent(inout) :: deviation
       real(wp), intent(in) :: line      !! length of the line of action [m]
-      real(wp), intent(in) :: rho_start !! where the active profile begins [m]
+      real(wp), intent(in) :: rho_start !! start of the active profile [m]
 
       deviation%line = line
       deviation%least = max(rho_start/2, line/1000)
@@ -240,7 +240,7 @@ contains
       call take_corner(deviation, zone_root, deviation%root)
    end subroutine take_line
 
-   !> Where the corner of a relief touches: rho = rho_s + q(rho) e'(rho_s), with the slopes before and behind it.
+   !> Contact range of the corner of a relief: rho = rho_s + q(rho) e'(rho_s), with the slopes before and behind it.
    pure subroutine take_corner(deviation, zone, relief)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: zone !! of the relief
@@ -261,7 +261,7 @@ contains
          end do
          call find_slope(branch, relief%taken(side), there(side))
       end do
-      ! without a corner both are one place, but for the last digits
+      ! without a corner both positions are equal, except for the last digits
       if (relief%parabolic) relief%taken(2) = relief%taken(1)
       associate (range => relief%taken(2) - relief%taken(1), rise => there(2)%s - there(1)%s)
          relief%slopes = [there(1)%s, range*there(1)%ds, 3*rise - range*(2*there(1)%ds + there(2)%ds), &
@@ -269,7 +269,7 @@ contains
       end associate
    end subroutine take_corner
 
-   !> The zone to which the material at rho belongs, of which no corner has any.
+   !> Zone to which the material at rho belongs; none belongs to a corner.
    pure integer function profile_zone(deviation, rho) result(zone)
       type(flank_deviation_t), intent(in) :: deviation
       real(wp), intent(in) :: rho !! radius of curvature [m]
@@ -281,14 +281,14 @@ contains
       if (rho > rho_tip) zone = zone_tip
    end function profile_zone
 
-   !> Whether a contact can touch with the corner of a relief.
+   !> Whether the corner of a relief can be in contact.
    elemental logical function has_corner(relief)
       type(relief_t), intent(in) :: relief
 
       has_corner = abs(relief%taken(2) - relief%taken(1)) > 0
    end function has_corner
 
-   !> The zone in which a contact at rho lies; the borders themselves belong to zone_none.
+   !> Zone of a contact at rho; the borders themselves belong to zone_none.
    pure integer function deviation_zone(deviation, rho) result(zone)
       type(flank_deviation_t), intent(in) :: deviation
       real(wp), intent(in) :: rho !! radius of curvature [m]

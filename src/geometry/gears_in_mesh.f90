@@ -1,4 +1,4 @@
-!> Two real gears in mesh: working pressure angle, path of contact, contact ratio, backlash, and whether they can mesh.
+!> Two gears defined by basic racks in mesh: working pressure angle, path of contact, contact ratio, backlash, mesh checks.
 !>
 !> Gear A drives gear B; r_b their base radii, R = r_bA + r_bB, psi their tooth angles, p_b their common base pitch:
 !>
@@ -8,8 +8,8 @@
 !> With the same module and pressure angle, and without allowances, j_bn = 0 is inv alpha_w = inv alpha + 2 tan alpha
 !> (x_A + x_B)/(z_A + z_B).
 !>
-!> Undercut that leaves less involute than the mate's tip needs shortens the path of contact: it begins at the form circle of A, or
-!> ends at that of B. Each rho_a above is then T1T2 - rho_Ff of the other gear, if that is less.
+!> Undercut that leaves less involute than the mate's tip requires shortens the path of contact: it begins at the form circle
+!> of A, or ends at that of B. Each rho_a above is then T1T2 - rho_Ff of the other gear, if that is less.
 !>
 !> Source: ISO 21771:2007, section 5.
 module evl_gears_in_mesh
@@ -27,20 +27,20 @@ module evl_gears_in_mesh
    public :: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
    public :: gear_pair_derive
 
-   real(wp), parameter :: vanishing = 16*epsilon(1.0_wp) !! backlash over the centre distance that is rounding
+   real(wp), parameter :: vanishing = 16*epsilon(1.0_wp) !! backlash over the centre distance that counts as rounding
 
-   !> What may be given of a mesh: none of both, one, or both if they agree.
+   !> Given data of a mesh: none of both, one, or both if they agree.
    type :: gear_mesh_input
       logical :: has_centre_distance = .false., has_backlash = .false.
       real(wp) :: centre_distance = 0.0_wp !! a_w [m]
       real(wp) :: backlash = 0.0_wp        !! j_bn [m]
    end type gear_mesh_input
 
-   !> All that follows from two gears and their centre distance. Interoperable for the tests.
+   !> Geometry derived from two gears and their centre distance. Interoperable for the tests.
    type, bind(c) :: gear_mesh_t
       real(c_double) :: centre_distance = 0.0_wp        !! a_w [m]
       real(c_double) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]
-      real(c_double) :: tight_distance = 0.0_wp         !! from the profile shifts, without backlash [m]
+      real(c_double) :: tight_distance = 0.0_wp         !! zero-backlash centre distance of the profile shifts [m]
       real(c_double) :: base_radius_sum = 0.0_wp        !! R = r_bA + r_bB [m]
       real(c_double) :: working_pressure_angle = 0.0_wp !! alpha_w [rad]
       real(c_double) :: pitch_radius_a = 0.0_wp         !! r_w of A [m]
@@ -48,29 +48,29 @@ module evl_gears_in_mesh
       real(c_double) :: line_of_action = 0.0_wp         !! T1T2 [m]
       real(c_double) :: base_pitch = 0.0_wp             !! p_b [m]
       real(c_double) :: path_of_contact = 0.0_wp        !! g_alpha [m]
-      real(c_double) :: approach = 0.0_wp               !! g_f, path before the pitch point while A drives [m]
+      real(c_double) :: approach = 0.0_wp               !! g_f, path before the pitch point if A drives [m]
       real(c_double) :: recess = 0.0_wp                 !! g_a, path behind it [m]
       real(c_double) :: contact_ratio = 0.0_wp          !! eps_alpha
-      real(c_double) :: rho_tip_a = 0.0_wp              !! radius of curvature where the involute of A ends [m]
+      real(c_double) :: rho_tip_a = 0.0_wp              !! radius of curvature at the end of the involute of A [m]
       real(c_double) :: rho_tip_b = 0.0_wp              !! the same of B [m]
-      real(c_double) :: rho_end_a = 0.0_wp              !! radius of curvature of A where the path ends: rho_tip_a or less [m]
-      real(c_double) :: rho_end_b = 0.0_wp              !! that of B where the path begins: rho_tip_b or less [m]
-      real(c_double) :: active_radius_a = 0.0_wp        !! r_Nf, where the active profile of A begins [m]
+      real(c_double) :: rho_end_a = 0.0_wp              !! radius of curvature of A at the end of the path: rho_tip_a or less [m]
+      real(c_double) :: rho_end_b = 0.0_wp              !! that of B at the start of the path: rho_tip_b or less [m]
+      real(c_double) :: active_radius_a = 0.0_wp        !! r_Nf, start of the active profile of A [m]
       real(c_double) :: active_radius_b = 0.0_wp        !! the same of B [m]
       real(c_double) :: clearance_a = 0.0_wp            !! c, from the tip of B to the root circle of A [m]
       real(c_double) :: clearance_b = 0.0_wp            !! from the tip of A to the root circle of B [m]
       real(c_double) :: backlash = 0.0_wp               !! j_bn, normal [m]
       real(c_double) :: circumferential_backlash = 0.0_wp !! j_wt, on the working pitch circles [m]
-      real(c_double) :: radial_backlash = 0.0_wp        !! j_r, about the approach of the axles that takes it all [m]
-      logical(c_bool) :: exists = .false.         !! whether this mesh is one of two real gears
+      real(c_double) :: radial_backlash = 0.0_wp        !! j_r, about the approach of the axles that removes it [m]
+      logical(c_bool) :: exists = .false.         !! whether this mesh is one of two gears with basic racks
    end type gear_mesh_t
 
 contains
 
    !> Derive the geometry of a mesh and check it.
    !>
-   !> The centre distance is the given one, or that of the given backlash, or that of the profile shifts without backlash (where
-   !> allowances of the thickness leave one).
+   !> The centre distance is the given one, or that of the given backlash. Otherwise it is the zero-backlash distance of the
+   !> profile shifts, at which thickness allowances leave a backlash.
    !> Errors: code_invalid_input with subject_mesh, without index; field centre_distance, backlash or none.
    pure subroutine gear_mesh_derive(a, b, given, mesh, status)
       type(gear_t), intent(in) :: a, b        !! the driving and the driven gear
@@ -85,7 +85,7 @@ contains
       if (.not. has_failed(status)) mesh = m
    end subroutine gear_mesh_derive
 
-   !> The geometry alone: also that of gears that cannot mesh, whose teeth overlap or whose path of contact is none.
+   !> Compute the geometry alone: also of gears that cannot mesh, whose teeth overlap or which have no path of contact.
    !> Errors: as above, where there is no working pressure angle.
    pure subroutine gear_mesh_geometry(a, b, given, mesh, status)
       type(gear_t), intent(in) :: a, b
@@ -128,7 +128,7 @@ contains
       mesh = m
    end subroutine gear_mesh_geometry
 
-   !> Radius of curvature of a mate where the path of contact ends: at its tip, or where undercut ends the involute of the gear [m].
+   !> Radius of curvature of a mate at the end of the path of contact: at its tip, or where undercut ends the gear's involute [m].
    pure real(wp) function path_end(gear, line_of_action, rho_tip) result(rho)
       type(gear_t), intent(in) :: gear
       real(wp), intent(in) :: line_of_action !! T1T2 [m]
@@ -136,7 +136,7 @@ contains
 
       rho = rho_tip
       if (.not. gear%is_undercut) return
-      ! a tip that reaches past T1 needs more than all of the involute
+      ! a tip that reaches past T1 requires more than all of the involute
       if (rho_tip <= line_of_action .and. &
           hypot(gear%base_radius, line_of_action - rho_tip) >= gear%form_radius*(1 - agreement)) return
       rho = line_of_action - gear_radius_of_curvature(gear, gear%form_radius)
@@ -194,7 +194,7 @@ contains
       tangent = sqrt((centre_distance - r)*(centre_distance + r))/r
    end function tangent_at
 
-   !> Normal backlash where the working pressure angle has this tangent; negative if the teeth overlap [m].
+   !> Normal backlash for this tangent of the working pressure angle; negative if the teeth overlap [m].
    pure real(wp) function backlash_at(a, b, tangent) result(backlash)
       type(gear_t), intent(in) :: a, b
       real(wp), intent(in) :: tangent
@@ -202,7 +202,7 @@ contains
       backlash = 2*base_sum(a, b)*involute_of_tangent(tangent) - tight_arc(a, b) + allowed_arc(a, b)
    end function backlash_at
 
-   !> By how much the teeth overlap at a given centre distance, more than rounding: minus the normal backlash, at least 0 [m].
+   !> Overlap of the teeth at a given centre distance, beyond rounding: minus the normal backlash, at least 0 [m].
    pure real(wp) function gear_mesh_overlap(a, b, centre_distance) result(overlap)
       type(gear_t), intent(in) :: a, b            !! gears of the same base pitch
       real(wp), intent(in) :: centre_distance     !! [m]
@@ -215,14 +215,14 @@ contains
       if (.not. overlap > agreement*centre_distance) overlap = 0
    end function gear_mesh_overlap
 
-   !> 2 R inv alpha_w of full teeth without backlash [m].
+   !> 2 R inv alpha_w of teeth without allowance at zero backlash [m].
    pure real(wp) function tight_arc(a, b)
       type(gear_t), intent(in) :: a, b
 
       tight_arc = full_arc(a) + full_arc(b) - a%base_pitch
    end function tight_arc
 
-   !> What the allowances take from the teeth, on the base circles [m].
+   !> Reduction of the teeth by the allowances, on the base circles [m].
    pure real(wp) function allowed_arc(a, b)
       type(gear_t), intent(in) :: a, b
 
@@ -236,8 +236,8 @@ contains
       full_arc = gear%base_radius*gear%tooth_angle - gear%thickness_allowance*cos(gear%pressure_angle)
    end function full_arc
 
-   !> The backlash at a given centre distance is not negative, and it is the given one if there is one. Rounding of the given
-   !> numbers is forgiven.
+   !> Check that the backlash at a given centre distance is not negative, and equal to the given one if there is one, within
+   !> rounding of the given numbers.
    pure subroutine check_backlash(given, mesh, status)
       type(gear_mesh_input), intent(in) :: given
       type(gear_mesh_t), intent(in) :: mesh
@@ -255,7 +255,7 @@ contains
       end associate
    end subroutine check_backlash
 
-   !> Involutes meet all along the path of contact, and nothing else does.
+   !> Check that involutes are in contact all along the path of contact, and nothing else is.
    pure subroutine check_path(a, b, mesh, status)
       type(gear_t), intent(in) :: a, b
       type(gear_mesh_t), intent(in) :: mesh
@@ -275,15 +275,15 @@ contains
                      //" least 1: larger profile shifts leave more of the involute")
    end subroutine check_path
 
-   !> The tip of a mate meets involute on a gear, or what undercut has cut free; not its fillet and not its root circle.
+   !> Check that a mate's tip meets involute of a gear, or space cleared by undercut; not its fillet and not its root circle.
    pure subroutine check_foot(gear, mate, mesh, rho_tip, rho_end, clearance, name, mate_name, status)
       type(gear_t), intent(in) :: gear, mate
       type(gear_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_tip        !! radius of curvature at the mate's tip [m]
-      real(wp), intent(in) :: rho_end        !! that where the path of contact ends on the mate [m]
+      real(wp), intent(in) :: rho_end        !! that at the end of the path of contact on the mate [m]
       real(wp), intent(in) :: clearance      !! from the mate's tip to the gear's root circle [m]
       character(len=*), intent(in) :: name, mate_name
-      type(status_t), intent(inout) :: status !! an earlier error stays
+      type(status_t), intent(inout) :: status !! an earlier error is preserved
       real(wp) :: active_radius, gap
 
       if (has_failed(status)) return
@@ -309,7 +309,7 @@ contains
       end if
    end subroutine check_foot
 
-   !> Refuse something of a mesh.
+   !> Report an error of a mesh.
    pure subroutine refuse(status, field, message)
       type(status_t), intent(inout) :: status
       character(len=*), intent(in) :: field, message
@@ -317,10 +317,10 @@ contains
       call fail(status, code_invalid_input, message, subject_mesh, field=field)
    end subroutine refuse
 
-   !> Fill a pair: lengths from the gears and their mesh, points from its place.
+   !> Fill a pair: lengths from the gears and their mesh, points from its position.
    !>
-   !> The path of contact goes from the tip of B to the tip of A, less what undercut takes.
-   !> Valid: what gear_derive and gear_mesh_derive accepted
+   !> The path of contact goes from the tip of B to the tip of A, shortened by undercut.
+   !> Valid: gears and mesh accepted by gear_derive and gear_mesh_derive
    pure subroutine gear_pair_derive(gear_a, gear_b, mesh, chi, sigma, centre_a, pair)
       type(gear_t), intent(in) :: gear_a, gear_b !! the driving and the driven gear
       type(gear_mesh_t), intent(in) :: mesh      !! of the two

@@ -10,7 +10,7 @@ module evl_involute_angle
 
    public :: involute_of_tangent, tangent_of_involute
 
-   real(wp), parameter :: small = 0.5_wp !! u - atan u would cancel below, and the series converges
+   real(wp), parameter :: small = 0.5_wp !! below this u - atan u would cancel, and the series converges
    integer, parameter :: n_terms = 26    !! small**(2 n_terms) is the rounding of the first term
 
 contains
@@ -34,8 +34,8 @@ contains
 
    !> tan alpha from inv alpha [rad], the inverse of `involute_of_tangent`.   Valid: involute >= 0
    !>
-   !> u - atan u is convex and less than u**3/3 and than u. So Newton's first step, from below the root, leads above it, and
-   !> from there on each comes closer until rounding ends it.
+   !> u - atan u is convex and less than u**3/3 and than u. Newton's first step, from below the root, therefore leads above
+   !> it; each further step comes closer, until rounding ends the iteration.
    elemental real(wp) function tangent_of_involute(involute) result(u)
       real(wp), intent(in) :: involute !! inv alpha [rad]
       integer, parameter :: most_turns = 60

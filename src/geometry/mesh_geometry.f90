@@ -19,7 +19,7 @@ module evl_mesh_geometry
 
    real(wp), parameter :: paper_factor = 1.05_wp !! alpha_w/alpha_inf of the paper
 
-   !> All that follows from teeth, pitch radius, pressure angle and the place of the pair. Points in the housing frame.
+   !> Geometry derived from teeth, pitch radius, pressure angle and position of the pair. Points in the housing frame.
    type :: spur_pair_t
       integer :: teeth_a = 0, teeth_b = 0      !! z
       integer :: sigma = 1                     !! flank, see above
@@ -50,27 +50,27 @@ module evl_mesh_geometry
       real(wp) :: point_b(2) = 0.0_wp          !! end of contact [m]
       real(wp) :: pitch_point(2) = 0.0_wp      !! where the pitch circles touch [m]
       logical :: contains_pitch_point = .false. !! whether a-b does
-      logical :: handover = .true.             !! contact ratio exactly 1: a pair hands its load to the next one pitch on
+      logical :: handover = .true.             !! contact ratio exactly 1: a pair hands its load to the next after one pitch
       real(wp) :: contact_ratio = 1.0_wp       !! path of contact over base pitch
       real(wp) :: rho_tip_a = 0.0_wp           !! that of A at the end of the path: its tip, or undercut of B [m]
       real(wp) :: rho_tip_b = 0.0_wp           !! that of B at its start: its tip, or undercut of A [m]
-      logical :: has_coast = .false.           !! whether the flanks on the other side can touch
+      logical :: has_coast = .false.           !! whether the coast flanks can touch
       real(wp) :: backlash = 0.0_wp            !! normal backlash j_bn at the reference centre distance [m]
-      real(wp) :: tooth_angle_a = 0.0_wp       !! angle that a tooth of A fills on the base circle [rad]; 0 if not known
+      real(wp) :: tooth_angle_a = 0.0_wp       !! tooth angle of A on the base circle [rad]; 0 if unknown
       real(wp) :: tooth_angle_b = 0.0_wp       !! the same of B [rad]
    end type spur_pair_t
 
 contains
 
-   !> Derive all geometry of a pair.
+   !> Derive the geometry of a pair.
    !>
    !> Source: Kosenko & Gusev 2011, section 7.1, for any direction of the centre line and either flank.
-   !> Errors: code_invalid_input with field pressure_angle. What else is given is in the ranges of its rows.
+   !> Errors: code_invalid_input with field pressure_angle. Other arguments must be in the ranges of their rows.
    pure subroutine spur_pair_derive(teeth_a, teeth_b, pitch_radius_a, paper_rule, alpha_w, chi, sigma, centre_a, pair, status)
       integer, intent(in) :: teeth_a         !! z_A
       integer, intent(in) :: teeth_b         !! z_B, the same
       real(wp), intent(in) :: pitch_radius_a !! operating pitch radius of A [m], > 0
-      logical, intent(in) :: paper_rule      !! alpha_w = 1.05 alpha_inf, whatever is given
+      logical, intent(in) :: paper_rule      !! alpha_w = 1.05 alpha_inf; the given alpha_w is ignored
       real(wp), intent(in) :: alpha_w        !! working pressure angle [rad], alpha_inf < alpha_w < pi/2
       real(wp), intent(in) :: chi            !! direction from O_A to O_B [rad]
       integer, intent(in) :: sigma           !! +1 or -1
@@ -102,9 +102,9 @@ contains
       call spur_pair_place(pair)
    end subroutine spur_pair_derive
 
-   !> Lengths and angles that do not depend on where the pair lies.
+   !> Lengths and angles that do not depend on the position of the pair.
    pure subroutine derive_lengths(pair)
-      type(spur_pair_t), intent(inout) :: pair !! teeth, pitch_radius_a and alpha_w given
+      type(spur_pair_t), intent(inout) :: pair !! in: teeth, pitch_radius_a and alpha_w
 
       pair%ratio = real(pair%teeth_b, wp)/real(pair%teeth_a, wp)
       pair%pitch_radius_b = pair%ratio*pair%pitch_radius_a
@@ -127,9 +127,9 @@ contains
       end associate
    end subroutine derive_lengths
 
-   !> Points, directions and initial angles in the housing frame, from the lengths.
+   !> Points and directions in the housing frame, from the lengths.
    pure subroutine spur_pair_place(pair)
-      type(spur_pair_t), intent(inout) :: pair !! all lengths, chi, sigma and centre_a given
+      type(spur_pair_t), intent(inout) :: pair !! in: all lengths, chi, sigma and centre_a
 
       associate (direction => pair%chi + pair%sigma*pair%alpha_w)
          pair%t = [cos(direction), sin(direction)]
@@ -145,7 +145,7 @@ contains
       pair%point_b = pair%point_k_a + pair%rho_tip_a*pair%e
    end subroutine spur_pair_place
 
-   !> The smallest radius of curvature of either flank on the path of contact [m]: that of A at its start, or of B at its end.
+   !> Smallest radius of curvature of either flank on the path of contact [m]: that of A at its start, or of B at its end.
    pure real(wp) function spur_pair_least_radius(pair) result(least)
       type(spur_pair_t), intent(in) :: pair
 

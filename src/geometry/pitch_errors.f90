@@ -1,4 +1,4 @@
-!> Pitch errors of a wheel from a flank tolerance class.
+!> Pitch errors of a wheel from its flank tolerance class.
 !>
 !> Tolerances in micrometres with the reference diameter d and the module m in millimetres, class A from 1 to 11:
 !>
@@ -7,9 +7,9 @@
 !>
 !> rounded to 1 above 10, to 0.5 from 5 to 10, to 0.1 below 5. Source: ISO 1328-1:2013, 5.2 and 5.3, formulas (5) and (6).
 !>
-!> Random numbers are the same on every machine: the generator SplitMix64. Its arithmetic is modulo 2**64. Fortran integers are
-!> signed and must not overflow, so sums and products are formed from parts that fit. Source: G. L. Steele, D. Lea, C. H. Flood,
-!> Fast splittable pseudorandom number generators, OOPSLA 2014, with the constants of S. Vigna's splitmix64.c.
+!> Random numbers are identical on every machine: the generator is SplitMix64. Its arithmetic is modulo 2**64. Fortran integers
+!> are signed and must not overflow, so sums and products are formed from parts that fit. Source: G. L. Steele, D. Lea, C. H.
+!> Flood, Fast splittable pseudorandom number generators, OOPSLA 2014, with the constants of S. Vigna's splitmix64.c.
 module evl_pitch_errors
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_kinds, only: pi, wp
@@ -34,7 +34,7 @@ contains
    !> Tolerances of the single pitch and of the total cumulative pitch deviation, arcs on the reference circle [m].
    !>
    !> Valid: classes 1 to 11, 5 to 1000 teeth, modules of 0.5 to 70 mm, reference diameters of 5 to 15000 mm; the standard
-   !> forbids to go beyond. Errors: code_invalid_input with field accuracy.class, teeth or module.
+   !> forbids extrapolation. Errors: code_invalid_input with field accuracy.class, teeth or module.
    subroutine pitch_tolerances(teeth, module, class, single, total, status)
       integer, intent(in) :: teeth            !! z
       real(wp), intent(in) :: module          !! m [m]
@@ -77,7 +77,7 @@ contains
 
    end subroutine pitch_tolerances
 
-   !> A tolerance rounded as ISO 1328-1:2013, 5.2.3 says, in micrometres.
+   !> Tolerance rounded according to ISO 1328-1:2013, 5.2.3, in micrometres.
    pure real(wp) function rounded(tolerance)
       real(wp), intent(in) :: tolerance
 
@@ -90,13 +90,13 @@ contains
       end if
    end function rounded
 
-   !> Cumulative position deviations of teeth 0 to z-1 [m], their mean 0.
+   !> Cumulative position deviations of teeth 0 to z-1 [m], with mean 0.
    !>
-   !> A wave once a turn, as an eccentric blank leaves it, plus independent errors of the teeth, uniformly distributed:
-   !> F_k = A ((1 - q) sin(2 pi (k/z + u)) + q v_k), u and then v_0, v_1, ... from SplitMix64, 0 <= u < 1, -1 <= v < 1. q and A are
-   !> such that the largest single pitch deviation |F_k - F_k-1| is `single` and the range of the F_k is `total`. If no q gives
-   !> both, as for few teeth (the range of a wave is at most 1/sin(pi/z) times its largest step), A is the largest that keeps
-   !> both.
+   !> A wave with one period per revolution, as of an eccentric blank, plus independent, uniformly distributed errors of the
+   !> teeth: F_k = A ((1 - q) sin(2 pi (k/z + u)) + q v_k), u and then v_0, v_1, ... from SplitMix64, 0 <= u < 1, -1 <= v < 1.
+   !> q and A are such that the largest single pitch deviation |F_k - F_k-1| is `single` and the range of the F_k is `total`.
+   !> If no q gives both, as for few teeth (the range of a wave is at most 1/sin(pi/z) times its largest step), A is the
+   !> largest that exceeds neither.
    pure subroutine pitch_errors_generate(single, total, seed, errors)
       real(wp), intent(in) :: single     !! > 0 [m]
       real(wp), intent(in) :: total      !! > 0 [m]
@@ -113,7 +113,7 @@ contains
          call splitmix64_uniform(state, noise(i))
          noise(i) = 2*noise(i) - 1
       end do
-      ! range over step falls from that of the wave to that of the noise
+      ! the ratio of range to step falls from that of the wave to that of the noise
       low = 0
       high = 1
       q = 0
@@ -134,7 +134,7 @@ contains
 
    contains
 
-      !> Positive if the range is larger than it should be beside the largest step.
+      !> Positive if the range is too large relative to the largest step.
       pure real(wp) function excess(shape)
          real(wp), intent(in) :: shape(:)
 
@@ -157,9 +157,9 @@ contains
       total_pitch_deviation = maxval(errors) - minval(errors)
    end function total_pitch_deviation
 
-   !> Advance the state and give its 64 random bits.
+   !> Advance the state and return its 64 random bits.
    pure subroutine splitmix64_next(state, bits)
-      integer(int64), intent(inout) :: state !! the seed at first
+      integer(int64), intent(inout) :: state !! the seed in the first call
       integer(int64), intent(out) :: bits
 
       state = add(state, increment)
@@ -169,7 +169,7 @@ contains
       bits = ieor(bits, shiftr(bits, 31))
    end subroutine splitmix64_next
 
-   !> Advance the state and give a multiple of 2**-53, 0 <= value < 1.
+   !> Advance the state and return a multiple of 2**-53, 0 <= value < 1.
    pure subroutine splitmix64_uniform(state, value)
       integer(int64), intent(inout) :: state
       real(wp), intent(out) :: value

@@ -1,4 +1,4 @@
-!> Interference of a mate's tip with an undercut gear, beside the path of contact.
+!> Interference of a mate's tip with an undercut gear, outside the path of contact.
 !>
 !> The gear's centre is the origin, that of its mate lies at (0, a_w). The gear's flank faces the mate's tooth, and the line of
 !> action touches the gear's base circle at T1, the angle alpha_w from the centre line. All angles are clockwise from it. A point
@@ -9,11 +9,11 @@
 !>
 !>    theta_R = alpha_w - rho_1/r_b1 + (z_2/z_1) (beta - beta_0)    beta_0 = atan((rho_a2 - r_t)/r_b2) - alpha_w
 !>
-!> Until the involute ends on the line of action, beta > beta_0, its end is the outermost point of the mate's tip. Later it is
-!> the envelope of the rounding, whose normals go through the pitch point P: M + r_t (M - P)/|M - P|. The gap is the arc from
-!> that point to the gear's tooth at the same radius; where it is negative, the tip enters material.
+!> Until the end of the involute is on the line of action, beta > beta_0, it is the outermost point of the mate's tip. Later
+!> it is the envelope of the rounding, whose normals pass through the pitch point P: M + r_t (M - P)/|M - P|. The gap is the
+!> arc from that point to the gear's tooth at the same radius; if it is negative, the tip enters material.
 !>
-!> Source: ISO 21771, interference of the tooth tip with the root fillet, which it names without a formula; the law of gearing.
+!> Source: ISO 21771, interference of the tooth tip with the root fillet, named there without a formula; the law of gearing.
 module evl_tip_interference
    use evl_gear, only: gear_t
    use evl_involute_angle, only: involute_of_tangent
@@ -41,14 +41,14 @@ module evl_tip_interference
 
 contains
 
-   !> Smallest gap between the tip of a mate and an undercut gear [m]; negative: how far it enters.
+   !> Smallest gap between the tip of a mate and an undercut gear [m]; negative: depth of interference.
    !>
    !> Valid: undercut gear; tip of the mate outside the root circle of the gear, a_w > r_a2 + r_f1.
    pure real(wp) function tip_gap(gear, mate, distance, alpha_w, rho_tip) result(gap)
       type(gear_t), intent(in) :: gear, mate
       real(wp), intent(in) :: distance !! a_w [m]
       real(wp), intent(in) :: alpha_w  !! working pressure angle [rad]
-      real(wp), intent(in) :: rho_tip  !! radius of curvature where the mate's involute ends [m]
+      real(wp), intent(in) :: rho_tip  !! radius of curvature at the end of the mate's involute [m]
       real(wp), parameter :: golden = 0.61803398874989484820_wp
       type(tips_t) :: tips
       real(wp) :: last, low, high, places(2), gaps(2), at
@@ -63,7 +63,7 @@ contains
       tips%first = atan((rho_tip - tips%rounding)/mate%base_radius) - alpha_w
       tips%behind = atan(rho_tip/mate%base_radius) - alpha_w - tips%first
       tips%root = alpha_w - (distance*sin(alpha_w) - rho_tip)/gear%base_radius
-      ! where the end of the involute leaves the gear's tip circle
+      ! position at which the end of the involute leaves the gear's tip circle
       last = acos(min((distance**2 + tips%end_radius**2 - gear%tip_radius**2)/(2*distance*tips%end_radius), 1.0_wp)) - tips%behind
       lowest = 0
       gap = huge(gap)
@@ -90,7 +90,7 @@ contains
       end do
    end function tip_gap
 
-   !> The gap at a position of the mate [m]; huge outside the gear's tip circle.
+   !> Gap at a position of the mate [m]; huge outside the gear's tip circle.
    pure real(wp) function gap_at(gear, tips, beta) result(gap)
       type(gear_t), intent(in) :: gear
       type(tips_t), intent(in) :: tips

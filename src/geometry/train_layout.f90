@@ -1,5 +1,5 @@
-!> Where the wheels are and how fast they turn relative to each other: pitch radii, centres and speed ratios along meshes and
-!> shafts. Real gears come with their reference radius as pitch radius, and with the centre distances of their meshes.
+!> Layout of a gear train: pitch radii, centres and speed ratios along meshes and shafts. Gears defined by basic racks have
+!> their reference radius as pitch radius, and the centre distances of their meshes are given.
 module evl_train_layout
    use evl_kinds, only: pi, wp
    use evl_rational, only: rational_scaled, rational_t, rational_value, operator(==)
@@ -9,28 +9,28 @@ module evl_train_layout
 
    public :: layout_t, layout_resolve
 
-   real(wp), parameter :: agreement = 1.0e-9_wp !! relative: two given numbers that differ less are the same
+   real(wp), parameter :: agreement = 1.0e-9_wp !! relative: two given numbers with a smaller difference are equal
 
-   !> What is known of the wheels, meshes and shafts before, and all of it after layout_resolve.
+   !> Known data of the wheels, meshes and shafts; complete after layout_resolve.
    type :: layout_t
-      integer, allocatable :: teeth(:)                        !! per wheel; 0: a disc, whose radius has to be known
+      integer, allocatable :: teeth(:)                        !! per wheel; 0: a disc, whose radius must be known
       logical, allocatable :: has_radius(:), has_centre(:)    !! per wheel: whether the next two are known
       real(wp), allocatable :: pitch_radius(:), centre(:, :)  !! per wheel [m]; centre(2, wheel)
       integer, allocatable :: driving(:), driven(:)           !! per mesh
       logical, allocatable :: has_angle(:)                    !! per mesh: whether the next is known
       real(wp), allocatable :: angle(:)                       !! per mesh: direction of the centre line [rad]
       logical, allocatable :: has_distance(:)                 !! per mesh: its centre distance is not the sum of the pitch radii
-      real(wp), allocatable :: distance(:)                    !! per mesh: but this [m]
+      real(wp), allocatable :: distance(:)                    !! per mesh: that centre distance [m]
       integer, allocatable :: shaft_a(:), shaft_b(:)          !! per shaft: its two wheels
       type(rational_t), allocatable :: ratio(:)               !! per wheel: g, nominal speed over that of the reference wheel
    end type layout_t
 
 contains
 
-   !> Find every pitch radius, centre, centre line and speed ratio; refuse what contradicts itself or cannot be found.
+   !> Find every pitch radius, centre, centre line and speed ratio; report contradictions and missing data.
    !>
-   !> r_driven/r_driving = z_driven/z_driving; |O_B - O_A| = r_A + r_B. Wheels in mesh turn against each other, as their teeth;
-   !> wheels on a shaft turn as one about one axis.
+   !> r_driven/r_driving = z_driven/z_driving; |O_B - O_A| = r_A + r_B. Wheels in mesh turn in opposite directions, in the
+   !> ratio of their teeth; wheels on a shaft turn as one about one axis.
    subroutine layout_resolve(layout, reference, status)
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: reference        !! wheel whose ratio is 1
@@ -41,7 +41,7 @@ contains
       if (.not. has_failed(status)) call resolve_centres(layout, status)
    end subroutine layout_resolve
 
-   !> Pitch radii from the ratios of teeth.
+   !> Pitch radii from the ratios of tooth numbers.
    pure subroutine resolve_radii(layout, status)
       type(layout_t), intent(inout) :: layout
       type(status_t), intent(inout) :: status
@@ -72,7 +72,7 @@ contains
          return
       end do
       do m = 1, size(layout%driving)
-         if (layout%has_distance(m)) cycle ! else they are as the teeth
+         if (layout%has_distance(m)) cycle ! otherwise their ratio is that of the teeth
          associate (a => layout%driving(m), b => layout%driven(m), r => layout%pitch_radius)
             expected = r(a)*layout%teeth(b)/layout%teeth(a)
             if (abs(r(b) - expected) <= agreement*expected) cycle
@@ -137,7 +137,7 @@ contains
       end do
    end subroutine resolve_centres
 
-   !> From the driving to the driven axle [m].
+   !> Vector from the driving to the driven axle [m].
    pure function offset(layout, m) result(vector)
       type(layout_t), intent(in) :: layout
       integer, intent(in) :: m
@@ -155,7 +155,7 @@ contains
       if (layout%has_distance(m)) centre_distance = layout%distance(m)
    end function centre_distance
 
-   !> The distance of two centres is that of the mesh, and the centre line points as given.
+   !> Check that the distance of two centres is that of the mesh, and that the centre line has the given direction.
    pure subroutine check_centres(layout, m, status)
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: m
@@ -194,7 +194,7 @@ contains
       end associate
    end subroutine check_centres
 
-   !> Speed ratios from the reference wheel on, along meshes and shafts.
+   !> Speed ratios along meshes and shafts, starting at the reference wheel.
    subroutine resolve_ratios(layout, reference, status)
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: reference
@@ -224,7 +224,7 @@ contains
 
    contains
 
-      !> From one wheel of mesh or shaft m to the other; if both are known they have to agree.
+      !> Transfer the ratio from one wheel of mesh or shaft m to the other; if both are known they must agree.
       subroutine pass_on(a, b, subject)
          integer, intent(in) :: a, b, subject
          integer :: from, to

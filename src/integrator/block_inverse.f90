@@ -1,11 +1,11 @@
 !> Inverses of four small complex matrices s_k I - J - K/s_k at once, J and K real.
 !>
-!> For a handful of unknowns a product with the inverse costs no more multiplications than two substitutions, and its rows do
-!> not wait for each other. Newton's iteration asks for no more accuracy than the inverse of a well-pivoted matrix has: what is
-!> left in a solution changes the rate of convergence by rounding errors times the condition, and the next residual shows it.
+!> For a few unknowns, multiplication by the inverse costs no more than two substitutions, and its rows are independent of
+!> each other. Newton's iteration needs only the accuracy of the inverse of a well-pivoted matrix. Remaining errors change the
+!> rate of convergence by rounding errors times the condition number; they show in the next residual.
 !>
-!> Gauss-Jordan in place, pivots on the diagonal; a pivot that is too small beside the rest of its row is reported, as by the
-!> sparse factors.
+!> Gauss-Jordan elimination in place with diagonal pivots. A pivot that is too small relative to the rest of its row is
+!> reported, as by the sparse factorisation.
 !>
 !> Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. (2002), 14.4.
 module evl_block_inverse
@@ -20,7 +20,7 @@ module evl_block_inverse
 
 contains
 
-   !> Invert in place.
+   !> Invert the four matrices in place.
    pure subroutine invert_blocks(n, a, good)
       integer, intent(in) :: n
       real(wp), intent(inout) :: a(n_systems, 2, n, n) !! a(:, :, j, i) is entry j of row i
@@ -57,12 +57,12 @@ contains
       end do
    end subroutine invert_blocks
 
-   !> x = a b, each row where it belongs.
+   !> x(row_of) = a b.
    pure subroutine apply_inverse(n, a, b, row_of, x)
       integer, intent(in) :: n
       real(wp), intent(in) :: a(n_systems, 2, n, n) !! as above
       real(wp), intent(in) :: b(n_systems, 2, n)
-      integer, intent(in) :: row_of(n) !! of row i in x
+      integer, intent(in) :: row_of(n) !! index of row i in x
       real(wp), intent(inout) :: x(n_systems, 2, *)
       real(wp) :: total(n_systems, 2)
       integer :: i, j

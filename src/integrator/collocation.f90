@@ -1,7 +1,7 @@
-!> The collocation polynomial of a step: values in lanes at its eight nodes, evaluated, differentiated, moved to another step.
+!> Collocation polynomial of a step: values in lanes at its eight nodes; evaluation, differentiation, transfer to another step.
 !>
-!> A polynomial of degree 7 is given by its values at the nodes; tau is the time since the start of the step in units of the
-!> step. Sums run over fixed counts of lanes, so that the compiler turns each into vector instructions.
+!> A polynomial of degree 7 is defined by its values at the nodes; tau is the time since the start of the step in units of the
+!> step. Sums run over fixed counts of lanes, so that the compiler vectorises them.
 module evl_collocation
    use evl_kinds, only: lanes, wp
    use evl_radau_coefficients, only: barycentric, node, slope_at_node
@@ -11,7 +11,7 @@ module evl_collocation
    public :: combine, interpolate, lagrange_at, lagrange_matrix, polynomial_at, slopes_of, extremum_between, weighted_sum, &
              zero_between
 
-   real(wp), parameter :: slopes_of(lanes, lanes) = slope_at_node !! columns are added up lane by lane
+   real(wp), parameter :: slopes_of(lanes, lanes) = slope_at_node !! columns are added lane by lane
 
 contains
 
@@ -36,7 +36,7 @@ contains
       end do
    end subroutine combine
 
-   !> The same in the order of `weighted_sum`, so that values at eight times are those at each, to the bit.
+   !> `combine` in the summation order of `weighted_sum`: values at eight times are bitwise equal to those at each time.
    pure subroutine interpolate(n, matrix, from, to)
       integer, intent(in) :: n
       real(wp), intent(in) :: matrix(lanes, lanes) !! as from `lagrange_matrix`
@@ -60,9 +60,9 @@ contains
       end do
    end subroutine interpolate
 
-   !> Values at tau of the eight Lagrange polynomials: the polynomial there is the sum of these times its values at the nodes.
+   !> Values of the eight Lagrange polynomials at tau; the interpolant at tau is their sum weighted with the values at the nodes.
    !>
-   !> Products from both ends, so that nothing is divided by tau - node.
+   !> Products accumulate from both ends, which avoids division by tau - node.
    pure subroutine lagrange_at(tau, basis)
       real(wp), intent(in) :: tau
       real(wp), intent(out) :: basis(lanes)
@@ -81,7 +81,7 @@ contains
       end do
    end subroutine lagrange_at
 
-   !> The same at eight times: combine(matrix, values at the nodes) gives the values at tau.
+   !> `lagrange_at` at eight times: combine(matrix, values at the nodes) gives the values at tau.
    pure subroutine lagrange_matrix(tau, matrix)
       real(wp), intent(in) :: tau(lanes)
       real(wp), intent(out) :: matrix(lanes, lanes)
@@ -116,7 +116,7 @@ contains
       value = weighted_sum(basis, values)
    end function polynomial_at
 
-   !> Sum of weights times values, added up by halves: a chain of seven additions would have each wait for the one before.
+   !> Sum of weights times values, added by halves: shorter than a chain of seven dependent additions.
    pure real(wp) function weighted_sum(weights, values) result(total)
       real(wp), intent(in) :: weights(lanes), values(lanes)
       integer, parameter :: half = lanes/2
@@ -130,22 +130,23 @@ contains
       total = (part(1) + part(3)) + (part(2) + part(4))
    end function weighted_sum
 
-   !> Where the polynomial with these slopes at the nodes has an extremum between left and right, where its slope differs in
-   !> sign, to a thousandth of the interval.
+   !> Position of an extremum, between left and right, of the polynomial with these slopes at the nodes. The slope differs in
+   !> sign there; accuracy: a thousandth of the interval.
    pure real(wp) function extremum_between(left, right, slopes) result(tau)
       real(wp), intent(in) :: left, right
-      real(wp), intent(in) :: slopes(lanes) !! a polynomial of degree 6, so it too is given by its values at the nodes
+      real(wp), intent(in) :: slopes(lanes) !! a polynomial of degree 6, thus also defined by its values at the nodes
       real(wp), parameter :: accuracy = 1.0e-3_wp
 
       tau = zero_between(left, right, slopes, accuracy)
    end function extremum_between
 
-   !> A zero of the polynomial with these values at the nodes between left and right, where it differs in sign: false position with
-   !> halving (Illinois). It ends inside the interval, or where the polynomial is accuracy**2 of its largest value at the ends.
+   !> Zero, between left and right, of the polynomial with these values at the nodes, which differs in sign there: false
+   !> position with halving (Illinois). Ends when the bracket is at most accuracy times the interval, or the value at most
+   !> accuracy**2 times the larger value at the ends.
    pure real(wp) function zero_between(left, right, values, accuracy) result(tau)
       real(wp), intent(in) :: left, right
       real(wp), intent(in) :: values(lanes)
-      real(wp), intent(in) :: accuracy !! of the time, over the interval
+      real(wp), intent(in) :: accuracy !! of the time, relative to the interval
       integer, parameter :: most_turns = 40
       real(wp) :: a, b, at_a, at_b, value, small
       integer :: side, turn

@@ -1,11 +1,11 @@
-!> The four systems (s_k I - J) x = b of an iteration, J real with a pattern that never changes, its kinematic rows condensed.
+!> Solver for the four systems (s_k I - J) x = b of an iteration, J real with a fixed pattern; kinematic rows are condensed.
 !>
-!> A kinematic row is an equation q' = c v: no entry on the diagonal and one beside it, such as that of an angle and its speed.
-!> Its unknown is q = (b_q + c v)/s_k, which leaves for the others, half as many in a mechanical model,
+!> A kinematic row is an equation q' = c v: no diagonal entry and one off-diagonal entry, such as that of an angle and its
+!> speed. Its unknown is q = (b_q + c v)/s_k, which leaves for the other unknowns (half as many in a mechanical model)
 !>
 !>     (s_k I - J_vv - K/s_k) v = b_v + J_vq b_q/s_k,   K = J_vq C
 !>
-!> where J_vq and K are real. A few unknowns are then found with explicit inverses, more with sparse factors.
+!> where J_vq and K are real. A few unknowns are solved with explicit inverses, more with sparse factors.
 !>
 !> Source: R. J. Guyan, AIAA Journal 3 (1965) 380 (static condensation; here it is exact).
 module evl_condensed_systems
@@ -21,9 +21,10 @@ module evl_condensed_systems
 
    public :: condensed_t, condensed_create, condensed_factor, condensed_solve, condensed_solve_first
 
-   integer, parameter :: most_inverted = 8 !! unknowns up to which inverses are faster than factors
+   integer, parameter :: most_inverted = 8 !! number of unknowns up to which inverses are faster than factors
 
-   !> What the pattern tells, and the factors. `_entry`: index in J; kept and kinematic rows are counted from 1 each.
+   !> Elimination plan from the pattern, and the factors. `_entry`: index in J; retained and kinematic rows are numbered
+   !> separately from 1.
    type :: condensed_t
       integer :: n = 0                         !! unknowns
       integer, allocatable :: kept(:)          !! [n_kept] unknowns of the condensed systems, the v
@@ -31,17 +32,17 @@ module evl_condensed_systems
       integer, allocatable :: partner(:)       !! [n_kinematic] the unknown v in that row
       integer, allocatable :: rate_entry(:)    !! [n_kinematic] its factor c
       integer, allocatable :: row(:), column(:) !! pattern of the condensed systems, with the diagonal
-      integer, allocatable :: inner_entry(:), inner_place(:) !! J_vv, and where it goes in that pattern
+      integer, allocatable :: inner_entry(:), inner_place(:) !! J_vv, and its indices in that pattern
       integer, allocatable :: coupling_start(:) !! [n_kept + 1] first entry of J_vq in each row
       integer, allocatable :: coupling_entry(:), coupling_from(:) !! J_vq by rows, and the kinematic row of its column
-      integer, allocatable :: coupling_place(:) !! where its product with C goes
+      integer, allocatable :: coupling_place(:) !! index of its product with C
       real(wp), allocatable :: inner(:), product(:) !! [pattern] J_vv and K
       real(wp), allocatable :: coupling(:)     !! J_vq
       real(wp), allocatable :: rate(:)         !! [n_kinematic] C
       real(wp) :: inverse_shift(n_systems, 2) = 0 !! 1/s_k; 0 if no row is kinematic
-      logical :: is_inverted = .false.         !! inverses serve, not sparse factors
+      logical :: is_inverted = .false.         !! inverses are used instead of sparse factors
       real(wp), allocatable :: inverse(:, :, :, :) !! [4, 2, n_kept, n_kept] (:, :, j, i) is entry j of row i
-      real(wp), allocatable :: first(:, :)     !! [n_kept, n_kept] the same of the first system, which is real
+      real(wp), allocatable :: first(:, :)     !! [n_kept, n_kept] the same for the first system, which is real
       type(sparse_lu_t) :: factors
       real(wp), allocatable :: x(:, :, :)      !! [4, 2, n_kept] scratch: right-hand sides and solutions of the condensed systems
       real(wp), allocatable :: b_first(:), x_first(:) !! [n_kept] scratch of the first system
@@ -49,7 +50,7 @@ module evl_condensed_systems
 
 contains
 
-   !> Find the kinematic rows and plan the elimination; allocates all there is.
+   !> Find the kinematic rows, plan the elimination, and allocate all arrays.
    subroutine condensed_create(self, n, row, column)
       type(condensed_t), intent(out) :: self
       integer, intent(in) :: n
@@ -78,11 +79,11 @@ contains
       end if
    end subroutine condensed_create
 
-   !> Entries row after row, in each row by their columns.
+   !> Sort the entries by rows and, within a row, by columns.
    pure subroutine sort_by_rows(n, row, column, start, order)
       integer, intent(in) :: n
       integer, intent(in) :: row(:), column(:)
-      integer, intent(out) :: start(n + 1) !! first of each row in:
+      integer, intent(out) :: start(n + 1) !! first index of each row in `order`
       integer, intent(out) :: order(:)
       integer :: by_columns(size(column)), place(n + 1), i, p
 
@@ -114,11 +115,11 @@ contains
       end do
    end subroutine sort_by_rows
 
-   !> Rows that may be condensed: none of them has the unknown of another one.
+   !> Find rows that can be condensed: none of them contains the unknown of another one.
    pure subroutine find_kinematic(n, column, start, partner)
       integer, intent(in) :: n
       integer, intent(in) :: column(:), start(n + 1) !! of the entries, row after row
-      integer, intent(out) :: partner(n)    !! unknown beside the diagonal, 0 in a row that is kept
+      integer, intent(out) :: partner(n)    !! off-diagonal unknown; 0: the row is retained
       logical :: is_partner(n)
       integer :: i, j
 
@@ -133,11 +134,11 @@ contains
       end do
    end subroutine find_kinematic
 
-   !> Pattern of the condensed systems, and where the entries of J go in it.
+   !> Pattern of the condensed systems, and the indices of the entries of J in it.
    subroutine plan_condensation(self, column, start, order)
       type(condensed_t), intent(inout) :: self
-      integer, intent(in) :: column(:), start(:), order(:) !! columns of J's entries; these as of `sort_by_rows`
-      integer :: position(self%n) !! of an unknown among the kept ones; negative: among the kinematic ones
+      integer, intent(in) :: column(:), start(:), order(:) !! columns of J's entries; start and order from `sort_by_rows`
+      integer :: position(self%n) !! index of an unknown among the retained ones; negative: among the kinematic ones
       integer :: place_of(size(self%kept)), row_start(size(self%kept) + 1), i, k, n_inner, p
 
       position(self%kept) = [(i, i=1, size(self%kept))]
@@ -179,7 +180,7 @@ contains
       self%coupling_start(size(self%kept) + 1) = k + 1
    end subroutine plan_condensation
 
-   !> Rows and columns of the condensed systems: the diagonal, what J_vv has, and what comes through the kinematic rows.
+   !> Rows and columns of the condensed systems: the diagonal, the entries of J_vv, and those through the kinematic rows.
    subroutine find_pattern(self, column, start, order, position, row_start)
       type(condensed_t), intent(inout) :: self
       integer, intent(in) :: column(:), start(:), order(:), position(:) !! as above
@@ -205,7 +206,7 @@ contains
 
    contains
 
-      !> One more in row i.
+      !> Add an entry to row i.
       subroutine add(j)
          integer, intent(in) :: j
 
@@ -285,7 +286,7 @@ contains
       end do
    end subroutine fill
 
-   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary ones, then of x.
+   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary parts; on return those of x.
    pure subroutine condensed_solve(self, b)
       type(condensed_t), intent(inout) :: self !! its scratch changes
       real(wp), intent(inout) :: b(n_systems, 2, self%n)
@@ -301,7 +302,7 @@ contains
       call backward(self%n, size(self%kinematic), self%kinematic, self%partner, self%rate, self%inverse_shift, b)
    end subroutine condensed_solve
 
-   !> b_q/s_k in the place of b_q, and the right-hand sides of the condensed systems.
+   !> Replace b_q by b_q/s_k and compute the right-hand sides of the condensed systems.
    pure subroutine forward(n, n_kinematic, m, kinematic, kept, start, from, coupling, inverse_shift, b, x)
       integer, intent(in) :: n, n_kinematic, m
       integer, intent(in) :: kinematic(n_kinematic), kept(m), start(m + 1), from(*)
@@ -324,7 +325,7 @@ contains
       end do
    end subroutine forward
 
-   !> Unknowns of the kinematic rows: b_q/s_k + c v/s_k.
+   !> Compute the unknowns of the kinematic rows: b_q/s_k + c v/s_k.
    pure subroutine backward(n, n_kinematic, kinematic, partner, rate, inverse_shift, b)
       integer, intent(in) :: n, n_kinematic
       integer, intent(in) :: kinematic(n_kinematic), partner(n_kinematic)
@@ -356,7 +357,7 @@ contains
                           self%inverse_shift(1, 1), self%x_first, b)
    end subroutine condensed_solve_first
 
-   !> The same as `forward` for the first system.
+   !> `forward` for the first system.
    pure subroutine forward_first(n, n_kinematic, m, kinematic, kept, start, from, coupling, inverse_shift, b, x)
       integer, intent(in) :: n, n_kinematic, m
       integer, intent(in) :: kinematic(n_kinematic), kept(m), start(m + 1), from(*)
@@ -376,7 +377,7 @@ contains
       end do
    end subroutine forward_first
 
-   !> The condensed solution of the first system and what follows from it.
+   !> Scatter the condensed solution of the first system and compute its kinematic unknowns.
    pure subroutine backward_first(n, n_kinematic, m, kinematic, partner, kept, rate, inverse_shift, x, b)
       integer, intent(in) :: n, n_kinematic, m
       integer, intent(in) :: kinematic(n_kinematic), partner(n_kinematic), kept(m)

@@ -1,4 +1,4 @@
-!> LU factors with row exchanges of the four matrices shift_k I - J: for states in which diagonal pivots will not do.
+!> LU factorisation with row exchanges of the four matrices shift_k I - J, for states in which diagonal pivots are insufficient.
 !>
 !> Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 3.4.
 module evl_dense_lu
@@ -9,7 +9,7 @@ module evl_dense_lu
 
    public :: dense_lu_t, dense_lu_create, dense_lu_factor, dense_lu_solve, dense_lu_solve_first
 
-   !> Factors in place, and the row that was exchanged with row k in step k.
+   !> Factors in place; exchange(k): the row that was exchanged with row k in step k.
    type :: dense_lu_t
       integer :: n = 0
       complex(wp), allocatable :: a(:, :, :) !! [n, n, 4]
@@ -19,7 +19,7 @@ module evl_dense_lu
 
 contains
 
-   !> For systems of n unknowns. Their matrices take no memory until one is needed, which most integrations never do.
+   !> Create for n unknowns. The matrices are allocated at the first factorisation, which most integrations do not need.
    subroutine dense_lu_create(lu, n)
       type(dense_lu_t), intent(out) :: lu
       integer, intent(in) :: n
@@ -78,7 +78,7 @@ contains
          end do
          a(k + 1:, k) = a(k + 1:, k)/a(k, k)
          do j = k + 1, n
-            associate (by => a(k, j)) ! parts apart: together the compiler fuses products and sums, whatever it is told
+            associate (by => a(k, j)) ! separate parts: otherwise the compiler fuses products and sums, despite its options
                a(k + 1:, j)%re = a(k + 1:, j)%re - (a(k + 1:, k)%re*by%re - a(k + 1:, k)%im*by%im)
                a(k + 1:, j)%im = a(k + 1:, j)%im - (a(k + 1:, k)%re*by%im + a(k + 1:, k)%im*by%re)
             end associate
@@ -86,7 +86,7 @@ contains
       end do
    end subroutine factor_one
 
-   !> Solve the four systems; b as in the sparse factors.
+   !> Solve the four systems; b as in the sparse solver.
    pure subroutine dense_lu_solve(lu, b)
       type(dense_lu_t), intent(inout) :: lu !! its scratch changes
       real(wp), intent(inout) :: b(2*n_systems, lu%n)

@@ -1,4 +1,4 @@
-!> Root functions that stay far from zero in a step: their values at its nodes already say so.
+!> Selection of the root functions that may come near zero in a step, from their values at its nodes.
 module evl_distant_roots
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_kinds, only: lanes, wp
@@ -7,24 +7,24 @@ module evl_distant_roots
 
    public :: list_near, near_zero, sign_of
 
-   !> Of a function's largest value: how near an extremum has to come to be looked at.
+   !> Relative to a function's largest value: an extremum nearer to zero is examined.
    real(wp), parameter :: near_zero = 0.05_wp
    real(wp), parameter :: most_between = 2.33_wp !! largest sum of |Lagrange polynomial k| on the step, k = 1 .. 7
-   !> Of the value at the start: if no other node differs by more, the interpolant keeps its distance from zero.
+   !> Relative to the value at the start: if no other node differs by more, the interpolant stays away from zero.
    real(wp), parameter :: little = (1 - near_zero)/(most_between + near_zero)
 
 contains
 
-   !> List the functions that may come near zero. The others have one sign at all nodes, that of the step before, which is
-   !> put down, and change so little that their interpolants come nowhere near zero.
+   !> List the functions that may come near zero. The others have the sign of the previous step at all nodes, which is stored
+   !> in `sign_after`. They change so little that their interpolants stay away from zero.
    pure subroutine list_near(n, n_live, live, g, sign_now, sign_after, n_near, near)
       integer, intent(in) :: n                    !! functions
-      integer, intent(in) :: n_live, live(n_live) !! those looked at
+      integer, intent(in) :: n_live, live(n_live) !! functions to examine
       real(wp), intent(in) :: g(lanes, n)         !! values at the nodes, the last one the start
-      integer, intent(in) :: sign_now(n)          !! at the end of the step before; 0: not known
+      integer, intent(in) :: sign_now(n)          !! at the end of the previous step; 0: unknown
       integer, intent(inout) :: sign_after(n)
       integer, intent(out) :: n_near
-      integer, intent(inout) :: near(n)           !! the first n_near of these: which ones
+      integer, intent(inout) :: near(n)           !! the first n_near of these: indices of the functions
       integer(int64) :: others ! as long as a real: vectors of both have the same lanes
       real(wp) :: at_start, most
       integer :: i, k, l

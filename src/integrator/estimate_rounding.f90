@@ -1,10 +1,10 @@
-!> What rounding makes of an error estimate: no tolerance can ask for less.
+!> Rounding error of the error estimate: the lower bound of a meaningful tolerance.
 !>
-!> f is rounded by about eps sum_j |J_ij y_j|, seldom by more than four times that: forces are differences of places, and stiff
-!> ones round by far more than their own last digit. The estimate (gamma/h I - J)^-1 (f(t, y) - p'(t)) has that of f at the
-!> start and that of the stages, of whose slopes p' is the value at the start, times the sum of the weights. Its filter divides
+!> f has a rounding error of about eps sum_j |J_ij y_j|, rarely more than four times that: forces are differences of positions, and
+!> stiff forces have rounding errors far above their own last digit. The estimate (gamma/h I - J)^-1 (f(t, y) - p'(t)) contains
+!> that of f at the start, and that of the stages times the sum of the |weights| of their slopes in p'(t). Its filter divides
 !> row i by
-!> gamma/h + |J_ii| + h/gamma sum_j |J_ij J_ji|,
+!>   gamma/h + |J_ii| + h/gamma sum_j |J_ij J_ji|,
 !> which is exact for a mass on a spring and a damper.
 module evl_estimate_rounding
    use evl_kinds, only: wp
@@ -15,18 +15,18 @@ module evl_estimate_rounding
    public :: estimate_rounding_t, estimate_rounding_create, find_rounding
 
    real(wp), parameter :: eps = epsilon(1.0_wp)
-   real(wp), parameter :: roundings = 4 !! that an error may count for one of each term of f: so many have 99 % of the estimates
-   real(wp), parameter :: of_stages = 5.06_wp !! sum of |weights| that take slopes at the stages to the start
+   real(wp), parameter :: roundings = 4 !! assumed rounding errors of each term of f; 99 % of the estimates stay below
+   real(wp), parameter :: of_stages = 5.06_wp !! sum of |weights| that extrapolate slopes at the stages to the start
 
-   !> For each entry of J the one across the diagonal.
+   !> Index of the transposed entry of each entry of J.
    type :: estimate_rounding_t
-      integer, allocatable :: across(:) !! 0: there is none
+      integer, allocatable :: across(:) !! 0: none
       real(wp), allocatable :: left(:)  !! [n] scratch
    end type estimate_rounding_t
 
 contains
 
-   !> Find the entries across the diagonal.
+   !> Find the transposed entries.
    pure subroutine estimate_rounding_create(self, n, row, column)
       type(estimate_rounding_t), intent(out) :: self
       integer, intent(in) :: n                !! states
@@ -51,7 +51,7 @@ contains
       end do
    end subroutine estimate_rounding_create
 
-   !> The most that an error in a state may count: the inverse of what rounding makes of the estimate with a step of h.
+   !> Largest weight of an error in a state: the inverse of the rounding error of the estimate for a step of h.
    pure subroutine find_rounding(self, row, column, jacobian, y, h, most_weight)
       type(estimate_rounding_t), intent(inout) :: self !! its scratch changes
       integer, intent(in) :: row(:), column(:)

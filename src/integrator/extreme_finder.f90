@@ -1,15 +1,15 @@
-!> Where watched channels may have exceeded their extremes so far inside a step.
+!> Search for new extremes of monitored channels within a step.
 !>
-!> Their values at the eight nodes of the step are known, almost. They give an interpolant of degree 7, and three looks at it, each
-!> sharper and dearer than the one before:
+!> The channel values at the eight nodes of the step are known approximately and define an interpolant of degree 7. Three
+!> tests follow, each sharper and more expensive than the one before:
 !>
-!> - No channel leaves its value at the start by more than `most_between` times the largest distance of its values at the nodes.
-!> - Between the nodes and `n_between` times among them, no polynomial of degree 7 rises further above the largest of its
-!>   values than `most_hidden` of their range (found by linear programming).
-!> - Of each maximum of the interpolant that is left, the time is sought.
+!> - A channel departs from its value at the start by at most `most_between` times its largest departure at the nodes.
+!> - Between the nodes and `n_between` intermediate times, a polynomial of degree 7 exceeds its largest value there by at most
+!>   `most_hidden` of the range of these values (found by linear programming).
+!> - For each remaining maximum of the interpolant, the time is computed.
 !>
-!> What passes is a candidate: the caller asks the model itself, around that time. Of a channel that is estimated alone it may
-!> have to look at all of the step: where an estimate is largest tells little of where the channel is.
+!> Maxima that pass are candidates: the caller evaluates the model itself around that time. For a channel with estimated values
+!> only, the whole step may have to be searched: the maximum of an estimate says little about the position of the channel's maximum.
 module evl_extreme_finder
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_collocation, only: combine, extremum_between, lagrange_matrix, polynomial_at, slopes_of
@@ -27,36 +27,36 @@ module evl_extreme_finder
 
    real(wp), parameter :: most_between = 2.33_wp !! largest sum of |Lagrange polynomial k| on the step, k = 1 .. 7
    real(wp), parameter :: most_hidden = 0.2_wp
-   real(wp), parameter :: roughness = 0.01_wp    !! of the range: what the interpolant may differ from its channel
+   real(wp), parameter :: roughness = 0.01_wp    !! of the range: possible deviation of the interpolant from its channel
 
-   real(wp), parameter :: nearly = 1.0e-5_wp     !! of range and value: what a value at a node may differ from that of its state
+   real(wp), parameter :: nearly = 1.0e-5_wp !! of range and value: possible deviation of a value at a node from that of its state
 
    real(wp), parameter :: between(n_between) = [0.085_wp, 0.205_wp, 0.28_wp, 0.405_wp, 0.485_wp, 0.665_wp, 0.85_wp, 0.97_wp]
-   !> Nodes and times between them from left to right, as numbers in [node, between].
+   !> Nodes and intermediate times from left to right, as indices of [node, between].
    integer, parameter :: in_time(n_samples) = [8, 1, 9, 2, 10, 11, 3, 12, 13, 4, 14, 5, 15, 6, 16, 7]
    real(wp), parameter :: sample_tau(n_samples) = [node, between]
 
-   !> A maximum, or a minimum, of the interpolant that may exceed what was reached before.
+   !> A maximum or minimum of the interpolant that may exceed the extreme so far.
    type :: candidate_t
       integer :: channel = 0
       integer :: sense = 1               !! 1 maximum, -1 minimum
       real(wp) :: tau = 0                !! in units of the step
-      real(wp) :: left = 0, right = 0    !! it lies between these
+      real(wp) :: left = 0, right = 0    !! bracket of the extremum
       real(wp) :: value = 0              !! of the interpolant
    end type candidate_t
 
-   !> Room for the rows of a model's channels.
+   !> Buffers for the rows of a model's channels.
    type :: extreme_finder_t
       integer :: n = 0
-      integer, allocatable :: channels(:) !! [n_rows] the first n of these: to which channel a row belongs
-      logical, allocatable :: is_rough(:) !! [n_watched] channels that are estimated alone
+      integer, allocatable :: channels(:) !! [n_rows] the first n of these: channel of each row
+      logical, allocatable :: is_rough(:) !! [n_watched] channels with estimated values only
       real(wp), allocatable :: values(:, :) !! [8, n_rows] the rows
-      real(wp) :: to_between(lanes, lanes) = 0 !! from values at the nodes to those between
+      real(wp) :: to_between(lanes, lanes) = 0 !! from values at the nodes to those at the intermediate times
    end type extreme_finder_t
 
 contains
 
-   !> Room for the rows of a model.
+   !> Allocate the buffers for a model.
    subroutine extreme_finder_create(self, model)
       type(extreme_finder_t), intent(out) :: self
       class(ode_model), intent(in) :: model
@@ -68,10 +68,10 @@ contains
       call lagrange_matrix(between, self%to_between)
    end subroutine extreme_finder_create
 
-   !> Candidates among the rows that have been filled in.
+   !> Find candidates among the rows that are filled.
    pure subroutine find_candidates(self, high, low, n, found)
       type(extreme_finder_t), intent(in) :: self
-      real(wp), intent(in) :: high(:), low(:)     !! [n_watched] to be exceeded; +huge and -huge if nobody asks
+      real(wp), intent(in) :: high(:), low(:)     !! [n_watched] extremes to be exceeded; +huge and -huge: not requested
       integer, intent(out) :: n
       type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] the first n of these
       real(wp) :: at_start, most
@@ -94,7 +94,7 @@ contains
       end do
    end subroutine find_candidates
 
-   !> The second look, at one row, and the third where it is needed.
+   !> Second test of one row, and the third if necessary.
    pure subroutine look_between(self, k, upper, lower, n, found)
       type(extreme_finder_t), intent(in) :: self
       integer, intent(in) :: k
@@ -118,10 +118,10 @@ contains
          call list_maxima(-1, self%channels(k), is_rough, lower, samples, self%values(:, k), slopes(:, 1), n, found)
    end subroutine look_between
 
-   !> The third look: maxima of the interpolant, or minima, that come near the limit.
+   !> Third test: maxima or minima of the interpolant that come near the limit.
    pure subroutine list_maxima(sense, channel, is_rough, limit, samples, values, slopes, n, found)
       integer, intent(in) :: sense, channel
-      logical, intent(in) :: is_rough !! the channel is estimated alone
+      logical, intent(in) :: is_rough !! the channel has estimated values only
       real(wp), intent(in) :: limit, samples(n_samples), values(lanes), slopes(lanes)
       integer, intent(inout) :: n
       type(candidate_t), intent(inout) :: found(:)
@@ -165,7 +165,7 @@ contains
 
    contains
 
-      !> Whether the step ends, or begins, in the middle of a slope: then nothing larger lies near.
+      !> Whether the step starts or ends within a slope; then no larger value is near.
       pure logical function ends_outward()
          real(wp) :: slope
 
@@ -175,7 +175,7 @@ contains
          ends_outward = slope*(candidate%right - candidate%left) > roughness*range
       end function ends_outward
 
-      !> Whether the interpolant rises there, in the sense of the search.
+      !> Whether the interpolant rises at tau, in the sense of the search.
       pure logical function rises(tau)
          real(wp), intent(in) :: tau
 

@@ -1,4 +1,4 @@
-!> Keeping the factors of the stages' systems. What the pattern says is found anew when they are created.
+!> Serialisation of the factors of the stage systems. The elimination plan is recomputed from the pattern at creation.
 module evl_factor_archive
    use evl_archive, only: archive_reads, archive_t, keep, keep_complex, keep_integers, keep_reals
    use evl_condensed_systems, only: condensed_t
@@ -42,7 +42,7 @@ contains
       call keep_reals(archive, size(self%first), self%first)
    end subroutine keep_sparse
 
-   !> Full factors, which take memory only where one was needed.
+   !> Full factors, stored only if allocated.
    subroutine keep_dense(archive, self)
       type(archive_t), intent(inout) :: archive
       type(dense_lu_t), intent(inout) :: self

@@ -1,12 +1,12 @@
-!> Vibrations that grow: how long a step may be to follow them.
+!> Step size limit for growing modes.
 !>
-!> Radau IIA is L-stable: of a mode with eigenvalue lambda a step of h leaves R(h lambda), and |R| falls to 0 in long steps even
-!> where Re lambda > 0 and the mode grows. As long as it was not excited it stays below any tolerance in that way, and error
-!> control cannot know that it should have grown. Up to |h lambda| = 5.5 its growth ln|R(h lambda)| is h Re lambda but for
-!> 2e-5 |h lambda|, where Re lambda is small (docs/radau.md): no step is longer than that for a mode that grows faster.
+!> Radau IIA is L-stable: a step of h multiplies a mode with eigenvalue lambda by R(h lambda). For long steps |R| tends to 0
+!> even if Re lambda > 0 and the mode grows. A mode that is not yet excited then stays below any tolerance, and error control
+!> cannot detect the missing growth. Up to |h lambda| = 5.5 and for small Re lambda, the growth ln|R(h lambda)| equals h Re
+!> lambda within 2e-5 |h lambda| (docs/radau.md). For modes that grow faster than this deviation, no step exceeds that limit.
 !>
-!> Eigenvalues are sought only where one could be out of reach, by a bound from the entries of J, and where J differs from those
-!> of which it is known that nothing grows. In a large system they are sought in pieces of neighbouring states, the others at rest,
+!> Eigenvalues are computed only if a bound from the entries of J admits one beyond the limit, and if J differs from matrices
+!> known to be without growth. In a large system they are computed for pieces of neighbouring states with all others fixed,
 !> which takes time in proportion to its size.
 module evl_growth
    use evl_archive, only: archive_t, keep, keep_reals
@@ -20,40 +20,40 @@ module evl_growth
 
    public :: growth_t, growth_create, growth_forget, limit_step, may_be_out_of_reach, judge_growth, follows_growth, keep_growth
 
-   real(wp), parameter :: reach = 5.5_wp           !! |h lambda| up to which the method follows a mode that grows
-   real(wp), parameter :: aim = 5                  !! what a step is cut to: the frequency changes a little along the motion
-   real(wp), parameter :: least_growth = 1.0e-4_wp !! Re lambda/|lambda| of a mode that counts as growing
+   real(wp), parameter :: reach = 5.5_wp           !! |h lambda| up to which the method follows a growing mode
+   real(wp), parameter :: aim = 5                  !! target for a shortened step: the frequency changes a little along the motion
+   real(wp), parameter :: least_growth = 1.0e-4_wp !! Re lambda/|lambda| above which a mode counts as growing
    integer, parameter :: never_looked = 1000
-   integer, parameter :: n_known = 4               !! matrices that are kept
+   integer, parameter :: n_known = 4               !! number of stored matrices
 
-   !> What is known of some of the states.
+   !> Matrices with known eigenvalues for some of the states, a piece.
    type, extends(piece_t) :: known_piece_t
-      integer, allocatable :: entry(:)          !! numbers of their entries of J
-      integer, allocatable :: row(:), column(:) !! places of these among the states of the piece
+      integer, allocatable :: entry(:)          !! indices of their entries in J
+      integer, allocatable :: row(:), column(:) !! indices of these among the states of the piece
       real(wp), allocatable :: known(:, :)      !! [entries, n_known] matrices whose eigenvalues are known
-      real(wp), allocatable :: re(:, :), length(:, :) !! [states, n_known] of these: real parts and absolute values
-      integer :: n_filled = 0                   !! how many there are
-      integer :: next = 1                       !! which of them goes first
+      real(wp), allocatable :: re(:, :), length(:, :) !! [states, n_known] real parts and absolute values of their eigenvalues
+      integer :: n_filled = 0                   !! number of stored matrices
+      integer :: next = 1                       !! index of the matrix to overwrite next
    end type known_piece_t
 
    type :: growth_t
-      real(wp) :: longest = huge(1.0_wp)       !! step that follows the modes that grow; huge: none does
-      real(wp) :: re = 0, im = 0               !! the eigenvalue that asks for it [1/time]
-      integer :: steps = never_looked          !! since eigenvalues were looked at
-      logical :: shortens = .false.            !! steps are shorter for a mode that grows
-      logical :: wants_jacobian = .false.      !! that mode will grow as the Jacobian of the next step says
-      integer :: jacobians = 0                 !! that the integrator had made by then
-      real(wp), private :: bound = 0           !! of the eigenvalues
-      integer, private :: bound_jacobians = 0  !! that had been made when it was found
-      integer, private :: n = 0                !! states that depend on each other
-      integer, allocatable, private :: row(:), column(:), entry(:) !! entries of J in them: places, numbers among all entries
-      real(wp), allocatable, private :: scale(:)    !! [n] of the states
-      real(wp), allocatable, private :: x(:)        !! [n] sizes of the states that make the bound a close one
+      real(wp) :: longest = huge(1.0_wp)       !! step that follows the growing modes; huge: none grows
+      real(wp) :: re = 0, im = 0               !! the eigenvalue that limits it [1/time]
+      integer :: steps = never_looked          !! since the last eigenvalue analysis
+      logical :: shortens = .false.            !! steps are shortened for a growing mode
+      logical :: wants_jacobian = .false.      !! the next step needs a new Jacobian, which determines the growth of that mode
+      integer :: jacobians = 0                 !! number of Jacobians evaluated by the integrator at that time
+      real(wp), private :: bound = 0           !! upper bound of the eigenvalues
+      integer, private :: bound_jacobians = 0  !! number of Jacobians when it was computed
+      integer, private :: n = 0                !! coupled states
+      integer, allocatable, private :: row(:), column(:), entry(:) !! entries of J in them: row, column, index among all entries
+      real(wp), allocatable, private :: scale(:)    !! [n] scales of the states
+      real(wp), allocatable, private :: x(:)        !! [n] magnitudes of the states that give a close bound
       real(wp), allocatable, private :: product(:), x_piece(:) !! [n] scratch
       real(wp), allocatable, private :: matrix(:), eigenvalue_re(:), eigenvalue_im(:), length(:) !! scratch of the largest piece
       real(wp), allocatable, private :: difference(:) !! [entries] scratch: absolute values
       type(known_piece_t), allocatable, private :: pieces(:)
-      real(wp), allocatable :: jacobian(:)     !! [nnz] room for df/dy where the integrator asks for one
+      real(wp), allocatable :: jacobian(:)     !! [nnz] buffer for df/dy at other points of a step
    end type growth_t
 
 contains
@@ -87,7 +87,7 @@ contains
       allocate (self%difference(size(self%entry)), self%jacobian(size(row)))
    end subroutine growth_create
 
-   !> The entries of J in some states.
+   !> Collect the entries of J within a piece of states.
    pure subroutine take_piece(self, states, piece)
       type(growth_t), intent(in) :: self
       integer, intent(in) :: states(:)
@@ -107,7 +107,7 @@ contains
       allocate (piece%known(size(piece%entry), n_known), piece%re(size(states), n_known), piece%length(size(states), n_known))
    end subroutine take_piece
 
-   !> Be as after creation: what is known belongs to one integration.
+   !> Reset to the state after creation: stored matrices belong to one integration.
    pure subroutine growth_forget(self)
       type(growth_t), intent(inout) :: self
       integer :: i
@@ -125,7 +125,7 @@ contains
       self%x(:) = self%scale
    end subroutine growth_forget
 
-   !> Make a step no longer than the modes that grow allow.
+   !> Limit a step to the length that follows the growing modes.
    pure subroutine limit_step(self, h)
       type(growth_t), intent(inout) :: self
       real(wp), intent(inout) :: h
@@ -135,17 +135,17 @@ contains
       self%shortens = .true.
    end subroutine limit_step
 
-   !> Whether a step of h could be too long for some mode: no eigenvalue is larger than max (|J| x)_i/x_i, for any x > 0.
+   !> Check whether a step of h may be too long for some mode: no eigenvalue exceeds max (|J| x)_i/x_i, for any x > 0.
    !>
    !> Source: L. Collatz, Einschliessungssatz fuer die charakteristischen Zahlen von Matrizen, Math. Z. 48 (1942) 221.
    pure subroutine may_be_out_of_reach(self, jacobian, n_jacobians, h, it_may)
       type(growth_t), intent(inout) :: self
       real(wp), intent(in) :: jacobian(:) !! [nnz]
-      integer, intent(in) :: n_jacobians  !! its number, from 1: of the same one the bound is known
+      integer, intent(in) :: n_jacobians  !! its number, from 1: the bound of the same Jacobian is reused
       real(wp), intent(in) :: h
       logical, intent(out) :: it_may
-      integer, parameter :: most_turns = 3 ! x stays, and so becomes better from step to step
-      real(wp), parameter :: least = 1.0e-9_wp !! of a state's scale: x stays positive
+      integer, parameter :: most_turns = 3 ! x is stored and so improves from step to step
+      real(wp), parameter :: least = 1.0e-9_wp !! of a state's scale: x remains positive
       integer :: p, turn
 
       it_may = .not. h*self%bound <= reach
@@ -163,7 +163,7 @@ contains
       end do
    end subroutine may_be_out_of_reach
 
-   !> Find the longest step that follows all modes that grow, and the eigenvalue that asks for it; a step of h is wanted.
+   !> Find the longest step that follows all growing modes, and the eigenvalue that limits it; h is the step to check.
    pure subroutine judge_growth(self, jacobian, h)
       type(growth_t), intent(inout) :: self
       real(wp), intent(in) :: jacobian(:) !! [nnz]
@@ -176,10 +176,10 @@ contains
       end do
    end subroutine judge_growth
 
-   !> The same of one piece.
+   !> `judge_growth` for one piece.
    pure subroutine judge_piece(self, index, n, jacobian, h)
       type(growth_t), intent(inout) :: self
-      integer, intent(in) :: index, n !! piece, and how many states it has
+      integer, intent(in) :: index, n !! index of the piece, and its number of states
       real(wp), intent(in) :: jacobian(:)
       real(wp), intent(in) :: h
       real(wp) :: length
@@ -211,7 +211,7 @@ contains
       call remember(n, jacobian, self%eigenvalue_re, self%length, self%pieces(index))
    end subroutine judge_piece
 
-   !> Whether a step of h follows the modes that grow.
+   !> Whether a step of h follows the growing modes.
    pure logical function follows_growth(self, h)
       type(growth_t), intent(in) :: self
       real(wp), intent(in) :: h
@@ -219,10 +219,10 @@ contains
       follows_growth = h <= reach/aim*self%longest
    end function follows_growth
 
-   !> Whether J is near one of which it is known that nothing grows that a step of h would not follow.
+   !> Check whether J is near a stored matrix without growth that a step of h would not follow.
    pure subroutine compare(n, x, jacobian, h, piece, difference, product, is_known)
       integer, intent(in) :: n                    !! states of the piece
-      real(wp), intent(in) :: x(n)                !! their sizes
+      real(wp), intent(in) :: x(n)                !! their magnitudes
       real(wp), intent(in) :: jacobian(:)
       real(wp), intent(in) :: h
       type(known_piece_t), intent(in) :: piece
@@ -244,14 +244,14 @@ contains
       end do
    end subroutine compare
 
-   !> How far J may be from a matrix with these eigenvalues so that nothing grows which a step of h, or the next one, would not
-   !> follow; 0 or less: something does.
+   !> Allowed distance of J from a matrix with these eigenvalues such that a step of h, or the next one, follows any growth; 0
+   !> or less: there is growth that it does not follow.
    pure real(wp) function known_change(n, re, length, h) result(change)
       integer, intent(in) :: n
       real(wp), intent(in) :: re(n), length(n) !! of the eigenvalues: real parts and absolute values
       real(wp), intent(in) :: h
-      real(wp), parameter :: share = 0.25_wp   !! of the slowest decay: how much of it a change of J may take away
-      real(wp), parameter :: ahead = 16        !! a step may be eight times as long as the one before; twice that is safe
+      real(wp), parameter :: share = 0.25_wp   !! fraction of the slowest decay that a change of J may remove
+      real(wp), parameter :: ahead = 16        !! a step may be eight times as long as the previous one; twice that is safe
       integer :: i
 
       change = share*reach/h
@@ -261,7 +261,7 @@ contains
       end do
    end function known_change
 
-   !> Keep a matrix and its eigenvalues.
+   !> Store a matrix and its eigenvalues.
    pure subroutine remember(n, jacobian, re, length, piece)
       integer, intent(in) :: n
       real(wp), intent(in) :: jacobian(:), re(n), length(n)
@@ -277,7 +277,7 @@ contains
       piece%next = mod(piece%next, n_known) + 1
    end subroutine remember
 
-   !> Keep what is known of the modes that grow.
+   !> Serialise the data of growing modes.
    subroutine keep_growth(archive, self)
       type(archive_t), intent(inout) :: archive
       type(growth_t), intent(inout) :: self
@@ -292,14 +292,14 @@ contains
       call keep(archive, self%jacobians)
       call keep(archive, self%bound)
       call keep(archive, self%bound_jacobians)
-      if (.not. allocated(self%pieces)) return ! of a model in which nothing can grow
+      if (.not. allocated(self%pieces)) return ! a model without growing modes
       call keep_reals(archive, size(self%x), self%x)
       do i = 1, size(self%pieces)
          call keep_piece(archive, self%pieces(i))
       end do
    end subroutine keep_growth
 
-   !> The matrices of a piece.
+   !> Serialise the matrices of a piece.
    subroutine keep_piece(archive, self)
       type(archive_t), intent(inout) :: archive
       type(known_piece_t), intent(inout) :: self

@@ -1,11 +1,11 @@
-!> States on which nothing depends, such as work and dissipated energy: integrals of what the others do.
+!> Pure quadrature states, such as work and dissipated energy: integrals on which no other state depends.
 !>
-!> They take no part in Newton's iteration. When the others have converged, with dz the last change of their stages, one more
-!> iteration for the integrals alone would end at
+!> They are excluded from Newton's iteration. When the other states have converged, with dz the last change of their stages,
+!> one more iteration for the integrals alone would end at
 !>
-!>     z = h A (f + J dz)
+!>   z = h A (f + J dz)
 !>
-!> where they are put at once: as exactly as if they had been iterated with the others.
+!> They are set to this value directly, which is as accurate as an iteration together with the others.
 module evl_quadrature_states
    use evl_kinds, only: lanes, wp
    use evl_places, only: places
@@ -16,20 +16,20 @@ module evl_quadrature_states
 
    public :: pure_integrals_t, find_pure_integrals, integrate_stages, integrate_error
 
-   !> Which states they are: the last ones, so that the coupled ones before them lie together.
+   !> Indices of the quadrature states: the last ones, so that the coupled states before them are contiguous.
    type :: pure_integrals_t
-      integer :: n_coupled = 0             !! states before them, at least 1
-      integer :: n = 0                     !! of them
+      integer :: n_coupled = 0             !! number of coupled states, at least 1
+      integer :: n = 0                     !! number of quadrature states
       integer, allocatable :: coupled(:)   !! entries of J in the rows of the coupled states
       integer, allocatable :: start(:)     !! [n + 1] first entry in the row of each integral
       integer, allocatable :: entry(:)     !! entries of J in these rows, row by row
-      integer, allocatable :: column(:)    !! which coupled state
-      real(wp), allocatable :: rate(:, :), change(:, :) !! [8, n] scratch: f of the integrals, and how it changes
+      integer, allocatable :: column(:)    !! coupled state of each entry
+      real(wp), allocatable :: rate(:, :), change(:, :) !! [8, n] scratch: f of the integrals, and its change
    end type pure_integrals_t
 
 contains
 
-   !> Find them from the pattern of J.
+   !> Find the quadrature states from the pattern of J.
    pure subroutine find_pure_integrals(self, n, row, column)
       type(pure_integrals_t), intent(out) :: self
       integer, intent(in) :: n !! states
@@ -48,7 +48,7 @@ contains
       self%column = column(self%entry)
    end subroutine find_pure_integrals
 
-   !> Their stages.
+   !> Compute the stages of the quadrature states.
    pure subroutine integrate_stages(self, n, h, jacobian, dw, y, f, z, stage_y)
       type(pure_integrals_t), intent(inout) :: self       !! its scratch changes
       integer, intent(in) :: n                            !! states
@@ -73,7 +73,7 @@ contains
       end do
    end subroutine integrate_stages
 
-   !> J dw in the rows of the integrals: J is the same at all stages, so it does not matter whether they are transformed.
+   !> J dw in the rows of the integrals. J is the same at all stages, so the result does not depend on their transformation.
    pure subroutine change_of_rates(n, start, entry, column, jacobian, dw, rate)
       integer, intent(in) :: n
       integer, intent(in) :: start(n + 1), entry(*), column(*)
@@ -94,13 +94,13 @@ contains
       end do
    end subroutine change_of_rates
 
-   !> Their rows of (gamma/h I - J) error = right: the error of the coupled states is known, that of the integrals follows.
+   !> Rows of the integrals in (gamma/h I - J) error = right: their errors follow from those of the coupled states.
    pure subroutine integrate_error(self, n, h, jacobian, error)
       type(pure_integrals_t), intent(in) :: self
       integer, intent(in) :: n                !! states
       real(wp), intent(in) :: h
       real(wp), intent(in) :: jacobian(*)
-      real(wp), intent(inout) :: error(n) !! errors of the coupled states, right-hand sides of the integrals; all errors
+      real(wp), intent(inout) :: error(n) !! in: errors of the coupled states, right-hand sides of the integrals; out: errors
       real(wp) :: total
       integer :: i, p
 

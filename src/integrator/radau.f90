@@ -1,4 +1,4 @@
-!> Integrator for y' = f(t, y) with located events: Radau IIA with seven stages, order 13, stages in lanes.
+!> Integrator for y' = f(t, y) with event location: Radau IIA with seven stages, order 13, stages in SIMD lanes.
 !>
 !>     call radau_create(solver, model, options, status)
 !>     call radau_start(solver, model, t, y, status)
@@ -6,13 +6,13 @@
 !>         radau_interpolate gives the state anywhere in the step just made, in solver%t_before .. solver%t
 !>         outcome_event: change the model's discrete state and y as solver%fired says, then call radau_restart
 !>
-!> All that changes is in `radau_t` and in the model: integrations may be
-!> interleaved, or run in threads, and give the bits of single ones. Nothing is allocated after `radau_create`, but once the full
-!> matrices of a step whose diagonal pivots will not do.
+!> All variable data are in `radau_t` and in the model: integrations may be interleaved, or run in threads, with results
+!> bitwise equal to those of single ones. `radau_create` allocates all memory, except the full matrices for the first step
+!> with insufficient diagonal pivots.
 !>
-!> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most
-!> 0.0022 tolerance^(4/7) in root mean square. The estimate has order 7 and the result order 13, which this translates; the
-!> dense output is held to 5 tolerance by an estimate of its own. So errors stay within 10 times the tolerance, at the steps
+!> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most 0.0022 tolerance^(4/7)
+!> in root mean square. The exponent converts between the order 7 of the estimate and the order 13 of the result. A separate
+!> estimate limits the error of the dense output to 5 tolerance. Errors thus stay within 10 times the tolerance, at the steps
 !> and between them, unless the problem amplifies them (docs/radau.md).
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
@@ -46,28 +46,28 @@ module evl_radau
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: share = 0.0022_wp     !! internal tolerance over tolerance^(4/7)
    integer, parameter :: most_rejections = 200  !! of one step
-   real(wp), parameter :: smallest_step = 16*eps !! over the present time
+   real(wp), parameter :: smallest_step = 16*eps !! relative to the present time
 
-   !> What the user chooses.
+   !> User options.
    type :: radau_options
       real(wp) :: tolerance = 1.0e-9_wp       !! error of a step in units of the scales, in 1e-13 .. 0.1
       real(wp) :: max_step = huge(1.0_wp)     !! > 0
       real(wp) :: first_step = 0              !! 0: chosen from f
    end type radau_options
 
-   !> What it cost.
+   !> Cost counters.
    type, extends(stage_counts) :: radau_counts
       integer :: steps = 0                    !! accepted
-      integer :: rejections = 0               !! steps repeated for their error, or because Newton failed
+      integer :: rejections = 0               !! steps repeated because of their error or a failure of Newton's iteration
       integer :: jacobians = 0
-      integer :: root_evaluations = 0         !! of the root functions, scalar; lane-wise: once a step
+      integer :: root_evaluations = 0         !! scalar evaluations of the root functions; lane-wise: once a step
       integer :: events = 0                   !! located
-      integer :: growth_cuts = 0              !! rejections of steps that would not have followed a mode that grows
+      integer :: growth_cuts = 0              !! rejections of steps that do not follow a growing mode
    end type radau_counts
 
-   !> A mode that grows.
+   !> A growing mode.
    type :: radau_growth
-      real(wp) :: t = 0                       !! when
+      real(wp) :: t = 0                       !! time at which it was found
       real(wp) :: re = 0, im = 0              !! its eigenvalue; re = 0: there is none
    end type radau_growth
 
@@ -75,36 +75,36 @@ module evl_radau
    type :: radau_t
       real(wp) :: t = 0                       !! present time
       real(wp), allocatable :: y(:)           !! [n] present state
-      real(wp) :: t_before = 0                !! where the last step started
-      integer, allocatable :: fired(:)        !! [n_roots] at the event: +1 risen through zero, -1 fallen, 0 nothing
+      real(wp) :: t_before = 0                !! start of the last step
+      integer, allocatable :: fired(:)        !! [n_roots] zero crossings at the event: +1 rising, -1 falling, 0 none
       type(radau_options), private :: options
       type(stage_solver_t), private :: stages
       type(root_finder_t), private :: roots
       type(extreme_finder_t), private :: watched
-      real(wp), allocatable, private :: y_before(:) !! [n] where the last step started
+      real(wp), allocatable, private :: y_before(:) !! [n] state at the start of the last step
       real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
       real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
       real(wp), private :: h = 0              !! step to try next
-      integer, allocatable, private :: came_from(:) !! [n_roots] `fired` at the event where the integration was started anew
+      integer, allocatable, private :: came_from(:) !! [n_roots] `fired` at the event of the last restart
       real(wp), allocatable, private :: step_after(:, :) !! [-1:1, n_roots] first step after the last such event; huge: none
       type(step_control_t), private :: control
-      integer, allocatable, private :: limited(:) !! states that have a reach
+      integer, allocatable, private :: limited(:) !! indices of the states that have a reach
       type(growth_t), private :: growth
-      type(radau_growth), private :: fastest_growth !! that was seen
+      type(radau_growth), private :: fastest_growth !! found so far
       logical, private :: jacobian_is_new = .false. !! evaluated at the present state
-      logical, private :: jacobian_is_ahead = .false. !! evaluated a little ahead of it, where the next step will be
-      logical, private :: jacobian_may_stay = .false. !! that of an earlier step is good enough for the next one
-      logical, private :: matrix_may_stay = .false. !! and so are the factors, if the step is the same
-      logical, private :: restarted = .true.  !! nothing is known of the step from here on
+      logical, private :: jacobian_is_ahead = .false. !! evaluated a little ahead of it, within the next step
+      logical, private :: jacobian_may_stay = .false. !! the one of an earlier step is good enough for the next step
+      logical, private :: matrix_may_stay = .false. !! and so are the factors, if the step size is the same
+      logical, private :: restarted = .true.  !! no step size history from here on
       logical, private :: rejected = .true.   !! the step is repeated, or is the first one
-      type(status_t), private :: refusal      !! of the last try that the model had no answer for: to make one anew takes long
-      real(wp), private :: refused_t(lanes) = 0            !! stages of that try
+      type(status_t), private :: refusal      !! last trial step that the model refused; making its message takes long
+      real(wp), private :: refused_t(lanes) = 0            !! stages of that trial step
       real(wp), allocatable, private :: refused_y(:, :)    !! [8, n]
       type(radau_counts), private :: counts
    end type radau_t
 
    interface
-      !> Whether the step just solved follows the modes that grow; if not, the step to try next is set.
+      !> Check that the step just solved follows the growing modes; if not, set the step to try next.
       module subroutine follow_growth(self, model, h, followed, status)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
@@ -114,7 +114,7 @@ module evl_radau
          type(status_t), intent(inout) :: status
       end subroutine follow_growth
 
-      !> The longest step from here through which eight nodes can be expected to see the model.
+      !> Longest step from here in which eight nodes are expected to resolve the model.
       pure module function longest_in_sight(self, model) result(h)
          implicit none (type, external)
          type(radau_t), intent(in) :: self
@@ -122,7 +122,7 @@ module evl_radau
          real(wp) :: h
       end function longest_in_sight
 
-      !> Whether they do see it in the step just solved; if not, the step to try next is set.
+      !> Check that they resolve it in the step just solved; if not, set the step to try next.
       pure module subroutine stay_in_sight(self, model, h, is_in_sight)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
@@ -131,17 +131,17 @@ module evl_radau
          logical, intent(out) :: is_in_sight
       end subroutine stay_in_sight
 
-      !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
+      !> Try a step of h; if Newton's iteration fails, error is huge and the step to try next is set.
       module subroutine attempt(self, model, h, error, status)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
          class(ode_model), intent(inout) :: model
          real(wp), intent(in) :: h
-         real(wp), intent(out) :: error !! weighted estimate: the step is good below 1
+         real(wp), intent(out) :: error !! weighted estimate; the step is accepted below 1
          type(status_t), intent(inout) :: status
       end subroutine attempt
 
-      !> Take the step just solved, or the part of it before the first event.
+      !> Accept the step just solved, or the part of it before the first event.
       module subroutine finish(self, model, h, to_stop, t_stop, done, outcome, status)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
@@ -149,12 +149,12 @@ module evl_radau
          real(wp), intent(in) :: h       !! the step
          logical, intent(in) :: to_stop  !! it ends at t_stop
          real(wp), intent(in) :: t_stop
-         logical, intent(out) :: done    !! false: the step has to be tried anew
+         logical, intent(out) :: done    !! false: the step has to be repeated
          integer, intent(out) :: outcome !! one of the outcomes above
          type(status_t), intent(inout) :: status
       end subroutine finish
 
-      !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
+      !> First step that moves the state by about a hundredth of its scales, from f and its change along an Euler step.
       module subroutine choose_first_step(self, model, status)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
@@ -162,7 +162,8 @@ module evl_radau
          type(status_t), intent(inout) :: status
       end subroutine choose_first_step
 
-      !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell.
+      !> Step to try after a start or an event, from f and J. The step before the event limits it, since J does not contain
+      !> everything.
       module subroutine choose_step(self, model, status)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
@@ -178,24 +179,24 @@ module evl_radau
          type(status_t), intent(inout) :: status
       end subroutine refresh_jacobian
 
-      !> Candidates for new extremes of the watched channels in the step just made, before `radau_restart`.
+      !> Candidates for new extremes of the monitored channels in the last step; call before `radau_restart`.
       module subroutine radau_look(self, model, high, low, n, found)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
          class(ode_model), intent(inout) :: model
-         real(wp), intent(in) :: high(:), low(:)      !! [n_watched] extremes so far; +huge and -huge if nobody asks
+         real(wp), intent(in) :: high(:), low(:)      !! [n_watched] extremes so far; +huge and -huge: not requested
          integer, intent(out) :: n
          type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] times in units of `radau_step`
       end subroutine radau_look
 
-      !> Keep what the first step after an event could be: the same event comes again.
+      !> Store a suitable first step after an event, for the next event of the same kind.
       pure module subroutine remember_step(self, h, error)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
          real(wp), intent(in) :: h, error !! the step and its error, < 1
       end subroutine remember_step
 
-      !> Keep an integration, or take one from an archive into one that was created for the same model and options.
+      !> Write an integration to an archive, or read it into one that was created for the same model and options.
       module subroutine keep_radau(archive, self)
          implicit none (type, external)
          type(archive_t), intent(inout) :: archive
@@ -237,7 +238,7 @@ contains
       call extreme_finder_create(self%watched, model)
    end subroutine radau_create
 
-   !> Begin at (t, y).
+   !> Start an integration at (t, y).
    subroutine radau_start(self, model, t, y, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -260,7 +261,7 @@ contains
       call choose_first_step(self, model, status)
    end subroutine radau_start
 
-   !> Go on from (t, y) after an event: f or y may have jumped there, so nothing is continued from before.
+   !> Restart from (t, y) after an event: f or y may have jumped there, so no history is used.
    subroutine radau_restart(self, model, t, y)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -286,8 +287,8 @@ contains
       self%fired = 0
    end subroutine radau_restart
 
-   !> Take the last step back, which went past an event unseen, and go on from its start in smaller ones. Each call takes a smaller
-   !> one, until a step is kept.
+   !> Reject the last step, which missed an event, and continue from its start with smaller steps. Each call takes a smaller
+   !> step, until a step is accepted.
    subroutine radau_redo(self, model)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -308,9 +309,9 @@ contains
    subroutine radau_advance(self, model, t_stop, outcome, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(inout) :: model
-      real(wp), intent(in) :: t_stop          !! after the present time
-      integer, intent(out) :: outcome         !! one of the outcomes above; of no use on failure
-      type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model has no answer for any step, in its words;
+      real(wp), intent(in) :: t_stop          !! later than the present time
+      integer, intent(out) :: outcome         !! one of the outcomes above; undefined on failure
+      type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model refuses every step, with its message;
                                               !! `code_no_solution`: the step became too small; else the model's
       type(step_control_t) :: failed
       real(wp) :: h, h_wanted, h_most, error
@@ -373,7 +374,7 @@ contains
                 ": errors or iterations do not let it grow")
    end subroutine radau_advance
 
-   !> Why the model had no answer at the stages of the last try that it refused.
+   !> Obtain the model's message for the stages of the last trial step that it refused.
    subroutine put_into_words(self, model, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(inout) :: model
@@ -384,13 +385,13 @@ contains
       if (.not. has_failed(status)) status = self%refusal
    end subroutine put_into_words
 
-   !> End the step just past the event that is in sight, so that it need not be made anew to end there.
+   !> End the step just past a predicted event, so that it need not be repeated to end there.
    pure subroutine fit_event(self, h, to_stop)
       type(radau_t), intent(in) :: self
       real(wp), intent(inout) :: h
       logical, intent(inout) :: to_stop
-      real(wp), parameter :: past = 5.0e-5_wp      !! of the way to the event
-      real(wp), parameter :: nearest = 1.0e-6_wp   !! of the step: an event that is as near needs no step of its own
+      real(wp), parameter :: past = 5.0e-5_wp      !! of the time to the event
+      real(wp), parameter :: nearest = 1.0e-6_wp   !! of the step: a nearer event needs no step of its own
       real(wp) :: tau
 
       if (.not. self%old_h > 0 .or. self%roots%n == 0) return
@@ -418,13 +419,13 @@ contains
       end do
    end subroutine radau_interpolate
 
-   !> The same of some states.
+   !> `radau_interpolate` for some of the states.
    pure subroutine radau_interpolate_some(self, t, n, states, y)
       type(radau_t), intent(in) :: self
       real(wp), intent(in) :: t         !! as above
       integer, intent(in) :: n
-      integer, intent(in) :: states(n)  !! which, from 0
-      real(wp), intent(inout) :: y(0:*) !! of all states; the others stay as they are
+      integer, intent(in) :: states(n)  !! their indices, from 0
+      real(wp), intent(inout) :: y(0:*) !! all states; the others remain unchanged
       real(wp) :: basis(lanes)
       integer :: i
 
@@ -441,7 +442,7 @@ contains
       end do
    end subroutine radau_interpolate_some
 
-   !> The same of all at eight times, to the bit.
+   !> `radau_interpolate` at eight times, bitwise equal.
    pure subroutine radau_interpolate_lanes(self, t, y)
       type(radau_t), intent(in) :: self
       real(wp), intent(in) :: t(lanes)                    !! t_before <= t <= self%t
@@ -465,14 +466,14 @@ contains
       end do
    end subroutine radau_interpolate_lanes
 
-   !> Length of the last step's polynomial, of which the step is all or, before an event, almost all.
+   !> Length of the last step's polynomial: the length of the step or, before an event, slightly more.
    pure real(wp) function radau_step(self) result(h)
       type(radau_t), intent(in) :: self
 
       h = self%old_h
    end function radau_step
 
-   !> What the integration has cost since `radau_start`.
+   !> Cost counters since `radau_start`.
    pure type(radau_counts) function radau_get_counts(self) result(counts)
       type(radau_t), intent(in) :: self
 
@@ -481,7 +482,7 @@ contains
       counts%root_evaluations = self%roots%evaluations
    end function radau_get_counts
 
-   !> Of the modes that grow the one that does so fastest since `radau_start`, a vibration if any does, if steps were cut for one.
+   !> Fastest growing mode since `radau_start` if steps were shortened for one. Oscillatory modes take precedence.
    pure type(radau_growth) function radau_get_growth(self) result(growth)
       type(radau_t), intent(in) :: self
 

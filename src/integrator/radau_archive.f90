@@ -1,4 +1,4 @@
-!> Keeping an integration in progress: it goes on elsewhere with the same bits.
+!> Serialisation of an integration in progress; a resumed integration is bitwise identical.
 submodule(evl_radau) evl_radau_archive
    use evl_archive, only: keep, keep_integers, keep_reals
    use evl_growth, only: keep_growth
@@ -8,7 +8,7 @@ submodule(evl_radau) evl_radau_archive
 
 contains
 
-   !> Keep all that changes.
+   !> Serialise all variable data.
    module procedure keep_radau
       call keep(archive, self%t)
       call keep_reals(archive, size(self%y), self%y)

@@ -1,15 +1,15 @@
-!> One try of a step: prediction, Jacobian and factors as far as they are needed, the stages, their error.
+!> One trial step: prediction, Jacobian and factors if needed, stages, error estimate.
 submodule(evl_radau) evl_radau_attempt
    use evl_radau_coefficients, only: node
    use evl_stage_solver, only: estimate_error, linear_is_better, newton_refused, newton_slow, predict_linearly, predict_nothing
    implicit none (type, external)
 
-   real(wp), parameter :: farthest = 5 !! steps ahead to which a polynomial may be continued as a prediction
+   real(wp), parameter :: farthest = 5 !! largest step, over the last one, for which its polynomial is extrapolated
    integer, parameter :: middle = 4    !! stage nearest to the middle of a step
 
 contains
 
-   !> Try a step of h; if it fails for Newton, error is huge and the step to try next is set.
+   !> Try a step of h; if Newton's iteration fails, error is huge and the step to try next is set.
    module procedure attempt
       integer :: outcome
       logical :: good
@@ -30,15 +30,15 @@ contains
             return
          end if
          self%jacobian_may_stay = .false.
-         self%matrix_may_stay = .false. ! once more with the Jacobian of this state
+         self%matrix_may_stay = .false. ! repeat with the Jacobian of this state
          self%jacobian_is_ahead = .false.
       end do
       call estimate_error(self%stages, model, self%t, self%y, h, self%rejected, error, status)
       if (.not. error < huge(error)) self%h = h/4
    end procedure attempt
 
-   !> Predict the step, with a new Jacobian and new factors if it needs them. The place of the Jacobian is predicted by the
-   !> polynomial of the last step in any case, as the linear model asks for the Jacobian itself.
+   !> Predict the step, with a new Jacobian and new factors if needed. The state for the Jacobian is always predicted by the
+   !> polynomial of the last step, since the linear model itself requires the Jacobian.
    subroutine prepare(self, model, h, good, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -52,7 +52,7 @@ contains
       new_jacobian = new_factors .and. .not. (self%jacobian_is_new .or. self%jacobian_is_ahead .or. self%jacobian_may_stay)
       goes_on = self%old_h > 0 .and. h <= farthest*self%old_h
       linear = self%stages%start_is_known
-      ! of what grows below the tolerance, which nothing corrects, only the linear model knows
+      ! only the linear model predicts growth below the tolerance, which no iteration corrects
       if (linear .and. goes_on .and. .not. self%growth%shortens) linear = linear_is_better(self%stages, h, self%old_h)
       if (goes_on .and. (new_jacobian .or. .not. linear)) then
          call predict_from(self%stages, self%y, self%old_z, 1.0_wp, h, self%old_h)
@@ -69,7 +69,7 @@ contains
       if (good .and. linear) call predict_linearly(self%stages, self%y, h)
    end subroutine prepare
 
-   !> df/dy in the middle of a step of h, as it is predicted; at the present state if the model does not know that place.
+   !> df/dy at the predicted middle of a step of h; at the present state if that is outside the model's domain.
    subroutine look_ahead(self, model, h, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -87,7 +87,7 @@ contains
       call refresh_jacobian(self, model, status)
    end subroutine look_ahead
 
-   !> Whether two steps are the same number.
+   !> Whether two step sizes are equal.
    pure logical function same(a, b)
       real(wp), intent(in) :: a, b
 

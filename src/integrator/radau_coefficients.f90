@@ -1,6 +1,6 @@
 !> Radau IIA with seven stages, order 13: nodes, the transformation of the stage systems, and the collocation polynomial.
 !>
-!> All numbers come from tests/reference/radau_coefficients.py, which computes them from the nodes with 60 digits.
+!> All values are from tests/reference/radau_coefficients.py, which computes them from the nodes with 60 digits.
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.5 (methods) and IV.8 (transformation,
 !> error estimate); J.-P. Berrut, L. N. Trefethen, SIAM Review 46 (2004) 501-517 (barycentric weights).
 !>

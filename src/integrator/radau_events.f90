@@ -1,4 +1,4 @@
-!> How a step of the integrator ends: where it was meant to, or at the first event in it.
+!> End of an integrator step: at its intended end, or at the first event in it.
 submodule(evl_radau) evl_radau_events
    use evl_extreme_finder, only: find_candidates
    use evl_distant_roots, only: sign_of
@@ -6,16 +6,16 @@ submodule(evl_radau) evl_radau_events
    use evl_root_finder, only: find_crossings, locate, step_state, values_at
    implicit none (type, external)
 
-   !> A function is located where it is this near zero. Time may be too coarse for that: where a function runs through its size in a
-   !> nanosecond, one digit of a time of seconds is 1e-6 of it. So the state goes on where time does not.
+   !> A zero is located if the function is this close to it. Time may be too coarse for that: if a function changes by its
+   !> scale within a nanosecond, one digit of a time of seconds is 1e-6 of it. The state then advances although time does not.
    real(wp), parameter :: located = 1.0e-8_wp
 
-   !> How exact a time on a polynomial is beside that on the one made anew, in units of the step.
+   !> Accuracy of a time on a polynomial compared with that on the recomputed one, in units of the step.
    real(wp), parameter :: accuracy = 1.0e-4_wp
 
 contains
 
-   !> Take the step just solved, or the part of it before the first event.
+   !> Accept the step just solved, or the part of it before the first event.
    module procedure finish
       integer :: first
 
@@ -37,7 +37,7 @@ contains
       call move_start(self%stages, h)
    end procedure finish
 
-   !> Keep the polynomial of the step and move on.
+   !> Store the polynomial of the step and advance.
    subroutine take(self, h, t, y)
       type(radau_t), intent(inout) :: self
       real(wp), intent(in) :: h    !! step of the polynomial
@@ -54,7 +54,7 @@ contains
       self%counts%steps = self%counts%steps + 1
    end subroutine take
 
-   !> Increments and start of the step; arrays of known shape, so that no descriptor is looked at.
+   !> Copy increments and start of the step; explicit-shape arguments avoid access to array descriptors.
    pure subroutine keep_polynomial(n, z, y, old_z, y_before)
       integer, intent(in) :: n
       real(wp), intent(in) :: z(lanes, n), y(n)
@@ -70,11 +70,11 @@ contains
       y_before = y
    end subroutine keep_polynomial
 
-   !> Redo the step of h just to the crossing of function `first`, correct the time for what that changes, and stop there.
+   !> Repeat the step of h up to the crossing of function `first`, correct the time for the resulting change, and stop there.
    !>
-   !> The dense output inside a step has the accuracy of the internal tolerance; only at the end of a step the state has the
-   !> full order. So the step is made anew to the time found, where the function is zero but for the error of the dense output;
-   !> the rest is a correction along the new polynomial, or, if it is too large for that, one more step.
+   !> Within a step the dense output has the accuracy of the internal tolerance; only the state at the end of a step has the
+   !> full order. The step is therefore repeated up to the time found, where the function is zero except for the error of the
+   !> dense output. The rest is a correction along the new polynomial or, if it is too large for that, one more step.
    subroutine go_to_event(self, model, h, first, done, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(inout) :: model
@@ -82,7 +82,7 @@ contains
       integer, intent(in) :: first
       logical, intent(out) :: done
       type(status_t), intent(inout) :: status
-      integer, parameter :: most_hidden = 8 !! functions found so, each before the last one
+      integer, parameter :: most_hidden = 8 !! functions found in succession, each earlier than the previous one
       real(wp) :: at, h_now, slope
       integer :: earlier, event, turn
       logical :: good, at_start
@@ -116,7 +116,7 @@ contains
       end do
       self%matrix_may_stay = .false.
       if (has_failed(status) .or. .not. good) then
-         ! the shorter step does not work: come nearer in ordinary ones
+         ! the shorter step fails: approach the event in ordinary steps
          self%old_h = 0
          self%h = at/2
          return
@@ -127,20 +127,20 @@ contains
       done = .true.
    end subroutine go_to_event
 
-   !> Make the step anew to where a function crosses zero.
+   !> Repeat the step up to the zero crossing of a function.
    subroutine come_to(self, model, h, event, slope, h_now, at, good, at_start, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(inout) :: model
-      real(wp), intent(in) :: h         !! of the step that was searched
+      real(wp), intent(in) :: h         !! step that was searched
       integer, intent(in) :: event      !! the function
-      real(wp), intent(in) :: slope     !! of it there
-      real(wp), intent(inout) :: h_now  !! of the stages
-      real(wp), intent(inout) :: at     !! the crossing, from the start; in: on the polynomial of the stages
-      logical, intent(out) :: good      !! false: Newton failed, of no use
-      logical, intent(out) :: at_start  !! no time passes up to there: of the roots and the state there nothing is known
+      real(wp), intent(in) :: slope     !! its slope at the crossing
+      real(wp), intent(inout) :: h_now  !! step of the stages
+      real(wp), intent(inout) :: at     !! time of the crossing from the start; in: on the polynomial of the stages
+      logical, intent(out) :: good      !! false: Newton's iteration failed, results are undefined
+      logical, intent(out) :: at_start  !! no time passes up to the crossing: roots and state there are undefined
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 6
-      real(wp), parameter :: small = 1.0e-4_wp !! correction over the step up to which the polynomial is continued
+      real(wp), parameter :: small = 1.0e-4_wp !! correction, over the step, up to which the polynomial is extrapolated
       real(wp) :: at_next, shift, last_shift
       integer :: outcome, turn
 
@@ -171,7 +171,7 @@ contains
          last_shift = shift
          if (abs(shift) <= 4*eps*max(abs(self%t + at), at) .and. abs(self%roots%value(event)) <= located) return
          at_next = at + shift
-         if (at_next <= smallest_step*abs(self%t)) then ! as of a function that crosses just after another one
+         if (at_next <= smallest_step*abs(self%t)) then ! a function that crosses just after another one
             at = at_next
             at_start = .true.
             return
@@ -179,19 +179,19 @@ contains
       end do
    end subroutine come_to
 
-   !> A function that is past zero at an event, though no node of the step that was searched showed it, as one that turns just
-   !> behind the event: it crossed before.
+   !> Find a function that is past zero at an event although no node of the searched step showed it, such as one that turns
+   !> just behind the event: it crossed earlier.
    subroutine find_hidden(self, model, h, h_now, at, first, slope, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
-      real(wp), intent(in) :: h       !! of the step that was searched
-      real(wp), intent(in) :: h_now   !! of the stages
-      real(wp), intent(in) :: at      !! the event, from the start, with the functions' values
-      integer, intent(out) :: first   !! such a function, 0: there is none
-      real(wp), intent(inout) :: slope !! of it where it crosses
+      real(wp), intent(in) :: h       !! step that was searched
+      real(wp), intent(in) :: h_now   !! step of the stages
+      real(wp), intent(in) :: at      !! time of the event from the start; the functions are evaluated there
+      integer, intent(out) :: first   !! index of such a function, 0: there is none
+      real(wp), intent(inout) :: slope !! its slope at the crossing
       type(status_t), intent(inout) :: status
-      integer, parameter :: most_cuts = 8    !! by 16 each: of the way from the node before to the crossing
-      real(wp), parameter :: small = 1.0e-2_wp   !! of the value at the event: where a slope is that at zero
+      integer, parameter :: most_cuts = 8    !! by 16 each: of the interval from the previous node to the crossing
+      real(wp), parameter :: small = 1.0e-2_wp   !! of the value at the event: below it, the slope counts as that at zero
       type(step_state) :: step
       real(wp) :: at_zero, before
       integer :: i, k, last
@@ -233,8 +233,8 @@ contains
 
    contains
 
-      !> Whether a function without a crossing, or with a later one, is past zero: of one that has just fired only nodes tell the
-      !> sign.
+      !> Whether a function without a crossing, or with a later one, is past zero. For one that has just fired, only nodes
+      !> determine the sign.
       pure logical function is_past(i)
          integer, intent(in) :: i
          integer :: s
@@ -247,7 +247,7 @@ contains
 
    end subroutine find_hidden
 
-   !> The event is where the step begins, as far as time can tell: no time passes.
+   !> The event is at the start of the step within the resolution of time: no time passes.
    subroutine fire_at_start(self, model, first, h, at, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(inout) :: model
@@ -266,7 +266,7 @@ contains
       self%counts%events = self%counts%events + 1
    end subroutine fire_at_start
 
-   !> Slope of the interpolant of a root function where it crosses zero, per step.
+   !> Slope of the interpolant of a root function at its zero crossing, per step.
    pure subroutine slope_at(roots, i, slope)
       type(root_finder_t), intent(in) :: roots
       integer, intent(in) :: i
@@ -277,7 +277,7 @@ contains
       slope = sum(basis*roots%slope(:, i))
    end subroutine slope_at
 
-   !> All functions that cross zero at this event: the first, those at the same time, and those that the new step took across.
+   !> Mark all functions that cross zero at this event: the first, simultaneous ones, and those that crossed in the repeated step.
    pure subroutine note_fired(self, first, h)
       type(radau_t), intent(inout) :: self
       integer, intent(in) :: first
@@ -295,7 +295,7 @@ contains
       end do
    end subroutine note_fired
 
-   !> Candidates for new extremes in the last step; none if nothing moved in it.
+   !> Candidates for new extremes in the last step; none if it has no length.
    module procedure radau_look
       n = 0
       if (.not. (self%old_h > 0 .and. self%t > self%t_before)) return

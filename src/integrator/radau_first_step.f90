@@ -1,12 +1,12 @@
-!> How long the first step is: at the start, and after an event.
+!> Size of the first step, at the start and after an event.
 submodule(evl_radau) evl_radau_first_step
    use evl_stage_solver, only: foresee_step
    implicit none (type, external)
 
 contains
 
-   !> A first step in which the state moves by about a hundredth of its scales, judged by f and, along an Euler step, by its
-   !> change: f may be 0 at the start.
+   !> First step that moves the state by about a hundredth of its scales, from f and its change along an Euler step: f may be
+   !> 0 at the start.
    module procedure choose_first_step
       real(wp), parameter :: part = 0.01_wp, probe = 1.0e-6_wp
       real(wp) :: speed, acceleration, h
@@ -19,7 +19,7 @@ contains
          self%stages%counts%evaluations = 2
          moved = self%y + h*f
          call model%rhs(self%t + h, moved, moved_f, status)
-         if (has_failed(status)) then ! at the edge of the domain: nothing is known but that it has to be small
+         if (has_failed(status)) then ! boundary of the domain: the step has to be small
             if (status%code /= code_out_of_domain) return
             call clear(status)
             self%h = h
@@ -30,11 +30,12 @@ contains
       end associate
    end procedure choose_first_step
 
-   !> The step to try after a start or an event, from f and J; the step before the event bounds it, for what J does not tell, such
-   !> as a load that goes by time. Where an event comes again the step after the last one tells that; at the start nothing does.
+   !> Step to try after a start or an event, from f and J. The step before the event limits it, since J does not contain
+   !> everything, such as a time-dependent load. For a recurring event, the stored step after the last one is the limit; at
+   !> the start there is none.
    !>
-   !> J where it happens need not be that of what follows (a force law may begin with slope 0), so it is looked at ahead as
-   !> well, in the middle of the step; if the step then has to be much shorter, once more.
+   !> J at the event may differ from J after it (a force law may begin with slope 0). J is therefore also evaluated ahead, in
+   !> the middle of the step; if the step then has to be much shorter, once more.
    module procedure choose_step
       real(wp), parameter :: most_down = 100, most_up = 8
       integer, parameter :: most_turns = 4
@@ -64,7 +65,7 @@ contains
          call model%jacobian(self%t + h/2, self%stages%moved, self%stages%jacobian, status)
          self%counts%jacobians = self%counts%jacobians + 1
          self%jacobian_is_ahead = .not. has_failed(status)
-         if (has_failed(status)) then ! a place that the model does not know: look nearer
+         if (has_failed(status)) then ! outside the model's domain: evaluate nearer
             if (status%code /= code_out_of_domain) return
             call clear(status)
             h = h/4
@@ -79,7 +80,7 @@ contains
       self%restarted = .false.
    end procedure choose_step
 
-   !> Keep what the first step after an event could be: the same event comes again.
+   !> Store a suitable first step after an event, for the next event of the same kind.
    module procedure remember_step
       real(wp), parameter :: most_growth = 4, aim = 0.5_wp
       integer :: i

@@ -1,4 +1,4 @@
-!> Steps that would not follow a vibration that grows are made shorter.
+!> Shortening of steps that do not follow a growing vibration.
 submodule(evl_radau) evl_radau_growth
    use evl_growth, only: follows_growth, judge_growth, may_be_out_of_reach
    use evl_ode_model, only: growth_by_coupling
@@ -7,15 +7,15 @@ submodule(evl_radau) evl_radau_growth
 
 contains
 
-   !> Whether the step just solved follows the modes that grow; if not, the step to try next is set.
+   !> Check that the step just solved follows the growing modes; if not, set the step to try next.
    !>
-   !> What is smaller than the tolerance moves as the Jacobian says, since no iteration corrects it: while it grows, the Jacobian
-   !> has to be a new one now and then.
+   !> Motions below the tolerance follow the Jacobian, since no iteration corrects them. While such a motion grows, the
+   !> Jacobian must be renewed from time to time.
    !>
-   !> Where damping can be negative, every step that could be too long is looked at in its middle and at its end. Elsewhere
-   !> forces change less, and now and then the Jacobian at hand does.
+   !> If damping can be negative, every step that may be too long is checked in its middle and at its end. Otherwise forces
+   !> change less, and an occasional check of the current Jacobian is sufficient.
    module procedure follow_growth
-      integer, parameter :: few = 4, many = 8 !! steps between two looks: while a mode grows; where dampers damp
+      integer, parameter :: few = 4, many = 8 !! steps between two checks: while a mode grows; with positive damping
       integer, parameter :: middle = 4        !! stage nearest to the middle of a step
       logical :: grows, look
 
@@ -44,7 +44,7 @@ contains
             if (followed) then
                call judge_at(self, model, h, n_stages, status)
                followed = follows_growth(growth, h)
-               if (.not. followed) call cut(self, max(h/2, growth%longest)) ! it begins behind the middle: come nearer
+               if (.not. followed) call cut(self, max(h/2, growth%longest)) ! growth begins behind the middle: approach it
             else
                call cut(self, growth%longest)
             end if
@@ -54,7 +54,7 @@ contains
       end associate
    end procedure follow_growth
 
-   !> Look at a stage of the step just solved.
+   !> Check a stage of the step just solved.
    subroutine judge_at(self, model, h, stage, status)
       type(radau_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -66,7 +66,7 @@ contains
       status%in_words = .false.
       call model%jacobian(self%t + node(stage)*h, self%stages%moved, self%growth%jacobian, status)
       status%in_words = .true.
-      if (has_failed(status)) then ! past an event the model need not have an answer
+      if (has_failed(status)) then ! past an event the model may be outside its domain
          if (status%code == code_out_of_domain) call clear(status)
          self%growth%longest = huge(h)
       else
@@ -75,21 +75,21 @@ contains
       end if
    end subroutine judge_at
 
-   !> Try a shorter step.
+   !> Request a shorter step.
    pure subroutine cut(self, h)
       type(radau_t), intent(inout) :: self
       real(wp), intent(in) :: h
 
       self%h = h
       self%growth%shortens = .not. h > self%growth%longest
-      if (h > self%growth%longest) self%growth%longest = huge(h) ! to be looked at again
+      if (h > self%growth%longest) self%growth%longest = huge(h) ! to be checked again
       self%counts%growth_cuts = self%counts%growth_cuts + 1
    end subroutine cut
 
-   !> Remember of all vibrations that grow the one that does so fastest; of motions that do not swing only if there is none.
+   !> Record the fastest growing vibration; a mode that does not oscillate only if there is none.
    pure subroutine note(self, t)
       type(radau_t), intent(inout) :: self
-      real(wp), intent(in) :: t !! when it does
+      real(wp), intent(in) :: t !! time of the growth
       logical :: is_faster
 
       associate (growth => self%growth, fastest => self%fastest_growth)

@@ -1,17 +1,17 @@
-!> Steps are no longer than what eight nodes can see of the model.
+!> Step size limit for resolving the model with eight nodes.
 !>
-!> Error estimates and the search for events know f and the root functions at the nodes of a step, and what a polynomial says of
-!> them in between. Where they repeat several times in a step, that is by chance: a pitch of teeth, a turn of a load that goes by
-!> the angle, a cycle of a load over time. The model says how far states and time may go (ode_model); no step knows any other bound
-!> than its error.
+!> Error estimates and event search use f and the root functions at the nodes of a step, and polynomials in between. If these
+!> functions repeat several times within a step, the result is arbitrary. Examples are a tooth pitch, a period of a load over
+!> angle, and one of a load over time. The model specifies how far states and time may move (ode_model); otherwise only the
+!> error limits the step.
 submodule(evl_radau) evl_radau_sight
    implicit none (type, external)
 
-   real(wp), parameter :: too_far = 1.3_wp !! reaches: a motion that speeds up evenly goes 1.25, after a step of one
+   real(wp), parameter :: too_far = 1.3_wp !! in units of reach: uniform acceleration covers 1.25 after a step of 1
 
 contains
 
-   !> At the speed of the start, as far as that is known.
+   !> Estimate with the rates at the start, if they are known.
    module procedure longest_in_sight
       integer :: k
 
@@ -24,7 +24,7 @@ contains
       end do
    end procedure longest_in_sight
 
-   !> The states with a reach have moved by little more than that.
+   !> Check that the states with a reach have moved by little more than it.
    module procedure stay_in_sight
       real(wp) :: most
       integer :: k

@@ -1,14 +1,13 @@
-!> Where root functions pass through zero inside a step.
+!> Detection and location of zeros of the root functions within a step.
 !>
-!> All root functions are known at the eight nodes of the step. A change of sign between two nodes is a crossing. A function
-!> that touches zero and returns between two nodes shows no change of sign: then its interpolant falls towards zero at the
-!> left node, rises at the right one, and the two tangents meet beyond zero. Only in that case the extremum of the interpolant
-!> is sought, and if it comes near zero, the model is asked there and on the way to the extremum of its own function. A change
-!> of sign found splits the interval. Missed is what two extrema between two neighbouring nodes hide, or a dip below the
-!> accuracy of the dense output.
+!> All root functions are known at the eight nodes of the step. A sign change between two nodes is a crossing. A function that
+!> touches zero and returns between two nodes shows no sign change: its interpolant falls towards zero at the left node, rises at
+!> the right one, and the two tangents intersect beyond zero. Only then is the extremum of the interpolant computed. If it is near
+!> zero, the model is evaluated there and on the way to the extremum of its own function. A sign change found this way splits the
+!> interval. Not detected are two extrema between two neighbouring nodes, and a dip below the accuracy of the dense output.
 !>
-!> Most functions change little in a step: where the values at the nodes already say that no interpolant through them comes near
-!> zero, nothing else is looked at. Those that the model says are `never` zero in its discrete state cost nothing.
+!> Most functions change little in a step. If the values at the nodes exclude an interpolant near zero, no further test
+!> follows. Functions that the model declares `never` zero in its discrete state cost nothing.
 !>
 !> A function that has just fired is zero at the start up to rounding: its sign there is that of its slope.
 module evl_root_finder
@@ -23,9 +22,9 @@ module evl_root_finder
 
    public :: root_finder_t, root_finder_create, root_finder_restart, find_crossings, locate, step_state, values_at
 
-   real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: where one that has fired is still zero
-   real(wp), parameter :: clearly = 1.0e-8_wp     !! past zero, farther than an event is located exactly
-   real(wp), parameter :: tie = 1.0e-13_wp        !! crossings that lie nearer together, in units of the step, are one
+   real(wp), parameter :: nearly_zero = 1.0e-8_wp !! of a function's largest value: below this, one that has fired is still zero
+   real(wp), parameter :: clearly = 1.0e-8_wp     !! past zero, by more than the accuracy of event location
+   real(wp), parameter :: tie = 1.0e-13_wp        !! crossings nearer together than this, in units of the step, coincide
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
 
    !> Signs, and the first crossing of each function in the step last searched.
@@ -34,30 +33,30 @@ module evl_root_finder
       real(wp), allocatable :: g(:, :)      !! [8, n] values at the nodes
       real(wp), allocatable :: slope(:, :)  !! [8, n] slopes of their interpolants, per step
       real(wp), allocatable :: value(:)     !! [n] values at one time
-      real(wp), allocatable :: y(:)         !! state there; for one function, as much of it as that needs
-      integer, allocatable :: sign_now(:)   !! [n] at the end of the last step, or where an event took it; 0: not known yet
+      real(wp), allocatable :: y(:)         !! state at that time; for one function, only the components that it needs
+      integer, allocatable :: sign_now(:)   !! [n] at the end of the last step, or after an event; 0: unknown
       integer, allocatable :: sign_after(:) !! [n] at the end of the step last searched
       integer, allocatable :: direction(:)  !! [n] of the crossings that count, 0: both
       integer :: n_live = 0                 !! functions that may become zero before the next event
-      integer, allocatable :: live(:)       !! [n] the first n_live of these: which ones
+      integer, allocatable :: live(:)       !! [n] the first n_live of these: their indices
       integer :: n_near = 0                 !! those of them that came near zero in the step last searched, or changed much
-      integer, allocatable :: near(:)       !! [n] the first n_near of these: which ones
-      logical, allocatable :: fresh(:)      !! [n] has fired where the step starts
+      integer, allocatable :: near(:)       !! [n] the first n_near of these: their indices
+      logical, allocatable :: fresh(:)      !! [n] has fired at the start of the step
       integer, allocatable :: change(:)     !! [n] first crossing that counts: +1 rising, -1 falling, 0 none
       real(wp), allocatable :: left(:), right(:) !! [n] bracket of that crossing, in units of the step
       real(wp), allocatable :: at_left(:), at_right(:) !! [n] values there, of different sign
       real(wp), allocatable :: tau(:)       !! [n] the crossing, in units of the step, of a function with a `change`
-      integer :: evaluations = 0            !! of the root functions, scalar ones
+      integer :: evaluations = 0            !! scalar evaluations of the root functions
    end type root_finder_t
 
-   !> A step to look into: y(t + tau h) = y + sum of basis(tau) z.
+   !> A step to search: y(t + tau h) = y + sum of basis(tau) z.
    type :: step_state
       real(wp) :: t = 0, h = 0
    end type step_state
 
 contains
 
-   !> Room for the root functions of a model.
+   !> Allocate the arrays for the root functions of a model.
    subroutine root_finder_create(self, model)
       type(root_finder_t), intent(out) :: self
       class(ode_model), intent(in) :: model
@@ -72,7 +71,7 @@ contains
       self%sign_now = 0
    end subroutine root_finder_create
 
-   !> Start anew after an event, or with nothing fired.
+   !> Restart after an event, or with nothing fired.
    subroutine root_finder_restart(self, model, fired)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -83,7 +82,7 @@ contains
       self%sign_after = 0
       self%change = 0
       call model%root_directions(self%direction)
-      self%sign_now = merge(fired, 0, self%direction == -fired) ! what may come back is where it went
+      self%sign_now = merge(fired, 0, self%direction == -fired) ! if only the crossing back counts, the sign is that after the event
       self%n_live = 0
       do i = 1, self%n
          if (self%direction(i) == never) cycle
@@ -100,7 +99,7 @@ contains
       real(wp), intent(in) :: y(model%n)        !! at the start
       real(wp), intent(in) :: z(lanes, model%n) !! increments
       real(wp), intent(in) :: stage_y(lanes, model%n) !! states at the nodes
-      integer, intent(out) :: first             !! function that crosses zero first, 0: none does
+      integer, intent(out) :: first             !! function that crosses zero first, 0: none
       type(status_t), intent(inout) :: status
       real(wp) :: earliest, time(lanes)
       logical :: exact
@@ -153,7 +152,7 @@ contains
       at_last = self%g(lanes, i)
       if (starts_at_zero()) then
          s = sign_of(self%slope(lanes, i))
-         if (s*self%sign_now(i) < 0 .and. s*at_last < 0) then ! it grazed zero, and is on its way back
+         if (s*self%sign_now(i) < 0 .and. s*at_last < 0) then ! it touched zero and returns
             s = -s
          else if (s*self%g(1, i) < 0) then ! away from zero and back before the first stage, or rounding
             s = 0
@@ -166,7 +165,7 @@ contains
             end if
          end if
       else if (s*at_last < 0) then
-         at_last = 0 ! rounding moved it across; the crossing is at the start
+         at_last = 0 ! rounding changed its sign; the crossing is at the start
       end if
       do k = 1, n_stages
          l = in_time(k - 1)
@@ -206,8 +205,8 @@ contains
 
    contains
 
-      !> Whether a function that has fired, and whose crossing back counts, is past that zero all through the step, and clearly so
-      !> at its end: it touched zero where the step starts, and the crossing back is there.
+      !> Whether a function that has fired, and whose crossing back counts, is past that zero in the whole step, and clearly
+      !> so at its end: it touched zero at the start of the step, and the crossing back is there.
       pure logical function never_came_back()
 
          never_came_back = .false.
@@ -216,7 +215,7 @@ contains
                            .and. self%sign_now(i)*self%g(n_stages, i) < -clearly
       end function never_came_back
 
-      !> Whether the sign at the start has to be taken from the slope.
+      !> Whether the slope determines the sign at the start.
       pure logical function starts_at_zero()
 
          starts_at_zero = self%sign_now(i) == 0 .and. .not. abs(self%g(lanes, i)) > 0
@@ -230,7 +229,7 @@ contains
          counts = self%direction(i) == 0 .or. self%direction(i) == change
       end function counts
 
-      !> Whether the tangents at two neighbouring nodes meet beyond zero.
+      !> Whether the tangents at two neighbouring nodes intersect beyond zero.
       pure logical function may_dip()
          real(wp) :: width, slope_l, slope_r, x
 
@@ -243,7 +242,7 @@ contains
          may_dip = s*self%g(l, i) + slope_l*x <= 0
       end function may_dip
 
-      !> Note the crossing.
+      !> Record the crossing.
       subroutine bracket(left, right, at_left, at_right, change)
          real(wp), intent(in) :: left, right, at_left, at_right
          integer, intent(in) :: change
@@ -258,19 +257,19 @@ contains
 
    end subroutine scan
 
-   !> Follow function i from a time between two nodes towards its extremum, until it has crossed zero or is as near as it gets:
-   !> parabolas through three values of the model itself, since its interpolant may be too rough to tell.
+   !> Follow function i from a time between two nodes towards its extremum until it crosses zero or is as near as it gets:
+   !> parabolas through three values of the model itself, since its interpolant may be too inaccurate.
    subroutine approach(self, model, step, y, z, i, s, l, r, middle, at_middle, status)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
       type(step_state), intent(in) :: step
       real(wp), intent(in) :: y(:), z(:, :)
       integer, intent(in) :: i, s, l, r       !! function, its sign at both nodes, the nodes
-      real(wp), intent(inout) :: middle       !! where to begin, where it ended
+      real(wp), intent(inout) :: middle       !! in: start of the search; out: its end
       real(wp), intent(out) :: at_middle      !! the function there
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 5
-      real(wp), parameter :: near = 1.0e-3_wp !! of the interval: no use in coming nearer
+      real(wp), parameter :: near = 1.0e-3_wp !! of the interval: accuracy at which the search ends
       real(wp) :: a, b, f_a, f_b, f_middle, f, tau, slope_a, slope_b
       integer :: turn
 
@@ -312,7 +311,7 @@ contains
       end do
    end subroutine approach
 
-   !> Locate the crossing of function i in its bracket: false position with halving (Illinois), the model asked at each time.
+   !> Locate the crossing of function i in its bracket: false position with halving (Illinois), with evaluations of the model.
    subroutine locate(self, model, step, y, z, i, status)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -353,7 +352,7 @@ contains
       self%tau(i) = b
    end subroutine locate
 
-   !> The root functions at one time of a step.
+   !> Evaluate the root functions at one time of a step.
    subroutine values_at(self, model, step, y, z, tau, status, only)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -361,13 +360,13 @@ contains
       real(wp), intent(in) :: y(:), z(:, :)
       real(wp), intent(in) :: tau
       type(status_t), intent(inout) :: status
-      integer, intent(in), optional :: only !! the one that is wanted
+      integer, intent(in), optional :: only !! index of the requested function
 
       call go_to(self, model, y, z, tau, only)
       call model%roots(step%t + tau*step%h, self%y, self%value, status, only)
    end subroutine values_at
 
-   !> The state at one time of a step, where root functions are about to be evaluated, or as much of it as one of them needs.
+   !> Set the state at one time of a step for root functions, or only the components that one of them needs.
    pure subroutine go_to(self, model, y, z, tau, only)
       type(root_finder_t), intent(inout) :: self
       class(ode_model), intent(in) :: model

@@ -1,7 +1,7 @@
-!> Where a root function is going to cross zero in the step ahead, from its values in the last one.
+!> Prediction of a zero crossing of a root function in the next step, from its values in the last one.
 !>
-!> A step that ends just past the crossing need not be made anew to end there. Nothing is evaluated for it: the interpolant of
-!> the last step is continued. A forecast that fails costs a step, not an event: the search inside the step decides.
+!> A step that ends just past the crossing need not be repeated to end there. The interpolant of the last step is
+!> extrapolated, without evaluations. A wrong prediction costs a step, not an event: the search within the step decides.
 module evl_root_forecast
    use evl_collocation, only: lagrange_at, weighted_sum, zero_between
    use evl_kinds, only: lanes, wp
@@ -11,12 +11,12 @@ module evl_root_forecast
 
    public :: forecast_crossing
 
-   real(wp), parameter :: farthest = 2 !! steps ahead to which an interpolant is continued
-   real(wp), parameter :: accuracy = 1.0e-6_wp !! of tau, in units of the way that is continued
+   real(wp), parameter :: farthest = 2 !! longest extrapolation of an interpolant, in units of its step
+   real(wp), parameter :: accuracy = 1.0e-6_wp !! of tau, in units of the extrapolated interval
 
 contains
 
-   !> Place of the first crossing that counts in the next step, in units of it; huge if none is in sight.
+   !> Position of the first crossing that counts in the next step, in units of it; huge if none is predicted.
    pure real(wp) function forecast_crossing(roots, ratio) result(tau)
       type(root_finder_t), intent(in) :: roots !! as left by the last step, which had no crossing
       real(wp), intent(in) :: ratio            !! next step over the last one
@@ -33,7 +33,7 @@ contains
          if (roots%sign_now(i)*weighted_sum(basis, roots%g(:, i)) < 0) then
             ahead = zero_between(1.0_wp, ahead, roots%g(:, i), accuracy)
             tau = (ahead - 1)/ratio
-            call lagrange_at(ahead, basis) ! another function can only be first if it crosses before that
+            call lagrange_at(ahead, basis) ! another function is first only if it crosses before that
          end if
       end do
    end function forecast_crossing

@@ -1,4 +1,4 @@
-!> Keeping what the searches for events and for extremes know of the last step.
+!> Serialisation of the searches for events and extremes in the last step.
 module evl_search_archive
    use evl_archive, only: archive_t, keep, keep_integers, keep_logicals, keep_reals
    use evl_extreme_finder, only: extreme_finder_t
@@ -10,7 +10,7 @@ module evl_search_archive
 
 contains
 
-   !> Signs of the root functions, and the search in the last step.
+   !> Serialise the signs of the root functions, and the search in the last step.
    subroutine keep_roots(archive, self)
       type(archive_t), intent(inout) :: archive
       type(root_finder_t), intent(inout) :: self
@@ -36,7 +36,7 @@ contains
       call keep(archive, self%evaluations)
    end subroutine keep_roots
 
-   !> Rows of the watched channels.
+   !> Serialise the rows of the monitored channels.
    subroutine keep_extremes(archive, self)
       type(archive_t), intent(inout) :: archive
       type(extreme_finder_t), intent(inout) :: self

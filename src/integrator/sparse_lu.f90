@@ -1,10 +1,10 @@
-!> LU factors of four complex matrices s_k I - J - K/s_k at once, J and K real and sparse with a pattern that never changes.
+!> LU factorisation of four complex matrices s_k I - J - K/s_k at once, J and K real and sparse with a fixed pattern.
 !>
-!> Order and fill are found once (Markowitz: the diagonal pivot with the least (row count - 1)(column count - 1), on the
-!> pattern alone, since the values change); the elimination is then a list of indices. An entry is two vectors of 4 reals:
-!> the real parts of the four systems, and the imaginary ones.
+!> Order and fill are determined once (Markowitz: the diagonal pivot with the least (row count - 1)(column count - 1), from
+!> the pattern alone, since the values change); the elimination is then a list of indices. An entry is two vectors of 4 reals:
+!> the real parts and the imaginary parts of the four systems.
 !>
-!> Pivots stay on the diagonal. `factor` reports a pivot that is too small beside the rest of its row of U: the growth of
+!> Pivots stay on the diagonal. `factor` reports a pivot that is too small relative to the rest of its row of U: the growth of
 !> rounding errors in one elimination step is at most the inverse of that ratio.
 !>
 !> Source: H. M. Markowitz, Management Science 3 (1957) 255-269; I. S. Duff, A. M. Erisman, J. K. Reid, Direct Methods for
@@ -19,29 +19,29 @@ module evl_sparse_lu
    public :: sparse_lu_t, sparse_lu_analyse, sparse_lu_factor, sparse_lu_solve, sparse_lu_solve_first
    public :: smallest_pivot
 
-   real(wp), parameter :: smallest_pivot = 1.0e-6_wp !! over the largest entry beside it in its row of U
+   real(wp), parameter :: smallest_pivot = 1.0e-6_wp !! relative to the largest other entry of its row of U
 
-   !> Places and values of the factors, in the order of elimination.
+   !> Indices and values of the factors, in the order of elimination.
    type :: sparse_lu_t
       integer :: n = 0
-      integer, allocatable :: component(:) !! [n] which row and column of J is eliminated i-th
+      integer, allocatable :: component(:) !! [n] row and column of J that are eliminated i-th
       integer, allocatable :: row_start(:) !! [n + 1] first index of row i
       integer, allocatable :: diagonal(:)  !! [n] index of the pivot; before it L, behind it U
       integer, allocatable :: column(:)    !! [nnz] position of the entry's column in the order of elimination
       integer, allocatable :: unknown(:)   !! [nnz] its column in J
-      integer, allocatable :: index(:)     !! [entries of J] where an entry of J goes
-      integer, allocatable :: target(:)    !! indices of what elimination changes, in the order in which it does
+      integer, allocatable :: index(:)     !! [entries of J] index of each entry of J here
+      integer, allocatable :: target(:)    !! indices of the entries that elimination changes, in the order of the changes
       real(wp), allocatable :: value(:, :, :) !! [4, 2, nnz] L without its unit diagonal, inverse pivots, U
-      real(wp), allocatable :: first(:)    !! [nnz] those of the first system, which is real
+      real(wp), allocatable :: first(:)    !! [nnz] the same of the first system, which is real
    end type sparse_lu_t
 
-   !> A list that grows.
+   !> A growing list.
    type :: list_t
       integer :: n = 0
       integer, allocatable :: of(:) !! the first n of these
    end type list_t
 
-   !> A pattern that fills.
+   !> A pattern that receives fill.
    type :: elimination_t
       type(list_t), allocatable :: rows(:)    !! [n] columns of each row
       type(list_t), allocatable :: columns(:) !! [n] rows of each column
@@ -49,7 +49,7 @@ module evl_sparse_lu
 
 contains
 
-   !> Find order, fill and the plan of the elimination; allocates all there is.
+   !> Determine order, fill and the elimination plan; allocate all arrays.
    subroutine sparse_lu_analyse(lu, n, row, column)
       type(sparse_lu_t), intent(out) :: lu
       integer, intent(in) :: n
@@ -96,7 +96,7 @@ contains
       end do
    end subroutine find_elimination
 
-   !> Put a number behind those of a list.
+   !> Append a number to a list.
    pure subroutine append(list, number)
       type(list_t), intent(inout) :: list
       integer, intent(in) :: number
@@ -112,8 +112,8 @@ contains
       list%of(list%n) = number
    end subroutine append
 
-   !> Order of the pivots; on return rows and columns include the fill. Of equal ones the first is that which waits for the fewest
-   !> others, one after the other: so a chain is eliminated from both ends, and substitutions in it overlap.
+   !> Order of the pivots; on return rows and columns include the fill. Among pivots of equal cost, the first one is that with
+   !> the shortest chain of preceding pivots: a chain is thus eliminated from both ends, and its substitutions overlap.
    subroutine order_by_markowitz(by, component)
       type(elimination_t), intent(inout) :: by
       integer, intent(out) :: component(:)
@@ -140,7 +140,7 @@ contains
          component(k) = best
          waiting(best) = .false.
          associate (row => by%rows(best), column => by%columns(best))
-            do i = 1, column%n ! their entry in the pivot's column waits no longer
+            do i = 1, column%n ! their entry in the pivot's column no longer counts
                in_row(column%of(i)) = in_row(column%of(i)) - 1
                if (waiting(column%of(i))) depth(column%of(i)) = max(depth(column%of(i)), depth(best) + 1)
             end do
@@ -153,14 +153,14 @@ contains
       end do
    end subroutine order_by_markowitz
 
-   !> What the elimination of a pivot adds: all its column's waiting rows have its row's waiting columns.
+   !> Fill by the elimination of a pivot: the remaining rows of its column receive the remaining columns of its row.
    subroutine fill(by, pivot, waiting, in_row, in_column)
       type(elimination_t), intent(inout) :: by
       integer, intent(in) :: pivot
       logical, intent(in) :: waiting(:)
-      integer, intent(inout) :: in_row(:), in_column(:) !! entries that wait
+      integer, intent(inout) :: in_row(:), in_column(:) !! number of remaining entries
       logical :: has(size(waiting))
-      integer :: rows(by%columns(pivot)%n), columns(by%rows(pivot)%n) !! that wait
+      integer :: rows(by%columns(pivot)%n), columns(by%rows(pivot)%n) !! remaining ones
       integer :: i, j, n_rows, n_columns
 
       n_rows = 0
@@ -191,7 +191,7 @@ contains
       end do
    end subroutine fill
 
-   !> The rows of the factors in the order of elimination, in each the columns in that order.
+   !> List the rows of the factors in the order of elimination, each with its columns in that order.
    subroutine list_rows(by, position, lu)
       type(elimination_t), intent(in) :: by
       integer, intent(in) :: position(:) !! of each component in that order
@@ -212,10 +212,10 @@ contains
       end do
    end subroutine list_rows
 
-   !> List what changes when the rows are eliminated one after the other.
+   !> List the entries that change when the rows are eliminated one after the other.
    subroutine list_targets(lu)
       type(sparse_lu_t), intent(inout) :: lu
-      integer :: place(lu%n) !! of each column in a row
+      integer :: place(lu%n) !! index of each column's entry in a row
       integer :: i, m, p, q
 
       m = 0
@@ -240,7 +240,7 @@ contains
       end do
    end subroutine list_targets
 
-   !> Where each entry of J goes.
+   !> Find the index of each entry of J.
    subroutine find_indices(lu, position, row, column)
       type(sparse_lu_t), intent(inout) :: lu
       integer, intent(in) :: position(:), row(:), column(:)
@@ -273,7 +273,7 @@ contains
       lu%first = lu%value(1, 1, :)
    end subroutine sparse_lu_factor
 
-   !> Eliminate row by row; arrays of known shape, so that a row costs no look at a descriptor.
+   !> Eliminate row by row; explicit-shape arrays avoid access to array descriptors.
    pure subroutine eliminate(n, row_start, diagonal, column, target, value, good)
       integer, intent(in) :: n
       integer, intent(in) :: row_start(n + 1), diagonal(n), column(*), target(*)
@@ -309,7 +309,7 @@ contains
       end do
    end subroutine eliminate
 
-   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary ones, then of x.
+   !> Solve the four systems; b(:, 1, i) holds the real parts of component i, b(:, 2, i) the imaginary parts; on return those of x.
    pure subroutine sparse_lu_solve(lu, b)
       type(sparse_lu_t), intent(in) :: lu
       real(wp), intent(inout) :: b(n_systems, 2, lu%n)
@@ -317,7 +317,7 @@ contains
       call substitute(lu%n, lu%component, lu%row_start, lu%diagonal, lu%unknown, lu%value, b)
    end subroutine sparse_lu_solve
 
-   !> Forward and backward substitution; arrays of known shape, so that a row costs no look at a descriptor.
+   !> Forward and backward substitution; explicit-shape arrays avoid access to array descriptors.
    pure subroutine substitute(n, component, row_start, diagonal, unknown, value, b)
       integer, intent(in) :: n
       integer, intent(in) :: component(n), row_start(n + 1), diagonal(n), unknown(*)

@@ -1,4 +1,4 @@
-!> Keeping the stages of the last step with all that the next one takes from it.
+!> Serialisation of the stages of the last step and of all data that the next step uses.
 module evl_stage_archive
    use evl_archive, only: archive_t, keep, keep_reals
    use evl_factor_archive, only: keep_condensed, keep_dense
@@ -10,7 +10,7 @@ module evl_stage_archive
 
 contains
 
-   !> All but what is found anew at creation.
+   !> Serialise all data except those recomputed at creation.
    subroutine keep_stages(archive, self)
       type(archive_t), intent(inout) :: archive
       type(stage_solver_t), intent(inout) :: self
@@ -39,7 +39,7 @@ contains
       call keep(archive, self%counts%dense)
    end subroutine keep_stages
 
-   !> The arrays of a step.
+   !> Serialise the arrays of a step.
    subroutine keep_arrays(archive, self)
       type(archive_t), intent(inout) :: archive
       type(stage_solver_t), intent(inout) :: self

@@ -1,7 +1,7 @@
-!> Arithmetic of the four transformed systems: a block is a vector of four complex numbers, one a system, as four real parts
-!> and four imaginary ones.
+!> Arithmetic of the four transformed systems: a block is a vector of four complex numbers, one per system, stored as four
+!> real parts and four imaginary parts.
 !>
-!> No procedure depends on the order in which the parts of a block are treated, so each loop becomes vector instructions.
+!> No procedure depends on the order in which the parts of a block are treated, so that each loop is vectorised.
 module evl_stage_blocks
    use evl_kinds, only: wp
    use evl_radau_coefficients, only: n_systems
@@ -75,7 +75,7 @@ contains
       entry(:, 2) = -k*inverse_shift(:, 2)
    end subroutine matrix_entry
 
-   !> c = 1/a, a not near the limits of the numbers
+   !> c = 1/a, a not near the limits of the number range
    pure subroutine invert(a, c)
       real(wp), intent(in) :: a(n_systems, 2)
       real(wp), intent(out) :: c(n_systems, 2)

@@ -1,4 +1,4 @@
-!> Error estimates of a step of the stage solver, and the step they would allow.
+!> Error estimates of a step of the stage solver, and the step size that they allow.
 !>
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8; docs/radau.md.
 submodule(evl_stage_solver) evl_stage_errors
@@ -11,8 +11,8 @@ submodule(evl_stage_solver) evl_stage_errors
    implicit none (type, external)
 
    integer :: row
-   !> From the increments at the nodes: the slopes of the polynomial at the start and at the end, per step, and in lanes 5 to 8
-   !> the last Chebyshev coefficients.
+   !> From the increments at the nodes: the slopes of the polynomial at the start and at the end, per step, and in lanes 5 to
+   !> 8 the last Chebyshev coefficients.
    real(wp), parameter :: estimates(lanes, lanes) = &
                           transpose(reshape([slope_at_node(lanes, :), slope_at_node(n_stages, :), &
                                              (to_chebyshev(row, :), row=3, lanes)], [lanes, lanes]))
@@ -20,7 +20,7 @@ submodule(evl_stage_solver) evl_stage_errors
 
 contains
 
-   !> Weighted size of the error estimate of the step just solved. What is no number stays none: max() may drop it.
+   !> Weighted norm of the error estimate of the step just solved. NaN is preserved: max() may drop it.
    module procedure estimate_error
       real(wp) :: output_error
 
@@ -42,13 +42,13 @@ contains
       if (error < output_error) error = output_error
    end procedure estimate_error
 
-   !> Slopes of the polynomial at its ends and the weighted size of the Chebyshev coefficients that would come next, if the last
-   !> pairs go on as a geometric series. Pairs, since every other coefficient of an even or odd solution is 0.
+   !> Slopes of the polynomial at its ends, and the weighted norm of the next Chebyshev coefficients if the last pairs
+   !> continue as a geometric series. Pairs are used because every other coefficient of an even or odd solution is 0.
    pure subroutine examine(n, z, weight, slope, slope_at_end, last, before, next)
       integer, intent(in) :: n
       real(wp), intent(in) :: z(lanes, n), weight(n)
       real(wp), intent(out) :: slope(n), slope_at_end(n)
-      real(wp), intent(out) :: last(n), before(n) !! squares of the last pair and of that before it
+      real(wp), intent(out) :: last(n), before(n) !! squares of the last pair and of the pair before it
       real(wp), intent(out) :: next
       real(wp) :: of(lanes)
       integer :: i, l
@@ -66,11 +66,11 @@ contains
       next = sqrt(sum(last*min(1.0_wp, last/max(before, tiny(1.0_wp)))*weight**2)/n)
    end subroutine examine
 
-   !> A step whose error would be about 1, before any is made: the eighth derivative of y is J^7 f if J hardly changes.
+   !> Step size with an error of about 1, before any step is made: the eighth derivative of y is J^7 f if J hardly changes.
    !>
-   !> With it the polynomial of degree 7 through the nodes c differs from y by h^8 y''''''''/8! prod(tau - c), its slope at the
-   !> start by the product of the seven other nodes, and the estimate is that over the real eigenvalue. Stiff components that
-   !> the filter would forgive make the result too small, not too large.
+   !> The polynomial of degree 7 through the nodes c then differs from y by h^8 y''''''''/8! prod(tau - c). Its slope at the
+   !> start differs by the product of the seven other nodes; the estimate is that divided by the real eigenvalue. Stiff
+   !> components, which the filter would damp, make the result too small, not too large.
    module procedure foresee_step
       real(wp), parameter :: factorial_8 = 40320
       real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
@@ -89,7 +89,7 @@ contains
       if (error <= huge(error)) h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
    end procedure foresee_step
 
-   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted size.
+   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted norm.
    pure subroutine filter(self, rate, h, error)
       type(stage_solver_t), intent(inout) :: self  !! slopes of the polynomial in `slope`
       real(wp), intent(in) :: rate(self%n) !! f at the start
@@ -107,7 +107,7 @@ contains
       if (error < 1.0e-10_wp) error = 1.0e-10_wp
    end subroutine filter
 
-   !> f at the start less the slope of the polynomial there.
+   !> f at the start minus the slope of the polynomial there.
    pure subroutine subtract_slopes(n, rate, slope, per_step, difference)
       integer, intent(in) :: n
       real(wp), intent(in) :: rate(n), slope(n), per_step

@@ -1,18 +1,18 @@
-!> The stages of one step of the seven-stage Radau IIA method: simplified Newton on the transformed systems, and the error
-!> estimate of the step.
+!> Stages of one step of the seven-stage Radau IIA method: simplified Newton iteration on the transformed systems, and the
+!> error estimate of the step.
 !>
-!> Unknown are the increments z of the stages over the state at the start of the step; lane 8 is the start itself, so its
-!> increment is 0 and lane 8 of f is f at the start. With w = T^-1 z an iteration solves, for each eigenvalue mu of A^-1,
+!> The unknowns are the increments z of the stages over the state at the start of the step. Lane 8 is the start itself: its
+!> increment is 0, and lane 8 of f is f at the start. With w = T^-1 z an iteration solves, for each eigenvalue mu of A^-1,
 !>
 !>     (mu/h I - J) dw = T^-1 f(t + c h, y + z) - Lambda/h w
 !>
-!> for the states that depend on each other; the integrals of them follow at the end (evl_quadrature_states).
+!> for the coupled states; their integrals follow at the end (evl_quadrature_states).
 !>
 !> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
 !> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
 !>
-!> For very stiff components the filter lets any step pass: the stages are right, however far apart, and what lies between them
-!> is not. So the dense output has an estimate of its own: the Chebyshev coefficients of the polynomial, continued by one.
+!> For very stiff components the filter accepts any step: the stages are correct, however far apart, but the values between them
+!> are not. The dense output therefore has a separate estimate: the Chebyshev coefficients of the polynomial, extrapolated by one.
 !>
 !> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8.
 module evl_stage_solver
@@ -32,78 +32,79 @@ module evl_stage_solver
    public :: stage_counts, stage_solver_t, stage_solver_create, forget, set_weights, factor_systems, solve_stages
    public :: predict_nothing, predict_from, predict_linearly, linear_is_better, move_start, forget_start
    public :: estimate_error, foresee_step, most_iterations
-   public :: solve_systems ! for the submodules: gfortran 12 makes what is private unknown to them
+   public :: solve_systems ! for the submodules: gfortran 12 hides private entities from them
    public :: newton_converged, newton_slow, newton_diverged, newton_refused
 
-   integer, parameter :: newton_converged = 0 !! the stages are found
-   integer, parameter :: newton_slow = 1      !! it would take too many iterations: `advice` says how much smaller a step
+   integer, parameter :: newton_converged = 0 !! the stages are solved
+   integer, parameter :: newton_slow = 1      !! it would take too many iterations: `advice` is the factor for a smaller step
    integer, parameter :: newton_diverged = 2  !! it does not converge
-   integer, parameter :: newton_refused = 3   !! the model has no answer at a stage: the status says so without words
+   integer, parameter :: newton_refused = 3   !! the model cannot be evaluated at a stage: the status has no message
 
    integer, parameter :: most_iterations = 10
    real(wp), parameter :: eps = epsilon(1.0_wp)
-   real(wp), parameter :: rounding = 4*eps !! least error that may be asked for, relative to a state
+   real(wp), parameter :: rounding = 4*eps !! smallest error that can be requested, relative to a state
 
-   !> Of the change of a first iteration: a rate that was measured on the error of another component promises too much.
+   !> Of the change of a first iteration: smallest remaining error. A rate that was measured on another component may be too
+   !> optimistic.
    real(wp), parameter :: least_left_over = 1.0e-4_wp
-   real(wp), parameter :: rate_growth = 2       !! of the rate, with every step that goes on with the same factors
-   real(wp), parameter :: output_share = 5      !! error of the dense output over the user's tolerance, as it is estimated
+   real(wp), parameter :: rate_growth = 2       !! of the rate, with every step that reuses the factors
+   real(wp), parameter :: output_share = 5      !! permitted estimate of the dense output's error over the user's tolerance
 
    type :: stage_counts
       integer :: iterations = 0     !! of Newton: lane-wise evaluations of f
-      integer :: evaluations = 0    !! scalar ones
+      integer :: evaluations = 0    !! scalar evaluations of f
       integer :: factorisations = 0 !! of the four systems at once
-      integer :: dense = 0          !! those of them with row exchanges
+      integer :: dense = 0          !! those with row exchanges
    end type stage_counts
 
-   !> How a polynomial is continued.
+   !> Extrapolation of a polynomial.
    type :: continuation_t
-      real(wp) :: start = 0, ratio = 0       !! as of `predict_from`; ratio 0: none yet
+      real(wp) :: start = 0, ratio = 0       !! as in `predict_from`; ratio 0: none yet
       real(wp) :: matrix(lanes, lanes) = 0   !! from increments to increments
    end type continuation_t
 
-   !> What is known of predictions by the linear model.
+   !> Quality of the predictions by the linear model.
    type :: linear_prediction_t
       logical :: is_used = .false. !! the present step started from it
-      real(wp) :: error = 0        !! of the last one, weighted; 0: there was none
+      real(wp) :: error = 0        !! weighted error of the last one; 0: there was none
       real(wp) :: h = 1            !! its step
    end type linear_prediction_t
 
-   !> All arrays of a step; sizes never change.
+   !> All arrays of a step, of constant size.
    type :: stage_solver_t
       integer :: n = 0
       type(pure_integrals_t) :: integrals
       integer, allocatable :: row(:), column(:) !! pattern of J in the coupled states
       real(wp), allocatable :: coupled(:)   !! entries of J there
       real(wp) :: tolerance = 0  !! on the error estimate of a step, in units of the model's scales
-      real(wp) :: output_factor = 1 !! how much tighter the dense output is held
-      real(wp) :: newton_stop = 0 !! share of it that may be left in the stages
+      real(wp) :: output_factor = 1 !! factor on the error of the dense output
+      real(wp) :: newton_stop = 0 !! share of the tolerance that may remain as iteration error
       real(wp), allocatable :: weight(:)    !! [n] inverse of the error that counts as 1
       type(estimate_rounding_t) :: rounding
-      real(wp), allocatable :: most_weight(:) !! [n] of an estimate with the present factors: the inverse of its rounding
+      real(wp), allocatable :: most_weight(:) !! [n] limit set by the factors: inverse of the rounding error of an estimate
       real(wp), allocatable :: error_weight(:) !! [n] the smaller one of both
       real(wp), allocatable :: z(:, :)      !! [8, n] increments of the stages
-      real(wp), allocatable :: shifted(:, :) !! [8, n] Lambda/h w, the same transformed
+      real(wp), allocatable :: shifted(:, :) !! [8, n] Lambda/h w, the transformed increments
       real(wp) :: times(lanes) = 0          !! of the stages
       real(wp), allocatable :: y(:, :)      !! [8, n] states at the stages
-      real(wp), allocatable :: f(:, :)      !! [8, n] f there
-      real(wp), allocatable :: change(:, :) !! [8, n] of an iteration
+      real(wp), allocatable :: f(:, :)      !! [8, n] f at the stages
+      real(wp), allocatable :: change(:, :) !! [8, n] in an iteration
       real(wp), allocatable :: jacobian(:)  !! [nnz] entries of df/dy
       real(wp), allocatable :: error(:)     !! [n] estimate
       real(wp), allocatable :: slope(:), slope_at_end(:) !! [n] of the polynomial at its start and end, per step
       real(wp), allocatable :: last(:), before(:) !! [n] squares of its last coefficients
-      real(wp) :: next_coefficient = 0      !! weighted size of the Chebyshev coefficient that would come next
+      real(wp) :: next_coefficient = 0      !! weighted norm of the next Chebyshev coefficient
       real(wp), allocatable :: start(:)     !! [n] f at the start
-      logical :: start_is_known = .false.   !! before the first iteration
-      real(wp), allocatable :: moved(:)     !! [n] state at which the estimate is taken again
+      logical :: start_is_known = .false.   !! `start` is set before the first iteration
+      real(wp), allocatable :: moved(:)     !! [n] state at which the estimate is repeated
       real(wp), allocatable :: moved_f(:)   !! [n] f there
       type(condensed_t) :: condensed
       type(dense_lu_t) :: dense
       logical :: is_dense = .false.
       type(continuation_t) :: continuation
       type(linear_prediction_t) :: linear
-      real(wp) :: h_factored = 0 !! step for which the factors hold; 0: none
-      logical :: factors_are_new = .false. !! since the last solution
+      real(wp) :: h_factored = 0 !! step size of the factors; 0: none
+      logical :: factors_are_new = .false. !! computed since the last solution
       real(wp) :: rate = 0       !! of convergence in the last solution
       real(wp) :: rate_sum = 1   !! rate/(1 - rate), carried from step to step
       real(wp) :: advice = 1     !! factor on the step after `newton_slow`
@@ -112,25 +113,25 @@ module evl_stage_solver
    end type stage_solver_t
 
    interface
-      !> Start Newton without a guess.
+      !> Start Newton's iteration with zero increments.
       pure module subroutine predict_nothing(self, y)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self
          real(wp), intent(in) :: y(self%n)
       end subroutine predict_nothing
 
-      !> Start Newton from the polynomial of a step, continued.
+      !> Start Newton's iteration from the extrapolated polynomial of a step.
       pure module subroutine predict_from(self, y, old_z, start, h, old_h)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self
          real(wp), intent(in) :: y(self%n)
          real(wp), intent(in) :: old_z(lanes, self%n) !! increments of that step over its own start
-         real(wp), intent(in) :: start !! where in that step, in units of it, the new one starts: its node 0 or 1
+         real(wp), intent(in) :: start !! start of the new step in that step, in units of it: 0 or 1
          real(wp), intent(in) :: h     !! new step
-         real(wp), intent(in) :: old_h !! that one
+         real(wp), intent(in) :: old_h !! that step
       end subroutine predict_from
 
-      !> Start Newton from the linear model z' = f(start) + J z; the factors are those of h, and f at the start is known.
+      !> Start Newton's iteration from the linear model z' = f(start) + J z; requires the factors of h, and f at the start.
       module subroutine predict_linearly(self, y, h)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self
@@ -145,32 +146,32 @@ module evl_stage_solver
          real(wp), intent(in) :: h, old_h !! next step, last step
       end function linear_is_better
 
-      !> The step just solved was taken to its end, where f is known by that.
+      !> The step just solved was accepted to its end, where f is then known.
       pure module subroutine move_start(self, h)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self
          real(wp), intent(in) :: h
       end subroutine move_start
 
-      !> After an event: f at the start is not known, nor how good the linear model and Newton's iteration are.
+      !> After an event: f at the start is unknown, and so is the quality of the linear model and of Newton's iteration.
       pure module subroutine forget_start(self)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self
       end subroutine forget_start
 
-      !> Weighted size of the error estimate of the step just solved.
+      !> Weighted norm of the error estimate of the step just solved.
       module subroutine estimate_error(self, model, t, y, h, again, error, status)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self
          class(ode_model), intent(in) :: model
          real(wp), intent(in) :: t, h
          real(wp), intent(in) :: y(self%n)
-         logical, intent(in) :: again   !! filter once more if the error is above 1: for a first step and after a rejection
-         real(wp), intent(out) :: error !! root mean square; a step is good below 1
+         logical, intent(in) :: again   !! repeat the filter if the error is above 1: for a first step and after a rejection
+         real(wp), intent(out) :: error !! root mean square; a step is accepted below 1
          type(status_t), intent(inout) :: status
       end subroutine estimate_error
 
-      !> A step whose error would be about 1, before any is made.
+      !> Step size with an error of about 1, before any step is made.
       pure module subroutine foresee_step(self, model, h)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
@@ -186,7 +187,7 @@ contains
       type(stage_solver_t), intent(out) :: self
       class(ode_model), intent(in) :: model
       real(wp), intent(in) :: tolerance        !! on the estimate of a step
-      real(wp), intent(in) :: user_tolerance   !! what the user asked for: measure of the dense output
+      real(wp), intent(in) :: user_tolerance   !! tolerance of the user: measure of the dense output
 
       self%n = model%n
       self%tolerance = tolerance
@@ -211,7 +212,7 @@ contains
       call dense_lu_create(self%dense, self%integrals%n_coupled)
    end subroutine stage_solver_create
 
-   !> Be as after creation: counts and the rate of convergence belong to one integration.
+   !> Reset to the state after creation: counts and the rate of convergence belong to one integration.
    pure subroutine forget(self)
       type(stage_solver_t), intent(inout) :: self
 
@@ -220,7 +221,7 @@ contains
       self%counts = stage_counts()
    end subroutine forget
 
-   !> Errors count in units of tolerance and scale, but never below rounding.
+   !> Set the weights: errors count in units of tolerance and scale, but never below rounding.
    pure subroutine set_weights(self, scale, y)
       type(stage_solver_t), intent(inout) :: self
       real(wp), intent(in) :: scale(self%n)
@@ -229,7 +230,7 @@ contains
       self%weight = 1/max(self%tolerance*scale, rounding*abs(y))
    end subroutine set_weights
 
-   !> Factor the four systems for a step of h; with row exchanges if diagonal pivots will not do.
+   !> Factor the four systems for a step of h, with row exchanges if diagonal pivots are insufficient.
    subroutine factor_systems(self, model, y, h, good)
       type(stage_solver_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -253,7 +254,7 @@ contains
       call find_rounding(self%rounding, model%jacobian_row, model%jacobian_column, self%jacobian, y, h, self%most_weight)
    end subroutine factor_systems
 
-   !> Find the stages of the step from (t, y) to t + h, from the prediction in z and w; the factors are those of h.
+   !> Solve for the stages of the step from (t, y) to t + h, from the prediction in z and w; requires the factors of h.
    subroutine solve_stages(self, model, t, y, h, outcome, status)
       type(stage_solver_t), intent(inout) :: self
       class(ode_model), intent(inout) :: model
@@ -267,7 +268,7 @@ contains
       call integrate_stages(self%integrals, self%n, h, self%jacobian, self%change, y, self%f, self%z, self%y)
    end subroutine solve_stages
 
-   !> Newton's iteration for the coupled states; the last change is left in `change`, transformed.
+   !> Newton's iteration for the coupled states; `change` returns the last change, transformed.
    subroutine iterate_to_end(self, model, t, y, h, outcome, status)
       type(stage_solver_t), intent(inout) :: self
       class(ode_model), intent(inout) :: model
@@ -291,7 +292,7 @@ contains
       do i = 1, most_iterations
          self%iterations = i
          self%counts%iterations = self%counts%iterations + 1
-         status%in_words = .false. ! a smaller step needs none
+         status%in_words = .false. ! a smaller step needs no message
          call model%rhs_lanes(self%times, self%y, self%f, status)
          status%in_words = .true.
          if (has_failed(status)) then
@@ -330,7 +331,7 @@ contains
       outcome = merge(newton_converged, newton_diverged, is_rounding(self))
    end subroutine iterate_to_end
 
-   !> f at the start, which lane 8 has.
+   !> f at the start, from lane 8.
    pure subroutine take_start(n, f, start)
       integer, intent(in) :: n
       real(wp), intent(in) :: f(lanes, n)
@@ -339,7 +340,7 @@ contains
       start = f(lanes, :)
    end subroutine take_start
 
-   !> One iteration: change z, w and the states; its weighted size.
+   !> One iteration: update z, w and the states; return the weighted norm of the change.
    subroutine iterate(self, y, h, length)
       type(stage_solver_t), intent(inout) :: self
       real(wp), intent(in) :: y(self%n)
@@ -366,7 +367,7 @@ contains
       end if
    end subroutine solve_systems
 
-   !> Whether the last change was no larger than rounding makes it: no iteration can do better.
+   !> Whether the last change is within rounding: no iteration can improve it.
    pure logical function is_rounding(self)
       type(stage_solver_t), intent(in) :: self
       real(wp) :: dz(lanes)

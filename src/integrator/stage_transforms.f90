@@ -1,7 +1,7 @@
-!> What the stage solver does with all stages of a component: one vector of eight lanes.
+!> Operations of the stage solver on all stages of a component: one vector of eight lanes.
 !>
-!> Sums over lanes have seven terms, as lane 8 of an increment and lane 5 of what is transformed are 0. They are written out in
-!> pairs, which do not wait for each other, and each loop over lanes becomes vector instructions.
+!> Sums over lanes have seven terms, since lane 8 of an increment and lane 5 of a transformed vector are 0. They are written
+!> as independent pairs, and each loop over lanes is vectorised.
 module evl_stage_transforms
    use evl_kinds, only: lanes, wp
    use evl_radau_coefficients, only: from_stage, integral_to_node, n_systems, shift_im, shift_re, to_stage
@@ -63,7 +63,7 @@ contains
       end do
    end subroutine linear_residual
 
-   !> States at the stages before the first iteration; integrals count as constant until the others are known.
+   !> States at the stages before the first iteration; integrals count as constant until the coupled states are solved.
    pure subroutine start_stages(n, n_coupled, y, z, stage_y)
       integer, intent(in) :: n, n_coupled
       real(wp), intent(in) :: y(n)
@@ -125,14 +125,14 @@ contains
       square = ((total(1) + total(2)) + (total(3) + total(4))) + ((total(5) + total(6)) + (total(7) + total(8)))
    end subroutine add_change
 
-   !> The same where nothing was predicted before: the change is all there is.
+   !> `add_change` without a prediction: the change is the whole increment.
    pure subroutine begin_with_change(n, n_coupled, re, im, y, dw, shifted, z, stage_y)
       integer, intent(in) :: n, n_coupled
       real(wp), intent(in) :: re(n_systems), im(n_systems) !! eigenvalues over h
       real(wp), intent(in) :: y(n)
       real(wp), intent(in) :: dw(lanes, n_coupled)
       real(wp), intent(out) :: shifted(lanes, n_coupled), z(lanes, n_coupled)
-      real(wp), intent(out) :: stage_y(lanes, n) !! integrals count as constant until the others are known
+      real(wp), intent(out) :: stage_y(lanes, n) !! integrals count as constant until the coupled states are solved
       integer :: i, l
 
       do i = 1, n_coupled
@@ -152,7 +152,7 @@ contains
       end do
    end subroutine begin_with_change
 
-   !> Change of the increments, from that of what is transformed.
+   !> Change of the increments, from that of the transformed vector.
    pure subroutine change_of_stages(n, dw, dz)
       integer, intent(in) :: n
       real(wp), intent(in) :: dw(lanes, n)
@@ -183,7 +183,7 @@ contains
       end do
    end subroutine integrate
 
-   !> Row l of a matrix times what is 0 in lane 8, or where the matrix is.
+   !> Row l of a matrix times a vector; lane 8 of the vector, or of the row, is 0.
    pure real(wp) function of_stages(matrix, l, x) result(total)
       real(wp), intent(in) :: matrix(lanes, lanes)
       integer, intent(in) :: l
@@ -193,7 +193,7 @@ contains
               + ((matrix(l, 5)*x(5) + matrix(l, 6)*x(6)) + matrix(l, 7)*x(7))
    end function of_stages
 
-   !> The same for what is transformed: 0 in lane 5, the imaginary part of the real system.
+   !> Row l of a matrix times a transformed vector: 0 in lane 5, the imaginary part of the real system.
    pure real(wp) function of_systems(matrix, l, x) result(total)
       real(wp), intent(in) :: matrix(lanes, lanes)
       integer, intent(in) :: l

@@ -1,8 +1,8 @@
-!> Pieces of a large system: neighbouring states, so that eigenvalues can be sought piece by piece.
+!> Pieces of a large system: overlapping groups of neighbouring states for separate eigenvalue analyses.
 !>
-!> A small system is one piece. In a larger one states are put in order by how they depend on each other, breadth first from one
-!> end of a chain to the other; a piece has `span` of them, and the next one begins in its middle. States on which very many depend
-!> belong to every piece. A kinematic row, q' = c v, goes with its v.
+!> A small system is one piece. In a larger one the states are ordered by their dependencies, breadth first from one end of a
+!> chain to the other. A piece has `span` of them, and the next piece begins in its middle. States on which very many others
+!> depend belong to every piece. A kinematic row, q' = c v, belongs to the piece of its v.
 !>
 !> Source: E. Cuthill, J. McKee, Proc. 24th Nat. Conf. ACM (1969) 157 (the order).
 module evl_state_pieces
@@ -13,16 +13,16 @@ module evl_state_pieces
    public :: find_pieces, piece_t
 
    integer, parameter :: most_whole = 150 !! states of a system that is one piece
-   integer, parameter :: span = 48        !! states of a piece, less those that are in all of them
-   integer, parameter :: hub_share = 4    !! of a state on which more than this part of all depends
+   integer, parameter :: span = 48        !! states of a piece, without those common to all
+   integer, parameter :: hub_share = 4    !! a state is a hub if more than this part of all states, 1/4, depends on it
 
    type :: piece_t
-      integer, allocatable :: states(:)   !! in their order
+      integer, allocatable :: states(:)   !! indices, ascending
    end type piece_t
 
 contains
 
-   !> The pieces of a system, all states together in one if that is small enough.
+   !> Pieces of a system; a single piece with all states if the system is small enough.
    subroutine find_pieces(n, row, column, pieces)
       integer, intent(in) :: n
       integer, intent(in) :: row(:), column(:) !! pattern of its Jacobian
@@ -53,7 +53,7 @@ contains
       end do
    end subroutine find_pieces
 
-   !> States on which very many others depend.
+   !> Hubs: states on which very many others depend.
    pure subroutine find_hubs(n, row, column, is_hub)
       integer, intent(in) :: n, row(:), column(:)
       logical, intent(out) :: is_hub(n)
@@ -66,7 +66,7 @@ contains
       is_hub = hub_share*dependent > n
    end subroutine find_hubs
 
-   !> The v of each kinematic row; 0 of other rows.
+   !> The v of each kinematic row; 0 for other rows.
    pure subroutine find_partners(n, row, column, partner)
       integer, intent(in) :: n, row(:), column(:)
       integer, intent(out) :: partner(n)
@@ -82,7 +82,7 @@ contains
       end do
    end subroutine find_partners
 
-   !> All states but the hubs, neighbours near each other; what does not hang together comes one after the other.
+   !> All states except the hubs, with neighbours near each other; separate components follow one another.
    pure subroutine find_chain(n, row, column, is_hub, chain)
       integer, intent(in) :: n, row(:), column(:)
       logical, intent(in) :: is_hub(n)
@@ -100,7 +100,7 @@ contains
          if (seen(i)) cycle
          visited = seen
          call walk(n, start, neighbours, i, begin, visited, chain, last)
-         call walk(n, start, neighbours, chain(last), begin, seen, chain, last) ! anew from an end
+         call walk(n, start, neighbours, chain(last), begin, seen, chain, last) ! again, from an end
          begin = last + 1
       end do
    end subroutine find_chain
@@ -109,7 +109,7 @@ contains
    pure subroutine find_neighbours(n, row, column, is_hub, start, neighbours)
       integer, intent(in) :: n, row(:), column(:)
       logical, intent(in) :: is_hub(n)
-      integer, intent(out) :: start(n + 1) !! first of each state among these
+      integer, intent(out) :: start(n + 1) !! index of each state's first neighbour
       integer, allocatable, intent(out) :: neighbours(:)
       integer :: next(n), i, p
 
@@ -134,13 +134,13 @@ contains
       end do
    end subroutine find_neighbours
 
-   !> Breadth first through all that hangs together with one state.
+   !> Breadth-first search of all states connected with one state.
    pure subroutine walk(n, start, neighbours, from, begin, seen, chain, last)
       integer, intent(in) :: n, start(n + 1), neighbours(:)
-      integer, intent(in) :: from, begin !! first state, and its place in the chain
+      integer, intent(in) :: from, begin !! first state, and its index in the chain
       logical, intent(inout) :: seen(n)
       integer, intent(inout) :: chain(:)
-      integer, intent(inout) :: last     !! place of the last one; out: GCC 12 would warn where it inlines
+      integer, intent(inout) :: last     !! index of the last one; not intent(out), for which GCC 12 would warn where it inlines
       integer :: at, p
 
       chain(begin) = from

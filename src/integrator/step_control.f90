@@ -1,4 +1,4 @@
-!> How long the next step is: from the error estimate, of order 7, and from how well Newton's iteration went.
+!> Step size control: from the error estimate, of order 7, and from the convergence of Newton's iteration.
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (8.19-8.21), after K. Gustafsson.
 module evl_step_control
@@ -10,13 +10,13 @@ module evl_step_control
 
    public :: step_control_t, fit_step, next_step, step_after_error
 
-   real(wp), parameter :: safety = 0.9_wp       !! on the step that the estimate allows
-   real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, at once
-   real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less stays, and with it the factors
-   real(wp), parameter :: good_rate = 0.01_wp   !! Newton's rate at which Jacobian and factors stay, if the step does
-   real(wp), parameter :: best_rate = 5.0e-4_wp !! and at which the Jacobian stays when the step changes
+   real(wp), parameter :: safety = 0.9_wp       !! factor on the step that the estimate allows
+   real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, per change
+   real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less is unchanged, and so are the factors
+   real(wp), parameter :: good_rate = 0.01_wp !! Newton's rate up to which Jacobian and factors are reused if the step is unchanged
+   real(wp), parameter :: best_rate = 5.0e-4_wp !! and up to which the Jacobian is reused if the step changes
 
-   !> What the last accepted step tells about the next one.
+   !> Data of the last accepted step for the choice of the next one.
    type :: step_control_t
       real(wp) :: h = 0     !! 0: there is none
       real(wp) :: error = 1
@@ -24,9 +24,9 @@ module evl_step_control
 
 contains
 
-   !> The step that is tried: not past the stop. Up to the one that meets it no step knows where the stop is.
+   !> Step size to try: not past the stop. Steps that do not reach the stop do not depend on it.
    pure subroutine fit_step(room, wanted, h, to_stop)
-      real(wp), intent(in) :: room     !! to the stop
+      real(wp), intent(in) :: room     !! time to the stop
       real(wp), intent(in) :: wanted
       real(wp), intent(out) :: h
       logical, intent(out) :: to_stop !! the step ends at the stop
@@ -36,10 +36,10 @@ contains
       if (to_stop) h = room
    end subroutine fit_step
 
-   !> The step to try after one whose error was too large. Two such steps from the same state tell the order in which the error
-   !> falls: where f is not smooth it is far below 8, and a step chosen for 8 would fail many times.
+   !> Step to try after one whose error was too large. Two such steps from the same state give the order in which the error
+   !> falls. Where f is not smooth it is far below 8, and a step chosen for 8 would fail many times.
    pure subroutine step_after_error(failed, h, error, h_next)
-      type(step_control_t), intent(inout) :: failed !! the last such step from this state, or none; then this one
+      type(step_control_t), intent(inout) :: failed !! in: the last such step from this state, or none; out: this one
       real(wp), intent(in) :: h
       real(wp), intent(in) :: error                 !! >= 1
       real(wp), intent(out) :: h_next
@@ -60,14 +60,14 @@ contains
    pure subroutine next_step(control, h, h_wanted, error, rate, iterations, h_next, jacobian_may_stay, matrix_may_stay)
       type(step_control_t), intent(inout) :: control
       real(wp), intent(in) :: h         !! the step made
-      real(wp), intent(in) :: h_wanted  !! what it would have been without a stop
+      real(wp), intent(in) :: h_wanted  !! the step without a stop
       real(wp), intent(in) :: error     !! its error, < 1
       real(wp), intent(in) :: rate      !! of convergence of Newton's iteration
-      integer, intent(in) :: iterations !! of it
+      integer, intent(in) :: iterations !! number of its iterations
       real(wp), intent(out) :: h_next
       logical, intent(out) :: jacobian_may_stay !! the Jacobian is good enough for any step
       logical, intent(out) :: matrix_may_stay !! Jacobian and factors are good enough for a step of h_next
-      real(wp) :: slack, cut_8 ! the eighth power of the cut: most steps stay as they are, and need no root
+      real(wp) :: slack, cut_8 ! the eighth power of the cut: most steps are unchanged, and need no root
       logical :: one
 
       slack = safety*(1 + 2*most_iterations)/(iterations + 2*most_iterations)
@@ -75,12 +75,12 @@ contains
       if (control%h > 0) cut_8 = max(cut_8, (control%h/(h*safety))**8*error**2/control%error)
       control%h = h
       control%error = max(1.0e-2_wp, error)
-      one = iterations == 1 ! what one iteration needs is good enough, and the rate is that of an earlier step
+      one = iterations == 1 ! what needs one iteration is good enough, and the rate is that of an earlier step
       jacobian_may_stay = one .or. rate <= best_rate
       matrix_may_stay = (one .or. rate <= good_rate) .and. cut_8 <= 1 .and. cut_8*kept_growth**8 >= 1
       h_next = h
       if (.not. matrix_may_stay) h_next = h/max(1/largest_growth, min(largest_cut, eighth_root(cut_8)))
-      if (h < h_wanted) h_next = max(h_next, h_wanted) ! it was cut for the stop: what was proposed before still holds
+      if (h < h_wanted) h_next = max(h_next, h_wanted) ! it was shortened for the stop: the previous proposal still holds
    end subroutine next_step
 
    !> x^(1/8)

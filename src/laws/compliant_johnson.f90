@@ -1,19 +1,18 @@
-!> Johnson's contact in series with a body that yields: normal force per unit width of a tooth pair that stands alone.
+!> Johnson's contact in series with an elastic body: normal force per unit width of a tooth pair that is not coupled to others.
 !>
 !> With the length Lambda, the body's compliance c [1/Pa] and w > 1:
 !>
 !>    h = N/(pi E*) [ln(4 pi E* Lambda/N) - 1] + c N
 !>    N = pi E* h/w,   w - ln w = ell,   ell = ln(4 Lambda/(e h)) + pi E* c
 !>
-!> It is Johnson's law with the length Lambda exp(pi E* c); that exponential is never formed. With v = w - 1
+!> It is Johnson's law with the length Lambda exp(pi E* c); that exponential is never evaluated. With v = w - 1
 !>
 !>    dN/dh = pi E*/v,   dN/dc = -pi E* N/v,   dN/dLambda = -N/(Lambda v),   V = N h/2 - N**2/(4 pi E*)
 !>
 !> and dV = N dh - N**2/2 dc - N**2/(2 pi E* Lambda) dLambda, exactly.
 !>
-!> Valid: 1 < ell < 699; that is h < 4 Lambda/e**2 exp(pi E* c), past which there is no solution, which is reported, and
-!> h > Lambda exp(pi E* c - 698.6), below which N is linear in h: 1e-285 m for pi E* c = 40 and Lambda = 0.1 m. Forces are odd
-!> in h.
+!> Valid: 1 < ell < 699; that is h < 4 Lambda/e**2 exp(pi E* c), beyond which there is no solution and an error is reported, and h
+!> > Lambda exp(pi E* c - 698.6), below which N is linear in h: 1e-285 m for pi E* c = 40 and Lambda = 0.1 m. Forces are odd in h.
 !>
 !> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); the rest is derived in docs/compliant_flanks.md.
 module evl_compliant_johnson
@@ -26,8 +25,8 @@ module evl_compliant_johnson
    public :: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, compliant_penetration
    public :: largest_excess, smallest
 
-   real(wp), parameter :: smallest = tiny(1.0_wp)   !! h/(4 Lambda) whose logarithm is taken
-   real(wp), parameter :: largest_excess = 698.0_wp !! ell - 1 up to which w is known
+   real(wp), parameter :: smallest = tiny(1.0_wp)   !! smallest h/(4 Lambda) whose logarithm is evaluated
+   real(wp), parameter :: largest_excess = 698.0_wp !! ell - 1 up to which w is evaluated
 
    !> A force per unit width with its derivatives.
    type :: compliant_contact
@@ -46,7 +45,7 @@ contains
 
    include "laws/compliant_johnson.inc"
 
-   !> The same in eight states.
+   !> `compliant_force` in eight states.
    pure subroutine compliant_force_lanes(h, length, c, e_star, force, answered)
       real(wp), intent(in), dimension(lanes) :: h, length, c
       real(wp), intent(in) :: e_star
@@ -62,7 +61,7 @@ contains
       answered = all_positive(answers)
    end subroutine compliant_force_lanes
 
-   !> One lane of it.
+   !> One lane.
    elemental subroutine force_of_lane(h, length, c, e_star, force, answer)
       real(wp), intent(in) :: h, length, c, e_star
       real(wp), intent(out) :: force
@@ -75,7 +74,7 @@ contains
       answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine force_of_lane
 
-   !> Elastic energy per unit width [J/m], that of the body included; even in h.
+   !> Elastic energy per unit width [J/m], including that of the body; even in h.
    elemental real(wp) function compliant_energy(h, force, e_star) result(energy)
       real(wp), intent(in) :: h      !! penetration [m]
       real(wp), intent(in) :: force  !! N at h [N/m]

@@ -1,4 +1,4 @@
-!> What a force law may know about the contact it acts in, in one state and in eight.
+!> Quantities of a contact that a force law may use, in one state and in eight.
 module evl_contact_context
    use evl_kinds, only: lanes, wp
    implicit none (type, external)
@@ -14,10 +14,10 @@ module evl_contact_context
       real(wp) :: e_star = 0.0_wp  !! effective modulus E* [Pa]
       real(wp) :: width = 0.0_wp   !! common face width [m]
       real(wp) :: v0 = 0.0_wp      !! approach speed at the last closing [m/s]
-      integer :: side = 0          !! of h' = 0, for laws with two: +1 approach, -1 separation; 0: as h' says
+      integer :: side = 0          !! of h' = 0, for laws with two: +1 approach, -1 separation; 0: by the sign of h'
    end type contact_context
 
-   !> The same in eight states, which have one discrete state.
+   !> `contact_context` of eight states with a common discrete state.
    type :: lane_context
       real(wp), dimension(lanes) :: h, h_dot, rho_a, rho_b
       real(wp) :: e_star, width, v0
@@ -26,7 +26,7 @@ module evl_contact_context
 
 contains
 
-   !> One of the eight.
+   !> Context of one of the eight states.
    pure type(contact_context) function context_of_lane(at, l) result(ctx)
       type(lane_context), intent(in) :: at
       integer, intent(in) :: l

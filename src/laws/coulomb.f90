@@ -51,7 +51,7 @@ contains
       end if
    end subroutine evaluate
 
-   !> Where the branch changes; without friction (f = 0) there is nothing to locate.
+   !> Sliding velocity at which the branch changes; 0 without friction (f = 0), where there is no event.
    pure real(wp) function knee(self)
       class(coulomb_t), intent(in) :: self
 

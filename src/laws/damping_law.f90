@@ -1,7 +1,7 @@
-!> The damping laws of a contact: normal force from the rate of penetration, positive when it pushes the flanks apart. A law extends
+!> Damping laws of a contact: normal force from the rate of penetration, positive if it pushes the flanks apart. A law extends
 !> `damping_law_t` in a file of its own.
 !>
-!> A law's force is that of the overlapping flanks; that a contact never pulls is the business of the tooth contact.
+!> The force of a law is that of overlapping flanks; the tooth contact ensures that a contact never pulls.
 module evl_damping_law
    use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_result
@@ -19,7 +19,7 @@ module evl_damping_law
       real(wp) :: d_h       !! dF/dh at constant radii of curvature [N/m]
       real(wp) :: d_rho_a, d_rho_b !! dF/drho_a, dF/drho_b at constant h [N/m]
       real(wp) :: d_h_dot   !! dF/dh' [N s/m]
-      real(wp) :: d_elastic !! dF/d(elastic force); `viscous_force` puts it into those before
+      real(wp) :: d_elastic !! dF/d(elastic force); `viscous_force` adds it to the above derivatives
    end type viscous_result
    type(viscous_result), parameter :: no_viscous = viscous_result(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
@@ -28,7 +28,7 @@ module evl_damping_law
       procedure(force_formula), deferred :: evaluate
       procedure, non_overridable :: force_lanes
       procedure, nopass :: has_sides => no
-      procedure, nopass :: remembers => no !! the approach speed at the last closing
+      procedure, nopass :: remembers => no !! whether it uses the approach speed at the last closing
       procedure :: left_to_mesh
       procedure :: refuse_mesh
       procedure :: complete
@@ -37,13 +37,13 @@ module evl_damping_law
 
    abstract interface
 
-      !> The force of overlapping flanks in n states with one discrete state. If they are present, its derivatives, all of them:
-      !> they come as zero. Of the elastic contact its force is all that a damping law may know.
+      !> Force of overlapping flanks in n states with a common discrete state, and optionally all its derivatives, which are
+      !> zero on entry. The elastic force is the only quantity of the elastic contact that a damping law may use.
       pure subroutine force_formula(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
          import :: damping_law_t, wp
          implicit none (type, external)
          class(damping_law_t), intent(in) :: self
-         integer, intent(in) :: n                !! 1 or 8: loops over them become vector instructions
+         integer, intent(in) :: n                !! 1 or 8: loops over them are vectorised
          real(wp), intent(in) :: h(n), h_dot(n)  !! as in `contact_context`
          real(wp), intent(in) :: elastic(n)      !! elastic force there [N]
          real(wp), intent(in) :: v0              !! as in `contact_context`
@@ -56,7 +56,7 @@ module evl_damping_law
 
 contains
 
-   !> Viscous normal force with all derivatives. A law that refers to the mesh gives none before it is complete.
+   !> Viscous normal force with all derivatives. A law that refers to the mesh gives no force before it is complete.
    pure subroutine viscous_force(law, ctx, elastic, result)
       class(damping_law_t), intent(in) :: law
       type(contact_context), intent(in) :: ctx
@@ -84,7 +84,7 @@ contains
       call self%evaluate(lanes, at%h, at%h_dot, elastic, at%v0, at%side, force)
    end subroutine force_lanes
 
-   !> Which parameter only the mesh can give: its name, or that of the parameter that needs the mesh; "" if none.
+   !> Parameter that only the mesh can provide: its key, or that of the parameter that refers to the mesh; "" if there is none.
    pure function left_to_mesh(self) result(name)
       class(damping_law_t), intent(in) :: self
       character(len=short_length) :: name
@@ -99,11 +99,11 @@ contains
       end do
    end function left_to_mesh
 
-   !> What to say where a mesh cannot give it.
+   !> Error message if a mesh cannot provide it.
    pure subroutine refuse_mesh(self, reason, field, message)
       class(damping_law_t), intent(in) :: self
       character(len=*), intent(in) :: reason   !! why it cannot
-      character(len=*), intent(out) :: field   !! in the block of the law; "" the block itself
+      character(len=*), intent(out) :: field   !! in the block of the law; "": the block itself
       character(len=*), intent(out) :: message !! one sentence
 
       field = ""
@@ -111,7 +111,7 @@ contains
                 //self%left_to_mesh()
    end subroutine refuse_mesh
 
-   !> Fill in the parameters that were left open: by a law that has such.
+   !> Set the parameters that were left open; overridden by laws that have such parameters.
    pure subroutine complete(self, stiffness, mass, h_0)
       class(damping_law_t), intent(inout) :: self
       real(wp), intent(in) :: stiffness         !! of one tooth pair at the nominal load, k [N/m]
@@ -119,7 +119,7 @@ contains
       real(wp), intent(in) :: h_0               !! penetration under the nominal load [m]
    end subroutine complete
 
-   !> The law that acts in a mesh, once this one is complete.
+   !> Law that acts in a mesh, once this one is complete.
    subroutine itself(self, stiffness, mass, law)
       class(damping_law_t), intent(in) :: self
       real(wp), intent(in) :: stiffness, mass !! as in `complete`

@@ -1,6 +1,6 @@
-!> A linear damper whose coefficient gives one tooth pair at the nominal load a damping ratio: c = 2 value sqrt(k m).
+!> Linear damper whose coefficient follows from a damping ratio of one tooth pair at the nominal load: c = 2 value sqrt(k m).
 !>
-!> It acts as a linear damper once the mesh is known.
+!> It is replaced by a linear damper when the mesh is known.
 module evl_damping_ratio
    use evl_damping_law, only: damping_law_t
    use evl_kinds, only: wp
@@ -34,7 +34,7 @@ contains
                                  range=range_t(minimum=0.0_wp, maximum=1.0_wp, maximum_open=.true.))]
    end subroutine describe
 
-   !> None as long as no mesh is known.
+   !> No force before the mesh is known.
    pure subroutine evaluate(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(damping_ratio_t), intent(in) :: self
       integer, intent(in) :: n, side
@@ -45,7 +45,7 @@ contains
       force = 0
    end subroutine evaluate
 
-   !> The parameter that needs the mesh.
+   !> Key of the parameter that needs the mesh.
    pure function left_to_mesh(self) result(name)
       class(damping_ratio_t), intent(in) :: self
       character(len=short_length) :: name
@@ -53,7 +53,7 @@ contains
       name = "value"
    end function left_to_mesh
 
-   !> What to say where the mesh has no stiffness or no mass to refer to.
+   !> Error message if the mesh has no stiffness or no mass to refer to.
    pure subroutine refuse_mesh(self, reason, field, message)
       class(damping_ratio_t), intent(in) :: self
       character(len=*), intent(in) :: reason
@@ -64,7 +64,7 @@ contains
                 //" coefficient: ...}"
    end subroutine refuse_mesh
 
-   !> The linear damper that acts.
+   !> The linear damper that replaces this law.
    subroutine acting(self, stiffness, mass, law)
       class(damping_ratio_t), intent(in) :: self
       real(wp), intent(in) :: stiffness, mass

@@ -1,4 +1,4 @@
-!> The elastic laws of a contact: normal force from penetration. A law extends `elastic_law_t` in a file of its own.
+!> Elastic laws of a contact: normal force from penetration. A law extends `elastic_law_t` in a file of its own.
 module evl_elastic_law
    use evl_contact_context, only: contact_context, context_of_lane, lane_context
    use evl_force_law, only: force_law_t, no
@@ -10,14 +10,14 @@ module evl_elastic_law
 
    public :: elastic_law_t, elastic_result, lane_by_lane, no_elastic
 
-   !> An elastic force with its derivatives, and those of the elastic energy V as `potential` has it; r = rho_a + rho_b - h. No law
-   !> so far tells one radius from the other in the energy.
+   !> Elastic force with its derivatives, and those of the elastic energy V of `potential`; r = rho_a + rho_b - h. No law so
+   !> far distinguishes the two radii in the energy.
    type :: elastic_result
       real(wp) :: force !! [N], over the whole width
       real(wp) :: d_h   !! dF/dh at constant radii of curvature [N/m]
       real(wp) :: d_rho_a, d_rho_b !! dF/drho_a, dF/drho_b at constant h [N/m]
       real(wp) :: d_energy !! dV/dr at constant h [J/m]
-      real(wp) :: excess   !! dV/dh - F at constant r: what V, a series, gets wrong [N]
+      real(wp) :: excess   !! dV/dh - F at constant r: error of V, which is a series [N]
    end type elastic_result
    type(elastic_result), parameter :: no_elastic = elastic_result(0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
 
@@ -37,7 +37,7 @@ module evl_elastic_law
 
    abstract interface
 
-      !> Elastic normal force, odd in h. Which sign of h counts as contact is the business of the contact mode.
+      !> Elastic normal force, odd in h. The contact mode determines which sign of h is contact.
       pure subroutine force(self, ctx, result, code)
          import :: contact_context, elastic_law_t, elastic_result
          implicit none (type, external)
@@ -72,12 +72,12 @@ module evl_elastic_law
 
 contains
 
-   !> The force in eight states, and what enters the energy: a law without a loop of its own is asked state by state.
+   !> Force in eight states, and the terms of the energy. A law without a loop of its own is evaluated state by state.
    pure subroutine lane_by_lane(self, at, force, d_energy, excess, answered)
       class(elastic_law_t), intent(in) :: self
       type(lane_context), intent(in) :: at
       real(wp), dimension(lanes), intent(out) :: force, d_energy, excess !! as in `elastic_result`
-      logical, intent(out) :: answered !! false if the law has no answer in one of the states
+      logical, intent(out) :: answered !! false if the law is undefined in one of the states
       type(elastic_result) :: elastic
       integer :: l, code
 
@@ -91,7 +91,7 @@ contains
       end do
    end subroutine lane_by_lane
 
-   !> The energy in eight states, asked one by one.
+   !> Energy in eight states, evaluated one by one.
    pure subroutine potential_by_lane(self, at, force, energy)
       class(elastic_law_t), intent(in) :: self
       type(lane_context), intent(in) :: at
@@ -104,7 +104,7 @@ contains
       end do
    end subroutine potential_by_lane
 
-   !> Why `force` answers code_out_of_domain, as one sentence; "" where it answers. A law that knows its limit says more.
+   !> Reason why `force` returns code_out_of_domain, as one sentence; "" if it does not. A law with an explicit limit overrides it.
    pure subroutine limit_message(self, ctx, message)
       class(elastic_law_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -120,14 +120,15 @@ contains
       message = "the law "//trim(info%name)//" has no force at the penetration h = "//quantity(ctx%h, "m")
    end subroutine limit_message
 
-   !> Newton's coefficient of restitution, and the approach speed below which an impact does not rebound [m/s]: of a rigid contact.
+   !> Newton's coefficient of restitution, or approach speed below which an impact does not rebound [m/s]: 0, except of rigid
+   !> contact.
    pure real(wp) function nothing(self)
       class(elastic_law_t), intent(in) :: self
 
       nothing = 0
    end function nothing
 
-   !> The law that tells how large penetrations would be: a law with penetrations does so itself.
+   !> Law that gives the magnitude of penetrations: a law with penetrations is its own.
    subroutine itself(self, law)
       class(elastic_law_t), intent(in) :: self
       class(elastic_law_t), allocatable, intent(out) :: law

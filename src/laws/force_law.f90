@@ -1,4 +1,4 @@
-!> What every force law has, whatever its family: parameters, and what it says of itself.
+!> Common base of all force laws: parameters and description.
 module evl_force_law
    use evl_kind_finder, only: described_t
    use evl_kinds, only: wp
@@ -10,15 +10,15 @@ module evl_force_law
 
    integer, parameter :: max_law_parameters = 8 !! EVL_MAX_PARAMETERS
 
-   !> One law of a family with its parameters, as a case chooses it.
+   !> A law of a family with its parameters, as chosen by a case.
    type :: law_choice
       integer :: law = 0                                     !! index in the family's table, from 0
       real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the units of the table
    end type law_choice
 
-   !> A law that acts. Its families extend it: evl_elastic_law, evl_damping_law, evl_friction_law.
+   !> A force law. Its families extend it: evl_elastic_law, evl_damping_law, evl_friction_law.
    type, abstract, extends(described_t) :: force_law_t
-      integer :: index = -1                                  !! in the family's table; -1 of a law that nobody chose
+      integer :: index = -1                                  !! in the family's table; -1: not chosen from the table
       real(wp) :: parameters(max_law_parameters) = 0.0_wp    !! in the order and the units of the description
    contains
       procedure :: check => accept
@@ -27,7 +27,7 @@ module evl_force_law
 
 contains
 
-   !> Check what ranges cannot say: how parameters stand to each other. A law for which there is such a thing has its own.
+   !> Check relations between parameters, beyond their ranges. A law with such relations overrides it.
    pure subroutine accept(self, field, message)
       class(force_law_t), intent(in) :: self   !! with parameters in their ranges
       character(len=*), intent(out) :: field   !! the parameter's name; "" if valid
@@ -44,7 +44,7 @@ contains
       choice = law_choice(law%index, law%parameters)
    end function choice_of
 
-   !> Answers of laws to what is asked of their kind.
+   !> Constant properties of laws.
    pure logical function no()
       no = .false.
    end function no

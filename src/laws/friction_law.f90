@@ -1,9 +1,9 @@
-!> The friction laws of a contact, as a factor of the normal force: F_t = -F_n phi(v_t). A law extends `friction_law_t` in a file of
-!> its own.
+!> Friction laws of a contact, as a factor of the normal force: F_t = -F_n phi(v_t). A law extends `friction_law_t` in a file
+!> of its own.
 !>
-!> A law with kinks is a set of smooth branches, told apart by a number in {-1, 0, +1}. The branch is part of the discrete
-!> state: it changes at located events, and on a branch the law is smooth even where a trial step leaves it. A law without kinks
-!> has the branch 0 alone, and no knee.
+!> A law with kinks is a set of smooth branches, numbered -1, 0 and +1. The branch is part of the discrete state: it changes
+!> at located events, and a law is smooth on its branch even if a trial step leaves it. A law without kinks has only branch 0,
+!> and no knee.
 module evl_friction_law
    use evl_force_law, only: force_law_t
    use evl_kinds, only: lanes, wp
@@ -26,14 +26,14 @@ module evl_friction_law
 
    abstract interface
 
-      !> phi of F_t = -F_n phi(v_t) in n states on one branch, also where v_t has left it; and its slope, if that is
-      !> present: it comes as zero.
+      !> phi of F_t = -F_n phi(v_t) in n states on one branch, also if v_t is outside it; and optionally its slope, which is
+      !> zero on entry.
       pure subroutine factor_formula(self, n, branch, v_t, phi, d_v)
          import :: friction_law_t, wp
          implicit none (type, external)
          class(friction_law_t), intent(in) :: self
-         integer, intent(in) :: n          !! 1 or 8: loops over them become vector instructions
-         integer, intent(in) :: branch     !! -1, 0 or +1, as `branch` gives it
+         integer, intent(in) :: n          !! 1 or 8: loops over them are vectorised
+         integer, intent(in) :: branch     !! -1, 0 or +1, as returned by `branch`
          real(wp), intent(in) :: v_t(n)    !! sliding velocity [m/s]
          real(wp), intent(out) :: phi(n)
          real(wp), intent(inout), optional :: d_v(n) !! dphi/dv_t [s/m]
@@ -50,7 +50,7 @@ contains
       acts = self%parameters(1) > 0
    end function acts
 
-   !> Whether it falls somewhere as the sliding velocity rises, where damping is negative.
+   !> Whether friction decreases with the sliding velocity somewhere, which is negative damping.
    pure logical function never(self)
       class(friction_law_t), intent(in) :: self
 
@@ -62,7 +62,7 @@ contains
       class(friction_law_t), intent(in) :: self
       integer, intent(in) :: branch     !! -1, 0 or +1
       real(wp), intent(in) :: v_t       !! sliding velocity [m/s]
-      real(wp), intent(out) :: phi, d_v !! as of `evaluate`
+      real(wp), intent(out) :: phi, d_v !! as in `evaluate`
       real(wp) :: there(1), slope(1)
 
       slope = 0
@@ -81,7 +81,7 @@ contains
       call self%evaluate(lanes, branch, v_t, phi)
    end subroutine factor_lanes
 
-   !> The branch that belongs to a sliding velocity: -1, 0 or +1.
+   !> Branch of a sliding velocity: -1, 0 or +1.
    pure integer function branch(self, v_t)
       class(friction_law_t), intent(in) :: self
       real(wp), intent(in) :: v_t !! [m/s]
@@ -92,16 +92,16 @@ contains
       if (knee > 0.0_wp .and. abs(v_t) > knee) branch = merge(1, -1, v_t > 0.0_wp)
    end function branch
 
-   !> The |v_t| at which the branch changes [m/s]; 0 if it never does.
+   !> |v_t| at which the branch changes [m/s]; 0 if it never does.
    pure real(wp) function knee(self)
       class(friction_law_t), intent(in) :: self
 
       knee = 0
    end function knee
 
-   !> The parameter that keeps friction finite in slope at rest.
+   !> Parameter that makes the slope of friction finite at zero sliding velocity.
    pure type(row_t) function regularisation(text) result(row)
-      character(len=*), intent(in) :: text !! what it means in the law
+      character(len=*), intent(in) :: text !! its meaning in the law
 
       row = parameter_row("regularisation_velocity", "m/s", text, range=positive, default="0.0001", &
                           plausible=span_t(1.0e-9_wp, 1.0_wp))

@@ -1,16 +1,16 @@
 !> Viscous forces that multiply the elastic one, after Hunt and Crossley: F_v = F_e chi h'/v0.
 !>
-!> v0 is the approach speed at the last closing, so that an impact loses the same share of its energy at every speed. The
-!> laws differ in how they get chi from the coefficient of restitution e in their name. The restitution e' that the force
-!> really gives follows from m h'' = -F_e (1 + chi h'/v0), free of loads: dividing by 1 + chi h'/v0 and integrating over h,
-!> once from v0 to 0 and once from 0 to -e' v0, the elastic energy drops out and
+!> v0 is the approach speed at the last closing, so that an impact loses the same fraction of its energy at every speed. The
+!> laws differ in how chi depends on their nominal coefficient of restitution e. The actual restitution e' follows from
+!> m h'' = -F_e (1 + chi h'/v0) without loads: division by 1 + chi h'/v0 and integration over h, once from v0 to 0 and once from 0
+!> to -e' v0, eliminates the elastic energy and gives, for any elastic law,
 !>
 !>    chi (1 + e') = ln[(1 + chi)/(1 - chi e')]
 !>
-!> is left, whatever the elastic law. Hence e' < 1/chi: in a free impact the flanks never pull.
+!> Hence e' < 1/chi: in a free impact the flanks never pull.
 !>
 !> Source: P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in multibody
-!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, which compares them. That of each chi stands with it; docs/laws.md has the titles.
+!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, a comparison. The source of each chi is in the table; docs/laws.md has the titles.
 module evl_impact_damping
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: yes
@@ -21,13 +21,13 @@ module evl_impact_damping
 
    public :: impact_damping_t, impact_factors
 
-   !> How chi follows from the coefficient of restitution e: scale (1 - e), times 1 + e, over e.
+   !> Dependence of chi on the coefficient of restitution e: scale (1 - e), times 1 + e, over e.
    type :: impact_factor
       character(len=19) :: name    !! of the law
       character(len=15) :: formula !! of chi
       character(len=63) :: source  !! of it
       real(wp) :: scale
-      logical :: times, over       !! which divides by e refuses 0
+      logical :: times, over       !! a law that divides by e refuses 0
    end type impact_factor
 
    type(impact_factor), parameter :: impact_factors(*) = [ &
@@ -40,7 +40,7 @@ module evl_impact_damping
                                                    0.75_wp, .false., .false.)]
 
    type, extends(damping_law_t) :: impact_damping_t
-      integer :: factor = 1 !! which of them
+      integer :: factor = 1 !! index of the law in impact_factors
    contains
       procedure :: describe
       procedure :: evaluate
@@ -95,7 +95,7 @@ contains
       if (present(d_elastic)) d_elastic = share*h_dot
    end subroutine evaluate
 
-   !> v0_min, if it was left open, is the speed amplitude of a vibration as large as the penetration under the nominal load.
+   !> Set v0_min, if it was left open, to the speed amplitude of a vibration as large as the penetration under the nominal load.
    pure subroutine complete(self, stiffness, mass, h_0)
       class(impact_damping_t), intent(inout) :: self
       real(wp), intent(in) :: stiffness, mass, h_0

@@ -6,8 +6,8 @@
 !>    N = pi E* h/w,   w - ln w = ell = -ln(x),   x = e h/(4 rho)          (14), w = -W_{-1}(-x)
 !>    h < 4 rho/e**2,  N < 4 pi E* rho/e**2                                (15)
 !>
-!> Past the limits (15) the model has no solution; that is reported and never clamped. Forces and penetrations are
-!> continued as odd functions to negative arguments, so that a root of either can be located from both sides of zero.
+!> Beyond the limits (15) the model has no solution; this is reported and never clamped. Forces and penetrations are extended
+!> as odd functions to negative arguments, so that a root of either can be located from both sides of zero.
 !>
 !> Sources: K. L. Johnson, Contact Mechanics, 1985, section 5.6; I. Kosenko, I. Gusev, Implementation of the spur
 !> involute gear model on Modelica, 8th Modelica Conference, 2011, (13)-(18).
@@ -26,12 +26,12 @@ module evl_johnson
 
    real(wp), parameter :: exp_minus_2 = 0.13533528323661269189399949497248_wp !! e**(-2)
 
-   !> Smallest h/(4 rho), and N/(4 pi E* rho), whose logarithm is taken. Below it N is linear in h, which is within
-   !> 1.5 % down to the smallest number there is, and saves underflow and ln(0).
+   !> Smallest h/(4 rho), and N/(4 pi E* rho), whose logarithm is evaluated. Below it N is linear in h, which is accurate to
+   !> 1.5 % down to the smallest number, and avoids underflow and ln(0).
    real(wp), parameter :: smallest_ratio = 1.0e-301_wp
 
    type, extends(elastic_law_t) :: johnson_t
-      real(wp) :: radii_factor = 1.0_wp !! as how many times as large the radii count: laws of this form with another constant
+      real(wp) :: radii_factor = 1.0_wp !! factor on the radii, for laws of this form with another constant
    contains
       procedure :: describe
       procedure :: force
@@ -59,7 +59,7 @@ contains
       info%source = "Johnson 1985, section 5.6; Kosenko & Gusev 2011, (13)-(18)"
    end subroutine describe
 
-   !> The force over the whole width.
+   !> Force over the whole width.
    pure subroutine force(self, ctx, result, code)
       class(johnson_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -71,7 +71,7 @@ contains
       code = merge(code_ok, code_out_of_domain, room > 0.0_wp)
    end subroutine force
 
-   !> The same in eight states.
+   !> `force` in eight states.
    pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
       class(johnson_t), intent(in) :: self
       type(lane_context), intent(in) :: at
@@ -90,11 +90,11 @@ contains
       answered = all_positive(room)
    end subroutine force_lanes
 
-   !> One lane of it.
+   !> One lane.
    elemental subroutine force_of_lane(h, rho_sum, factor, e_star, width, force, d_energy, excess, room)
       real(wp), intent(in) :: h, rho_sum, factor, e_star, width
       real(wp), intent(out) :: force, d_energy, excess
-      real(wp), intent(out) :: room !! as of `johnson_force`
+      real(wp), intent(out) :: room !! as in `johnson_force`
       type(elastic_result) :: elastic
 
       call force_over_width(h, rho_sum, factor, e_star, width, elastic, room)
@@ -113,7 +113,7 @@ contains
       energy = ctx%width*johnson_energy(ctx%h, abs(force)/ctx%width, ctx%rho_a + ctx%rho_b, ctx%e_star)
    end function potential
 
-   !> The same in eight states.
+   !> `potential` in eight states.
    pure subroutine potential_lanes(self, at, force, energy)
       class(johnson_t), intent(in) :: self
       type(lane_context), intent(in) :: at
@@ -141,7 +141,7 @@ contains
       call johnson_penetration(force/ctx%width, self%radii_factor*(ctx%rho_a + ctx%rho_b), ctx%e_star, h, code)
    end subroutine penetration
 
-   !> Why there is no force.
+   !> Reason why there is no force.
    pure subroutine limit_message(self, ctx, message)
       class(johnson_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -155,20 +155,20 @@ contains
       end if
    end subroutine limit_message
 
-   !> The force over the whole width of a law h = N/(pi E*) (ln(rho_sum/N) + constant), with the derivatives of the energy that
-   !> `johnson_energy` gives.
+   !> Force over the whole width of a law h = N/(pi E*) (ln(rho_sum/N) + constant), with the derivatives of the energy of
+   !> `johnson_energy`.
    elemental subroutine force_over_width(h, rho_sum, factor, e_star, width, result, room)
       real(wp), intent(in) :: h       !! penetration [m]
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m]
-      real(wp), intent(in) :: factor  !! as how many times as large they count
+      real(wp), intent(in) :: factor  !! factor on it
       real(wp), intent(in) :: e_star  !! effective modulus [Pa]
       real(wp), intent(in) :: width   !! common face width [m]
       type(elastic_result), intent(out) :: result
-      real(wp), intent(out) :: room   !! as of `johnson_force`
+      real(wp), intent(out) :: room   !! as in `johnson_force`
       real(wp) :: per_line, x, y, last
 
       call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho_a, room)
-      per_line = factor*(1/(factor*rho_sum)) ! that reciprocal is there already
+      per_line = factor*(1/(factor*rho_sum)) ! that reciprocal is computed anyway
       x = abs(h)*per_line
       y = abs(result%force)*per_line*(1/(pi*e_star))
       last = -y*(x*(x/12 + y*(11.0_wp/72)) + y**2*(3.0_wp/32))
@@ -183,7 +183,8 @@ contains
    !> Force per unit width from the penetration, with its derivatives.
    !>
    !> Source: Kosenko & Gusev 2011, (13)-(14) through W_{-1}.   Valid: |h| < 4 rho/e**2, rho > 0.
-   !> At h = 0 the derivative is 0, its (logarithmic) limit. Without branches: outside it computes something else and drops it.
+   !> At h = 0 the derivative is 0, its (logarithmic) limit. No branches: outside the domain another value is computed and
+   !> discarded.
    elemental subroutine johnson_force(h, rho_sum, e_star, force, d_h, d_rho, room)
       real(wp), intent(in) :: h       !! penetration [m]; the force is odd in it
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m], > 0
@@ -191,13 +192,13 @@ contains
       real(wp), intent(out) :: force  !! N [N/m]; 0 on error
       real(wp), intent(out) :: d_h    !! dN/dh at constant rho_sum [N/m^2]; 0 on error
       real(wp), intent(out) :: d_rho  !! dN/d(rho_sum) at constant h [N/m^2]; 0 on error
-      real(wp), intent(out) :: room   !! positive where there is a force: an integer is shorter, and vectors would be too
+      real(wp), intent(out) :: room   !! positive where there is a force; not an integer, which is shorter: vectors would be too
       real(wp) :: ratio, excess, v, w_inverse
 
       ratio = (0.25_wp*abs(h))*(1/rho_sum)
       excess = -natural_logarithm(min(max(ratio, smallest_ratio), exp_minus_2)) - 2.0_wp
-      ! one comparison at a time: an .and. of two would leave no vectors without AVX
-      room = merge(min(rho_sum, excess), 0.0_wp, ratio < exp_minus_2) ! 0 for the last few numbers below the limit too
+      ! one comparison at a time: without AVX, an .and. of two prevents vectorisation
+      room = merge(min(rho_sum, excess), 0.0_wp, ratio < exp_minus_2) ! also 0 for the last few numbers below the limit
       call lambert_w(max(excess, epsilon(excess)), v, w_inverse)
       force = merge(pi*e_star*h*w_inverse, 0.0_wp, room > 0.0_wp)
       d_h = merge(merge(pi*e_star/v, 0.0_wp, room > 0.0_wp), 0.0_wp, abs(h) > 0.0_wp)
@@ -230,10 +231,10 @@ contains
    !>
    !>    V = N h/2 - N**2/(4 pi E*) + y N h/6 - y N**2/(9 pi E*) + N (24 h**2 + 20 h y rho_sum - 27 (y rho_sum)**2) y/(576 rho_sum)
    !>
-   !> The first two terms are the energy at constant radii; of the further orders each is minus the integral over h of the
-   !> derivative of the one before it to rho_sum. What is left out is of the relative order (h/rho_sum)**3: below 1e-13 for
-   !> h < 3e-4 rho_sum, past what steel bears. `force_over_width` has the derivatives of this V, so that no energy is lost
-   !> where it matters.
+   !> The first two terms are the energy at constant radii. Each further order is minus the integral over h of the derivative
+   !> of the previous one by rho_sum. The terms omitted are of the relative order (h/rho_sum)**3: below 1e-13 for
+   !> h < 3e-4 rho_sum, which is beyond the strength of steel. `force_over_width` has the derivatives of this V, so that no energy
+   !> is lost where it is relevant.
    !>
    !> It holds for each law N = pi E* h/w with w - ln w = ln(rho_sum/h) + constant: for Radzimovsky's as well.
    !>
@@ -250,7 +251,7 @@ contains
       potential = force*rho_sum*((x/2 - y/4) + (x/6 - y/9)*y + (24*x**2 + (20*x - 27*y)*y)*y/576)
    end function johnson_energy
 
-   !> Largest penetration of the model, 4 rho/e**2 [m]; itself outside. Source: Kosenko & Gusev 2011, (15).
+   !> Limit of the penetration, 4 rho/e**2 [m]; outside the model itself. Source: Kosenko & Gusev 2011, (15).
    elemental real(wp) function johnson_penetration_limit(rho_sum)
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m]
 

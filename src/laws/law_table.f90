@@ -1,4 +1,4 @@
-!> The table of all force laws: a line each. The index of a law is its place in the list of its family, from 0.
+!> Table of all force laws, one line each. The index of a law is its position in the list of its family, from 0.
 module evl_law_table
    use evl_coulomb, only: coulomb_t
    use evl_damping_law, only: damping_law_t
@@ -26,7 +26,7 @@ module evl_law_table
 
 contains
 
-   !> The table of the elastic laws. The one that a finder looks for, without parameters; not allocated if there is none.
+   !> Table of the elastic laws. Returns the law that a finder requests, without parameters; not allocated if there is none.
    subroutine elastic_law(finder, law)
       type(kind_finder), intent(inout) :: finder
       class(elastic_law_t), allocatable, intent(out) :: law
@@ -50,7 +50,7 @@ contains
 
    end subroutine elastic_law
 
-   !> The table of the damping laws. The one that a finder looks for, without parameters; not allocated if there is none.
+   !> Table of the damping laws. Returns the law that a finder requests, without parameters; not allocated if there is none.
    subroutine damping_law(finder, law)
       type(kind_finder), intent(inout) :: finder
       class(damping_law_t), allocatable, intent(out) :: law
@@ -76,7 +76,7 @@ contains
 
    end subroutine damping_law
 
-   !> The table of the friction laws. The one that a finder looks for, without parameters; not allocated if there is none.
+   !> Table of the friction laws. Returns the law that a finder requests, without parameters; not allocated if there is none.
    subroutine friction_law(finder, law)
       type(kind_finder), intent(inout) :: finder
       class(friction_law_t), allocatable, intent(out) :: law

@@ -1,6 +1,6 @@
 !> The linear spring, over the whole width: F = k h, with V = k h**2/2.
 !>
-!> It depends neither on the radii of curvature nor has it a limit of its own.
+!> It is independent of the radii of curvature and has no limit of validity.
 module evl_linear_spring
    use evl_contact_context, only: contact_context, lane_context
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
@@ -45,7 +45,7 @@ contains
       stiffness = self%parameters(1)
    end function stiffness
 
-   !> The force.
+   !> Force.
    pure subroutine force(self, ctx, result, code)
       class(linear_spring_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -58,7 +58,7 @@ contains
       code = code_ok
    end subroutine force
 
-   !> The same in eight states.
+   !> `force` in eight states.
    pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
       class(linear_spring_t), intent(in) :: self
       type(lane_context), intent(in) :: at

@@ -1,4 +1,4 @@
-!> Smooth flanks.
+!> Frictionless flanks.
 module evl_no_friction
    use evl_force_law, only: yes
    use evl_friction_law, only: friction_law_t

@@ -1,7 +1,7 @@
 !> F = c h h' on approach (h' > 0), 0 on separation.
 !>
-!> The paper's group writes it damp |kappa| |h'| with kappa = -h. Continued to h < 0 with its sign, so that it stays
-!> smooth through the end of contact, and on each side through h' = 0, where the side changes.
+!> Kosenko's group writes it damp |kappa| |h'| with kappa = -h. It is extended to h < 0 with its sign, so that it is smooth
+!> through the end of contact and, on each side, through h' = 0, where the side changes.
 module evl_one_sided_damping
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: yes

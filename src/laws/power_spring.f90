@@ -1,6 +1,6 @@
 !> A spring with a power of the penetration, over the whole width: F = K |h|**m sign(h), with V = K |h|**(m + 1)/(m + 1).
 !>
-!> It depends neither on the radii of curvature nor has it a limit of its own.
+!> It is independent of the radii of curvature and has no limit of validity.
 !>
 !> Source: K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech.
 !> 42 (1975) 440, the elastic part of their law.
@@ -46,7 +46,7 @@ contains
                    parameter_row("exponent", "", "power of the penetration", range=at_least(1.0_wp))]
    end subroutine describe
 
-   !> The force.
+   !> Force.
    pure subroutine force(self, ctx, result, code)
       class(power_spring_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -58,7 +58,7 @@ contains
       code = code_ok
    end subroutine force
 
-   !> The same in eight states.
+   !> `force` in eight states.
    pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
       class(power_spring_t), intent(in) :: self
       type(lane_context), intent(in) :: at

@@ -5,10 +5,10 @@
 !> w is the full width of the contact strip after Hertz. With it 16 rho_A rho_B/w**2 = pi E* (rho_A + rho_B)/N: the radii
 !> enter through their sum alone, as in Johnson's equation (13) but with another constant,
 !>
-!>    h = N/(pi E*) [ln(4 pi E* (rho_A + rho_B)/N) + 2/3 - ln 4],   2/3 - ln 4 = -0.72 in place of -1.
+!>    h = N/(pi E*) [ln(4 pi E* (rho_A + rho_B)/N) + 2/3 - ln 4],   2/3 - ln 4 = -0.72 instead of -1.
 !>
-!> So the force is Johnson's for a sum of radii exp(5/3)/4 = 1.32 times as large, and everything else follows from that.
-!> (With the half width in the place of w the constant would be 2/3; the full width is the one used here.)
+!> The force is thus Johnson's for a sum of radii exp(5/3)/4 = 1.32 times as large, and all other results follow from that.
+!> (With the half width instead of w the constant would be 2/3; the full width is the one used here.)
 !>
 !> Source: E. I. Radzimovsky, Stress distribution and strength condition of two rolling cylinders pressed together,
 !> University of Illinois Engineering Experiment Station Bulletin 408, 1953.
@@ -38,7 +38,7 @@ module evl_radzimovsky
 
 contains
 
-   !> The law.
+   !> Create the law.
    pure type(radzimovsky_t) function johnson_of_larger_radii() result(law)
       law%radii_factor = enlarged
    end function johnson_of_larger_radii
@@ -53,7 +53,7 @@ contains
       info%source = "Radzimovsky 1953, University of Illinois Bulletin 408"
    end subroutine describe
 
-   !> Why there is no force.
+   !> Reason why there is no force.
    pure subroutine limit_message(self, ctx, message)
       class(radzimovsky_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx

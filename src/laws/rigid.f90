@@ -1,4 +1,4 @@
-!> What rigid contact says of itself as a law: it has no force of its own, its flanks are a constraint of the gearbox.
+!> Rigid contact as an entry of the law table: it has no force of its own; its flanks are a constraint of the gearbox.
 module evl_rigid
    use evl_contact_context, only: contact_context
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
@@ -53,7 +53,7 @@ contains
       code = code_out_of_domain
    end subroutine force
 
-   !> Nothing is stored.
+   !> No energy is stored.
    pure function potential(self, ctx, force) result(energy)
       class(rigid_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -63,7 +63,7 @@ contains
       energy = 0
    end function potential
 
-   !> No penetration belongs to a force.
+   !> No penetration corresponds to a force.
    pure subroutine penetration(self, ctx, force, h, code)
       class(rigid_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -75,7 +75,7 @@ contains
       code = code_out_of_domain
    end subroutine penetration
 
-   !> Why there is no force.
+   !> Reason why there is no force.
    pure subroutine limit_message(self, ctx, message)
       class(rigid_t), intent(in) :: self
       type(contact_context), intent(in) :: ctx
@@ -98,7 +98,7 @@ contains
       rest_velocity = self%parameters(2)
    end function rest_velocity
 
-   !> Real flanks would be two cylinders after Johnson.
+   !> Law that gives the magnitude of penetrations of elastic flanks: two cylinders after Johnson.
    subroutine compliant(self, law)
       class(rigid_t), intent(in) :: self
       class(elastic_law_t), allocatable, intent(out) :: law

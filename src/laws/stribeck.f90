@@ -2,7 +2,7 @@
 !>
 !> Source: the Stribeck curve of B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
 !> compensation methods for the control of machines with friction, Automatica 30 (1994) 1083, with exponent 2, without its
-!> viscous term; tanh in place of the sign as Andersson, Soederberg and Bjoerklund 2007.
+!> viscous term; tanh instead of the sign as in Andersson, Soederberg and Bjoerklund 2007.
 module evl_stribeck
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_friction_law, only: friction_law_t, regularisation
@@ -49,7 +49,7 @@ contains
                    regularisation("sliding velocity at which friction is developed to 76 %")]
    end subroutine describe
 
-   !> Friction does not rise as sliding begins.
+   !> Check that static friction is not below kinetic friction.
    pure subroutine check(self, field, message)
       class(stribeck_t), intent(in) :: self
       character(len=*), intent(out) :: field, message
@@ -88,7 +88,7 @@ contains
             - 2.0_wp*excess(:n)*(v_t/stribeck_velocity)/stribeck_velocity*share(:n)
    end subroutine evaluate
 
-   !> It falls from static to kinetic.
+   !> It falls from static to kinetic friction.
    pure logical function falls(self)
       class(stribeck_t), intent(in) :: self
 

@@ -1,12 +1,12 @@
-!> A state in a row of words of 64 bits, so that a computation can go on elsewhere with the same bits.
+!> Serialisation of a state as 64-bit words, so that a computation can be resumed with bitwise identical results.
 !>
-!> One procedure of a type names its components once; which way the numbers go is the archive's business:
+!> One procedure per type lists its components once; the archive determines the direction of the transfer:
 !>
 !>     call keep(archive, self%h)
 !>     call keep_reals(archive, size(self%y), self%y)
 !>
-!> Measured, written and read in that way, what is kept cannot drift apart. Arrays are as long as they were made: with another
-!> length an archive does not fit, and what was read of it is of no use.
+!> Measuring, writing and reading share this procedure and therefore cannot diverge. Arrays have their allocated lengths: if a
+!> length differs, the archive does not fit, and the data read from it are invalid.
 module evl_archive
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_ptr
    use, intrinsic :: iso_fortran_env, only: int64
@@ -17,7 +17,7 @@ module evl_archive
    public :: archive_t, archive_fits, keep, keep_complex, keep_integers, keep_logicals, keep_plain, keep_reals
    public :: archive_measures, archive_writes, archive_reads
 
-   integer, parameter :: archive_measures = 0 !! nothing moves, the words are counted
+   integer, parameter :: archive_measures = 0 !! words are only counted
    integer, parameter :: archive_writes = 1   !! from the components to the words
    integer, parameter :: archive_reads = 2    !! from the words to the components
 
@@ -26,25 +26,25 @@ module evl_archive
    type :: archive_t
       integer :: direction = archive_measures
       integer(int64) :: n = 0                         !! words so far
-      integer(int64), pointer :: words(:) => null()   !! room, if they are written or read
+      integer(int64), pointer :: words(:) => null()   !! buffer, if they are written or read
       logical, private :: is_good = .true.
    end type archive_t
 
-   !> Keep one number.
+   !> Serialise one number.
    interface keep
       module procedure keep_real, keep_integer, keep_logical
    end interface keep
 
 contains
 
-   !> Whether there was room for all, and all arrays had their lengths.
+   !> Whether the buffer was large enough and all array lengths matched.
    pure logical function archive_fits(self) result(fits)
       type(archive_t), intent(in) :: self
 
       fits = self%is_good
    end function archive_fits
 
-   !> Count the next word. Its place, or 0: it is neither written nor read.
+   !> Count the next word. Return its index, or 0 if it is neither written nor read.
    pure subroutine next(self, place)
       type(archive_t), intent(inout) :: self
       integer(int64), intent(out) :: place
@@ -56,7 +56,7 @@ contains
       if (self%is_good) place = self%n
    end subroutine next
 
-   !> One real.
+   !> Serialise a real.
    pure subroutine keep_real(self, value)
       type(archive_t), intent(inout) :: self
       real(wp), intent(inout) :: value
@@ -68,7 +68,7 @@ contains
       if (self%direction == archive_reads) value = transfer(self%words(place), value)
    end subroutine keep_real
 
-   !> One integer.
+   !> Serialise an integer.
    pure subroutine keep_integer(self, value)
       type(archive_t), intent(inout) :: self
       integer, intent(inout) :: value
@@ -80,7 +80,7 @@ contains
       if (self%direction == archive_reads) value = int(self%words(place))
    end subroutine keep_integer
 
-   !> One logical.
+   !> Serialise a logical.
    pure subroutine keep_logical(self, value)
       type(archive_t), intent(inout) :: self
       logical, intent(inout) :: value
@@ -91,7 +91,7 @@ contains
       if (self%direction == archive_reads) value = number /= 0
    end subroutine keep_logical
 
-   !> The length of an array, which has to be the same when it is read.
+   !> Serialise the length of an array, which must match when it is read.
    pure subroutine keep_length(self, n)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
@@ -102,7 +102,7 @@ contains
       self%is_good = self%is_good .and. length == n
    end subroutine keep_length
 
-   !> Reals, of an array of any rank.
+   !> Serialise reals, of an array of any rank.
    pure subroutine keep_reals(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
@@ -115,7 +115,7 @@ contains
       end do
    end subroutine keep_reals
 
-   !> Integers, of an array of any rank.
+   !> Serialise integers, of an array of any rank.
    pure subroutine keep_integers(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
@@ -128,7 +128,7 @@ contains
       end do
    end subroutine keep_integers
 
-   !> Logicals, of an array of any rank.
+   !> Serialise logicals, of an array of any rank.
    pure subroutine keep_logicals(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
@@ -141,7 +141,7 @@ contains
       end do
    end subroutine keep_logicals
 
-   !> Complex numbers, of an array of any rank.
+   !> Serialise complex numbers, of an array of any rank.
    pure subroutine keep_complex(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
@@ -159,11 +159,11 @@ contains
       end do
    end subroutine keep_complex
 
-   !> Things of a type whose components are numbers alone, as they lie in memory: whole words of it.
+   !> Serialise objects of a type with numeric components only, as they lie in memory: in whole words.
    subroutine keep_plain(self, bits, things)
       type(archive_t), intent(inout) :: self
-      integer(int64), intent(in) :: bits !! storage_size of one, times how many
-      type(c_ptr), intent(in) :: things  !! the first of them
+      integer(int64), intent(in) :: bits !! storage_size of one object, times their number
+      type(c_ptr), intent(in) :: things  !! address of the first object
       integer(int64), pointer :: words(:)
       integer(int64) :: i, place
 

@@ -1,9 +1,9 @@
-!> Elimination of the first unknowns of a symmetric matrix [A, B^T; B, C], positive definite in A.
+!> Elimination of the first unknowns of a symmetric matrix [A, B^T; B, C] with A positive definite.
 !>
-!>    A = L L^T (Cholesky),   X = B L^-T,   what is left: C - X X^T, the Schur complement
+!>    A = L L^T (Cholesky),   X = B L^-T,   Schur complement: C - X X^T
 !>
-!> Each element comes from the same operations in the same order as with the reference LAPACK and BLAS (dpotrf, dtrsm and dsyrk), so
-!> that its digits are the same; here they are made for sixteen rows and four columns at once.
+!> Each element results from the same operations in the same order as in the reference LAPACK and BLAS (dpotrf, dtrsm and
+!> dsyrk), with identical digits; here sixteen rows and four columns are processed at once.
 module evl_condensation
    use evl_kinds, only: lanes, wp
    implicit none (type, external)
@@ -14,12 +14,12 @@ module evl_condensation
    integer, parameter, public :: height = 2*lanes !! rows of a strip
    integer, parameter :: columns = 4              !! of a tile
 
-   !> The lower triangle of a symmetric matrix in strips of sixteen rows, which end behind the diagonal; each goes column by column.
-   !> Rows of a unit matrix before it fill up the unknowns to be eliminated to whole strips.
+   !> Lower triangle of a symmetric matrix in strips of sixteen rows, which end behind the diagonal; each strip is stored by
+   !> columns. Rows of a unit matrix before it pad the unknowns to be eliminated to whole strips.
    type :: symmetric_t
-      integer :: n_out = 0, n = 0           !! unknowns to be eliminated, and all
-      integer :: fill = 0                   !! rows before them
-      real(wp), allocatable :: numbers(:)   !! and perhaps more
+      integer :: n_out = 0, n = 0           !! unknowns to be eliminated, and all unknowns
+      integer :: fill = 0                   !! padding rows before them
+      real(wp), allocatable :: numbers(:)   !! elements; may be longer than necessary
    contains
       procedure :: create
       procedure :: element
@@ -30,14 +30,14 @@ module evl_condensation
 
 contains
 
-   !> Numbers in so many strips.
+   !> Number of elements in n strips.
    elemental integer function in_strips(n)
       integer, intent(in) :: n
 
       in_strips = n*(n + 1)/2*height**2
    end function in_strips
 
-   !> Zeros, in the room that is there if it is large enough.
+   !> Set to zero, in the allocated array if it is large enough.
    pure subroutine create(self, n_out, n)
       class(symmetric_t), intent(inout) :: self
       integer, intent(in) :: n_out, n
@@ -57,7 +57,7 @@ contains
       end do
    end subroutine create
 
-   !> Where row i begins after the rows that fill up: element (i, j), i >= j, is number row_start + height j.
+   !> Offset of row i, counted after the padding rows: element (i, j), i >= j, has the index row_start + height j.
    elemental integer function row_start(fill, i)
       integer, intent(in) :: fill, i
 
@@ -72,7 +72,7 @@ contains
       element = self%numbers(row_start(self%fill, i) + height*j)
    end function element
 
-   !> Set a column from row i on, i >= j.
+   !> Set column j from row i on, i >= j.
    pure subroutine set(self, i, j, values)
       class(symmetric_t), intent(inout) :: self
       integer, intent(in) :: i, j
@@ -84,11 +84,11 @@ contains
       end do
    end subroutine set
 
-   !> Add what is left of a matrix.
+   !> Add the Schur complement of another matrix.
    pure subroutine add(self, rest, at)
       class(symmetric_t), intent(inout) :: self
       type(symmetric_t), intent(in) :: rest
-      integer, intent(in) :: at(:) !! row here of each row that is left there; 0: none
+      integer, intent(in) :: at(:) !! row here of each of its rows; 0: none
       integer :: start(size(at)), first
 
       start = row_start(self%fill, at)
@@ -98,9 +98,9 @@ contains
       end do
    end subroutine add
 
-   !> A strip of it.
+   !> Add a strip of it.
    pure subroutine add_strip(first, last, at, start, numbers, strip)
-      integer, intent(in) :: first, last, at(last), start(last) !! rows of the strip; of all rows, where they go and begin
+      integer, intent(in) :: first, last, at(last), start(last) !! rows of the strip; for all rows, target row and its offset
       real(wp), intent(inout) :: numbers(*)
       real(wp), intent(in) :: strip(first:first + height - 1, *)
       integer :: i, k, place
@@ -129,9 +129,9 @@ contains
       end do
    end subroutine eliminate
 
-   !> A strip of L, or of X and C - X X^T, from those above it.
+   !> Compute a strip of L, or of X and C - X X^T, from those above it.
    pure subroutine finish_strip(s, start, width, numbers, inverse, is_definite)
-      integer, intent(in) :: s, start, width !! columns of the unit matrix to be passed over, and to be eliminated
+      integer, intent(in) :: s, start, width !! columns of the unit matrix to skip, and columns to eliminate
       real(wp), intent(inout) :: numbers(*), inverse(width)
       logical, intent(inout) :: is_definite
       real(wp) :: factor
@@ -175,7 +175,7 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: x(height, *), y(height, *)
       real(wp), intent(inout) :: tile(height, columns)
-      real(wp), dimension(height) :: a, b, c, d !! its columns, which stay in registers
+      real(wp), dimension(height) :: a, b, c, d !! its columns, held in registers
       integer :: i, l
 
       a = tile(:, 1)

@@ -1,4 +1,4 @@
-!> Eigenvalues of a small real matrix, without vectors and without a library: the same bits on every machine.
+!> Eigenvalues of a small real matrix, without vectors and without a library: bitwise identical on every machine.
 !>
 !> Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 7.4 (Hessenberg form), 7.5 (Francis's double shift, scaling).
 module evl_eigenvalues
@@ -16,8 +16,8 @@ contains
    pure subroutine find_eigenvalues(n, a, re, im, found)
       integer, intent(in) :: n
       real(wp), intent(inout) :: a(n, n)
-      real(wp), intent(out) :: re(n), im(n) !! a pair stands together
-      logical, intent(out) :: found         !! false: the matrix is not finite, or the iteration did not end
+      real(wp), intent(out) :: re(n), im(n) !! pairs are adjacent
+      logical, intent(out) :: found         !! false: the matrix is not finite, or the iteration did not converge
       integer, parameter :: most_steps = 60 !! for one eigenvalue
       integer :: first, last, steps
 
@@ -48,7 +48,7 @@ contains
       end do
    end subroutine find_eigenvalues
 
-   !> Scale states by powers of 2 until rows and columns are of one size.
+   !> Balance: scale states by powers of 2 until rows and columns have similar norms.
    pure subroutine balance(n, a)
       integer, intent(in) :: n
       real(wp), intent(inout) :: a(n, n)
@@ -113,7 +113,7 @@ contains
       end do
    end subroutine reduce
 
-   !> Where the block that ends at `last` begins: its entry below the diagonal vanishes.
+   !> First row of the block that ends at `last`: its entry below the diagonal vanishes.
    pure integer function start_of_block(n, a, last) result(first)
       integer, intent(in) :: n, last
       real(wp), intent(in) :: a(n, n)
@@ -148,12 +148,12 @@ contains
       end if
    end subroutine solve_two
 
-   !> One step with the eigenvalues of the last two rows of a block as shifts; the block has no zeros below its diagonal.
+   !> Francis step with the eigenvalues of the last two rows of a block as shifts; the block has no zeros below its diagonal.
    pure subroutine francis_step(n, a, first, last, unusual)
       integer, intent(in) :: n
       real(wp), intent(inout) :: a(n, n)
       integer, intent(in) :: first, last !! rows of the block, three or more
-      logical, intent(in) :: unusual     !! with other shifts, when the usual ones go in circles
+      logical, intent(in) :: unusual     !! exceptional shifts, when the usual ones do not converge
       real(wp) :: total, product, v(3)
       integer :: i, k, m
 
@@ -184,7 +184,7 @@ contains
       real(wp) :: length, factor, along
       integer :: i, third
 
-      third = min(k + 2, last) ! of two rows the second once more, with weight 0
+      third = min(k + 2, last) ! for two rows: the second one again, with weight 0
       if (m < 3) v(3) = 0
       length = max(abs(v(1)), abs(v(2)), abs(v(3)))
       if (.not. length > 0) return

@@ -1,6 +1,6 @@
-!> Elementary functions in plain arithmetic, for loops that become vector instructions.
+!> Elementary functions in plain arithmetic, for vectorised loops.
 !>
-!> Unlike those of the C library they give the same bits on every machine.
+!> Unlike those of the C library they are bitwise identical on every machine.
 module evl_elementary
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_kinds, only: wp

@@ -1,7 +1,7 @@
-!> What a case says, in the words of the rows in which things describe themselves: a tree of blocks, laid out as a list of entries.
+!> Case parameters, validated against the schema (rows): a tree of blocks, stored as a list of entries.
 !>
-!> An entry is a key with its value; the entries of a block follow its own, one level deeper. A thing asks its block by key and
-!> gets numbers in SI units and radians; a key that is not given has the default of its row.
+!> An entry is a key with its value; the entries of a block follow its own entry, one level deeper. A component reads its
+!> block by key and obtains numbers in SI units and radians. A key that is not given has the default of its row.
 module evl_given
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
@@ -13,15 +13,15 @@ module evl_given
 
    real(wp), parameter :: radians_per_degree = 0.017453292519943295769_wp
 
-   !> A key, or an element of a list or map, or a number of a name.
+   !> A key, an element of a list or map, or a named number.
    type :: entry_t
-      integer :: row = 0                     !! which row
+      integer :: row = 0                     !! index of its row
       integer :: level = 1                   !! 1: a key of the case; one more in each block
-      character(len=:), allocatable :: name  !! of an element or a number; a word or text that is given; "" if there is none
+      character(len=:), allocatable :: name  !! of an element or a number; the word or text given; "" if there is none
       real(wp), allocatable :: numbers(:)    !! in the unit of the row
    end type entry_t
 
-   !> All that a case says. It stays where it is as long as views of it are in use.
+   !> All parameters of a case. It must not move while views of it are in use.
    type :: description_t
       type(row_t), allocatable :: rows(:)
       type(entry_t), allocatable :: entries(:)
@@ -30,10 +30,10 @@ module evl_given
    !> A view of a block.
    type :: given_t
       type(row_t), pointer :: rows(:) => null()
-      type(entry_t), pointer :: entries(:) => null()  !! those in the block, without its own
-      integer :: level = 1                            !! of its keys
-      character(len=short_length) :: block = "case"   !! which block
-      character(len=text_length) :: name = ""         !! of an element
+      type(entry_t), pointer :: entries(:) => null()  !! entries of the block, without its own
+      integer :: level = 1                            !! level of its keys
+      character(len=short_length) :: block = "case"   !! type of the block
+      character(len=text_length) :: name = ""         !! name of an element
       integer :: first = 0                            !! index of the first of the entries in the description
       integer :: first_row = 1                        !! index of the first row of the block
    contains
@@ -53,7 +53,7 @@ module evl_given
 
 contains
 
-   !> View the case as a whole.
+   !> View the whole case.
    subroutine all_of(self, description)
       class(given_t), intent(out) :: self
       type(description_t), target, intent(in) :: description
@@ -73,7 +73,7 @@ contains
 
       do i = 1, size(self%entries)
          if (self%entries(i)%level /= self%level) cycle
-         if (self%rows(self%entries(i)%row)%key(1:1) /= key(1:1)) cycle ! most are told apart so, and it costs far less
+         if (self%rows(self%entries(i)%row)%key(1:1) /= key(1:1)) cycle ! distinguishes most keys, at a much lower cost
          if (self%rows(self%entries(i)%row)%key == key) return
       end do
       i = 0
@@ -105,7 +105,7 @@ contains
       has = self%find(key) > 0
    end function has
 
-   !> The number of a key in SI units, angles in radians; its default if it is not given, NaN without one.
+   !> Number of a key in SI units, angles in radians; if it is not given its default, or NaN without one.
    pure real(wp) function number(self, key)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -115,7 +115,7 @@ contains
       if (unit == "deg") number = number*radians_per_degree
    end function number
 
-   !> The same in the unit of the row.
+   !> `number` in the unit of the row.
    pure real(wp) function in_unit(self, key) result(number)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -124,7 +124,7 @@ contains
       call take_number(self, key, number, unit)
    end function in_unit
 
-   !> The first number of a key, and their unit.
+   !> First number of a key, and its unit.
    pure subroutine take_number(self, key, number, unit)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -137,7 +137,7 @@ contains
       if (size(all) > 0) number = all(1)
    end subroutine take_number
 
-   !> A whole number; 0 if it is not given and has no default.
+   !> Integer of a key; 0 if it is not given and has no default.
    pure integer function whole(self, key)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -148,7 +148,7 @@ contains
       if (.not. ieee_is_nan(number)) whole = nint(number)
    end function whole
 
-   !> All numbers of a key in SI units, angles in radians; those of its default if it is not given, none without one.
+   !> All numbers of a key in SI units, angles in radians; if it is not given those of its default, or none without one.
    pure function numbers(self, key) result(all)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -159,7 +159,7 @@ contains
       if (unit == "deg") all(:) = all*radians_per_degree
    end function numbers
 
-   !> The numbers of a key, and their unit.
+   !> All numbers of a key, and their unit.
    pure subroutine take_numbers(self, key, all, unit)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -180,7 +180,7 @@ contains
       if (i == 0) allocate (all(0))
    end subroutine take_numbers
 
-   !> The word or text of a key; its default if it is not given, "" without one.
+   !> Word or text of a key; if it is not given its default, or "" without one.
    pure function word(self, key)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -202,7 +202,7 @@ contains
       end do
    end function word
 
-   !> Which of the words of its row the word of a key is, from 0; -1 if it is none.
+   !> Index of the word of a key among the words of its row, from 0; -1 if it is none of them.
    pure integer function choice(self, key)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -230,7 +230,7 @@ contains
       end associate
    end function choice
 
-   !> The block of a key. If it is not given it has no entries: all its keys have their defaults.
+   !> Block of a key. If it is not given, it has no entries: all its keys have their defaults.
    subroutine inner(self, key, block)
       class(given_t), intent(in) :: self
       character(len=*), intent(in) :: key
@@ -283,7 +283,7 @@ contains
 
    end subroutine elements
 
-   !> View the block whose own entry is at a place.
+   !> View the block whose own entry has the index `place`.
    subroutine view(self, place, block)
       class(given_t), intent(in) :: self
       integer, intent(in) :: place

@@ -1,11 +1,11 @@
-!> Where the entries of a Jacobian are kept: in a full matrix, or in a list of those that may differ from zero. Who adds to them
-!> has noted these before.
+!> Storage of the entries of a Jacobian: a full matrix, or a list of the entries that may differ from zero, recorded beforehand.
 !>
-!> Who adds to an entry names its row and column and need not know which. In a list every row has a table of its own, in which an
-!> entry stands at the last bits of its column, as many as tell the columns of that row from each other: so an entry is found
-!> without a search, and the tables grow as the list does.
+!> Code that adds to an entry passes its row and column and does not depend on the storage. In a list every row has a hash
+!> table, indexed by the last bits of the column, as many as distinguish the columns of that row. Entries are thus found
+!> without a search, and the tables grow in proportion to the list.
 !>
-!> Notes are made by whoever will add to the entries, and counted; where there was no room for all, once more with that room.
+!> The code that adds to the entries also records and counts them. If the buffer was too small, recording is repeated with the
+!> required size.
 module evl_jacobian_entries
    use evl_kinds, only: wp
    use evl_places, only: places
@@ -17,19 +17,19 @@ module evl_jacobian_entries
 
    type :: jacobian_entries
       integer :: n = 0                    !! rows, and columns
-      integer :: n_entries = 0            !! how many are kept
-      logical :: notes = .false.          !! whether adding to an entry only notes its place
-      ! what only a list has
-      integer, allocatable :: start(:)    !! [n + 1] first entry of each row among these:
-      integer, allocatable :: columns(:), indices(:) !! [n_entries] row after row, by columns; their places in the list
-      integer, allocatable :: before(:)   !! [n] places before the table of each row
-      integer, allocatable :: mask(:)     !! [n] the bits of a column that count there
+      integer :: n_entries = 0            !! number of stored entries
+      logical :: notes = .false.          !! adding to an entry only records its row and column
+      ! only of a list
+      integer, allocatable :: start(:)    !! [n + 1] first entry of each row in the following arrays
+      integer, allocatable :: columns(:), indices(:) !! [n_entries] row after row, by columns; their indices in the list
+      integer, allocatable :: before(:)   !! [n] first index of the table of each row
+      integer, allocatable :: mask(:)     !! [n] mask of the bits of a column that count there
       integer, allocatable :: table(:)    !! index in the list of the entry with these bits
    end type jacobian_entries
 
 contains
 
-   !> All entries, column after column.
+   !> Full matrix, stored column after column.
    pure subroutine full_matrix(n, entries)
       integer, intent(in) :: n !! rows
       type(jacobian_entries), intent(out) :: entries
@@ -38,10 +38,10 @@ contains
       entries%n_entries = n**2
    end subroutine full_matrix
 
-   !> Some entries in a given order.
+   !> List of some entries in a given order.
    pure subroutine listed_entries(n, rows, columns, entries)
       integer, intent(in) :: n                  !! rows of the matrix
-      integer, intent(in) :: rows(:), columns(:) !! of each entry; none is there twice
+      integer, intent(in) :: rows(:), columns(:) !! of each entry; no duplicates
       type(jacobian_entries), intent(out) :: entries
       integer, allocatable :: order(:)
       integer :: i, p
@@ -65,7 +65,7 @@ contains
       call make_tables(entries)
    end subroutine listed_entries
 
-   !> Order by a key in 1 .. n, those of one key as they were.
+   !> Stable sort of `order` by a key in 1 .. n.
    pure subroutine sort_by(n, key, order)
       integer, intent(in) :: n, key(:)
       integer, intent(inout) :: order(:)
@@ -85,7 +85,7 @@ contains
       order = sorted
    end subroutine sort_by
 
-   !> The tables of all rows, each as short as its columns allow.
+   !> Make the tables of all rows, each as short as its columns allow.
    pure subroutine make_tables(entries)
       type(jacobian_entries), intent(inout) :: entries
       integer :: i, p, room
@@ -110,7 +110,7 @@ contains
 
    contains
 
-      !> Whether the bits of a mask tell columns from each other.
+      !> Whether the bits of a mask distinguish the columns.
       pure logical function tells(columns, mask)
          integer, intent(in) :: columns(:), mask
          logical :: seen(0:mask)
@@ -127,9 +127,9 @@ contains
 
    end subroutine make_tables
 
-   !> Nothing but notes of the places that would be added to, in an array of `room` + 1 that begins with 0.
+   !> Record entries only, in an array of `room` + 1 values whose first one, the count, must be 0.
    pure subroutine note_entries(n, room, entries)
-      integer, intent(in) :: n, room !! rows; how many notes there is room for
+      integer, intent(in) :: n, room !! rows; capacity of the array
       type(jacobian_entries), intent(out) :: entries
 
       entries%n = n
@@ -137,14 +137,14 @@ contains
       entries%notes = .true.
    end subroutine note_entries
 
-   !> How many notes were made, or would have been.
+   !> Number of recorded entries, including those beyond the capacity.
    pure integer function n_noted(notes)
       real(wp), intent(in) :: notes(:)
 
       n_noted = nint(notes(1))
    end function n_noted
 
-   !> The places noted, column after column, each once.
+   !> Recorded entries, column after column, without duplicates.
    pure subroutine take_noted(n, notes, rows, columns)
       integer, intent(in) :: n !! rows
       real(wp), intent(in) :: notes(:)
@@ -159,7 +159,7 @@ contains
       call sort_places(n, rows, columns)
    end subroutine take_noted
 
-   !> Column after column, each place once.
+   !> Sort entries column after column, without duplicates.
    pure subroutine sort_places(n, rows, columns)
       integer, intent(in) :: n !! rows of the matrix
       integer, allocatable, intent(inout) :: rows(:), columns(:)
@@ -179,7 +179,7 @@ contains
       columns = columns(order)
    end subroutine sort_places
 
-   !> Add to an entry that is kept.
+   !> Add to a stored entry.
    pure subroutine add_entry(entries, row, column, amount, values)
       type(jacobian_entries), intent(in) :: entries
       integer, intent(in) :: row, column
@@ -200,9 +200,9 @@ contains
       values(index) = values(index) + amount
    end subroutine add_entry
 
-   !> Add a multiple of one row to another, which has the entries for it.
+   !> Add a multiple of one row to another, which must have the required entries.
    pure subroutine add_row(entries, from, to, factor, values)
-      type(jacobian_entries), intent(in) :: entries !! no notes
+      type(jacobian_entries), intent(in) :: entries !! not in recording mode
       integer, intent(in) :: from, to
       real(wp), intent(in) :: factor
       real(wp), intent(inout) :: values(entries%n_entries)
@@ -219,9 +219,9 @@ contains
       end if
    end subroutine add_row
 
-   !> Make a row zero.
+   !> Set a row to zero.
    pure subroutine clear_row(entries, row, values)
-      type(jacobian_entries), intent(in) :: entries !! no notes
+      type(jacobian_entries), intent(in) :: entries !! not in recording mode
       integer, intent(in) :: row
       real(wp), intent(inout) :: values(entries%n_entries)
       integer :: p
@@ -235,7 +235,7 @@ contains
       end if
    end subroutine clear_row
 
-   !> y = J x of a list of entries; arrays of known shape, so that no descriptor is looked at.
+   !> y = J x of a list of entries; explicit-shape arrays avoid access to array descriptors.
    pure subroutine apply_entries(n, entries, row, column, jacobian, x, y)
       integer, intent(in) :: n, entries, row(entries), column(entries)
       real(wp), intent(in) :: jacobian(entries), x(n)

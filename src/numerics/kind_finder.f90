@@ -1,5 +1,5 @@
-!> Finds one in a table of kinds, as of laws, loads or supports. A table offers each of its kinds to a finder and makes the one that
-!> the finder meets, so that tables need no walk of their own.
+!> Search in a table of kinds, such as laws, loads or supports. A table offers each of its kinds to a finder and creates the
+!> one that the finder accepts, so that tables need no loop of their own.
 module evl_kind_finder
    use evl_row, only: kind_t
    implicit none (type, external)
@@ -7,25 +7,25 @@ module evl_kind_finder
 
    public :: described_t, kind_finder
 
-   !> A kind, which describes itself.
+   !> A kind that describes itself.
    type, abstract :: described_t
    contains
       procedure(describe), deferred :: describe
    end type described_t
 
-   !> Of one walk through a table.
+   !> State of one pass through a table.
    type :: kind_finder
-      integer :: index = -1                    !! in the table, from 0, of the kind that is looked for; -1: of none
-      integer :: n = 0                         !! kinds that were offered
-      type(kind_t) :: found                    !! what the kind says of itself that was looked for
-      type(kind_t), allocatable :: kinds(:)    !! room for what all say of themselves, if that is wanted
+      integer :: index = -1                    !! index in the table, from 0, of the requested kind; -1: none
+      integer :: n = 0                         !! number of kinds offered
+      type(kind_t) :: found                    !! description of the requested kind
+      type(kind_t), allocatable :: kinds(:)    !! buffer for the descriptions of all kinds, if requested
    contains
       procedure :: meets
    end type kind_finder
 
    abstract interface
 
-      !> Name, text, source and rows of the kind; `info` comes empty.
+      !> Set name, text, source and rows of the kind; `info` is empty on entry.
       pure subroutine describe(self, info)
          import :: described_t, kind_t
          implicit none (type, external)
@@ -37,7 +37,7 @@ module evl_kind_finder
 
 contains
 
-   !> Whether the next kind of a table is the one that is looked for.
+   !> Whether the next kind of a table is the requested one.
    logical function meets(self, entry)
       class(kind_finder), intent(inout) :: self
       class(described_t), intent(in) :: entry

@@ -8,7 +8,7 @@ module evl_kinds
 
    integer, parameter :: wp = real64                             !! working precision: IEEE double
    real(wp), parameter :: pi = 3.14159265358979323846264338328_wp !! circle constant
-   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp) !! what is not known, or does not exist
-   integer, parameter :: lanes = 8                               !! states that the procedures in lanes take at once
+   real(wp), parameter :: nan = transfer(int(z"7FF8000000000000", int64), 1.0_wp) !! unknown or undefined value
+   integer, parameter :: lanes = 8                               !! number of states that procedures in lanes process at once
 
 end module evl_kinds

@@ -23,13 +23,13 @@ module evl_lapack
          use evl_kinds, only: wp
          implicit none (type, external)
          character(len=1), intent(in) :: balanc, jobvl, jobvr !! "B": permute and scale; "V": left, right vectors
-         character(len=1), intent(in) :: sense                !! "E": rconde is wanted, rcondv and iwork are not used
+         character(len=1), intent(in) :: sense                !! "E": rconde is computed, rcondv and iwork are not used
          integer, intent(in) :: n, lda, ldvl, ldvr, lwork     !! lwork >= 3n
          real(wp), intent(inout) :: a(lda, *)                 !! matrix
-         real(wp), intent(out) :: wr(*), wi(*)                !! eigenvalues; a pair stands together, wi > 0 first
-         real(wp), intent(out) :: vl(ldvl, *), vr(ldvr, *)    !! columns; of a pair the real and the imaginary part
+         real(wp), intent(out) :: wr(*), wi(*)                !! eigenvalues; pairs are adjacent, wi > 0 first
+         real(wp), intent(out) :: vl(ldvl, *), vr(ldvr, *)    !! columns; for a pair, the real and the imaginary part
          integer, intent(out) :: ilo, ihi, iwork(*)
-         real(wp), intent(out) :: scale(*)                    !! how the matrix was balanced
+         real(wp), intent(out) :: scale(*)                    !! scaling factors of the balancing
          real(wp), intent(out) :: abnrm                       !! 1-norm of the balanced matrix
          real(wp), intent(out) :: rconde(*), rcondv(*)        !! reciprocal condition numbers of values, of vectors
          real(wp), intent(out) :: work(*)

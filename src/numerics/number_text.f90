@@ -1,4 +1,4 @@
-!> Numbers as messages show them.
+!> Text of numbers in messages.
 module evl_number_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use evl_kinds, only: wp
@@ -7,11 +7,11 @@ module evl_number_text
 
    public :: number_length, quantity_length, write_integer, write_number
 
-   integer, parameter :: number_length = 32 !! characters that a number needs at most
+   integer, parameter :: number_length = 32 !! largest number of characters of a number
 
 contains
 
-   !> Length of a quantity.
+   !> Length of the text of a quantity.
    pure integer function quantity_length(value, unit) result(length)
       real(wp), intent(in) :: value
       character(len=*), intent(in) :: unit
@@ -21,8 +21,8 @@ contains
       if (len(unit) > 0) length = length + 1 + len(unit)
    end function quantity_length
 
-   !> Digits of a whole number from 0 on, at the left of a text that is long enough. No internal write: the runtime library would
-   !> take memory for that, and end the program with words of its own where there is none.
+   !> Digits of an integer >= 0, left-aligned in a text that is long enough. No internal write: the runtime library would
+   !> allocate memory for it and, on failure, end the program with its own message.
    pure subroutine write_integer(number, text)
       integer, intent(in) :: number
       character(len=*), intent(out) :: text
@@ -37,7 +37,7 @@ contains
       end do
    end subroutine write_integer
 
-   !> Six significant digits without trailing zeros.
+   !> Write a number with six significant digits, without trailing zeros.
    pure subroutine write_number(value, number, length)
       real(wp), intent(in) :: value
       character(len=number_length), intent(out) :: number
@@ -59,7 +59,7 @@ contains
       e = index(number, "E")
       if (e == 0) then
          e = len_trim(number) + 1
-      else if (number(e + 2:e + 2) == "0") then ! two digits where they are enough
+      else if (number(e + 2:e + 2) == "0") then ! two digits where these are sufficient
          number = number(:e + 1)//number(e + 3:)
       end if
       if (index(number(:e - 1), ".") > 0) then

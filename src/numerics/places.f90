@@ -1,5 +1,5 @@
-!> Places of what is so, and which of several things hang together. Places are not listed by `pack`, whose result gfortran's
-!> library makes: where it finds no memory for that it ends the program by itself.
+!> Indices of the true elements of a mask, and connected items. `pack` is not used: gfortran's library allocates its result
+!> and, on failure, ends the program.
 module evl_places
    implicit none (type, external)
    private
@@ -8,7 +8,7 @@ module evl_places
 
 contains
 
-   !> Where a mask is true, in ascending order.
+   !> Indices of the true elements of a mask, ascending.
    pure function places(mask) result(found)
       logical, intent(in) :: mask(:)
       integer :: found(count(mask)), i, n
@@ -21,11 +21,11 @@ contains
       end do
    end function places
 
-   !> Which of n things links join to one of them, itself among them.
+   !> Mask of the items, out of n, that links connect to a given one, including itself.
    pure function joined_to(first, a, b, counts, n) result(joined)
-      integer, intent(in) :: first     !! the one
+      integer, intent(in) :: first     !! index of the given item
       integer, intent(in) :: a(:), b(:) !! the two ends of each link
-      logical, intent(in) :: counts(:) !! whether a link is looked at
+      logical, intent(in) :: counts(:) !! whether a link is considered
       integer, intent(in) :: n
       logical :: joined(n)
       integer :: before, i

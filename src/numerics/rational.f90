@@ -1,4 +1,4 @@
-!> Exact fractions: the speed ratios of trains, and the pitches that one turn makes.
+!> Exact fractions: speed ratios of trains, and pitches per revolution.
 module evl_rational
    use, intrinsic :: iso_fortran_env, only: int32, int64
    use evl_kinds, only: wp
@@ -8,8 +8,8 @@ module evl_rational
    public :: divisor_of, rational_parts, rational_pitches, rational_t, rational_scaled, rational_value, operator(==)
 
    integer, parameter :: int128 = selected_int_kind(38)
-   integer(int64), parameter :: largest = 2_int64**61           !! numerator and denominator, so that twice of it fits
-   integer(int64), parameter :: short = int(huge(1_int32), int64) !! times any number of turns it still fits
+   integer(int64), parameter :: largest = 2_int64**61           !! limit of numerator and denominator, so that twice of it fits
+   integer(int64), parameter :: short = int(huge(1_int32), int64) !! limit for which the product with any number of turns fits
 
    !> above/below in lowest terms.
    type :: rational_t
@@ -34,7 +34,7 @@ contains
       type(rational_t), intent(in) :: r
       integer, intent(in) :: factor             !! of either sign, not 0
       integer, intent(in) :: divisor            !! > 0
-      type(rational_t), intent(out) :: scaled   !! meaningless if it does not fit
+      type(rational_t), intent(out) :: scaled   !! undefined if it does not fit
       logical, intent(out) :: fits              !! its numbers are less than 2**61, and it is less than 2**31
       integer(int64) :: shared, above, below, multiplier, denominator
 
@@ -74,7 +74,7 @@ contains
       value = real(r%above, wp)/real(r%below, wp)
    end function rational_value
 
-   !> r turns - teeth: whole numbers cancel before they are rounded, so that it keeps its relative precision however large they are.
+   !> r turns - teeth: integers cancel before they are rounded, so that the relative precision does not depend on their size.
    pure real(wp) function rational_pitches(r, turns, teeth) result(pitches)
       type(rational_t), intent(in) :: r       !! pitches per turn
       integer, intent(in) :: turns, teeth
@@ -89,11 +89,11 @@ contains
       if (rest /= 0) pitches = pitches + real(rest, wp)/real(r%below, wp)
    end function rational_pitches
 
-   !> r n = whole + part with |part| < 1: as precise however large it is.
+   !> r n = whole + part with |part| < 1: the precision does not depend on its size.
    pure subroutine rational_parts(r, n, whole, part)
       type(rational_t), intent(in) :: r
       integer, intent(in) :: n
-      real(wp), intent(out) :: whole !! a whole number
+      real(wp), intent(out) :: whole !! an integer
       real(wp), intent(out) :: part
       integer(int64) :: all, rest
 
@@ -116,7 +116,7 @@ contains
       end if
    end subroutine split
 
-   !> The same where the product of the numerator and n needs more than 64 bits.
+   !> `split` if the product of the numerator and n needs more than 64 bits.
    pure subroutine split_large(r, n, whole, rest)
       type(rational_t), intent(in) :: r
       integer, intent(in) :: n

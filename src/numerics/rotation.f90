@@ -1,6 +1,6 @@
 !> Vectors and rotations in space: cross products, unit quaternions, rotation vectors.
 !>
-!> A quaternion is (p_0, q), p_0 its scalar part; R(p) turns components in the housing frame into components in the ground frame.
+!> A quaternion is (p_0, q), p_0 its scalar part; R(p) transforms components from the housing frame to the ground frame.
 module evl_rotation
    use evl_kinds, only: wp
    implicit none (type, external)
@@ -42,7 +42,7 @@ contains
       end do
    end function crossed
 
-   !> matrix x. (gfortran 12 warns of matmul with a function's result.)
+   !> matrix x. (gfortran 12 warns of matmul with a function result.)
    pure function turned(matrix, x) result(y)
       real(wp), intent(in) :: matrix(3, 3), x(3)
       real(wp) :: y(3)
@@ -107,10 +107,10 @@ contains
       c(2:4) = a(1)*b(2:4) + b(1)*a(2:4) + cross(a(2:4), b(2:4))
    end function quaternion_product
 
-   !> Orientation, angular velocity and angular acceleration, both in the turned frame, from a rotation vector and its rates.
+   !> Orientation, angular velocity and angular acceleration, both in the rotated frame, from a rotation vector and its rates.
    !>
    !> p = (c(x), s(x) theta) with x = theta . theta, c = cos(sqrt(x)/2), s = sin(sqrt(x)/2)/sqrt(x): entire functions of x, so
-   !> nothing is singular, whatever the angle. Omega = 2 vec(conj(p) o p'), Omega' = 2 vec(conj(p) o p'').
+   !> that there is no singularity at any angle. Omega = 2 vec(conj(p) o p'), Omega' = 2 vec(conj(p) o p'').
    pure subroutine turn_from_vector(theta, rate, second, p, omega, alpha)
       real(wp), intent(in) :: theta(3), rate(3), second(3) !! rotation vector [rad], its first and second derivative
       real(wp), intent(out) :: p(4), omega(3), alpha(3)    !! [1], [rad/s], [rad/s^2]
@@ -131,7 +131,8 @@ contains
       alpha = 2*both(2:4)
    end subroutine turn_from_vector
 
-   !> s(x) = sin(sqrt(x)/2)/sqrt(x) with its first two derivatives; by its power series where the quotients would cancel.
+   !> s(x) = sin(sqrt(x)/2)/sqrt(x) with its first two derivatives; by its power series where the quotients suffer from
+   !> cancellation.
    pure subroutine half_sine(x, c, s, s_x, s_xx)
       real(wp), intent(in) :: x, c !! x >= 0; cos(sqrt(x)/2)
       real(wp), intent(out) :: s, s_x, s_xx

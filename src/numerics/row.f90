@@ -1,8 +1,8 @@
-!> How a thing describes itself: the rows of what a case can say of it, and whether a number is accepted.
+!> Rows of the parameter schema: keys of a case, and the check of their numbers.
 !>
-!> A row is a key of a block of the case file: its type, unit, range, plausible range, default and text. Each range stands here
-!> only: the case file's schema, its errors and warnings, `evolvent show --keys` and the tables of the documentation are made
-!> from the rows.
+!> A row is a key of a block of the case file: its type, unit, range, plausible range, default and text. Each range is defined
+!> only here: the case file's schema, its errors and warnings, `evolvent show --keys` and the tables of the documentation are
+!> generated from the rows.
 module evl_row
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
    use evl_kinds, only: wp
@@ -35,24 +35,24 @@ module evl_row
    integer, parameter :: type_references = 12 !! [name, name] of two of them
    integer, parameter :: type_choice = 13     !! one of the words
    integer, parameter :: type_block = 14      !! keys of the block `holds`
-   integer, parameter :: type_list = 15       !! a list of blocks `holds`, as many as the range says
-   integer, parameter :: type_map = 16        !! name: block `holds`, as many as the range says
+   integer, parameter :: type_list = 15       !! a list of blocks `holds`; the range limits their number
+   integer, parameter :: type_map = 16        !! name: block `holds`; the range limits their number
 
-   !> What may be wrong with a number.
+   !> Faults of a number.
    enum, bind(c)
       enumerator :: fault_none = 0, fault_infinite, fault_small, fault_large, fault_fraction
    end enum
 
-   !> Which numbers are accepted: finite ones from minimum to maximum.
+   !> Range of accepted numbers: finite ones from minimum to maximum.
    type :: range_t
       real(wp) :: minimum = -huge(1.0_wp) !! -huge: unbounded
       real(wp) :: maximum = huge(1.0_wp)  !! +huge: unbounded
-      logical :: minimum_open = .false.   !! the end itself is refused
+      logical :: minimum_open = .false.   !! the limit itself is refused
       logical :: maximum_open = .false.
    end type range_t
 
-   !> Plausible magnitudes of a number: from least to most, or 0. Others are accepted with a warning: a unit is probably wrong.
-   !> A lower end of 0 is no lower limit; an upper end of 0: the row states no plausible range.
+   !> Plausible magnitudes of a number: from least to most, or 0. Others are accepted with a warning, since the unit is
+   !> probably wrong. least = 0: no lower limit; most = 0: the row has no plausible range.
    type :: span_t
       real(wp) :: least = 0.0_wp
       real(wp) :: most = 0.0_wp
@@ -65,34 +65,35 @@ module evl_row
    type :: row_t
       character(len=short_length) :: key = ""
       integer :: type = type_number
-      character(len=short_length) :: unit = ""         !! of the numbers in the case file; "" if they have none
-      character(len=text_length) :: text = ""          !! what it means, one line
+      character(len=short_length) :: unit = ""         !! of the numbers in the case file; "" if there is none
+      character(len=text_length) :: text = ""          !! meaning, one line
       type(range_t) :: range = range_t()
       logical :: required = .false.
-      character(len=2*short_length) :: default = ""    !! YAML; "" if there is none: the key stays away. {driving}: that key's value
-      character(len=text_length) :: words = ""         !! of a choice, or instead of a number; separated by blanks
-      character(len=short_length) :: holds = ""        !! block of a block, list or map; block that a reference is to
-      character(len=text_length) :: variants = ""      !! values of the block's first key with which it may stand; "" for all;
-                                                       !! "+KEY": it may stand beside that key only; "-KEY": not beside it
+      character(len=2*short_length) :: default = "" !! YAML; "" if there is none: the key stays absent. {driving}: value of that key
+      character(len=text_length) :: words = ""         !! of a choice, or alternatives to a number; separated by blanks
+      character(len=short_length) :: holds = ""        !! block type of a block, list or map; block type that a reference refers to
+      character(len=text_length) :: variants = ""      !! values of the block's first key with which it is allowed; "" for all;
+                                                       !! "+KEY": allowed only together with that key; "-KEY": not together
+                                                       !! with it
       type(span_t) :: plausible = span_t()             !! in `unit`; every row with a unit states it
-      ! filled in where all rows are put together
-      character(len=short_length) :: block = ""        !! the block that has it
-      integer :: first_held = 0                        !! which row is the first of the block that it holds; 0: it holds none
-      real(wp) :: defaults(4) = 0.0_wp                 !! the numbers of the default
-      integer :: n_defaults = 0                        !! how many of them there are
+      ! set where all rows are collected
+      character(len=short_length) :: block = ""        !! block that contains it
+      integer :: first_held = 0                        !! index of the first row of the block that it holds; 0: it holds none
+      real(wp) :: defaults(4) = 0.0_wp                 !! numbers of the default
+      integer :: n_defaults = 0                        !! their number
    end type row_t
 
-   !> One of the kinds of a block that has them: a law, a kind of load or of support.
+   !> One of the kinds of a block, such as a law, a load or a support.
    type :: kind_t
       character(len=short_length) :: name = ""   !! as in the case file
       character(len=text_length) :: text = ""    !! one line
-      character(len=text_length) :: source = ""  !! where it comes from; "" if nowhere else
-      type(row_t), allocatable :: rows(:)        !! its own, in their order
+      character(len=text_length) :: source = ""  !! reference; "" if there is none
+      type(row_t), allocatable :: rows(:)        !! its own rows, in their order
    end type kind_t
 
 contains
 
-   !> Ranges.
+   !> Range with a lower limit.
    pure type(range_t) function at_least(minimum) result(range)
       real(wp), intent(in) :: minimum
 
@@ -108,11 +109,11 @@ contains
    !> A number of a law, load or support: required unless it has a default or may be left open.
    pure type(row_t) function parameter_row(key, unit, text, range, default, left_open, type, plausible) result(row)
       character(len=*), intent(in) :: key, unit, text
-      type(range_t), intent(in), optional :: range       !! any number if not given
+      type(range_t), intent(in), optional :: range       !! any number if absent
       character(len=*), intent(in), optional :: default
-      logical, intent(in), optional :: left_open         !! it may be missing, without a default
-      integer, intent(in), optional :: type              !! a number if not given
-      type(span_t), intent(in), optional :: plausible    !! none if not given
+      logical, intent(in), optional :: left_open         !! it may be absent, without a default
+      integer, intent(in), optional :: type              !! a number if absent
+      type(span_t), intent(in), optional :: plausible    !! none if absent
 
       row%key = key
       row%unit = unit
@@ -140,9 +141,9 @@ contains
       end do
    end subroutine read_default
 
-   !> The number that a default spells, 1.25 or 1e-9; NaN if it spells none. Its digits are a whole number below 2**53 and its power
-   !> of ten is at most 1e22: both are exact, so one rounding is all. No internal read: the runtime library would take memory for
-   !> that, and end the program with words of its own where there is none.
+   !> Number in the text of a default, 1.25 or 1e-9; NaN if there is none. Its digits form an integer below 2**53 and its
+   !> power of ten is at most 1e22: both are exact, so that the result is rounded once. No internal read: the runtime library
+   !> would allocate memory for it and, on failure, end the program with its own message.
    pure real(wp) function number_of(text) result(number)
       character(len=*), intent(in) :: text
       character(len=*), parameter :: digits = "0123456789"
@@ -165,14 +166,14 @@ contains
       number = merge(number*10.0_wp**max(exponent, 0), number/10.0_wp**max(-exponent, 0), exponent > 0)
    end function number_of
 
-   !> Whether a row that is not given has a value all the same.
+   !> Whether a row that is not given has a default value.
    elemental logical function has_default(row)
       type(row_t), intent(in) :: row
 
       has_default = row%default /= ""
    end function has_default
 
-   !> Whether a value, NaN, leaves a row open that may be.
+   !> Whether a value, NaN, leaves a row open that may be left open.
    elemental logical function is_left_open(row, value)
       type(row_t), intent(in) :: row
       real(wp), intent(in) :: value
@@ -180,7 +181,7 @@ contains
       is_left_open = .not. (row%required .or. has_default(row)) .and. ieee_is_nan(value)
    end function is_left_open
 
-   !> How many numbers a value has; 0 if none, -1 if any.
+   !> Number of numbers in a value of a type; 0 if none, -1 if arbitrary.
    elemental integer function type_size(type) result(n)
       integer, intent(in) :: type
 
@@ -200,7 +201,7 @@ contains
       end select
    end function type_size
 
-   !> Words, or texts, in one.
+   !> Join words, or texts, to one text.
    pure subroutine join_words(words, separator, all)
       character(len=*), intent(in) :: words(:), separator
       character(len=*), intent(out) :: all
@@ -212,7 +213,7 @@ contains
       end do
    end subroutine join_words
 
-   !> Whether a number lies in the range of its key; of a table a million do.
+   !> Whether a number is in the range of its key; called for up to a million numbers of a table.
    pure logical function is_in_range(row, value)
       type(row_t), intent(in) :: row
       real(wp), intent(in) :: value !! in row%unit
@@ -238,7 +239,7 @@ contains
       end associate
    end function fault_of
 
-   !> What is wrong with a number out of its range, such as "coefficient = -1.00000 N s/m must be at least 0"; "" of one in it.
+   !> Error text for a number out of its range, such as "coefficient = -1.00000 N s/m must be at least 0"; "" if it is in range.
    pure function range_error(row, value) result(text)
       type(row_t), intent(in) :: row
       real(wp), intent(in) :: value !! in row%unit

@@ -1,7 +1,7 @@
-!> A linear system of a few unknowns, by elimination with row exchanges.
+!> Linear system of a few unknowns, solved by elimination with row exchanges.
 !>
-!> What LAPACK does to find its blocks costs more than the work itself where there are some ten unknowns: the system of the
-!> variational equations, with 14, takes two fifths of the instructions this way (docs/orbits.md).
+!> For some ten unknowns, LAPACK's selection of block sizes costs more than the solution itself: the system of the variational
+!> equations, with 14, takes two fifths of the instructions this way (docs/orbits.md).
 module evl_small_system
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv
@@ -10,15 +10,15 @@ module evl_small_system
 
    public :: solve_small
 
-   integer, parameter :: small = 60 !! unknowns; more are LAPACK's
+   integer, parameter :: small = 60 !! largest number of unknowns; larger systems are solved by LAPACK
 
 contains
 
    !> Solve A X = B.
    subroutine solve_small(a, b, good)
       real(wp), intent(inout), contiguous :: a(:, :) !! [n, n], destroyed
-      real(wp), intent(inout), contiguous :: b(:, :) !! [n, m], then X
-      logical, intent(out) :: good                   !! false if A is singular, or not finite; then B is of no use
+      real(wp), intent(inout), contiguous :: b(:, :) !! [n, m] in: right-hand sides; out: X
+      logical, intent(out) :: good                   !! false if A is singular, or not finite; then B is undefined
       integer :: pivots(size(a, 1)), info
 
       if (size(a, 1) > small) then
@@ -29,7 +29,7 @@ contains
       end if
    end subroutine solve_small
 
-   !> Gauss's elimination, column by column.
+   !> Gaussian elimination, column by column.
    pure subroutine eliminate(n, m, a, b, good)
       integer, intent(in) :: n, m
       real(wp), intent(inout) :: a(n, n), b(n, m)

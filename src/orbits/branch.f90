@@ -1,7 +1,7 @@
-!> Branches of periodic orbits: followed in a parameter, through folds.
+!> Continuation of branches of periodic orbits in a parameter, through folds.
 !>
-!> Pseudo-arclength: from a point a step along the tangent, then Newton's iteration orthogonal to it. The step halves where the
-!> iteration fails or the branch turns more than it should in a step, and grows where it is easy.
+!> Pseudo-arclength continuation: a step along the tangent from a point, then Newton's iteration orthogonal to it. The step is
+!> halved if the iteration fails or the branch turns too much in a step, and grows if convergence is fast.
 !>
 !> Sources: H. B. Keller, in: Applications of Bifurcation Theory, Academic Press 1977; R. Seydel, Practical Bifurcation and
 !> Stability Analysis, 3rd ed., ch. 4 and 7.
@@ -26,40 +26,40 @@ module evl_branch
    public :: branch_options, branch_walk
    public :: advance_branch, begin_branch, follow_branch, keep_point, before_end
 
-   !> What the user chooses of a branch. Steps are in units of the scales.
+   !> User options of a branch. Steps are in units of the scales.
    type :: branch_options
-      type(orbit_options) :: orbits             !! of each orbit
-      real(wp) :: from = -huge(1.0_wp), to = huge(1.0_wp) !! the parameter stays between these
-      logical :: rising = .true.                !! the parameter does, at the start
+      type(orbit_options) :: orbits             !! options of each orbit
+      real(wp) :: from = -huge(1.0_wp), to = huge(1.0_wp) !! limits of the parameter
+      logical :: rising = .true.                !! the parameter rises at the start
       real(wp) :: first_step = 0.01_wp, smallest_step = 1.0e-6_wp, largest_step = 0.1_wp
-      real(wp) :: straight_step = 0             !! the largest one where the branch is straight, if that is larger
+      real(wp) :: straight_step = 0             !! largest step where the branch is straight, if that is larger
       real(wp) :: largest_change = huge(1.0_wp) !! of the parameter in a step, over its scale
-      integer :: most_points = 1000             !! special ones, and those at values, are not counted
-      real(wp), allocatable :: values(:)        !! of the parameter, rising, at which there are to be orbits too
-      class(orbit_teller), pointer :: teller => null() !! of these; its numbers begin anew in each step
+      integer :: most_points = 1000             !! special points, and those at values, are not counted
+      real(wp), allocatable :: values(:)        !! of the parameter, ascending, at which orbits are computed as well
+      class(orbit_teller), pointer :: teller => null() !! output recorder of these; its numbers restart in each step
    end type branch_options
 
-   !> How far the search along a branch has come: all that its next point depends on.
+   !> State of a continuation: all data that determine its next point.
    type :: branch_walk
       type(branch_point) :: first, now !! ordinary points: the first one and the last one
-      type(orbit_t) :: before          !! of the one before the last; without a tangent if there is none
-      type(branch_point), allocatable :: told(:) !! the last few, as of before_end
-      real(wp) :: step = 0             !! to try next
-      integer :: crawls = 0            !! steps without progress, one after the other
-      integer :: n_ordinary = 0        !! points
-      logical :: is_smooth = .true.    !! the cubic through the last two points told the last step better than the tangent
+      type(orbit_t) :: before          !! of the point before the last; without a tangent if there is none
+      type(branch_point), allocatable :: told(:) !! last few points, from before_end
+      real(wp) :: step = 0             !! step to try next
+      integer :: crawls = 0            !! consecutive steps without progress
+      integer :: n_ordinary = 0        !! number of ordinary points
+      logical :: is_smooth = .true.    !! the cubic through the last two points predicted the last step better than the tangent
       logical :: is_over = .false.
    end type branch_walk
 
 contains
 
-   !> Follow the branch of an orbit until the parameter leaves its range, the branch closes, or there are enough points. One of
-   !> twice the period ends where both halves of its orbits become one.
+   !> Continue the branch of an orbit until the parameter leaves its range, the branch closes, or the number of points is
+   !> reached. A branch of doubled period ends where the two halves of its orbits coincide.
    subroutine follow_branch(model, options, orbit, points, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: orbit     !! found; if it has a tangent, that is where it goes
-      type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
+      type(orbit_t), intent(in) :: orbit     !! converged; its tangent, if it has one, is the direction
+      type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those found before
       type(status_t), intent(inout) :: status
       type(branch_walk) :: walk
       type(branch_point), allocatable :: more(:)
@@ -78,11 +78,11 @@ contains
       points = points(:n)
    end subroutine follow_branch
 
-   !> Stand at the first point of a branch.
+   !> Start at the first point of a branch.
    subroutine begin_branch(model, options, orbit, walk, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: orbit !! found; if it has a tangent, that is where it goes
+      type(orbit_t), intent(in) :: orbit !! converged; its tangent, if it has one, is the direction
       type(branch_walk), intent(out) :: walk
       type(status_t), intent(inout) :: status
       real(wp) :: along(model%n + 2)
@@ -102,21 +102,21 @@ contains
       walk%is_over = walk%n_ordinary >= options%most_points
    end subroutine begin_branch
 
-   !> The next point of a branch, with the special ones before it.
+   !> Compute the next point of a branch, with the special points before it.
    subroutine advance_branch(model, options, walk, points, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(branch_walk), intent(inout) :: walk
-      type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those until there
+      type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those found before
       type(status_t), intent(inout) :: status
       type(branch_point), allocatable :: special(:), told(:)
-      type(branch_point) :: last ! of the points
-      type(orbit_t) :: before    ! the last one
+      type(branch_point) :: last ! last point
+      type(orbit_t) :: before    ! orbit before the last point
       type(branch_point) :: next, target
       type(touch_passage) :: passage
-      real(wp), parameter :: crawling = 0.01_wp   !! step over the first one that is no progress
-      real(wp), parameter :: little = 1.0e-3_wp, same = 1.0e-8_wp !! leap over the way
-      integer, parameter :: most_crawls = 60      !! of such steps, one after the other
+      real(wp), parameter :: crawling = 0.01_wp   !! step over the first one below which there is no progress
+      real(wp), parameter :: little = 1.0e-3_wp, same = 1.0e-8_wp !! discontinuity over the step
+      integer, parameter :: most_crawls = 60      !! consecutive steps of that kind
       logical :: at_end, closes, is_missed
       real(wp) :: leap
       integer :: i, n_told
@@ -144,7 +144,7 @@ contains
          if (has_failed(status)) return
          leap = 0
          is_missed = .false.
-         if (passage%found .and. passage%from_behind) then ! multipliers jump: their tests tell nothing
+         if (passage%found .and. passage%from_behind) then ! multipliers jump: their test functions are meaningless
             special = [branch_point ::]
          else
             call find_special_points(model, options%orbits, walk%now%orbit, target%orbit, target%way, special, leap, is_missed, &
@@ -152,14 +152,14 @@ contains
             if (has_failed(status)) return
          end if
          if (passage%found .or. (leap < little .and. .not. is_missed)) exit
-         ! where orbits on both sides of a touch that was found are the same nothing jumps
+         ! if the orbits on both sides of a grazing point that was found coincide, there is no jump
          call look_for_touch(model, options, walk%before, walk%now%orbit, target%way, &
                              special(places(special%kind == kind_touch .and. leap <= same))%root, passage)
          if (passage%found) then
             next = passage%next
             walk%step = next%way
          else if (leap >= little .and. target%way > merge(100*options%smallest_step, options%first_step, leap < huge(leap))) then
-            walk%step = target%way/4 ! the two orbits are of different branches, or there is more between them
+            walk%step = target%way/4 ! the two orbits belong to different branches, or more points lie between them
             call go_on(model, options, walk%before, walk%now%orbit, next, walk%step, walk%is_smooth, passage, status)
             if (has_failed(status)) return
          else
@@ -174,7 +174,7 @@ contains
          closes = special(i)%kind == kind_fold
          if (closes) call repeats_sooner(model, options%orbits, special(i)%orbit, closes, status)
          if (.not. closes .and. .not. has_failed(status)) cycle
-         walk%is_over = closes ! the same orbits, half a period later, are all that comes
+         walk%is_over = closes ! only the same orbits, half a period later, would follow
          return
       end do
       call add_up_to(target)
@@ -185,14 +185,14 @@ contains
       walk%is_over = at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, target%way, walk%first)
       walk%before = walk%now%orbit
       walk%told = before_end(walk%told, points)
-      if (passage%found) deallocate (walk%before%tangent) ! the curve begins anew
+      if (passage%found) deallocate (walk%before%tangent) ! the curve restarts
       walk%now = next
       walk%n_ordinary = walk%n_ordinary + 1
       walk%is_over = walk%is_over .or. walk%n_ordinary >= options%most_points
 
    contains
 
-      !> Add a point, and before it the orbits at the values that are asked for.
+      !> Add a point, and before it the orbits at the requested values.
       subroutine add_up_to(point)
          type(branch_point), intent(in) :: point
          type(branch_point), allocatable :: between(:)
@@ -210,9 +210,9 @@ contains
 
    end subroutine advance_branch
 
-   !> The last few points of a branch before its end as far as it is smooth, and the touch behind which it is, if there is one.
+   !> Last few points of a branch before its end, on the smooth part, and the grazing point (touch) before these, if there is one.
    pure function before_end(known, points) result(last)
-      type(branch_point), intent(in) :: known(:)  !! those before the first point
+      type(branch_point), intent(in) :: known(:)  !! points before the first one of `points`
       type(branch_point), intent(in) :: points(:) !! the last one is the end
       type(branch_point), allocatable :: last(:)
       integer, parameter :: most = 8
@@ -233,13 +233,13 @@ contains
       end associate
    end function before_end
 
-   !> Whether a step passes the first point of the branch once more.
+   !> Whether a step passes the first point of the branch again.
    pure logical function comes_by(model, options, now, way, first)
       class(orbit_model), intent(in) :: model
       type(branch_options), intent(in) :: options
       type(branch_point), intent(in) :: now, first
       real(wp), intent(in) :: way
-      real(wp), parameter :: beside = 0.1_wp, alike = 0.9_wp !! over the way; cosine of the angle between tangents
+      real(wp), parameter :: beside = 0.1_wp, alike = 0.9_wp !! relative to the step; cosine of the angle between tangents
       real(wp) :: to_first(model%n + 2), along
 
       to_first = way_to(model, options%orbits, now%orbit, first%orbit)
@@ -248,19 +248,19 @@ contains
                  .and. dot_product(now%orbit%tangent, first%orbit%tangent) > alike
    end function comes_by
 
-   !> The next point of a branch, a step further or less, or behind a touch at which the branch is not smooth.
+   !> Compute the next point of a branch, at most a step ahead, or behind a grazing point at which the branch is not smooth.
    subroutine go_on(model, options, before, now, next, step, is_smooth, passage, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(orbit_t), intent(in) :: before, now !! with tangents; `before` has none if there is no such orbit
       type(branch_point), intent(out) :: next
-      real(wp), intent(inout) :: step          !! to try; on return the one to try next
-      logical, intent(inout) :: is_smooth      !! the cubic through the last orbits told the last step better than the tangent did
+      real(wp), intent(inout) :: step          !! in: step to try; out: step to try next
+      logical, intent(inout) :: is_smooth      !! the cubic through the last orbits predicted the last step better than the tangent
       type(touch_passage), intent(out) :: passage
       type(status_t), intent(inout) :: status
-      real(wp), parameter :: ahead = 16        !! steps that failed: a touch is looked for so far, since behind one they are short
+      real(wp), parameter :: ahead = 16 !! failed steps: range of the search for a grazing point, behind which steps are short
       integer, parameter :: easy = 3, hard = 8 !! iterations
-      integer, parameter :: most_damped = 2    !! then the orbit ahead is behind a corner, or there is none
+      integer, parameter :: most_damped = 2    !! beyond these, the predicted orbit is behind a corner, or there is none
       real(wp), parameter :: turn = 0.95_wp, little_turn = 0.99_wp, no_turn = 0.9999_wp !! cosine of the angle between tangents
       type(status_t) :: refusal
       type(orbit_options) :: few
@@ -300,7 +300,7 @@ contains
             return
          end if
          if (step < 2*options%smallest_step) then
-            if (straight > 0) exit ! a corner, as where two events change their order
+            if (straight > 0) exit ! a corner, such as where two events change their order
             status = refusal
             return
          end if
@@ -315,13 +315,13 @@ contains
       step = min(step, longest)
    end subroutine go_on
 
-   !> Look past a touch ahead that lies in the range.
+   !> Search for a grazing point ahead, within the parameter range, and continue behind it.
    subroutine look_for_touch(model, options, before, now, reach, smooth, passage)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(orbit_t), intent(in) :: before, now !! as of go_on
+      type(orbit_t), intent(in) :: before, now !! as in go_on
       real(wp), intent(in) :: reach
-      integer, intent(in) :: smooth(:)         !! as of pass_touch
+      integer, intent(in) :: smooth(:)         !! as in pass_touch
       type(touch_passage), intent(out) :: passage
 
       call pass_touch(model, options%orbits, now, curve_through(model, options%orbits, now, before), reach, &
@@ -332,7 +332,7 @@ contains
       end associate
    end subroutine look_for_touch
 
-   !> Put a point at the end of a list that has room for more.
+   !> Append a point to a list with spare capacity.
    subroutine keep_point(points, n, point)
       type(branch_point), allocatable, intent(inout) :: points(:)
       integer, intent(inout) :: n
@@ -348,12 +348,12 @@ contains
       points(n) = point
    end subroutine keep_point
 
-   !> The last point: where the parameter leaves its range.
+   !> Compute the last point, where the parameter leaves its range.
    subroutine stop_at_bound(model, options, now, next, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(orbit_t), intent(in) :: now
-      type(branch_point), intent(inout) :: next !! beyond the bound, then on it
+      type(branch_point), intent(inout) :: next !! in: beyond the bound; out: on it
       type(status_t), intent(inout) :: status
       type(lacks_t) :: nothing
       type(orbit_t) :: foreseen

@@ -1,7 +1,7 @@
-!> A piece of a branch between two of its orbits: the cubic that has both and their tangents.
+!> Segment of a branch between two of its orbits: the cubic through both, with their tangents.
 !>
-!> Its parameter is the way along the tangent of the first orbit, of which the cubic is exactly that far away. What is on the way
-!> lies beyond the end too: the same cubic foresees the next orbit from the two last ones.
+!> Its parameter w is the distance along the tangent of the first orbit; the projection of the cubic on this tangent equals w.
+!> The cubic is also evaluated beyond its end: it predicts the next orbit from the last two.
 !>
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 4.4 (predictors); E. L. Allgower, K. Georg, Numerical
 !> Continuation Methods, Springer 1990, 6.1-6.3 (higher order).
@@ -14,19 +14,19 @@ module evl_branch_curve
 
    public :: change_on_curve, curve_t, curve_through, lack_of, orbit_on_curve, way_to
 
-   !> All in units of the scales, from the first orbit.
+   !> All components are relative to the first orbit, in units of the scales.
    type :: curve_t
       logical :: is_straight = .true.      !! there is no second orbit, or the branch turns too much before it
-      real(wp) :: way = 0                  !! of the second orbit, negative behind the first one
+      real(wp) :: way = 0                  !! w of the second orbit, negative behind the first one
       real(wp), allocatable :: tangent(:)  !! [n + 2] at the first
-      real(wp), allocatable :: bend(:, :)  !! [n + 2, 2] of (w/way)**2 and (w/way)**3
-      real(wp), allocatable :: by_parameter(:) !! [n] dP/dp at the second orbit less that at the first
-      real(wp), allocatable :: derivative(:, :) !! [n, n] of the flow, the same
+      real(wp), allocatable :: bend(:, :)  !! [n + 2, 2] coefficients of (w/way)**2 and (w/way)**3
+      real(wp), allocatable :: by_parameter(:) !! [n] dP/dp at the second orbit minus that at the first
+      real(wp), allocatable :: derivative(:, :) !! [n, n] of the flow, at the second orbit minus that at the first
    end type curve_t
 
 contains
 
-   !> From an orbit to another one of the same branch.
+   !> Vector from an orbit to another one of the same branch.
    pure function way_to(model, options, from, to) result(way)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
@@ -39,7 +39,7 @@ contains
       way(model%n + 2) = (to%parameter - from%parameter)/options%parameter_scale
    end function way_to
 
-   !> The curve from an orbit through another one.
+   !> Curve from an orbit through another one.
    pure function curve_through(model, options, from, to) result(curve)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
@@ -64,7 +64,7 @@ contains
       allocate (curve%derivative, source=to%flow%derivative - from%flow%derivative)
    end function curve_through
 
-   !> What is to be an orbit, some way along a curve from its first one.
+   !> Predict an orbit at a distance along a curve from its first orbit.
    pure subroutine orbit_on_curve(model, options, curve, from, way, orbit)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
@@ -87,7 +87,7 @@ contains
       call move_orbit(model, options, orbit, change)
    end subroutine orbit_on_curve
 
-   !> How far one of the unknowns is from the first orbit, in units of its scale.
+   !> Change of one of the unknowns from the first orbit, in units of its scale.
    elemental real(wp) function change_on_curve(curve, way, i) result(change)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: way
@@ -97,7 +97,7 @@ contains
       if (.not. curve%is_straight) change = change + (way/curve%way)**2*(curve%bend(i, 1) + (way/curve%way)*curve%bend(i, 2))
    end function change_on_curve
 
-   !> How far an orbit is from where a curve told it.
+   !> Distance of an orbit from its prediction by a curve.
    pure real(wp) function lack_of(model, options, curve, from, found, way) result(lack)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options

@@ -1,4 +1,4 @@
-!> Where the period of orbits doubles: from there to the branch of twice the period, and to see that such a branch has come back.
+!> Period doubling: switch to the branch of doubled period, and detect the end of such a branch.
 !>
 !> Source: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., ch. 7.
 module evl_branch_doubling
@@ -20,14 +20,14 @@ module evl_branch_doubling
 
 contains
 
-   !> From an orbit with a multiplier -1 to one of twice the period: at a distance at which nothing lies between them. One whose
-   !> period soon doubles again is small, and its iteration starts too far away unless the distance is, too. Of those that were
-   !> found, none of which is so near, it is the first one.
+   !> Switch from an orbit with a multiplier -1 to one of doubled period, at a distance without special points between them. A
+   !> branch whose period soon doubles again is small, and the iteration converges on it only if the distance is small, too.
+   !> If no converged orbit is that near, the first converged one is returned.
    subroutine switch_at_doubling(model, options, doubling, distance, orbit, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: doubling  !! located
-      real(wp), intent(in) :: distance       !! largest one of the new orbit, along the multiplier's vector, in units of the scales
+      real(wp), intent(in) :: distance       !! largest distance of the new orbit along the eigenvector, in units of the scales
       type(orbit_t), intent(out) :: orbit    !! with a tangent away from the doubling
       type(status_t), intent(inout) :: status
       integer, parameter :: most_attempts = 5
@@ -55,18 +55,18 @@ contains
       if (.not. found) status = refusal
    end subroutine switch_at_doubling
 
-   !> An orbit of twice the period, some way from the doubling.
+   !> Compute an orbit of doubled period at a distance from the doubling.
    subroutine enter_branch(model, options, doubling, way, orbit, is_near, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: doubling
-      real(wp), intent(in) :: way(:)         !! [n + 2] along the multiplier's vector
+      real(wp), intent(in) :: way(:)         !! [n + 2] displacement along the eigenvector
       type(orbit_t), intent(out) :: orbit    !! with a tangent
       logical, intent(out) :: is_near        !! no special point lies between
       type(status_t), intent(inout) :: status
-      real(wp), parameter :: beside = 0.5_wp !! of the way: what the branch bends grows with its square
-      real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system
-      real(wp), parameter :: little = 0.1_wp !! of the way: after half the periods the orbit is about twice as far away
+      real(wp), parameter :: beside = 0.5_wp !! of the displacement: the deviation due to curvature grows with its square
+      real(wp), parameter :: upright = 1.0e-8_wp !! a branch at a constant parameter, as of a linear system
+      real(wp), parameter :: little = 0.1_wp !! of the displacement: after half the periods, the orbit is about twice as far away
       type(orbit_t) :: start
       complex(wp) :: mu(size(own_multipliers(model, doubling)))
       real(wp) :: half(model%n)
@@ -91,14 +91,14 @@ contains
       mu = own_multipliers(model, doubling)**2
       associate (now => own_multipliers(model, orbit), along => orbit%tangent(model%n + 2))
          is_near = norm2(way_to(model, options, orbit, start)) <= beside*norm2(way) .and. &
-                   sum(orbit%flow%crossings) == 2*sum(doubling%flow%crossings) .and. & ! places change round
+                   sum(orbit%flow%crossings) == 2*sum(doubling%flow%crossings) .and. & ! sums, since memory slots are permuted
                    (abs(along) < upright .or. along*(orbit%parameter - doubling%parameter) > 0) .and. &
                    product_over_minus_one(mu)*product_over_minus_one(now) > 0 .and. &
                    product_over_pairs(mu)*product_over_pairs(now) > 0
       end associate
    end subroutine enter_branch
 
-   !> The vector of the multiplier -1: the last right singular vector of D + 1.
+   !> Eigenvector of the multiplier -1: the last right singular vector of D + 1.
    subroutine find_direction(model, doubling, away, status)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: doubling
@@ -124,14 +124,14 @@ contains
       away(places(doubling%active)) = vectors(m, :)*sign(1.0_wp, vectors(m, maxloc(abs(vectors(m, :)), 1)))
    end subroutine find_direction
 
-   !> Whether an orbit repeats after half its periods, as where a branch of twice the period ends.
+   !> Whether an orbit repeats after half its periods, as at the end of a branch of doubled period.
    subroutine repeats_sooner(model, options, orbit, sooner, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: orbit
       logical, intent(out) :: sooner
       type(status_t), intent(inout) :: status
-      real(wp), parameter :: near = 1.0e-3_wp !! of the scales: orbits leave such a point with the root of the parameter
+      real(wp), parameter :: near = 1.0e-3_wp !! of the scales: near such a point orbits change with the root of the parameter
       real(wp) :: lack(model%n)
 
       sooner = .false.
@@ -140,7 +140,7 @@ contains
       sooner = .not. has_failed(status) .and. maxval(abs(lack)) < near
    end subroutine repeats_sooner
 
-   !> What the state of an orbit lacks after half its periods.
+   !> Residual of the state of an orbit after half its periods.
    subroutine find_half_lack(model, options, orbit, lack, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options

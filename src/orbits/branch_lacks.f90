@@ -1,15 +1,16 @@
-!> What the cubic between two orbits of a branch lacks: orbits that are found tell it, and the next ones are foreseen the better.
+!> Correction to the cubic predictor, estimated from the last converged orbits of a branch.
 !>
-!> It is a polynomial through what the nearest orbits tell that are known, also those before the first one, as long as the branch
-!> is smooth there. The cubic has both orbits, so the polynomial may be asked to be zero at both; it has their tangents, too, but
-!> these are differences, right to about 1e-6: a double zero there helps where little is known, and harms where much is. How
-!> many orbits are used, and which zeros, is what would have foreseen the last one best.
+!> It is a polynomial through the corrections at the nearest known orbits, including those before the first orbit of the
+!> cubic, as long as the branch is smooth there. The cubic contains both its orbits, so that the polynomial may be required to
+!> vanish at both. The cubic also has their tangents, but these are finite differences, accurate to about 1e-6: a double zero
+!> there helps if few orbits are known, and harms if many are. The number of orbits and the multiplicity of the zeros are
+!> those that predict the last orbit best.
 !>
-!> Beside an orbit of which a root function just touches zero (kind_touch) orbits are smooth in the root of the way, so that is the
-!> variable of the polynomial there (docs/orbits.md). Where what was known has foreseen an orbit no better than the cubic alone
-!> something was not smooth: it is forgotten, and the first orbit of the cubic with it.
+!> Near an orbit with grazing (kind_touch), at which a root function just touches zero, orbits are smooth in the square root
+!> of the distance. It is then the variable of the polynomial (docs/orbits.md). If the known corrections predict an orbit no
+!> better than the cubic alone, the branch is not smooth: they are discarded, and so is the first orbit of the cubic.
 !>
-!> The derivative of the flow lacks something as well; the last orbit that is known tells it.
+!> The derivative of the flow is corrected as well, from the last known orbit.
 module evl_branch_lacks
    use evl_branch_curve, only: change_on_curve, curve_t, orbit_on_curve, way_to
    use evl_branch_point, only: branch_point, kind_touch
@@ -23,30 +24,30 @@ module evl_branch_lacks
 
    integer, parameter :: most_used = 8
 
-   !> How the polynomial is made.
+   !> Choice of the polynomial.
    type :: fit_t
-      integer :: n = most_used !! of so many orbits that are known, at most
-      integer :: zeros = 2     !! how often it is zero at the orbits of the curve
+      integer :: n = most_used !! largest number of known orbits used
+      integer :: zeros = 2     !! multiplicity of its zeros at the orbits of the curve
    end type fit_t
 
-   !> What is known. Places go from 0 at the first orbit of the curve to 1 at the second.
+   !> Known corrections. Positions are 0 at the first orbit of the curve and 1 at the second.
    type :: lacks_t
-      integer :: n = 0                    !! orbits that are known
-      real(wp), allocatable :: x(:)       !! [.. n] their places
-      real(wp), allocatable :: lack(:, :) !! [n_states + 2, .. n]
-      real(wp), allocatable :: derivative(:, :) !! [n_states, n_states] of the flow: what it lacks over x (1 - x), at the last one
+      integer :: n = 0                    !! number of known orbits
+      real(wp), allocatable :: x(:)       !! [.. n] their positions
+      real(wp), allocatable :: lack(:, :) !! [n_states + 2, .. n] their corrections
+      real(wp), allocatable :: derivative(:, :) !! [n_states, n_states] of the flow: correction over x (1 - x), at the last one
       type(fit_t) :: fit
-      integer :: n_tried = 0              !! with so many of them
-      real(wp) :: errors(most_used, 0:2) = 0 !! at the last orbits, by their number and the zeros
-      real(wp) :: largest = 0             !! of what was lacking
-      logical :: with_ends(2) = .true.    !! the orbits of the curve are known: nothing else is near them, and all is smooth
-      logical :: touches(2) = .false.     !! behind a touch; at one, with the second orbit
-      real(wp) :: touch = 0               !! share of the way where the former is: 0 or less
+      integer :: n_tried = 0              !! number of orbits up to which errors are known
+      real(wp) :: errors(most_used, 0:2) = 0 !! of predictions of the last orbits, by number of orbits and multiplicity
+      real(wp) :: largest = 0             !! norm of the corrections
+      logical :: with_ends(2) = .true.    !! the curve's orbits are used: no known one is near them, and the branch is smooth
+      logical :: touches(2) = .false.     !! a grazing point is before the first orbit; the second orbit is one
+      real(wp) :: touch = 0               !! position of the former, as a share of the distance: 0 or less
    end type lacks_t
 
 contains
 
-   !> What is to be the orbit some way along a curve: on it, with what that lacks.
+   !> Predict the orbit at a distance along a curve, with the correction.
    pure subroutine orbit_beside_curve(model, options, curve, lacks, first, way, orbit)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
@@ -67,8 +68,8 @@ contains
       orbit%flow%derivative = orbit%flow%derivative + x*(1 - x)*lacks%derivative
    end subroutine orbit_beside_curve
 
-   !> Where an orbit is expected, and with which derivative: on the curve, with what that lacks, or on the straight line between two
-   !> orbits with a corner between them.
+   !> Predict an orbit, and its derivative, at a value of the parameter: on the corrected curve, or on the straight line
+   !> between two orbits with a corner between them.
    pure subroutine orbit_at_value(model, options, curve, lacks, first, last, value, orbit)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
@@ -89,10 +90,10 @@ contains
          call orbit_beside_curve(model, options, curve, lacks, first, way_of_value(options, curve, lacks, first, value), orbit)
       end if
       orbit%parameter = value
-      if (allocated(orbit%tangent)) deallocate (orbit%tangent) ! that of the first
+      if (allocated(orbit%tangent)) deallocate (orbit%tangent) ! that of the first orbit
    end subroutine orbit_at_value
 
-   !> The way along a curve to where the parameter has a value between those of its two orbits.
+   !> Distance along a curve at which the parameter has a value between those of its two orbits.
    pure real(wp) function way_of_value(options, curve, lacks, first, value) result(way)
       type(orbit_options), intent(in) :: options
       type(curve_t), intent(in) :: curve       !! not straight
@@ -107,7 +108,7 @@ contains
 
    contains
 
-      !> Halving, since the parameter rises or falls between the two.
+      !> Bisection, since the parameter is monotonic between the two.
       pure real(wp) function share_with(near) result(middle)
          integer, intent(in) :: near(:)
          integer, parameter :: halvings = 50
@@ -133,17 +134,17 @@ contains
 
    end function way_of_value
 
-   !> Remember what a curve lacks at an orbit that was found.
+   !> Record the correction of a curve at a converged orbit.
    pure subroutine learn_lack(model, options, curve, first, found, lacks, size_of, forgets)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
       type(curve_t), intent(in) :: curve      !! not straight
       type(orbit_t), intent(in) :: first, found
       type(lacks_t), intent(inout) :: lacks
-      real(wp), intent(out) :: size_of        !! how far it is from the curve
-      logical, intent(out) :: forgets         !! all that was known before
-      real(wp), parameter :: worth = 0.1_wp, too_much = 10 !! error over that, of what is known, and of a few
-      real(wp), parameter :: nothing = 1.0e-8_wp !! an error that tells nothing
+      real(wp), intent(out) :: size_of        !! its distance from the curve
+      logical, intent(out) :: forgets         !! all earlier corrections are discarded
+      real(wp), parameter :: worth = 0.1_wp, too_much = 10 !! error over the largest correction: for many, for few orbits
+      real(wp), parameter :: nothing = 1.0e-8_wp !! an error without significance
       integer, parameter :: few = 2
       type(orbit_t) :: foreseen
       real(wp) :: lack(model%n + 2), share, x, error
@@ -168,13 +169,13 @@ contains
       call keep_derivative(curve, share, foreseen, found, lacks)
    end subroutine learn_lack
 
-   !> Remember what a curve lacks behind its first orbit.
+   !> Record the corrections of a curve at orbits before its first one.
    pure subroutine learn_from_before(model, options, curve, before, known, first, last, lacks)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
       type(curve_t), intent(in) :: curve         !! not straight
-      type(orbit_t), intent(in) :: before        !! the point before the first, with its derivative; no tangent: there is none
-      type(branch_point), intent(in) :: known(:) !! before the first one, where all is smooth, but that the first may be a touch
+      type(orbit_t), intent(in) :: before        !! orbit before the first, with its derivative; no tangent: there is none
+      type(branch_point), intent(in) :: known(:) !! before the first one, on the smooth part; the first may be a grazing point
       type(branch_point), intent(in) :: first, last
       type(lacks_t), intent(out) :: lacks
       type(orbit_t) :: foreseen
@@ -199,14 +200,14 @@ contains
       call keep_derivative(curve, share, foreseen, before, lacks)
    end subroutine learn_from_before
 
-   !> What a curve lacks at an orbit.
+   !> Correction of a curve at an orbit.
    pure subroutine compare(model, options, curve, first, found, foreseen, share, lack)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
       type(curve_t), intent(in) :: curve
       type(orbit_t), intent(in) :: first, found
-      type(orbit_t), intent(out) :: foreseen  !! on the curve
-      real(wp), intent(out) :: share, lack(:) !! of the way to its second orbit; [n + 2]
+      type(orbit_t), intent(out) :: foreseen  !! prediction on the curve
+      real(wp), intent(out) :: share, lack(:) !! share of the distance to its second orbit; [n + 2]
       real(wp) :: way
 
       way = dot_product(curve%tangent, way_to(model, options, first, found))
@@ -215,12 +216,12 @@ contains
       lack = way_to(model, options, foreseen, found)
    end subroutine compare
 
-   !> Put one to those that are known.
+   !> Add a correction to the known ones.
    pure subroutine keep(lacks, share, lack)
       type(lacks_t), intent(inout) :: lacks
       real(wp), intent(in) :: share, lack(:)
-      real(wp), parameter :: apart = 0.01_wp      !! from the orbits of the curve: one that is nearer takes their place
-      real(wp), parameter :: distinct = 1.0e-4_wp !! from the others: of two that are nearer to each other the later one stays
+      real(wp), parameter :: apart = 0.01_wp      !! from the orbits of the curve: a nearer one replaces them
+      real(wp), parameter :: distinct = 1.0e-4_wp !! from the others: of two that are nearer to each other, the later one is stored
       real(wp), allocatable :: x(:), longer(:, :)
       real(wp) :: at
       integer :: k
@@ -242,11 +243,11 @@ contains
       lacks%with_ends = lacks%with_ends .and. abs(share - [0, 1]) > apart
    end subroutine keep
 
-   !> Remember what the derivative of the flow lacks.
+   !> Record the correction of the flow's derivative.
    pure subroutine keep_derivative(curve, share, foreseen, found, lacks)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: share
-      type(orbit_t), intent(in) :: foreseen, found !! on the curve; with a derivative that is about known
+      type(orbit_t), intent(in) :: foreseen, found !! prediction on the curve; orbit with an approximate derivative
       type(lacks_t), intent(inout) :: lacks
       real(wp) :: x
 
@@ -255,10 +256,10 @@ contains
       lacks%derivative = (found%flow%derivative - foreseen%flow%derivative - (x - share)*curve%derivative)/(x*(1 - x))
    end subroutine keep_derivative
 
-   !> The variable in which all is smooth: 0 at the first orbit of the curve, 1 at the second.
+   !> Position in the variable in which the branch is smooth: 0 at the first orbit of the curve, 1 at the second.
    elemental real(wp) function place(lacks, share) result(x)
       type(lacks_t), intent(in) :: lacks
-      real(wp), intent(in) :: share !! of the way
+      real(wp), intent(in) :: share !! of the distance
 
       x = root_of(share)
       if (lacks%touch < 0) x = (x - root_of(0.0_wp))/(1 - root_of(0.0_wp))
@@ -280,7 +281,7 @@ contains
 
    end function place
 
-   !> The known ones that are nearest.
+   !> Indices of the nearest known corrections.
    pure function those_near(lacks, x, most) result(near)
       type(lacks_t), intent(in) :: lacks
       real(wp), intent(in) :: x
@@ -295,11 +296,11 @@ contains
       end do
    end function those_near
 
-   !> The polynomial that would have foreseen best what is lacking at one more orbit, and at those before.
+   !> Choose the polynomial that predicts best the correction at one more orbit, and at the earlier ones.
    pure subroutine choose_fit(lacks, x, lack)
       type(lacks_t), intent(inout) :: lacks !! without that one
       real(wp), intent(in) :: x, lack(:)
-      real(wp), parameter :: before = 0.1_wp !! what an error before counts
+      real(wp), parameter :: before = 0.1_wp !! weight of an earlier error
       real(wp) :: error, least
       integer :: near(min(lacks%n, most_used)), k, zeros
 
@@ -317,7 +318,7 @@ contains
       lacks%n_tried = size(near)
    end subroutine choose_fit
 
-   !> What is lacking, by the polynomial through some of those that are known.
+   !> Correction by the polynomial through some of the known ones.
    pure function lack_at(lacks, near, zeros, x) result(lack)
       type(lacks_t), intent(in) :: lacks
       integer, intent(in) :: near(:), zeros
@@ -332,7 +333,7 @@ contains
       end do
    end function lack_at
 
-   !> What each of some of those that are known counts.
+   !> Weights of some of the known corrections.
    pure function weights(lacks, near, zeros, x) result(weight)
       type(lacks_t), intent(in) :: lacks
       integer, intent(in) :: near(:), zeros
@@ -341,7 +342,7 @@ contains
       integer :: i, k, powers(2)
 
       powers = merge(zeros, 0, lacks%with_ends)
-      ! in the root of the way, a zero that is not exact is double, and a double one threefold
+      ! in the square root of the distance, an inexact zero is double, and a double one triple
       where (powers > 0 .and. lacks%touches .and. [lacks%touch >= 0, .true.]) powers = powers + 1
       do k = 1, size(near)
          associate (at => lacks%x(near(k)))

@@ -1,6 +1,6 @@
-!> Stable orbits of a branch at given values of the parameter: each is foreseen between its neighbours on the branch, and found
-!> by Newton's iteration at that value. Who tells of it follows it anyway, and sees how far it is one: most are foreseen well
-!> enough that this is the only time they are followed.
+!> Stable orbits of a branch at given values of the parameter. Each is predicted between its neighbours on the branch and
+!> converged by Newton's iteration at that value. The output recorder integrates it anyway and yields its residual: most
+!> predictions are so good that no other integration is necessary.
 module evl_branch_values
    use evl_branch_curve, only: curve_t, curve_through, way_to
    use evl_branch_lacks, only: lacks_t, learn_from_before, learn_lack, orbit_at_value
@@ -20,19 +20,19 @@ module evl_branch_values
 
 contains
 
-   !> Those between two neighbouring points of a branch, in their order, where it is stable. One that Newton's iteration does not
-   !> find beside where it was foreseen is left out.
+   !> Find the orbits between two neighbouring points of a branch, in their order, where it is stable. An orbit is omitted if
+   !> Newton's iteration does not find it near its prediction.
    subroutine find_orbits_at(model, options, values, before, known, first, last, teller, n_told, points)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
-      real(wp), intent(in) :: values(:)        !! rising
-      type(orbit_t), intent(in) :: before      !! of the same branch; without a tangent if it is not known
-      type(branch_point), intent(in) :: known(:) !! as of learn_from_before
-      type(branch_point), intent(in) :: first, last !! with tangents; between them the parameter rises or falls
+      real(wp), intent(in) :: values(:)        !! ascending
+      type(orbit_t), intent(in) :: before      !! of the same branch; without a tangent if it is unknown
+      type(branch_point), intent(in) :: known(:) !! as in learn_from_before
+      type(branch_point), intent(in) :: first, last !! with tangents; the parameter is monotonic between them
       class(orbit_teller), pointer, intent(in) :: teller !! may be null
-      integer, intent(inout) :: n_told         !! numbers that the teller was given
+      integer, intent(inout) :: n_told         !! numbers given to the teller so far
       type(branch_point), allocatable, intent(out) :: points(:)
-      real(wp), parameter :: beside = 0.1_wp   !! of the way between the two
+      real(wp), parameter :: beside = 0.1_wp   !! of the distance between the two
       type(curve_t) :: curve
       type(lacks_t) :: lacks
       type(orbit_t) :: foreseen, better
@@ -75,8 +75,8 @@ contains
       points = found(places(is_kept))
    end subroutine find_orbits_at
 
-   !> Whether all orbits between two points are stable, or none: that changes at points alone. Where these do not agree, as beside
-   !> a touch at which multipliers jump, or both are such points, neither is known.
+   !> Whether all orbits between two points are stable, or all unstable: stability changes only at special points. If the two
+   !> disagree, such as beside a grazing point at which multipliers jump, or if both are such points, neither is known.
    pure subroutine foresee_stability(model, first, last, is_stable, is_unstable)
       class(orbit_model), intent(in) :: model
       type(branch_point), intent(in) :: first, last
@@ -104,18 +104,18 @@ contains
 
    end subroutine foresee_stability
 
-   !> Let it be told, and corrected by what that says, until there is almost nothing to correct. The derivative is not found, so
-   !> there are no multipliers.
+   !> Record the orbit and correct it by its residual until the correction is negligible. The derivative is not computed, so
+   !> that there are no multipliers.
    subroutine tell_orbit(model, options, teller, number, foreseen, orbit, better, is_found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       class(orbit_teller), intent(inout) :: teller
       integer, intent(in) :: number
       type(orbit_t), intent(in) :: foreseen
-      type(orbit_t), intent(out) :: orbit   !! as it was told
+      type(orbit_t), intent(out) :: orbit   !! as recorded
       type(orbit_t), intent(out) :: better  !! with the last correction
       logical, intent(out) :: is_found
-      real(wp), parameter :: near = 1.0e-8_wp, slow = 0.5_wp !! in units of the scales; of the correction before
+      real(wp), parameter :: near = 1.0e-8_wp, slow = 0.5_wp !! in units of the scales; of the previous correction
       integer, parameter :: most = 5
       type(status_t) :: refusal
       real(wp) :: change(model%n + 2), last
@@ -141,12 +141,12 @@ contains
       orbit%multipliers = [complex(wp) ::]
    end subroutine tell_orbit
 
-   !> Newton's iteration.
+   !> Converge the orbit by Newton's iteration.
    subroutine solve_orbit(model, options, foreseen, orbit, better, is_found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: foreseen
-      type(orbit_t), intent(out) :: orbit, better !! the same
+      type(orbit_t), intent(out) :: orbit, better !! identical
       logical, intent(out) :: is_found
       type(status_t) :: refusal
 

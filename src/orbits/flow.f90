@@ -1,4 +1,4 @@
-!> The flow of a system over a time: where it ends, its derivative, what happens on the way.
+!> Flow of a system over a time: end state, derivative, and events on the way.
 module evl_flow
    use evl_collocation, only: combine, polynomial_at, zero_between
    use evl_flow_derivative, only: derivative_along_step, derivative_at_event, moving_states, moving_states_t
@@ -17,34 +17,34 @@ module evl_flow
    integer, parameter :: in_time(0:n_stages) = [lanes, 1, 2, 3, 4, 5, 6, 7] !! nodes from left to right
 
    integer, parameter :: most_steps = 100000     !! of one flow
-   real(wp), parameter :: farthest = 1.0e6_wp    !! scales from the start: a state that is that far away does not come back
+   real(wp), parameter :: farthest = 1.0e6_wp    !! scales from the start: a state farther away than this diverges
 
-   !> How a flow went.
+   !> Result of a flow.
    type :: flow_t
-      real(wp), allocatable :: y(:)             !! [n] its end
+      real(wp), allocatable :: y(:)             !! [n] state at the end
       real(wp), allocatable :: rate(:)          !! [n] f there
       real(wp), allocatable :: derivative(:, :) !! [n, n] of the end with respect to the start
       integer, allocatable :: crossings(:)      !! [n_roots] how often each root function fired
-      !> [n_roots] a root function that comes near zero and turns back with the value c and the curvature a has c a here, the
-      !> least of them; one that fires with the rate v has v**2/2 in `slowest`, the least. Both fall to zero where the function just
-      !> touches zero. huge: there is none
+      !> [n_roots] `nearest`: least c a of a root function that comes near zero and turns back with value c and curvature a.
+      !> `slowest`: least v**2/2 of one that fires with the rate v. Both tend to zero where the function just touches zero.
+      !> huge: there is none
       real(wp), allocatable :: nearest(:), slowest(:)
-      integer, allocatable :: others(:)         !! [n_roots] other contacts that touch at the least of both
+      integer, allocatable :: others(:)         !! [n_roots] number of other contacts that are closed at the least of both
       logical :: same_modes = .false.           !! the modes at the end are those at the start
       integer :: steps = 0
-      integer :: ties = 0                       !! events with others at the same time: the derivative is that of the first alone
+      integer :: ties = 0                       !! simultaneous events: the derivative accounts for the first one only
    end type flow_t
 
 contains
 
-   !> Follow a system from y on the section.
+   !> Integrate a system from y on the section.
    subroutine follow(model, y, periods, duration, tolerance, differentiate, flow, status)
       class(orbit_model), intent(inout) :: model !! its modes are those at the end on return
       real(wp), intent(in) :: y(:)               !! [n]
-      integer, intent(in) :: periods             !! that it is: the end is told as a state on the section
+      integer, intent(in) :: periods             !! number of these: the end is expressed as a state on the section
       real(wp), intent(in) :: duration           !! > 0
       real(wp), intent(in) :: tolerance          !! of the integration, and of the derivative
-      logical, intent(in) :: differentiate       !! the derivative is wanted, and how near root functions come
+      logical, intent(in) :: differentiate       !! compute the derivative, and how near root functions come to zero
       type(flow_t), intent(out) :: flow
       type(status_t), intent(inout) :: status
       type(radau_t) :: solver
@@ -112,7 +112,7 @@ contains
       flow%same_modes = all(model%modes == modes)
    end subroutine follow
 
-   !> A flow that runs away, or does not get on, is given up.
+   !> Fail if a flow diverges or does not progress.
    subroutine check_way(model, solver, y, steps, status)
       class(orbit_model), intent(in) :: model
       type(radau_t), intent(in) :: solver
@@ -132,7 +132,7 @@ contains
       end if
    end subroutine check_way
 
-   !> Where root functions come near zero in the step just made and turn back.
+   !> Find where root functions come near zero and turn back in the last step.
    subroutine look_around(model, solver, flow, status)
       class(orbit_model), intent(inout) :: model
       type(radau_t), intent(in) :: solver
@@ -148,12 +148,12 @@ contains
       times = solver%t_before + h*node
       call radau_interpolate_lanes(solver, times, states)
       exact = .false.
-      values = 0 ! of places without a tooth pair it stays that
+      values = 0 ! remains 0 in slots without a tooth pair
       call model%roots_lanes(times, states, exact, values, status)
       if (has_failed(status)) return
       if (.not. exact) then
          exact = .true.
-         call model%roots_lanes(times, states, exact, values, status) ! those of the first look are not all told again
+         call model%roots_lanes(times, states, exact, values, status) ! values of the first evaluation are not all recomputed
          if (has_failed(status)) return
       end if
       call model%root_directions(direction)

@@ -1,12 +1,12 @@
-!> The derivative of the flow with respect to its start: variational equations along radau's steps, saltation at events.
+!> Derivative of the flow with respect to its start: variational equations along the integrator's steps, saltation at events.
 !>
 !> Along a step D' = J(t, y(t)) D is solved by the same method, Radau IIA with seven stages, on the polynomial of the step. A
-!> piece as long as the step has the step's own stages: this is then the exact derivative of the step (internal differentiation).
-!> What the state hardly shows, such as a mode at rest, the derivative does: pieces are as short as D asks for.
+!> piece as long as the step has the step's own stages and gives the exact derivative of the step (internal differentiation).
+!> Modes that are hardly visible in the state, such as one without motion, are present in D: pieces are as short as D requires.
 !>
-!> Error of a piece: the end is right to order 13, the polynomial through the stages to order 7. With p the pair of its last
-!> two Chebyshev coefficients and q the pair that would come next, p q falls with the fourteenth power of the piece as the error
-!> at its end does; for D' = z D the error is below 20 p q (docs/orbits.md). Where q is not much smaller than p, q itself counts.
+!> Error of a piece: the end has order 13, the polynomial through the stages order 7. With p the pair of its last two
+!> Chebyshev coefficients and q the next pair, p q decreases with the fourteenth power of the piece, as the error at its end
+!> does; for D' = z D the error is below 20 p q (docs/orbits.md). If q is not much smaller than p, q itself is the estimate.
 !>
 !> Sources: P. C. Mueller, Calculation of Lyapunov exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5
 !> (1995) 1671-1681 (events); R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, Springer 2004,
@@ -27,19 +27,19 @@ module evl_flow_derivative
 
    integer, parameter :: order = 2*n_stages
 
-   !> What of a model the derivative is of, and room for a piece.
+   !> States of a model to which the derivative refers, and work arrays of a piece.
    type :: moving_states_t
       private
-      integer, allocatable :: kept(:), moving(:)      !! states that repeat; those of them that do not rest, as a memory does
-      integer, allocatable :: place(:)                !! [n] of a state among those that move, else 0
-      integer, allocatable :: entries(:)              !! of the Jacobian that count
+      integer, allocatable :: kept(:), moving(:)      !! states that repeat; those with a nonzero rate, unlike a memory
+      integer, allocatable :: place(:)                !! [n] index of a state among the moving ones, else 0
+      integer, allocatable :: entries(:)              !! entries of the Jacobian that are used
       real(wp), allocatable :: jacobians(:, :)        !! [all entries, n_stages]
-      real(wp), allocatable :: matrix(:, :), z(:, :)  !! of a piece, stage after stage
+      real(wp), allocatable :: matrix(:, :), z(:, :)  !! of a piece, stage by stage
    end type moving_states_t
 
 contains
 
-   !> What of a model the derivative is of.
+   !> Select the states of a model to which the derivative refers.
    pure function moving_states(model) result(states)
       class(orbit_model), intent(in) :: model
       type(moving_states_t) :: states
@@ -60,12 +60,12 @@ contains
                 states%z(n_stages*n, size(states%kept)))
    end function moving_states
 
-   !> Carry the derivative on from t to the end of the step just made, or to the event at which it ended.
+   !> Advance the derivative from t to the end of the last step, or to the event at which it ended.
    subroutine derivative_along_step(model, states, solver, t_from, tolerance, derivative, status)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states
       type(radau_t), intent(in) :: solver
-      real(wp), intent(in) :: t_from                !! in the step
+      real(wp), intent(in) :: t_from                !! within the step
       real(wp), intent(in) :: tolerance             !! of a piece, over the size of the derivative in units of the scales
       real(wp), intent(inout) :: derivative(:, :)   !! [n, n]
       type(status_t), intent(inout) :: status
@@ -94,14 +94,15 @@ contains
       end do
    end subroutine derivative_along_step
 
-   !> One piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages, for the states that move.
-   !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8, also for the system falling apart.
+   !> Solve one piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages, for the moving states.
+   !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8, also for the decoupling of the
+   !> system.
    subroutine try_piece(model, states, solver, t, h, derivative, error, status)
       class(orbit_model), intent(in) :: model
-      type(moving_states_t), intent(inout) :: states !! with Z on return
+      type(moving_states_t), intent(inout) :: states !! returns Z
       type(radau_t), intent(in) :: solver
       real(wp), intent(in) :: t, h, derivative(:, :)
-      real(wp), intent(out) :: error                 !! over the size of the derivative
+      real(wp), intent(out) :: error                 !! relative to the size of the derivative
       type(status_t), intent(inout) :: status
       logical :: good, is_constant
 
@@ -122,7 +123,7 @@ contains
       call estimate(model, states%kept, states%moving, derivative, states%z, error)
    end subroutine try_piece
 
-   !> The system of a piece, as it stands.
+   !> Solve the system of a piece as a whole.
    subroutine solve_whole(model, states, h, derivative, good)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states
@@ -155,8 +156,8 @@ contains
       end associate
    end subroutine solve_whole
 
-   !> The same where the Jacobian is constant: with A^-1 T = T Lambda and Z = (T x I) W it is (Lambda/h - J) W = (T^-1 1) x (J D),
-   !> one real system and three complex ones, each of as many unknowns as states move.
+   !> Solve it for a constant Jacobian: with A^-1 T = T Lambda and Z = (T x I) W it is (Lambda/h - J) W = (T^-1 1) x (J D).
+   !> These are one real system and three complex ones, each with as many unknowns as there are moving states.
    subroutine solve_apart(model, states, h, derivative, good)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states
@@ -213,7 +214,7 @@ contains
       end do
    end subroutine solve_apart
 
-   !> The derivative at the end of a piece.
+   !> Update the derivative to the end of a piece.
    pure subroutine take_piece(states, derivative)
       type(moving_states_t), intent(in) :: states
       real(wp), intent(inout) :: derivative(:, :)
@@ -229,14 +230,14 @@ contains
       end do
    end subroutine take_piece
 
-   !> The Jacobians of the stages. Where what counts of the first, the last and the middle one is the same to the last digit, as of
-   !> forces that are linear, it is constant.
+   !> Jacobians of the stages. If the relevant entries of the first, the last and the middle one are identical to the last
+   !> digit, as for linear forces, the Jacobian is constant.
    subroutine find_jacobians(model, solver, t, h, entries, jacobians, is_constant, status)
       class(orbit_model), intent(in) :: model
       type(radau_t), intent(in) :: solver
       real(wp), intent(in) :: t, h
-      integer, intent(in) :: entries(:)        !! that count
-      real(wp), intent(inout) :: jacobians(:, :) !! [all entries, n_stages]; of a constant one, only the first
+      integer, intent(in) :: entries(:)        !! relevant ones
+      real(wp), intent(inout) :: jacobians(:, :) !! [all entries, n_stages]; if constant, use the first
       logical, intent(out) :: is_constant
       type(status_t), intent(inout) :: status
       integer, parameter :: order_of(n_stages) = [1, n_stages, (n_stages + 1)/2, 2, 3, 5, 6], few = 3
@@ -297,20 +298,20 @@ contains
       end do
    end subroutine estimate
 
-   !> The jump of the derivative at an event, and the event itself: state and modes are those after it on return.
+   !> Jump of the derivative at an event, and the event itself: on return, state and modes are those after it.
    !>
    !> With y+ = r(t, y-) where g(t, y-) = 0,
    !>
    !>     D+ = (r_y + (f+ - r_y f- - r_t) g_y / (g_t + g_y f-)) D-
    !>
-   !> where time alone brings the event, its time does not depend on the state: D+ = r_y D-.
+   !> At a time event, the time does not depend on the state: D+ = r_y D-.
    subroutine derivative_at_event(model, t, fired, time_event, y, derivative, rate, status)
       class(orbit_model), intent(inout) :: model
       real(wp), intent(in) :: t
       integer, intent(in) :: fired(:)
       logical, intent(in) :: time_event
       real(wp), intent(inout) :: y(:), derivative(:, :)
-      real(wp), intent(inout) :: rate(:)            !! [n_roots] g_t + g_y f- of what fired
+      real(wp), intent(inout) :: rate(:)            !! [n_roots] g_t + g_y f- of the functions that fired
       type(status_t), intent(inout) :: status
       real(wp) :: before(model%n), after(model%n), by_state(model%n, model%n), by_time(model%n)
       real(wp) :: gradient(model%n), first_gradient(model%n), drift, first_drift
@@ -345,7 +346,7 @@ contains
          end do
       end if
       repeats = must_repeat(model)
-      do i = 1, model%n ! what need not repeat hands nothing on
+      do i = 1, model%n ! states that need not repeat affect no others
          if (repeats(i)) cycle
          by_state(i, :) = 0
          by_state(:, i) = 0

@@ -1,6 +1,6 @@
-!> Floquet multipliers of an orbit, and functions of them that pass zero where an orbit's stability changes.
+!> Floquet multipliers of an orbit, and test functions that pass zero where an orbit's stability changes.
 !>
-!> All are polynomials in the multipliers, so they go on smoothly where two real ones meet and become a pair.
+!> All are polynomials in the multipliers, and therefore smooth where two real ones meet and become a pair.
 !>
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., Springer 2010, ch. 5 and 7; T. S. Parker, L. O. Chua,
 !> Practical Numerical Algorithms for Chaotic Systems, Springer 1989, ch. 3.
@@ -15,7 +15,7 @@ module evl_multipliers
 
 contains
 
-   !> Eigenvalues of a matrix, by falling size; a pair stands together, the one with the positive imaginary part first.
+   !> Eigenvalues of a matrix, by descending magnitude; pairs are adjacent, the one with the positive imaginary part first.
    subroutine find_multipliers(matrix, multipliers, status)
       real(wp), intent(in) :: matrix(:, :)                   !! [m, m] derivative of the period, in units of the scales
       complex(wp), allocatable, intent(out) :: multipliers(:) !! [m]
@@ -48,7 +48,7 @@ contains
       end do
    end subroutine find_multipliers
 
-   !> Whether all lie inside of the unit circle by more than rounding: those of an undamped system lie on it, which is not stable.
+   !> Whether all lie inside the unit circle by more than rounding: those of an undamped system lie on it, which is not stable.
    pure logical function are_inside(multipliers)
       complex(wp), intent(in) :: multipliers(:)
       real(wp), parameter :: rounding = 1.0e-9_wp

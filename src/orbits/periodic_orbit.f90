@@ -1,7 +1,7 @@
-!> A periodic orbit, or what is meant to become one: once round, and what it lacks then.
+!> Periodic orbit, or an approximation of one: integration over one round, and its residual.
 !>
-!> Unknown are the state y on the section, the period T of an autonomous system and, along a branch, the parameter p; all in units
-!> of their scales, as u = (y, T, p).
+!> Unknowns are the state y on the section, the period T of an autonomous system and, along a branch, the parameter p; all in
+!> units of their scales, as u = (y, T, p).
 module evl_periodic_orbit
    use evl_flow, only: flow_t, follow
    use evl_kinds, only: wp
@@ -14,28 +14,28 @@ module evl_periodic_orbit
    public :: orbit_options, orbit_t
    public :: compare_ends, go_round, lack_of_round, move_orbit, own_multipliers, scaled_derivative
 
-   !> What the user chooses.
+   !> User options.
    type :: orbit_options
       real(wp) :: tolerance = 1.0e-12_wp      !! of the integration, in 1e-13 .. 0.1
       real(wp) :: residual = 1.0e-10_wp       !! largest difference after a period, in units of the scales
-      integer :: most_iterations = 20         !! of Newton
-      integer :: most_damped = 20             !! of these, one after the other, in which a full step made it worse
+      integer :: most_iterations = 20         !! of Newton's method
+      integer :: most_damped = 20             !! consecutive ones in which a full step increased the residual
       integer :: most_halvings = 8            !! of such a step
       real(wp) :: parameter_scale = 1         !! > 0: the change of the parameter that counts as 1
-      real(wp) :: parameter_change = 1.0e-6_wp !! of the difference that gives dP/dp, over that scale; P may have corners
+      real(wp) :: parameter_change = 1.0e-6_wp !! finite difference for dP/dp, over that scale; P may have corners
    end type orbit_options
 
-   !> A periodic orbit, or what is meant to become one.
+   !> A periodic orbit, or an approximation of one.
    type :: orbit_t
       real(wp) :: parameter = 0
-      integer :: periods = 1                  !! of what drives, until it repeats; of an autonomous orbit, those in `period`
-      real(wp) :: period = 0                  !! until it repeats
+      integer :: periods = 1                  !! of the excitation, until it repeats; of an autonomous orbit, those in `period`
+      real(wp) :: period = 0                  !! time until it repeats
       real(wp), allocatable :: y(:)           !! [n] on the section
-      type(flow_t) :: flow                    !! once round
+      type(flow_t) :: flow                    !! over one round
       real(wp) :: residual = huge(1.0_wp)     !! in units of the scales
-      integer :: iterations = 0               !! of Newton that it took
-      logical, allocatable :: active(:)       !! [n] states that are found: they repeat, and do not just rest
-      complex(wp), allocatable :: multipliers(:) !! of these, by falling size
+      integer :: iterations = 0               !! Newton iterations used
+      logical, allocatable :: active(:)       !! [n] unknown states: they must repeat, and are not constant
+      complex(wp), allocatable :: multipliers(:) !! of these, by descending magnitude
       real(wp), allocatable :: by_parameter(:) !! [n] dP/dp
       real(wp), allocatable :: tangent(:)     !! [n + 2] of the branch: y, T, p in units of their scales, of length 1
    end type orbit_t
@@ -56,13 +56,13 @@ contains
       end associate
    end subroutine move_orbit
 
-   !> Follow an orbit once round.
+   !> Integrate an orbit over one round.
    subroutine go_round(model, options, orbit, status, differentiate)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit
       type(status_t), intent(inout) :: status
-      logical, intent(in), optional :: differentiate !! false: the derivative stays what it was
+      logical, intent(in), optional :: differentiate !! false: the derivative remains unchanged
       real(wp), allocatable :: derivative(:, :)
 
       call model%set_parameter(orbit%parameter, status)
@@ -81,8 +81,8 @@ contains
       call compare_ends(model, orbit)
    end subroutine go_round
 
-   !> Which states are found, and how much these lack after a period. Found are those that have to repeat and are not just at rest,
-   !> such as a memory that no event of the orbit sets.
+   !> Determine the unknown states, and their residual after a period. Unknown are those that must repeat and are not
+   !> constant, unlike a memory that no event of the orbit sets.
    pure subroutine compare_ends(model, orbit)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(inout) :: orbit
@@ -100,7 +100,7 @@ contains
       orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
    end subroutine compare_ends
 
-   !> What the state lacks after a period.
+   !> Residual of the state after a period.
    pure function lack_of_round(model, orbit) result(lack)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: orbit
@@ -110,7 +110,7 @@ contains
       if (allocated(model%advance)) lack = lack - orbit%periods*model%advance
    end function lack_of_round
 
-   !> The derivative of the period in units of the scales, of the active states.
+   !> Derivative over the period in units of the scales, of the active states.
    pure function scaled_derivative(model, orbit) result(matrix)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: orbit
@@ -125,7 +125,7 @@ contains
       end do
    end function scaled_derivative
 
-   !> The multipliers without that of an autonomous orbit's own direction, which is 1.
+   !> Multipliers without the trivial one of an autonomous orbit, which is 1.
    pure function own_multipliers(model, orbit) result(multipliers)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: orbit

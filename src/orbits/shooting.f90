@@ -1,4 +1,4 @@
-!> Periodic orbits by shooting: Newton's iteration for a state on the section that the flow brings back.
+!> Periodic orbits by shooting: Newton's iteration for a state on the section that the flow maps to itself.
 !>
 !> Source: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 7.1.
 module evl_shooting
@@ -16,15 +16,15 @@ module evl_shooting
 
 contains
 
-   !> Newton's iteration from a start, at one value of the parameter.
+   !> Find an orbit by Newton's iteration from a start, at one value of the parameter.
    subroutine find_orbit(model, options, parameter, periods, y, period, orbit, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       real(wp), intent(in) :: parameter
-      integer, intent(in) :: periods        !! of what drives, until it repeats, >= 1
+      integer, intent(in) :: periods        !! of the excitation, until it repeats, >= 1
       real(wp), intent(in) :: y(:)          !! [n] near the orbit
-      real(wp), intent(in) :: period        !! of an autonomous system: near that of the orbit, > 0. Else not used
-      type(orbit_t), intent(out) :: orbit   !! on failure: how far it came
+      real(wp), intent(in) :: period        !! of an autonomous system: near that of the orbit, > 0. Otherwise not used
+      type(orbit_t), intent(out) :: orbit   !! on failure: the last iterate
       type(status_t), intent(inout) :: status
 
       if (periods < 1) then
@@ -42,23 +42,23 @@ contains
       call correct_orbit(model, options, orbit, status)
    end subroutine find_orbit
 
-   !> Newton's iteration from an orbit that is nearly one. Where its derivative is foreseen a flow is followed without finding it,
-   !> which costs a third, and the derivative learns from each change (Broyden); only the orbit that is found needs its own. If that
-   !> does not get on well the derivative is found after all. Far from the orbit flows need not be exact: the error of the
-   !> integration only has to be small beside what the next iteration leaves, which is about the square of what is left now.
+   !> Newton's iteration from an approximate orbit. If its derivative is predicted, flows are computed without it, which costs a
+   !> third, and the derivative is updated by each change (Broyden); only the converged orbit needs its own. If convergence is
+   !> slow, the derivative is computed after all. Far from the orbit flows need not be accurate: the error of the integration
+   !> only has to be small beside the residual after the next iteration, which is about the square of the present one.
    subroutine correct_orbit(model, options, orbit, status, tangent, foreseen, far)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
-      type(orbit_t), intent(inout) :: orbit   !! on failure: how far it came
+      type(orbit_t), intent(inout) :: orbit   !! on failure: the last iterate
       type(status_t), intent(inout) :: status
-      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the parameter is found too, orthogonal to this
-      logical, intent(in), optional :: foreseen    !! its flow has a derivative, and it a dP/dp, that are expected
-      logical, intent(in), optional :: far         !! it is not so near that the first iteration might find it
-      real(wp), parameter :: settled = 1.0e-6_wp   !! last change after which a small residual is believed
-      real(wp), parameter :: slow = 0.1_wp         !! residual over that before, if the derivative is worth little
+      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the parameter is unknown too; the change is orthogonal to this
+      logical, intent(in), optional :: foreseen    !! its flow has a predicted derivative, and it a predicted dP/dp
+      logical, intent(in), optional :: far         !! it is not so near that the first iteration might converge
+      real(wp), parameter :: settled = 1.0e-6_wp   !! last change up to which a small residual is accepted
+      real(wp), parameter :: slow = 0.1_wp         !! residual over the previous one, if the derivative is poor
       integer, parameter :: stale = 5
       real(wp), parameter :: rough = 1.0e-6_wp     !! tolerance far from the orbit
-      real(wp), parameter :: small = 1.0e-3_wp     !! tolerance over what the next iteration leaves
+      real(wp), parameter :: small = 1.0e-3_wp     !! tolerance over the residual after the next iteration
       real(wp), parameter :: noise = 100           !! of a residual, over the tolerance
       type(orbit_options) :: now   !! with the tolerance of the last flow
       type(orbit_t) :: trial
@@ -146,8 +146,8 @@ contains
 
    contains
 
-      !> The error of the integration comes back as many times as large as the derivative says, and the state is that much nearer to
-      !> the orbit than its end.
+      !> Whether the residual is small enough. The error of the integration is amplified by the derivative, and the state is
+      !> nearer to the orbit than its end by the same factor.
       pure logical function is_closed(orbit)
          type(orbit_t), intent(in) :: orbit
 

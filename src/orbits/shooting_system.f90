@@ -1,4 +1,4 @@
-!> The linear system of an iteration of Newton for a periodic orbit, and what it gives: changes, and tangents of a branch.
+!> Linear system of a Newton iteration for a periodic orbit, and its solutions: changes, and tangents of a branch.
 !>
 !> With the flow P and its derivative D it is
 !>
@@ -6,11 +6,10 @@
 !>     | f(start)   0        0     | du = - | 0                  |
 !>     |        tangent            |        | 0                  |
 !>
-!> The second row is the phase condition of an autonomous system: the change is orthogonal to the flow. The last one keeps the
-!> change orthogonal to the branch (pseudo-arclength). Where a row is not wanted, or a state need not repeat, the unknown stays as
-!> it is.
-!> dP/dp is a difference of flows: a parameter may change all of a system. It and a derivative that is only expected learn from what
-!> a change leaves.
+!> The second row is the phase condition of an autonomous system: the change is orthogonal to the flow. The last row makes the
+!> change orthogonal to the branch (pseudo-arclength). Without one of these rows, or if a state need not repeat, the unknown
+!> is not changed. dP/dp is a difference of flows: a parameter may change all of a system. It, and a derivative that is only
+!> predicted, are updated by the residual after a change.
 !>
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 7.1, 7.5; H. B. Keller, in: Applications of
 !> Bifurcation Theory, Academic Press 1977 (pseudo-arclength); T. S. Parker, L. O. Chua, Practical Numerical Algorithms, 5.
@@ -29,12 +28,12 @@ module evl_shooting_system
 
 contains
 
-   !> The change that one iteration makes at a value of the parameter, of an orbit that was followed round: its flow has an end, a
-   !> rate, and a derivative that is known about.
+   !> Change by one iteration, at constant parameter, of an orbit that was integrated over one round: its flow has an end, a
+   !> rate, and an approximate derivative.
    subroutine change_of(model, options, orbit, change, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
-      type(orbit_t), intent(inout) :: orbit     !! its `active` and `residual` are found
+      type(orbit_t), intent(inout) :: orbit     !! its `active` and `residual` are set
       real(wp), intent(out) :: change(:)        !! [n + 2] in units of the scales
       type(status_t), intent(inout) :: status
       real(wp) :: phase_row(model%n)
@@ -47,12 +46,12 @@ contains
       call solve_system(model, options, orbit, phase_row, x=change, status=status)
    end subroutine change_of
 
-   !> Tangent of the branch at an orbit that was found.
+   !> Tangent of the branch at a converged orbit.
    subroutine find_tangent(model, options, orbit, along, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit !! its `tangent` and `by_parameter` are set
-      real(wp), intent(in) :: along(:)      !! [n + 2] it points the same way as this
+      real(wp), intent(in) :: along(:)      !! [n + 2] it points in the same direction as this
       type(status_t), intent(inout) :: status
       integer :: i
 
@@ -63,13 +62,13 @@ contains
       if (.not. has_failed(status)) orbit%tangent = orbit%tangent/norm2(orbit%tangent)
    end subroutine find_tangent
 
-   !> The linear system above of an orbit whose dP/dp is known, for a last row and a right-hand side.
+   !> Solve the linear system above for an orbit with known dP/dp, a last row and a right-hand side.
    subroutine solve_along(model, options, orbit, along, x, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: orbit
       real(wp), intent(in) :: along(:)    !! [n + 2] the last row
-      real(wp), intent(inout) :: x(:)     !! [n + 2] right-hand side, then solution, in units of the scales
+      real(wp), intent(inout) :: x(:)     !! [n + 2] in: right-hand side; out: solution, in units of the scales
       type(status_t), intent(inout) :: status
       real(wp) :: phase_row(model%n)
 
@@ -78,7 +77,7 @@ contains
       if (.not. has_failed(status)) call solve_system(model, options, orbit, phase_row, along, x, status)
    end subroutine solve_along
 
-   !> The flow's direction at the start.
+   !> Direction of the flow at the start.
    subroutine find_phase_row(model, orbit, row, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_t), intent(in) :: orbit
@@ -99,13 +98,13 @@ contains
       end if
    end subroutine find_phase_row
 
-   !> The matrix above, in units of the scales; the period in units of itself.
+   !> Matrix of the system above, in units of the scales; the period in units of itself.
    pure subroutine linearise(model, options, orbit, phase_row, tangent, matrix)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: orbit
       real(wp), intent(in) :: phase_row(:)
-      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the last row; else the parameter stays
+      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the last row; else the parameter is constant
       real(wp), intent(out) :: matrix(:, :)        !! [n + 2, n + 2]
       integer :: i, n
 
@@ -133,7 +132,7 @@ contains
       end if
    end subroutine linearise
 
-   !> The right-hand side above: the state is to change by what it lacks.
+   !> Right-hand side of the system above: minus the residual of the state.
    pure function wanted_change(model, orbit) result(x)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: orbit
@@ -149,8 +148,8 @@ contains
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: orbit
       real(wp), intent(in) :: phase_row(:)         !! [n] of an autonomous system
-      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the last row; else the parameter stays
-      real(wp), intent(inout) :: x(:)              !! [n + 2] right-hand side, then solution, in units of the scales
+      real(wp), intent(in), optional :: tangent(:) !! [n + 2] the last row; else the parameter is constant
+      real(wp), intent(inout) :: x(:)              !! [n + 2] in: right-hand side; out: solution, in units of the scales
       type(status_t), intent(inout) :: status
       real(wp) :: matrix(model%n + 2, model%n + 2)
       integer :: pivots(size(x)), info
@@ -161,15 +160,16 @@ contains
          call fail(status, code_singular, "Newton's iteration for an orbit has no solution: orbits are not isolated here")
    end subroutine solve_system
 
-   !> dP/dp of an orbit that was followed round, by a difference to one side: to the other one if there is no such system, or if
-   !> root functions do not fire there as in the orbit, since P may have a corner, or a root near one; else by a shorter one.
+   !> dP/dp of an orbit that was integrated over one round, by a one-sided difference. The other side is used if there is no
+   !> such system, or if root functions do not fire there as in the orbit: P may have a corner, or a square root near one.
+   !> Shorter differences follow.
    subroutine differentiate_by_parameter(model, options, orbit, status)
-      class(orbit_model), intent(inout) :: model !! with another value of the parameter on return
+      class(orbit_model), intent(inout) :: model !! has another value of the parameter on return
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(inout) :: orbit
       type(status_t), intent(inout) :: status
       real(wp), parameter :: over(6) = [1.0_wp, -1.0_wp, 0.03_wp, -0.03_wp, 0.001_wp, -0.001_wp]
-      real(wp), parameter :: alike = 0.1_wp !! of the square of a rate with which a root function fires
+      real(wp), parameter :: alike = 0.1_wp !! of the square of the rate at which a root function fires
       type(status_t) :: refusal
       type(flow_t) :: flow
       real(wp) :: change, period
@@ -194,13 +194,13 @@ contains
       if (.not. found) status = refusal
    end subroutine differentiate_by_parameter
 
-   !> What is left after a change is laid to the derivative, and the dP/dp, with which it was found (C. G. Broyden, Mathematics of
-   !> Computation 19 (1965) 577-593).
+   !> Update the derivative, and the dP/dp, with which a change was computed by the residual after it (C. G. Broyden,
+   !> Mathematics of Computation 19 (1965) 577-593).
    pure subroutine learn_from_change(model, options, change, after)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
-      real(wp), intent(in) :: change(:)     !! [n + 2] that led there, in units of the scales
-      type(orbit_t), intent(inout) :: after !! its flow has an end, and the derivative that gave that change
+      real(wp), intent(in) :: change(:)     !! [n + 2] that change, in units of the scales
+      type(orbit_t), intent(inout) :: after !! its flow has an end, and the derivative used for the change
       real(wp) :: left(model%n), size_of
       integer :: j
 
@@ -215,15 +215,15 @@ contains
       end associate
    end subroutine learn_from_change
 
-   !> What a step of Newton's iteration lacks in the end is laid to dP/dp, the one part of it that is not exact (secant).
+   !> Update dP/dp, the only inexact part of a Newton step, by the residual after the step (secant).
    pure subroutine learn_by_parameter(model, options, before, change, share, after)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: before
-      real(wp), intent(in) :: change(:) !! [n + 2] from one to the other
+      real(wp), intent(in) :: change(:) !! [n + 2] from `before` to `after`
       real(wp), intent(in) :: share     !! of the step that was taken
       type(orbit_t), intent(inout) :: after
-      real(wp), parameter :: least = 0.01_wp !! of the change that is that of the parameter
+      real(wp), parameter :: least = 0.01_wp !! share of the parameter in the change
       real(wp) :: by
 
       by = change(model%n + 2)

@@ -1,8 +1,8 @@
-!> Where the stability of a branch changes: folds, crossings of branches, period doublings, Neimark-Sacker points, and orbits of
-!> which a root function just touches zero (grazing).
+!> Special points of a branch, where its stability changes: folds, crossings of branches, period doublings, Neimark-Sacker
+!> points, and orbits of which a root function just touches zero (grazing).
 !>
-!> Each is a zero of a test function between two neighbouring points of a branch, located by false position with halving along the
-!> branch: every value is that of an orbit that was found. A zero that is none, because multipliers jump there, is left out.
+!> Each is a zero of a test function between two neighbouring points of a branch, located by false position with halving along
+!> the branch: every value is that of a converged orbit. A false zero, at a jump of the multipliers, is omitted.
 !>
 !> Sources: R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed., 5.3, 7.4; R. I. Leine, H. Nijmeijer, Dynamics and
 !> Bifurcations of Non-Smooth Mechanical Systems, ch. 8 and 9 (jumps of multipliers).
@@ -24,18 +24,18 @@ module evl_special_points
 
 contains
 
-   !> All special points between two neighbouring points of a branch, in their order.
+   !> Find all special points between two neighbouring points of a branch, in their order.
    subroutine find_special_points(model, options, first, last, way, points, leap, is_missed, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: first, last !! with tangents
-      real(wp), intent(in) :: way              !! from one to the other along the tangent of the first
-      type(branch_point), allocatable, intent(out) :: points(:) !! `way` is that from `first`
-      real(wp), intent(out) :: leap            !! largest distance of orbits beside a touch, over the way: 0 on a branch
-      logical, intent(out) :: is_missed        !! a touch was not found, though orbits close to both sides of it were
+      real(wp), intent(in) :: way              !! distance between them along the tangent of the first
+      type(branch_point), allocatable, intent(out) :: points(:) !! `way` is measured from `first`
+      real(wp), intent(out) :: leap            !! largest distance of orbits beside a grazing point, over the way: 0 on a branch
+      logical, intent(out) :: is_missed        !! a grazing point was not found, though orbits close to both sides of it were
       type(status_t), intent(inout) :: status
       type(branch_point) :: kept(kind_neimark_sacker + model%n_roots)
-      real(wp), parameter :: upright = 1.0e-8_wp !! a branch at one value of the parameter, as of a linear system, has no folds
+      real(wp), parameter :: upright = 1.0e-8_wp !! a branch at a constant parameter, as of a linear system, has no folds
       real(wp), parameter :: undamped = 1.0e-8_wp !! products of pairs without damping are 1 everywhere, up to rounding
       logical :: found, is_missed_here, was_lost(model%n_roots)
       real(wp) :: leap_here
@@ -71,7 +71,7 @@ contains
       call sort(points)
    end subroutine find_special_points
 
-   !> A function that passes zero at a special point.
+   !> Test function that passes zero at a special point.
    real(wp) function test(model, kind, orbit) result(value)
       class(orbit_model), intent(in) :: model
       integer, intent(in) :: kind
@@ -89,7 +89,7 @@ contains
       end select
    end function test
 
-   !> How far a root function is from touching zero: positive where it does not reach it, with as many crossings as `fewer`.
+   !> Distance of a root function from touching zero: positive if it does not reach zero, with as many crossings as `fewer`.
    pure real(wp) function touch_test(orbit, root, fewer) result(value)
       type(orbit_t), intent(in) :: orbit
       integer, intent(in) :: root, fewer
@@ -101,7 +101,7 @@ contains
       end if
    end function touch_test
 
-   !> Whether a root function touches where another one does, as those of two tooth pairs that share a load: that is one point.
+   !> Whether a root function touches at a known point, as those of two tooth pairs that share a load do: that is one point.
    pure logical function is_known(points, first, last, root)
       type(branch_point), intent(in) :: points(:)
       type(orbit_t), intent(in) :: first, last
@@ -118,8 +118,8 @@ contains
       end do
    end function is_known
 
-   !> Whether two root functions are the same to both sides, as those of two tooth pairs that share a load: where one was not
-   !> located the other one is not.
+   !> Whether two root functions are equal on both sides, as those of two tooth pairs that share a load: if one was not
+   !> located, the other one cannot be located either.
    elemental logical function are_alike(first, last, root, other)
       type(orbit_t), intent(in) :: first, last
       integer, intent(in) :: root, other
@@ -143,7 +143,7 @@ contains
 
    end function are_alike
 
-   !> One special point, by false position with halving (Illinois), or by a parabola where the function is smooth.
+   !> Locate one special point by false position with halving (Illinois), or by a parabola where the function is smooth.
    subroutine locate(model, options, first, last, way, kind, root, point, found, leap, is_missed, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -152,17 +152,17 @@ contains
       integer, intent(in) :: kind, root
       type(branch_point), intent(out) :: point
       logical, intent(out) :: found !! false: the function jumps, or Newton's iteration fails
-      real(wp), intent(out) :: leap        !! distance of the orbits beside a touch, over the way; huge if one between was not found
-      logical, intent(out) :: is_missed    !! it was not, but those to both sides are close to it: the branch goes on
+      real(wp), intent(out) :: leap !! distance of the orbits beside a grazing point, over the way; huge if one between failed
+      logical, intent(out) :: is_missed    !! it was not found, but orbits on both sides are close to it: the branch continues
       type(status_t), intent(inout) :: status
       integer, parameter :: most_turns = 60
       real(wp), parameter :: accuracy = 1.0e-10_wp !! over the way, or over 1 if that is shorter
-      integer, parameter :: most_iterations = 8    !! of Newton: from beside the orbit three are many
-      integer, parameter :: most_damped = 2, most_halvings = 3 !! then it is at a corner, which it does not pass
-      real(wp), parameter :: little = 1.0e-4_wp    !! over the way: the last one was no farther from the curve, which is right then
+      integer, parameter :: most_iterations = 8    !! of Newton: near the orbit three are many
+      integer, parameter :: most_damped = 2, most_halvings = 3 !! then it is at a corner, which the iteration does not pass
+      real(wp), parameter :: little = 1.0e-4_wp !! over the way: the last one was no farther from the curve, which is accurate then
       real(wp), parameter :: far = 2               !! distance of two orbits over the way between them, of different branches
-      real(wp), parameter :: narrow = 0.2_wp       !! between two orbits, over the way: the branch goes on there
-      real(wp), parameter :: near = 1.0e-7_wp      !! that far from where it was expected, the next one is found at once
+      real(wp), parameter :: narrow = 0.2_wp       !! between two orbits, over the way: the branch continues there
+      real(wp), parameter :: near = 1.0e-7_wp      !! error of the last prediction below which the next orbit converges at once
       real(wp) :: a, b, at_a, at_b, at, value, enough, error, size_of
       type(orbit_t) :: left, right, foreseen
       type(curve_t) :: curve
@@ -183,9 +183,9 @@ contains
       b = way
       at_a = ask(first)
       at_b = ask(last)
-      if (max(abs(at_a), abs(at_b)) > huge(1.0_wp)/2) return ! only ever crossed, or never near: it came with another one
-      enough = accuracy*min(1.0_wp, way)/way*abs(at_b - at_a) ! as far from zero as that is near
-      if (kind == kind_touch) enough = 0 ! orbits on both sides are wanted
+      if (max(abs(at_a), abs(at_b)) > huge(1.0_wp)/2) return ! always crossed, or never near: it changed with another one
+      enough = accuracy*min(1.0_wp, way)/way*abs(at_b - at_a) ! corresponds to that accuracy of the position
+      if (kind == kind_touch) enough = 0 ! orbits on both sides are required
       few = options
       few%most_iterations = most_iterations
       few%most_damped = most_damped
@@ -201,20 +201,20 @@ contains
          at = b - at_b*((b - a)/(at_b - at_a))
          if (turn > 1 .and. kind /= kind_touch) at = foreseen_zero(ways, values, a, b, at)
          if (turn > most_turns/2) at = (a + b)/2 ! a function that jumps
-         if (turn == 1 .and. abs(at_a) <= enough) at = a ! it begins there
+         if (turn == 1 .and. abs(at_a) <= enough) at = a ! the zero is at the start
          at = min(max(at, a + 0.3_wp*accuracy*min(1.0_wp, way)), b - 0.3_wp*accuracy*min(1.0_wp, way))
          call orbit_beside_curve(model, options, curve, lacks, first, at, foreseen)
          point%orbit = foreseen
          call clear(refusal)
          call correct_orbit(model, few, point%orbit, refusal, first%tangent, foreseen=error > near)
-         if (has_failed(refusal) .and. lacks%n > 0) then ! at a corner what is known of one side misleads
+         if (has_failed(refusal) .and. lacks%n > 0) then ! at a corner, corrections known from one side mislead
             lacks = nothing
             call orbit_beside_curve(model, options, curve, lacks, first, at, foreseen)
             point%orbit = foreseen
             call clear(refusal)
             call correct_orbit(model, few, point%orbit, refusal, first%tangent)
          end if
-         ! between two orbits with a corner between them the cubic may foresee worse than the tangent
+         ! between two orbits with a corner between them the tangent may predict better than the cubic
          if (has_failed(refusal) .and. error > little*way) then
             point%orbit = first
             call move_orbit(model, options, point%orbit, at*first%tangent)
@@ -274,8 +274,7 @@ contains
 
    end subroutine locate
 
-   !> Where a function has its zero by the parabola through three places, with its values as abscissa, if that lies well between
-   !> two bounds.
+   !> Zero of a function by inverse quadratic interpolation through three points, if it lies between two bounds; else `otherwise`.
    pure real(wp) function foreseen_zero(ways, values, a, b, otherwise) result(zero)
       real(wp), intent(in) :: ways(3), values(3), a, b, otherwise
       integer :: i, j, k
@@ -314,7 +313,7 @@ contains
       end select
    end function is_genuine
 
-   !> By their place.
+   !> Sort by their position.
    subroutine sort(points)
       type(branch_point), intent(inout) :: points(:)
       type(branch_point) :: held

@@ -1,24 +1,23 @@
-!> Past an orbit at which a root function just touches zero and a force jumps or has a corner: where a branch is not smooth there.
+!> Continuation past a grazing orbit, at which a root function just touches zero, if a force jumps or has a corner there.
 !>
-!> Where what happens behind the touch lasts s, its effect on the flow is that of a force times s, and s is the root of how far the
-!> root function comes beyond zero. With theta, that goes through zero at the touch, s = sqrt(-theta) and g the gradient of theta,
+!> The mode behind the grazing point lasts for s. Its effect on the flow is that of a force times s, and s is the square root
+!> of how far the root function passes zero. With theta, which passes zero at grazing, its gradient g, and s = sqrt(-theta),
 !>
-!>     theta > 0:    (D - 1) dy + dP/dp dp          = 0    orbits to the one side: tangent t
+!>     theta > 0:    (D - 1) dy + dP/dp dp          = 0    orbits on one side: tangent t
 !>     theta < 0:    (D - 1) dy + dP/dp dp + c s    = 0
-!>                   g_y dy + g_p dp                = 0    to the other side: du = b s
+!>                   g_y dy + g_p dp                = 0    on the other side: du = b s
 !>
-!> with D and dP/dp of the orbit that touches, without what happens behind. In both s and the orbit are smooth along the branch, so
-!> each half has a tangent; derivatives of the flow behind the touch are not: they grow as 1/s. So orbits from which Newton's
-!> iteration would find that which touches have to lie before it, where the flow is smooth. Where b turns back in the parameter the
-!> touch is a fold.
+!> with D and dP/dp of the grazing orbit, without the mode behind. s and the orbit are smooth along the branch, so that each half
+!> has a tangent; the derivative of the flow behind the grazing point grows as 1/s. Newton's iteration for the grazing orbit
+!> therefore uses orbits before it, where the flow is smooth. If b turns back in the parameter, the grazing point is a fold.
 !>
-!> Where a force begins without a jump, and acts only while flanks approach, as that of a damper that does not pull, its effect is
-!> that of s**2 = -theta: the flow has a corner, with the derivative D - c g behind it, and
+!> If a force begins without a jump, and acts only while flanks approach, as that of a damper that does not pull, its effect
+!> is proportional to s**2 = -theta: the flow has a corner, with the derivative D - c g behind it, and
 !>
 !>     theta < 0:    (D - 1) dy + dP/dp dp + c s**2 = 0
 !>                   g_y dy + g_p dp                = -s**2
 !>
-!> Newton's iteration may not come over such a corner: from each side it leads to the other one.
+!> Newton's iteration may not pass such a corner: from each side it leads to the other one.
 !>
 !> The second line is the leading order of the square-root map: A. B. Nordmark, J. Sound Vib. 145 (1991) 279-297;
 !> M. di Bernardo, C. J. Budd, A. R. Champneys, P. Kowalczyk, Piecewise-smooth Dynamical Systems, Springer 2008, ch. 6 and 7.
@@ -38,27 +37,27 @@ module evl_touch_passage
 
    public :: pass_touch, touch_passage
 
-   !> What lies on a branch at a touch.
+   !> Branch at a grazing point.
    type :: touch_passage
-      logical :: looked = .false.         !! a touch was seen ahead
+      logical :: looked = .false.         !! a grazing point was detected ahead
       logical :: found = .false.
       logical :: from_behind = .false.    !! the branch comes from where the root function is crossed
-      type(branch_point) :: touch         !! with the tangent on which it is come to
-      real(wp), allocatable :: onward(:)  !! [n + 2] the tangent on which the branch goes on
-      type(branch_point) :: next          !! the first ordinary point behind it; its way is that from the touch
+      type(branch_point) :: touch         !! with the tangent of the incoming branch
+      real(wp), allocatable :: onward(:)  !! [n + 2] tangent of the outgoing branch
+      type(branch_point) :: next          !! first ordinary point behind it; its way is that from the grazing point
    end type touch_passage
 
 contains
 
-   !> Look for a touch ahead, and for the branch behind it.
+   !> Search for a grazing point ahead, and for the branch behind it.
    subroutine pass_touch(model, options, now, curve, reach, steps, smooth, passage)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: now            !! with a tangent
-      type(curve_t), intent(in) :: curve          !! on which the branch is expected ahead
-      real(wp), intent(in) :: reach               !! how far ahead
-      real(wp), intent(in) :: steps(2)            !! shortest and longest step from the touch to the next point
-      integer, intent(in) :: smooth(:)            !! root functions that are known to touch where nothing jumps
+      type(curve_t), intent(in) :: curve          !! predicted branch ahead
+      real(wp), intent(in) :: reach               !! length of the search
+      real(wp), intent(in) :: steps(2)            !! shortest and longest step from the grazing point to the next point
+      integer, intent(in) :: smooth(:)            !! root functions whose grazing is known to be without a jump
       type(touch_passage), intent(out) :: passage !! not found: there is none, or the branch is smooth there
       type(touch_t) :: touch
       type(orbit_t) :: touching
@@ -88,18 +87,18 @@ contains
       passage%found = found
    end subroutine pass_touch
 
-   !> The tangents of both halves, away from the touch, from what a flow a little beyond the touch shows of c.
+   !> Tangents of both halves, away from the grazing point; c is estimated from flows a little beyond it.
    subroutine find_halves(model, options, touch, touching, before_it, behind_it, power, beyond_over_way, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(touch_t), intent(in) :: touch
       type(orbit_t), intent(inout) :: touching
       real(wp), intent(out) :: before_it(:), behind_it(:) !! [n + 2]
-      integer, intent(out) :: power                       !! of s, with which the flow and the way behind the touch grow
-      real(wp), intent(out) :: beyond_over_way            !! that power of s over the way along the tangent behind the touch
-      logical, intent(out) :: found                       !! false: nothing jumps
+      integer, intent(out) :: power                       !! of s, with which the flow and the way behind the grazing point grow
+      real(wp), intent(out) :: beyond_over_way            !! that power of s over the way along the tangent behind the grazing point
+      logical, intent(out) :: found                       !! false: there is no jump
       real(wp), parameter :: beyond(2) = [4.0e-7_wp, 1.0e-7_wp]
-      real(wp), parameter :: most_growth(2) = [3, 6] !! from one to the other: that of s is 2, of its square 4, of what is smooth 8
+      real(wp), parameter :: most_growth(2) = [3, 6] !! from one to the other: 2 for s, 4 for its square, 8 for smooth parts
       type(status_t) :: refusal
       real(wp) :: part(model%n, 2), smooth(model%n), depth, beyond_it
       integer :: i
@@ -131,11 +130,11 @@ contains
 
    contains
 
-      !> What a flow behind the touch has beside its smooth part.
+      !> Part of a flow behind the grazing point that is not smooth.
       subroutine look_behind(distance, part, smooth, depth, status)
          real(wp), intent(in) :: distance
          real(wp), intent(out) :: part(:), smooth(:) !! in units of the scales
-         real(wp), intent(out) :: depth              !! s; 0: there is no touch
+         real(wp), intent(out) :: depth              !! s; 0: the function does not reach zero
          type(status_t), intent(inout) :: status
          type(orbit_t) :: behind
          real(wp) :: change(model%n + 2)
@@ -147,7 +146,7 @@ contains
          call go_round(model, options, behind, status)
          if (has_failed(status)) return
          if (behind%flow%crossings(touch%root) > touch%fewer) &
-            depth = sqrt(max(0.0_wp, distance*norm2(touch%gradient) - theta_of(touch, touching))) ! events are not that sharp
+            depth = sqrt(max(0.0_wp, distance*norm2(touch%gradient) - theta_of(touch, touching))) ! event times are less accurate
          associate (n => model%n)
             smooth = matmul(touching%flow%derivative, change(:n)*model%scale) - change(:n)*model%scale &
                      + touching%by_parameter*change(n + 2)*options%parameter_scale
@@ -159,22 +158,22 @@ contains
 
    end subroutine find_halves
 
-   !> Whether an orbit that touches lies ahead, where it was seen.
+   !> Whether a grazing orbit lies ahead, where it was detected.
    pure logical function leads_to(model, options, now, touching, seen)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: now, touching
-      real(wp), intent(in) :: seen              !! way to it
+      real(wp), intent(in) :: seen              !! estimated way to it
       real(wp), parameter :: ahead = 0.5_wp     !! cosine of an angle
       real(wp) :: way(model%n + 2)
 
       way = way_to(model, options, now, touching)
-      leads_to = dot_product(now%tangent, touching%tangent) > 0 .and. & ! a branch turns fast behind a touch
-                 now%tangent(model%n + 2)*touching%tangent(model%n + 2) > 0 .and. & ! but a fold is to be found first
+      leads_to = dot_product(now%tangent, touching%tangent) > 0 .and. & ! a branch turns fast behind a grazing point
+                 now%tangent(model%n + 2)*touching%tangent(model%n + 2) > 0 .and. & ! but a fold must be found first
                  norm2(way) <= 2*seen .and. dot_product(way, now%tangent) > ahead*norm2(way)
    end function leads_to
 
-   !> The first point behind a touch, as far away as the branch is nearly straight: multipliers grow towards the touch.
+   !> First point behind a grazing point, as far away as the branch is nearly straight: multipliers grow towards the grazing point.
    subroutine step_off(model, options, touch, touching, onward, power, beyond_over_way, steps, next, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -197,7 +196,7 @@ contains
          call clear(refusal)
          if (.not. touch%from_behind) then
             call push_behind(model, options, touch, (way*beyond_over_way)**(2/power), start, refusal)
-            if (allocated(start%by_parameter)) deallocate (start%by_parameter) ! that before the touch
+            if (allocated(start%by_parameter)) deallocate (start%by_parameter) ! that before the grazing point
          end if
          next%orbit = start
          if (.not. has_failed(refusal)) call correct_orbit(model, options, next%orbit, refusal, onward)
@@ -213,7 +212,7 @@ contains
       end do
    end subroutine step_off
 
-   !> Move the start of an orbit across the touch until theta is what it is on the branch there.
+   !> Move the start of an orbit across the grazing point until theta has its value on the branch there.
    subroutine push_behind(model, options, touch, depth, start, status)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options

@@ -1,7 +1,7 @@
-!> The orbit ahead on a branch at which a root function just touches zero, found from before the touch, where the flow is smooth.
+!> Grazing orbit ahead on a branch, at which a root function just touches zero, computed from before it, where the flow is smooth.
 !>
-!> With theta, which goes through zero at the touch, as one more equation: a branch that comes from behind the touch is expected to
-!> go on to where theta is zero, and from there the iteration begins a little before it.
+!> theta, which passes zero at grazing, is an additional equation. A branch that comes from behind the grazing point is
+!> extrapolated to the zero of theta, and the iteration begins a little before it.
 !>
 !> The iteration was derived here.
 module evl_touching_orbit
@@ -18,26 +18,26 @@ module evl_touching_orbit
 
    public :: find_touching_orbit, theta_of, touch_t
 
-   !> A touch that is looked at.
+   !> A grazing point under consideration.
    type :: touch_t
       integer :: root = 0
       integer :: fewer = 0           !! crossings of the root function where it does not reach zero
-      real(wp) :: way = 0            !! to it, about
-      logical :: from_behind = .false. !! the branch comes from where the function is crossed
+      real(wp) :: way = 0            !! estimated way to it
+      logical :: from_behind = .false. !! the branch comes from where the root function is crossed
       real(wp), allocatable :: gradient(:) !! [n + 2] of theta by the unknowns in units of their scales
    end type touch_t
 
 contains
 
-   !> Look for a touch ahead, and for the orbit there.
+   !> Search for a grazing point ahead, and for its orbit.
    subroutine find_touching_orbit(model, options, now, curve, reach, smooth, touch, touching, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: now         !! with a tangent
-      type(curve_t), intent(in) :: curve       !! on which the branch is expected ahead
-      real(wp), intent(in) :: reach            !! how far ahead
-      integer, intent(in) :: smooth(:)         !! root functions that are known to touch where nothing jumps
-      type(touch_t), intent(out) :: touch      !! its root is 0: none is ahead
+      type(curve_t), intent(in) :: curve       !! predicted branch ahead
+      real(wp), intent(in) :: reach            !! length of the search
+      integer, intent(in) :: smooth(:)         !! root functions whose grazing is known to be without a jump
+      type(touch_t), intent(out) :: touch      !! root = 0: there is none ahead
       type(orbit_t), intent(out) :: touching
       logical, intent(out) :: found
       type(orbit_t) :: start
@@ -50,14 +50,14 @@ contains
       if (found) call close_in(model, options, start, touch, touching, found)
    end subroutine find_touching_orbit
 
-   !> The root function that touches zero next along the tangent: theta falls linearly before a touch, its root behind it.
+   !> Root function that touches zero next along the tangent: theta falls linearly before grazing, its square root behind it.
    subroutine look_ahead(model, options, now, reach, touch)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       type(orbit_t), intent(in) :: now
       real(wp), intent(in) :: reach
       type(touch_t), intent(out) :: touch
-      real(wp), parameter :: share = 0.02_wp !! of the way that is looked over
+      real(wp), parameter :: share = 0.02_wp !! of the length of the search
       type(orbit_t) :: further
       type(status_t) :: refusal
       real(wp) :: way
@@ -97,7 +97,7 @@ contains
 
    end subroutine look_ahead
 
-   !> The gradient of theta at an orbit, by differences to where theta is farther from zero, or changes little.
+   !> Gradient of theta at an orbit, by differences towards larger |theta|, or with little change.
    subroutine find_gradient(model, options, orbit, touch, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -118,7 +118,7 @@ contains
          if (k <= model%n) then
             if (.not. orbit%active(k)) cycle
          end if
-         if (k == model%n + 1) cycle ! where an orbit ends does not move what happens on it
+         if (k == model%n + 1) cycle ! the end of an orbit does not affect the events on it
          found = .false.
          do i = 1, size(sizes)
             moved = orbit
@@ -139,7 +139,7 @@ contains
       found = norm2(touch%gradient) > 0
    end subroutine find_gradient
 
-   !> A flow near the orbit that touches, before the touch.
+   !> Flow near the grazing orbit, before grazing.
    subroutine find_start(model, options, now, curve, touch, start, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -176,8 +176,8 @@ contains
       touch%fewer = start%flow%crossings(touch%root)
    end subroutine find_start
 
-   !> The orbit that touches, by Newton's iteration with theta as the last row: it falls to a tenth each time, so that the
-   !> iteration stays before the touch.
+   !> Grazing orbit by Newton's iteration with theta as the last row: theta falls to a tenth in each step, so that the
+   !> iteration remains before grazing.
    subroutine close_in(model, options, start, touch, touching, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
@@ -186,7 +186,7 @@ contains
       type(orbit_t), intent(out) :: touching
       logical, intent(out) :: found
       integer, parameter :: most_iterations = 40, most_halvings = 8
-      real(wp), parameter :: near = 1.0e-10_wp   !! the touch, in units of the scales
+      real(wp), parameter :: near = 1.0e-10_wp   !! distance from grazing, in units of the scales
       type(orbit_t) :: trial
       type(status_t) :: refusal
       real(wp) :: change(model%n + 2), theta, last_theta, share
@@ -223,11 +223,11 @@ contains
          touching = trial
       end do
       call clear(refusal)
-      call correct_orbit(model, options, touching, refusal) ! there is nothing left to correct: its multipliers
+      call correct_orbit(model, options, touching, refusal) ! for its multipliers; no correction remains
       found = .not. has_failed(refusal) .and. touching%flow%crossings(touch%root) == touch%fewer
    end subroutine close_in
 
-   !> Theta of an orbit: how far the root function is from touching zero.
+   !> Test function theta of an orbit: distance of the root function from touching zero.
    pure real(wp) function theta_of(touch, orbit) result(theta)
       type(touch_t), intent(in) :: touch
       type(orbit_t), intent(in) :: orbit

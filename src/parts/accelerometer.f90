@@ -1,4 +1,4 @@
-!> An accelerometer: a point of the housing, and a direction in it, along which its acceleration is told.
+!> Accelerometer: a point of the housing, and a direction in it along which the acceleration is recorded.
 module evl_accelerometer
    use evl_given, only: given_t
    use evl_kinds, only: wp
@@ -13,7 +13,7 @@ module evl_accelerometer
       real(wp) :: direction(3) = 0.0_wp !! unit vector in the housing frame
    end type accelerometer_t
 
-   ! what a case says of an accelerometer
+   ! parameters of an accelerometer
    type(row_t), parameter, public :: accelerometer_rows(*) = [ &
                                      row_t("name", type_name, "", "name in paths and the history", required=.true.), &
                                      row_t("point", type_triple, "m", "where it is, housing frame", required=.true., &
@@ -23,7 +23,7 @@ module evl_accelerometer
 
 contains
 
-   !> From its checked description; a direction of length 0 stays so.
+   !> Set from checked parameters; a direction of length 0 remains 0.
    subroutine accelerometer_take(given, accelerometer)
       type(given_t), intent(in) :: given
       type(accelerometer_t), intent(out) :: accelerometer
@@ -31,7 +31,7 @@ contains
 
       accelerometer%point = given%numbers("point")
       accelerometer%direction = given%numbers("direction")
-      largest = maxval(abs(accelerometer%direction)) ! whose square may overflow, or vanish
+      largest = maxval(abs(accelerometer%direction)) ! its square may overflow, or vanish
       if (.not. largest > 0) return
       accelerometer%direction = accelerometer%direction/largest
       accelerometer%direction = accelerometer%direction/norm2(accelerometer%direction)

@@ -1,4 +1,4 @@
-!> A motor, or a brake, by the tangent to its curve of torque over speed:
+!> Motor, or brake, by the tangent to its torque-speed curve:
 !>
 !>    M = torque + slope (omega - speed)
 module evl_drive_load
@@ -13,8 +13,8 @@ module evl_drive_load
    public :: drive_load
 
    type, extends(load_t) :: drive_load
-      real(wp) :: at_speed = 0.0_wp !! where the tangent touches [rad/s]
-      real(wp) :: torque = 0.0_wp   !! there [N m]
+      real(wp) :: at_speed = 0.0_wp !! speed at which the tangent touches [rad/s]
+      real(wp) :: torque = 0.0_wp   !! torque at that speed [N m]
       real(wp) :: slope = 0.0_wp    !! [N m s] <= 0
    contains
       procedure :: describe
@@ -41,7 +41,7 @@ contains
                                                  plausible=span_t(1.0e-12_wp, 1.0e6_wp))])
    end subroutine describe
 
-   !> A torque that rises with the speed feeds itself: nothing would hold the operating point.
+   !> A torque that rises with the speed is unstable: the operating point would not be maintained.
    pure subroutine refusal(given, message, field)
       type(given_t), intent(in) :: given
       character(len=*), intent(out) :: message, field

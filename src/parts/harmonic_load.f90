@@ -3,7 +3,8 @@
 !>    M = mean + amplitude sin(2 pi frequency t + phase)
 !>    M = mean + amplitude sin(order phi + phase)
 !>
-!> The argument is kept in cycles, of which whole ones are taken off before the sine: it is as precise after many as at the start.
+!> The argument is in cycles; whole cycles are subtracted before the sine, so that the precision does not decrease with their
+!> number.
 module evl_harmonic_load
    use evl_given, only: given_t
    use evl_kinds, only: lanes, pi, wp
@@ -17,7 +18,7 @@ module evl_harmonic_load
    type, extends(load_t) :: harmonic_load
       real(wp) :: mean = 0.0_wp      !! [N m]
       real(wp) :: frequency = 0.0_wp !! [Hz]; 0 if by order
-      real(wp) :: order = 0.0_wp     !! cycles a turn of the wheel; 0 if by frequency
+      real(wp) :: order = 0.0_wp     !! cycles per revolution of the wheel; 0 if by frequency
       real(wp) :: phase = 0.0_wp     !! in cycles
    contains
       procedure :: describe
@@ -98,7 +99,7 @@ contains
       if (present(stiffness)) stiffness = -self%swing*self%order*cosine(:n)
    end subroutine evaluate
 
-   !> Of the cycles, those that have nothing to do with time and angle: the phase, and the part of a cycle in which whole turns end.
+   !> Cycles that do not depend on time and angle: the phase, and the fraction of a cycle at the end of the whole revolutions.
    pure real(wp) function start_of(self, revolutions) result(cycles)
       class(harmonic_load), intent(in) :: self
       real(wp), intent(in) :: revolutions
@@ -106,10 +107,10 @@ contains
       cycles = modulo(self%order*revolutions, 1.0_wp) + self%phase
    end function start_of
 
-   !> What the sine is taken of: between -pi and pi.
+   !> Argument of the sine: between -pi and pi.
    elemental real(wp) function argument(cycles, start) result(x)
       real(wp), intent(in) :: cycles, start
-      real(wp), parameter :: to_whole = 1.5_wp*2.0_wp**52 ! a sum with it has no digits behind the point
+      real(wp), parameter :: to_whole = 1.5_wp*2.0_wp**52 ! a sum with it has no fractional digits
       real(wp) :: all
 
       all = cycles + start

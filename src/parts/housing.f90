@@ -1,4 +1,4 @@
-!> The housing: how it moves, what that adds to the accelerations of bodies in it, and what acts on it from the ground.
+!> Housing: its motion, its effect on the accelerations of bodies in it, and the forces on it from the ground.
 !>
 !> Source: docs/housing.md, which derives every equation. Components are those of the housing frame unless the ground is named.
 module evl_housing
@@ -17,21 +17,21 @@ module evl_housing
    public :: mount_deflection, housing_rates, housing_renormalise, housing_turn_columns, housing_take_turn, is_balance, &
              small_turns
 
-   integer, parameter :: housing_fixed = 0      !! at rest, its frame that of the ground
-   integer, parameter :: housing_prescribed = 1 !! moves as given
+   integer, parameter :: housing_fixed = 0      !! fixed to the ground, with its frame
+   integer, parameter :: housing_prescribed = 1 !! prescribed motion
    integer, parameter :: housing_mounted = 2    !! a rigid body on a mount
 
-   integer, parameter :: n_housing_states = 13 !! of a mounted housing, at housing%i_state + these places:
+   integer, parameter :: n_housing_states = 13 !! of a mounted housing, at housing%i_state + these offsets:
    integer, parameter :: at_position = 0       !! r, ground [m]
    integer, parameter :: at_orientation = 3    !! p
    integer, parameter :: at_velocity = 7       !! v, ground [m/s]
    integer, parameter :: at_omega = 10         !! Omega [rad/s]
 
-   real(wp), parameter :: norm_rate = 1.0e4_wp !! nu: with it the quaternion returns to norm 1 [1/s]
+   real(wp), parameter :: norm_rate = 1.0e4_wp !! nu: rate at which the quaternion returns to norm 1 [1/s]
 
    type :: housing_t
       integer :: kind = housing_fixed
-      logical :: acts = .false.                 !! it moves, or there is gravity, or supports move in it: bodies in it feel it
+      logical :: acts = .false.                 !! it moves, or there is gravity, or supports move in it: this affects bodies in it
       logical :: is_mounted = .false.
       real(wp) :: gravity(3) = 0.0_wp           !! ground [m/s^2]
       type(motion_term), allocatable :: motion(:) !! prescribed
@@ -39,11 +39,11 @@ module evl_housing
       integer :: i_state = 0                    !! index of r in the state, if mounted
       real(wp) :: mass = 0.0_wp                 !! [kg]
       real(wp) :: centre(3) = 0.0_wp            !! centre of mass [m]
-      real(wp) :: inertia(3, 3) = 0.0_wp        !! about it [kg m^2]
+      real(wp) :: inertia(3, 3) = 0.0_wp        !! about the centre of mass [kg m^2]
       real(wp) :: mount_point(3) = 0.0_wp       !! P [m]
       real(wp) :: stiffness(3) = 0.0_wp, damping(3) = 0.0_wp           !! ground axes [N/m], [N s/m]
       real(wp) :: turn_stiffness(3) = 0.0_wp, turn_damping(3) = 0.0_wp !! [N m/rad], [N m s/rad]
-      real(wp) :: force(3) = 0.0_wp, moment(3) = 0.0_wp !! from outside, ground; the force at the centre of mass [N], [N m]
+      real(wp) :: force(3) = 0.0_wp, moment(3) = 0.0_wp !! external, ground axes; the force at the centre of mass [N], [N m]
       real(wp) :: position(3) = 0.0_wp, orientation(4) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp] !! at the start
       real(wp) :: velocity(3) = 0.0_wp, omega(3) = 0.0_wp                                 !! at the start
    end type housing_t
@@ -57,7 +57,7 @@ module evl_housing
 
 contains
 
-   !> The housing frame at time t, or, if mounted, at a state with its rates; v' and Omega' are 0 if none are given.
+   !> Housing frame at time t or, if mounted, at a state with its rates; v' and Omega' are 0 if no rates are given.
    pure subroutine housing_frame(housing, t, y, frame, yp)
       type(housing_t), intent(in) :: housing
       real(wp), intent(in) :: t, y(*)
@@ -91,7 +91,8 @@ contains
       frame%acceleration = turned_back(frame%rotation, velocity_rate - housing%gravity)
    end subroutine housing_frame
 
-   !> Whether a state's equation is one of the two balances of a mounted housing, in newtons and newton metres, and not y' - f.
+   !> Whether a state's equation is one of the two balances of a mounted housing, in newtons and newton metres, instead of y'
+   !> - f.
    pure logical function is_balance(housing, state)
       type(housing_t), intent(in) :: housing
       integer, intent(in) :: state
@@ -99,7 +100,7 @@ contains
       is_balance = housing%is_mounted .and. state >= housing%i_state + at_velocity .and. state < housing%i_state + n_housing_states
    end function is_balance
 
-   !> Acceleration, less gravity, of a point that rests in the housing [m/s^2].
+   !> Acceleration minus gravity of a point fixed to the housing [m/s^2].
    pure function frame_acceleration(frame, c) result(b)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: c(3) !! the point [m]
@@ -108,7 +109,7 @@ contains
       b = frame%acceleration + cross(frame%alpha, c) + cross(frame%omega, cross(frame%omega, c))
    end function frame_acceleration
 
-   !> Acceleration along its direction that an accelerometer tells: that seen from the ground, gravity not counted [m/s^2].
+   !> Acceleration that an accelerometer records along its direction: relative to the ground, without gravity [m/s^2].
    pure real(wp) function felt_acceleration(housing, frame, accelerometer) result(acceleration)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
@@ -118,7 +119,7 @@ contains
                                  + turned_back(frame%rotation, housing%gravity))
    end function felt_acceleration
 
-   !> The same of a point that moves in the housing, less its relative acceleration [m/s^2].
+   !> `frame_acceleration` of a point that moves in the housing, without its relative acceleration [m/s^2].
    pure function apparent_acceleration(frame, c, rate) result(b)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: c(3), rate(3) !! the point [m], its relative velocity [m/s]
@@ -127,7 +128,7 @@ contains
       b = frame_acceleration(frame, c) + 2*cross(frame%omega, rate)
    end function apparent_acceleration
 
-   !> H' + Omega x H: the moment that a wheel takes about its centre [N m].
+   !> H' + Omega x H: the moment about its centre that a wheel requires [N m].
    pure function wheel_moment(frame, inertia, transverse_inertia, speed, acceleration) result(moment)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: inertia, transverse_inertia !! about the axle, about a diameter [kg m^2]
@@ -171,21 +172,21 @@ contains
       end associate
    end function mount_turn
 
-   !> Power that the mount's dampers take [W].
+   !> Power dissipated by the mount's dampers [W].
    pure real(wp) function mount_loss(housing, frame, velocity) result(power)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
-      real(wp), intent(in) :: velocity(3) !! of `mount_force` [m/s]
+      real(wp), intent(in) :: velocity(3) !! from `mount_force` [m/s]
 
       power = dot_product(housing%damping, velocity**2) + dot_product(housing%turn_damping, frame%omega**2)
    end function mount_loss
 
-   !> A mounted housing's part of the rates: r', p', and, in the places of v' and Omega', the force and the moment about the
-   !> origin that act on it from the ground, added to what the loads put there; powers lost and put in.
+   !> Contribution of a mounted housing to the rates: r', p', and, at the indices of v' and Omega', the force and the moment
+   !> about the origin from the ground, added to those of the loads; also the power dissipated and the power of external forces.
    pure subroutine housing_rates(housing, frame, f, dissipation, power)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
-      real(wp), intent(inout) :: f(*)             !! of the whole system; forces are added
+      real(wp), intent(inout) :: f(*)             !! rates of the whole system; forces are added
       real(wp), intent(out) :: dissipation, power !! [W]
       real(wp) :: mount(3), velocity(3), force(3), moment(3)
 
@@ -208,7 +209,7 @@ contains
       end associate
    end subroutine housing_rates
 
-   !> Restart with a quaternion of norm 1.
+   !> Reset the quaternion to norm 1.
    pure subroutine housing_renormalise(housing, y)
       type(housing_t), intent(in) :: housing
       real(wp), intent(inout) :: y(*)
@@ -219,7 +220,7 @@ contains
       end associate
    end subroutine housing_renormalise
 
-   !> How the orientation changes by small turns about the housing's own axes.
+   !> Derivative of the orientation by small rotations about the housing's own axes.
    pure function small_turns(orientation) result(gradient)
       real(wp), intent(in) :: orientation(4)
       real(wp) :: gradient(4, 3), turn(4)
@@ -232,7 +233,7 @@ contains
       end do
    end function small_turns
 
-   !> Put derivatives by a small turn of the housing, about its own axes, into the columns of Omega.
+   !> Store the derivatives by a small rotation of the housing, about its own axes, in the columns of Omega.
    pure subroutine housing_turn_columns(housing, y, jacobian)
       type(housing_t), intent(in) :: housing
       real(wp), intent(in) :: y(*)
@@ -245,7 +246,7 @@ contains
       end associate
    end subroutine housing_turn_columns
 
-   !> Turn the housing by the angles that stand in the places of Omega, and set these to 0.
+   !> Rotate the housing by the angles stored at the indices of Omega, and set these to 0.
    pure subroutine housing_take_turn(housing, y)
       type(housing_t), intent(in) :: housing
       real(wp), intent(inout) :: y(*)

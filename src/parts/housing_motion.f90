@@ -18,7 +18,7 @@ module evl_housing_motion
    integer, parameter :: n_coordinates = 6 !! position x, y, z in the ground frame, then the rotation vector
 
    type :: motion_term
-      integer :: coordinate = 0          !! which of the coordinates
+      integer :: coordinate = 0          !! index of the coordinate
       integer :: kind = term_constant    !! one of the kinds above
       real(wp) :: value = 0.0_wp         !! constant or amplitude [m or rad], or rate [m/s or rad/s]
       real(wp) :: frequency = 0.0_wp     !! [Hz]
@@ -28,7 +28,7 @@ module evl_housing_motion
       real(wp), allocatable :: bend(:)   !! second derivatives there, from motion_prepare
    end type motion_term
 
-   !> Where the housing is and how it moves.
+   !> Position and motion of the housing.
    type :: motion_curve
       real(wp) :: position(3), velocity(3) !! r, v of the origin: ground [m], [m/s]
       real(wp) :: orientation(4)           !! p, unit quaternion
@@ -37,7 +37,7 @@ module evl_housing_motion
 
 contains
 
-   !> What a case says of a term: of a translation, or of a rotation.
+   !> Parameters of a term: of a translation, or of a rotation.
    pure function motion_rows(unit, of, rate_unit, rate, most, rate_most) result(rows)
       character(len=*), intent(in) :: unit, of        !! of the coordinate
       character(len=*), intent(in) :: rate_unit, rate !! of its rate
@@ -63,7 +63,7 @@ contains
                       required=.true., variants="table", plausible=span_t(0.0_wp, most))
    end function motion_rows
 
-   !> A term from its checked description.
+   !> Set a term from checked parameters.
    subroutine motion_take(given, first, term)
       type(given_t), intent(in) :: given
       integer, intent(in) :: first !! coordinate along or about x
@@ -90,7 +90,7 @@ contains
       end select
    end subroutine motion_take
 
-   !> Find the second derivatives of a table's natural cubic spline: 0 at both ends.
+   !> Compute the second derivatives of a table's natural cubic spline: 0 at both ends.
    !>
    !> Source: continuity of the first derivative at the inner knots, a tridiagonal diagonally dominant system.
    pure subroutine motion_prepare(term)
@@ -116,7 +116,7 @@ contains
       end do
    end subroutine motion_prepare
 
-   !> The motion at time t.
+   !> Motion at time t.
    pure subroutine motion_at(terms, t, curve, acceleration)
       type(motion_term), intent(in) :: terms(:) !! of all coordinates, in any order
       real(wp), intent(in) :: t                 !! [s]
@@ -155,8 +155,8 @@ contains
       end select
    end function term_at
 
-   !> How long a step from t may be that does not pass over any of the motion: a cycle of each term; of a table as far as the next
-   !> knot, or some knots on if these follow as closely.
+   !> Longest step from t that resolves the motion: a cycle of each term; in a table up to the next knot, or several knots
+   !> further if these are as close.
    pure real(wp) function motion_in_sight(terms, t) result(longest)
       type(motion_term), intent(in) :: terms(:)
       real(wp), intent(in) :: t !! [s]
@@ -174,10 +174,10 @@ contains
       end do
    end function motion_in_sight
 
-   !> As far as the next knot, or to one behind it that is at most `most` of the shortest distances between knots on the way ahead.
+   !> Time to the next knot, or to a later one within `most` times the shortest interval of the knots behind the next one.
    pure real(wp) function knots_in_sight(time, t) result(longest)
       real(wp), intent(in) :: time(:), t
-      real(wp), parameter :: most = 4.001_wp, here = 8*epsilon(t) !! here: of the time, knots that were met
+      real(wp), parameter :: most = 4.001_wp, here = 8*epsilon(t) !! here: tolerance, of the time, for knots reached
       real(wp) :: shortest
       integer :: i, next
 

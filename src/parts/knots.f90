@@ -1,6 +1,6 @@
-!> A table over time: linear between its knots, constant before the first and after the last.
+!> Table over time: linear between its knots, constant before the first and after the last.
 !>
-!> Which two knots a time is between is said by the caller: the segment, the number of knots passed, is part of a discrete state.
+!> The caller provides the segment in which a time is: the number of knots passed, which is part of a discrete state.
 module evl_knots
    use evl_kinds, only: wp
    implicit none (type, external)
@@ -15,7 +15,7 @@ module evl_knots
 
 contains
 
-   !> The table at a time.
+   !> Value of the table at a time.
    pure real(wp) function knot_value(knots, t, segment) result(value)
       type(knots_t), intent(in) :: knots
       real(wp), intent(in) :: t      !! [s]
@@ -27,7 +27,7 @@ contains
       value = there(1)
    end function knot_value
 
-   !> The same at n times of one segment.
+   !> Values of the table at n times of one segment.
    pure subroutine knot_values(knots, n, t, segment, values)
       type(knots_t), intent(in) :: knots
       integer, intent(in) :: n
@@ -52,7 +52,7 @@ contains
       end do
    end subroutine knot_values
 
-   !> Its rate [per s].
+   !> Rate of the table [per s].
    pure real(wp) function knot_slope(knots, segment) result(slope)
       type(knots_t), intent(in) :: knots
       integer, intent(in) :: segment

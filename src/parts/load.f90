@@ -1,7 +1,7 @@
-!> A load: a torque on a wheel from outside, or a prescribed speed. What a kind of load is asked, whichever it is.
+!> Load: an external torque on a wheel, or a prescribed speed. Common interface of all kinds of load.
 !>
-!> The torque of a kind has one formula, `evaluate`, of one state or eight; all else that a torque is asked here derives from it.
-!> A kind extends load_t in a file of its own and has a line in evl_load_kinds; nobody else knows which kinds there are.
+!> The torque of a kind has one formula, `evaluate`, for one state or eight; all other torque results here derive from it. A
+!> kind extends load_t in a file of its own and has a line in evl_load_kinds; no other module depends on the set of kinds.
 module evl_load
    use evl_given, only: given_t
    use evl_kind_finder, only: described_t
@@ -13,30 +13,30 @@ module evl_load
 
    public :: load_point, load_t
 
-   !> Where a load is asked. The wheel's angle in the housing is 2 pi revolutions + angle.
+   !> State in which a load is evaluated. The wheel's angle in the housing is 2 pi revolutions + angle.
    type :: load_point
       real(wp) :: t = 0.0_wp           !! [s]
       real(wp) :: omega = 0.0_wp       !! speed of the wheel [rad/s]
-      real(wp) :: revolutions = 0.0_wp !! whole turns of the wheel; for loads with by_angle
-      real(wp) :: angle = 0.0_wp       !! the rest [rad]; likewise
-      integer :: segment = 0           !! knots passed, if it has any
+      real(wp) :: revolutions = 0.0_wp !! whole revolutions of the wheel; for loads with by_angle
+      real(wp) :: angle = 0.0_wp       !! remaining angle [rad]; likewise
+      integer :: segment = 0           !! knots passed, if there are any
    end type load_point
 
    type, abstract, extends(described_t) :: load_t
-      integer :: wheel = 0                  !! which wheel it acts on
-      logical :: against_housing = .false.  !! the reaction, and the speed referred to; otherwise the ground
+      integer :: wheel = 0                  !! index of the wheel on which it acts
+      logical :: against_housing = .false.  !! reference of the speed and body that takes the reaction; otherwise the ground
       integer :: i_segment = 0              !! index of the segment in the discrete state; 0 without knots
-      type(knots_t) :: knots                !! of a table; where the torque or its rate may jump. Not allocated without one
-      logical :: prescribes = .false.       !! it prescribes the speed, and brings what torque that needs
+      type(knots_t) :: knots                !! of a table, where the torque or its rate may jump. Not allocated without one
+      logical :: prescribes = .false.       !! it prescribes the speed, and provides the torque for it
       logical :: by_speed = .false.         !! its torque depends on the speed of the wheel: `find_dependence`
       logical :: by_angle = .false.         !! its torque depends on the angle of the wheel
-      logical :: may_feed = .false.         !! its torque may grow with the speed: it can feed a vibration
-      real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; a steady state sets it to 0
-      real(wp) :: cycle = huge(1.0_wp)      !! of the swing: of time [s], or by_angle of the wheel's angle [rad]; huge: none
-      real(wp) :: rated = 0.0_wp            !! its torque at the operating point that it states, if it states one [N m]
+      logical :: may_feed = .false.         !! its torque may increase with the speed: it can excite a vibration
+      real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; steady-state analysis sets it to 0
+      real(wp) :: cycle = huge(1.0_wp)      !! period of the swing: time [s], or by_angle the wheel's angle [rad]; huge: none
+      real(wp) :: rated = 0.0_wp            !! its torque at the operating point, if it defines one [N m]
       real(wp) :: fastest = 0.0_wp          !! largest magnitude of the prescribed speed [rad/s]
-      logical :: is_input = .false.         !! its torque or speed is one number, which may be given anew: `feed`
-      character(len=short_length) :: sense = "value" !! parameter that gives its torque or speed its sense
+      logical :: is_input = .false.         !! its torque or speed is one number, which `feed` can change
+      character(len=short_length) :: sense = "value" !! parameter that determines the sign of its torque or speed
    contains
       procedure(take_numbers), deferred :: take
       procedure(torque_formula), deferred :: evaluate
@@ -51,7 +51,7 @@ module evl_load
 
    abstract interface
 
-      !> Take the parameters: every one is in its range, and `refusal` has nothing to say.
+      !> Set the parameters: all are in their ranges, and `refusal` has found no error.
       subroutine take_numbers(self, given)
          import :: given_t, load_t
          implicit none (type, external)
@@ -59,13 +59,13 @@ module evl_load
          type(given_t), intent(in) :: given
       end subroutine take_numbers
 
-      !> The torque in n states that share the whole turns and the segment; a prescribed speed has none of its own. If they are
-      !> present, its derivatives, both of them: they come as zero.
+      !> Torque in n states with common whole revolutions and segment; a prescribed speed has none of its own. Optionally both
+      !> its derivatives, which are zero on entry.
       pure subroutine torque_formula(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
          import :: load_t, wp
          implicit none (type, external)
          class(load_t), intent(in) :: self
-         integer, intent(in) :: n                         !! 1 or 8: loops over them become vector instructions
+         integer, intent(in) :: n                         !! 1 or 8: loops over them are vectorised
          real(wp), intent(in) :: t(n), omega(n), angle(n) !! as in `load_point`
          real(wp), intent(in) :: revolutions
          integer, intent(in) :: segment
@@ -78,7 +78,7 @@ module evl_load
 
 contains
 
-   !> What is wrong with numbers that are in their ranges, but do not go together, and the parameter to change; "" if nothing is.
+   !> Error message for numbers that are in their ranges but inconsistent, and the parameter to change; "" if there is no error.
    pure subroutine no_refusal(given, message, field)
       type(given_t), intent(in) :: given
       character(len=*), intent(out) :: message, field
@@ -87,7 +87,7 @@ contains
       field = ""
    end subroutine no_refusal
 
-   !> Whether the torque depends on the speed, by its derivative at several speeds and angles.
+   !> Determine whether the torque depends on the speed, from its derivative at several speeds and angles.
    subroutine find_dependence(self)
       class(load_t), intent(inout) :: self
       real(wp), parameter :: omega(8) = [-1.0e4_wp, -300.0_wp, -10.0_wp, -0.1_wp, 0.2_wp, 20.0_wp, 500.0_wp, 2.0e4_wp]
@@ -101,11 +101,11 @@ contains
       self%by_speed = any(abs(damping) > 0)
    end subroutine find_dependence
 
-   !> The torque in one state; that of a prescribed speed is 0.
+   !> Torque in one state; that of a prescribed speed is 0.
    pure subroutine ask(self, at, torque, damping, stiffness)
       class(load_t), intent(in) :: self
       type(load_point), intent(in) :: at
-      real(wp), intent(out) :: torque, damping, stiffness !! as of `evaluate`
+      real(wp), intent(out) :: torque, damping, stiffness !! as in `evaluate`
       real(wp) :: there(1), by_speed(1), by_angle(1)
 
       by_speed = 0
@@ -116,9 +116,9 @@ contains
       stiffness = by_angle(1)
    end subroutine ask
 
-   !> What the turning of the housing adds to a torque against the ground: it follows the speed seen from there [N m].
+   !> Change of a torque against the ground by the rotation of the housing: it depends on the speed relative to the ground [N m].
    !>
-   !> The tangent stands for the difference where both agree to rounding: it is exact if the torque is linear in the speed.
+   !> The tangent replaces the difference where both agree within rounding: it is exact if the torque is linear in the speed.
    pure real(wp) function spin_torque(self, at, spin) result(torque)
       class(load_t), intent(in) :: self
       type(load_point), intent(in) :: at !! in the housing
@@ -136,7 +136,7 @@ contains
       end associate
    end function spin_torque
 
-   !> Take the torque, or the prescribed speed and its rate, that holds from now on; only of a load that is an input.
+   !> Set the torque, or the prescribed speed and its rate, that is valid from now on; only of a load that is an input.
    subroutine feed_nothing(self, value, rate)
       class(load_t), intent(inout) :: self
       real(wp), intent(in) :: value !! [N m] or [rad/s]
@@ -148,7 +148,7 @@ contains
    pure real(wp) function no_speed(self, t, segment) result(speed)
       class(load_t), intent(in) :: self
       real(wp), intent(in) :: t      !! [s]
-      integer, intent(in) :: segment !! knots passed, if it has any
+      integer, intent(in) :: segment !! knots passed, if there are any
 
       speed = 0
    end function no_speed

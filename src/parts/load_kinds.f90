@@ -1,4 +1,4 @@
-!> The table of the kinds of load. A kind's index in it, from 0, is that in the C interface.
+!> Table of the kinds of load. The index of a kind in it, from 0, is that in the C interface.
 module evl_load_kinds
    use evl_constant_load, only: constant_load
    use evl_drive_load, only: drive_load
@@ -15,7 +15,7 @@ module evl_load_kinds
 
 contains
 
-   !> The load of the kind that a finder looks for, without its parameters; not allocated if there is none.
+   !> Load of the kind that a finder requests, without its parameters; not allocated if there is none.
    subroutine load_of_kind(finder, load)
       type(kind_finder), intent(inout) :: finder
       class(load_t), allocatable, intent(out) :: load

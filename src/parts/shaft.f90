@@ -1,8 +1,8 @@
-!> One shaft between two wheels on one axis: what it carries is torque, and nothing else.
+!> Shaft between two wheels on one axis; it transmits only torque.
 !>
 !> Torque on the second wheel, T = c twist + d twist', twist = phi_a - phi_b; on the first -T. Both wheels have the same speed
-!> ratio, so the twist is formed from their deviations and the reference angle cancels on paper. A rigid shaft has no twist: its
-!> wheels are one rotor, and share one deviation.
+!> ratio, so the twist is the difference of their deviations: the reference angle cancels analytically. A rigid shaft has no
+!> twist: its wheels are one rotor, and share one deviation.
 module evl_shaft
    use evl_kinds, only: wp
    use evl_row, only: not_negative, positive, row_t, span_t, type_choice, type_name, type_number, type_references
@@ -12,7 +12,7 @@ module evl_shaft
 
    public :: shaft_t, shaft_energy, shaft_loss, shaft_torque, shaft_twist
 
-   ! what a case says of a shaft
+   ! parameters of a shaft
    type(row_t), parameter, public :: shaft_rows(*) = [ &
                      row_t("kind", type_choice, "", "a torsion spring and damper; the wheels turn as one body", default="elastic", &
                                            words="elastic rigid"), &
@@ -26,10 +26,10 @@ module evl_shaft
 
    type :: shaft_t
       integer :: wheel_a = 0, wheel_b = 0    !! its wheels
-      logical :: rigid = .false.             !! whether it cannot twist
-      real(wp) :: stiffness = 0.0_wp         !! c [N m/rad]; 0 of a rigid one
-      real(wp) :: damping = 0.0_wp           !! d [N m s/rad]; the same
-      integer, allocatable :: behind(:)      !! wheels that a rigid one drives: its second wheel, and those rigidly behind that
+      logical :: rigid = .false.             !! it cannot twist
+      real(wp) :: stiffness = 0.0_wp         !! c [N m/rad]; 0 if rigid
+      real(wp) :: damping = 0.0_wp           !! d [N m s/rad]; 0 if rigid
+      integer, allocatable :: behind(:)      !! wheels that a rigid one drives: its second wheel, and those rigidly behind it
       integer :: i_psi_a = 0, i_psi_b = 0    !! indices of the wheels' deviations in the state, rates follow; 0: none
    end type shaft_t
 
@@ -63,7 +63,7 @@ contains
       energy = shaft%stiffness*shaft_twist(shaft, y, 0)**2/2
    end function shaft_energy
 
-   !> Power that its damping takes [W].
+   !> Power dissipated by its damping [W].
    pure real(wp) function shaft_loss(shaft, y) result(power)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(*)

@@ -1,4 +1,4 @@
-!> A prescribed speed, constant or over time: the load brings whatever torque it needs.
+!> Prescribed speed, constant or over time: the load provides the required torque.
 module evl_speed_load
    use evl_given, only: given_t
    use evl_kinds, only: wp
@@ -12,7 +12,7 @@ module evl_speed_load
 
    type, extends(load_t) :: speed_load
       real(wp) :: value = 0.0_wp !! [rad/s] without a table
-      real(wp) :: rate = 0.0_wp  !! of that, where it was given anew [rad/s^2]
+      real(wp) :: rate = 0.0_wp  !! of that, as set by `feed` [rad/s^2]
    contains
       procedure :: describe
       procedure, nopass :: refusal

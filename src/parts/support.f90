@@ -1,7 +1,7 @@
-!> What carries an axle: the reference motion of its centre, and how far it deviates from that. The deviation's components are
-!> states, and meshes know of an axle nothing else.
+!> Support of an axle: the reference motion of its centre, and its deviation from that. The deviation's components are states;
+!> meshes use no other data of an axle.
 !>
-!> Which there are is said by its kind, which extends support_kind_t in a file of its own and has a line in evl_support_kinds.
+!> The kind of support determines these. It extends support_kind_t in a file of its own and has a line in evl_support_kinds.
 module evl_support
    use evl_given, only: given_t
    use evl_kind_finder, only: described_t
@@ -18,16 +18,16 @@ module evl_support
       real(wp) :: acceleration(2) = 0.0_wp  !! [m/s^2]
    end type axle_motion
 
-   !> What carries an axle: up to two directions, each with spring and damper.
+   !> Support of an axle: up to two directions, each with spring and damper.
    type :: support_t
       integer :: n = 0                       !! degrees of freedom
       real(wp) :: direction(2, 2) = 0.0_wp   !! column j: unit vector of degree of freedom j in the housing frame
-      real(wp) :: mass = 0.0_wp              !! that moves: wheel and support [kg]
+      real(wp) :: mass = 0.0_wp              !! moving mass: wheel and support [kg]
       real(wp) :: per_mass = 0.0_wp          !! its inverse
       real(wp) :: stiffness(2) = 0.0_wp      !! [N/m]
       real(wp) :: damping(2) = 0.0_wp        !! [N s/m]
       integer :: i_state(2) = 0              !! index of s_j in the state; s_j' follows
-      logical :: moves = .false.             !! whether its reference motion is not rest
+      logical :: moves = .false.             !! whether its reference point moves
       class(support_kind_t), allocatable :: kind
    end type support_t
 
@@ -39,30 +39,30 @@ module evl_support
 
    abstract interface
 
-      !> Degrees of freedom with their springs and dampers, and the mass that moves beside the wheel's, from parameters that are
-      !> in their ranges.
+      !> Set the degrees of freedom with their springs and dampers, and the mass that moves in addition to the wheel's, from
+      !> parameters in their ranges.
       subroutine take_numbers(self, given, support)
          import :: given_t, support_kind_t, support_t
          implicit none (type, external)
-         class(support_kind_t), intent(inout) :: self !! keeps what its reference motion needs
+         class(support_kind_t), intent(inout) :: self !! stores the data of its reference motion
          type(given_t), intent(in) :: given
-         type(support_t), intent(inout) :: support    !! without degrees of freedom, its mass that of the wheel
+         type(support_t), intent(inout) :: support    !! in: no degrees of freedom, the mass of the wheel
       end subroutine take_numbers
 
    end interface
 
 contains
 
-   !> The reference motion of the centre, from which its deviation counts. A kind whose reference moves says so in `moves`.
+   !> Reference motion of the centre, to which its deviation refers. A kind with a moving reference sets `moves`.
    pure type(axle_motion) function at_rest(self, centre, t) result(motion)
       class(support_kind_t), intent(in) :: self
-      real(wp), intent(in) :: centre(2) !! of the wheel as the train was laid out [m]
+      real(wp), intent(in) :: centre(2) !! of the wheel in the layout of the train [m]
       real(wp), intent(in) :: t         !! [s]
 
       motion = axle_motion(centre)
    end function at_rest
 
-   !> How far the centre deviates from its reference motion [m], or the rate of that [m/s].
+   !> Deviation of the centre from its reference motion [m], or the rate of that [m/s].
    pure function axle_deviation(support, y, order) result(u)
       type(support_t), intent(in) :: support
       real(wp), intent(in) :: y(*) !! state, a change of it, or its rates

@@ -1,4 +1,4 @@
-!> The table of the kinds of support. A kind's index in it, from 0, is that in the C interface.
+!> Table of the kinds of support. The index of a kind in it, from 0, is that in the C interface.
 module evl_support_kinds
    use evl_bearing_support, only: bearing_support
    use evl_fixed_support, only: fixed_support
@@ -12,7 +12,7 @@ module evl_support_kinds
 
 contains
 
-   !> The support of the kind that a finder looks for, without its parameters; not allocated if there is none.
+   !> Support of the kind that a finder requests, without its parameters; not allocated if there is none.
    subroutine support_of_kind(finder, support)
       type(kind_finder), intent(inout) :: finder
       class(support_kind_t), allocatable, intent(out) :: support
