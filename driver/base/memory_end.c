@@ -17,8 +17,8 @@ void evl_memory_run_out(size_t count, size_t size)
 }
 
 /* gfortran's library ends the program through these functions when an `allocate` fails, with several lines and exit
-   code 1. The kernel calls the first definition that the linker finds, which is this one. It is weak so that the
-   library can define its own when linked statically. */
+ * code 1. The kernel calls the first definition that the linker finds, which is this one. It is weak so that the
+ * library can define its own when linked statically. */
 /* NOLINTBEGIN(bugprone-reserved-identifier) */
 __attribute__((weak)) _Noreturn void _gfortran_os_error(const char *message);
 __attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...);

@@ -1,11 +1,11 @@
 /* Wrappers of the allocators for the linker (--wrap), in the program and in the kernel's library: if memory runs out,
-   the program ends with one line. Callers need not check the result; some do not: temporaries of gfortran, tables of
-   HDF5. */
+ * the program ends with one line. Callers need not check the result; some do not: temporaries of gfortran, tables of
+ * HDF5. */
 #include <stdlib.h>
 #include <string.h>
 
 /* Of memory.h, which the kernel does not include: defined by the program, or absent if the kernel belongs to another
-   program. */
+ * program. */
 __attribute__((weak)) void evl_memory_run_out(size_t count, size_t size);
 
 /* The names are given by the linker. NOLINTBEGIN(bugprone-reserved-identifier) */

@@ -18,7 +18,7 @@ static bool is_nan_or_infinity(const char *text)
 }
 
 /* [-+]? ( \. [0-9]+ | [0-9]+ ( \. [0-9]* )? ) ( [eE] [-+]? [0-9]+ )?   (YAML 1.2, 10.3.2): what strtod accepts of these
-   characters; it accepts others too. */
+ * characters; it accepts others too. */
 number_kind number_read(const char *text, double *value)
 {
     char *end = NULL;
