@@ -1,5 +1,5 @@
 /* The table of all keys as a JSON Schema, draft 2020-12. Each block is a definition; keys of its variants are subject
-   to conditions on the selector. */
+ * to conditions on the selector. */
 #include "base/json.h"
 #include "base/words.h"
 #include "case/case_json_value.h"

@@ -49,7 +49,7 @@ typedef struct {
     }
 
 /* No kind has both m for milli and M for mega of the same unit. `1/s` is no angular velocity: it could mean
-   revolutions. */
+ * revolutions. */
 static const unit_kind kinds[] = {
     {"m", "length", 2,
      UNITS(TEN("mm", -3), TEN("um", -6), TEN("nm", -9), TEN("cm", -2), SAME("m"), {"in", -4, {254, 0}})},
@@ -208,7 +208,7 @@ quantity_kind quantity_read(const char *text, const char *key_unit, double *valu
     const unit *unit = find_unit(kind, name);
     *unit_text = name;
     if (unit == NULL || (name == end && *name == '1')) { /* 31/min is ambiguous: the number and the unit 1/min cannot be
-                                                            separated */
+                                                          * separated */
         const bool begins_as_one = isalpha((unsigned char)*name) || *name == '%' || (unsigned char)*name >= 0x80;
         return begins_as_one || (name > end && strncmp(name, "1/", 2) == 0) ? QUANTITY_OTHER_UNIT : QUANTITY_NONE;
     }
