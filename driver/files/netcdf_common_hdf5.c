@@ -13,7 +13,7 @@ netcdf_common netcdf_kept;
 enum { NEEDED = 24 * 1024 * 1024 };
 
 /* After a failed write the library cannot clean up at exit and would crash. Its own lock would conflict with the
-   caller's, who locks the file before it is emptied. */
+ * caller's, who locks the file before it is emptied. */
 void netcdf_prepare_library(void)
 {
     (void)H5dont_atexit();
@@ -31,8 +31,8 @@ static bool set_group_properties(hid_t properties)
     return H5Pset_link_creation_order(properties, order) >= 0 && H5Pset_obj_track_times(properties, 0) >= 0;
 }
 
-/** Metadata of variables stay in memory between flushes. If they were evicted to free memory, they would not match the
- *  rest of the file, and the file of a killed run could not be read. Rows are not affected. */
+/** Metadata of variables stay in memory between flushes. Evicted metadata would not match the rest of the file, so that
+ *  the file of a killed run could not be read. Rows are not affected. */
 static bool hold_metadata(hid_t access)
 {
     H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
@@ -53,9 +53,9 @@ static bool prepare_files(void)
     kept->file_create = H5Pcreate(H5P_FILE_CREATE);
     kept->group_create = H5Pcreate(H5P_GROUP_CREATE);
     /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. The
-       same applies to single writer, multiple readers (SWMR): the file can be opened only in that mode until the mark
-       is cleared, and the lengths of variables differ. A sieve buffer would take 64 kilobytes, zeroed, for each
-       variable, which is written at once. */
+     * same applies to single writer, multiple readers (SWMR): the file can be opened only in that mode until the mark
+     * is cleared, and the lengths of variables differ. A sieve buffer would take 64 kilobytes, zeroed, for each
+     * variable, which is written at once. */
     return kept->file_access >= 0 && kept->file_create >= 0 && kept->group_create >= 0 &&
            H5Pset_libver_bounds(kept->file_access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
            H5Pset_fclose_degree(kept->file_access, H5F_CLOSE_STRONG) >= 0 &&
@@ -69,7 +69,7 @@ static bool prepare_stores(void)
     const double missing = NAN;
     netcdf_common *kept = &netcdf_kept;
     /* Rows are written in order, many at a time: a cache would only cost memory, a megabyte per variable, and filling
-       in advance would only cost an additional copy. */
+     * in advance would only cost an additional copy. */
     kept->access = H5Pcreate(H5P_DATASET_ACCESS);
     bool good = kept->access >= 0 && H5Pset_chunk_cache(kept->access, 1, 0, 1.0) >= 0;
     for (int store = 0; store < N_STORES; store++) {

@@ -1,5 +1,5 @@
 /* The library has no files: nothing remains after a call, a computation cannot be resumed, and wheels are cached during
-   one call only. These are the functions of parts.h, checkpoint.h and wheel_file.h that analyses in memory need. */
+ * one call only. These are the functions of parts.h, checkpoint.h and wheel_file.h that analyses in memory need. */
 #include "base/memory.h"
 #include "files/checkpoint.h"
 #include "files/parts.h"
