@@ -93,7 +93,7 @@ long batch_axis_place(const batch_axis *axis, long index, double t, const output
     } else {
         good = good && k < axis->coordinate.n &&
                fabs(t - axis->values[k]) <= same * axis->grid.output_interval; /* excludes the last state of a run that
-                                                                               fails */
+                                                                                * fails */
     }
     return good ? k : -1;
 }

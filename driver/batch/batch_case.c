@@ -259,8 +259,7 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
 static void sink_start(batch_sink *sink, const prepared_case *prepared, const number_window *window)
 {
     const batch_plan *plan = sink->plan;
-    const double interval =
-        case_description(prepared->file)->simulation.output_interval; /* by position 0: no tolerance */
+    const double interval = case_description(prepared->file)->simulation.output_interval; /* by position: 0 */
     *sink = (batch_sink){.plan = plan, .keeper = sink->keeper};
     wanted_init(&sink->wanted, prepared->model, &sink->pool);
     sink->statistics = statistics_create(&plan->table, &sink->wanted, window, interval);

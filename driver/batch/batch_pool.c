@@ -332,7 +332,7 @@ void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_
                       interrupt_name((int)interrupt_signal), state->n_finished, state->n_todo);
     } else if (!good) {
         (void)fsync(state->journal.descriptor); /* the reason that ended the batch has priority over that of a failed
-                                                   synchronisation */
+                                                 * synchronisation */
     }
     batch_queue_delete(&pool.work.queue);
     pool_free(&pool.memory);

@@ -14,6 +14,6 @@ typedef struct {
     long n_wheels;   /**< number of compliant wheels computed for them */
 } batch_state;
 
-/** Run all cases to do in `jobs` workers. When interrupted by a signal, or if a write fails, it stops the running
- *  cases, synchronises the records to the disk, and reports this in `error`. */
+/** Run all cases to do in `jobs` workers. After a signal or a failed write it stops the running cases, synchronises the
+ *  records to the disk, and reports this in `error`. */
 void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error);

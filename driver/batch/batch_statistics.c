@@ -310,7 +310,7 @@ static void add_to_mesh(accumulator of_mesh[N_OF_MESH], int first, int n, const 
         }
     }
     for (int k = 0; k < n; k++) { /* in the order of time, but with independent sums, so that they can be computed in
-                                     parallel */
+                                   * parallel */
         for (int i = 0; i < n_rows; i++) {
             sums[i] += parts[i][k];
         }

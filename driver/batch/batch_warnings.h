@@ -3,6 +3,6 @@
 
 #include "batch/batch_plan.h"
 
-/** Print a warning for each key of the base case with a number outside its plausible range, and for each numeric column
- *  of the design with such a value. The messages of single cases repeat only the latter. */
+/** Print a warning for each key of the base case with a number outside its plausible range. Do the same for each
+ *  numeric column of the design. The messages of single cases repeat only the latter. */
 void batch_warn(const batch_plan *plan);

@@ -30,7 +30,7 @@ typedef struct {
     long n_wheels; /**< number of compliant wheels computed for it */
 } batch_answer;
 
-/** Fork a worker. It takes cases from the queue until it is empty, ends when its parent does, however that ends, and
+/** Fork a worker. It takes cases from the queue until it is empty, and ends when its parent does, however that ends. It
  *  ignores the signals that request the end of a job.
  *  @param number  its index in the queue and in the array of workers
  *  @param first   index in the list of a case to run before all others, -1: none

@@ -1,4 +1,5 @@
 /** Journal of a shard: results of its cases, one JSON object a line, appended as they finish. Leaf module.
+ *
  *  The first line, the head, identifies the others. A line is valid only if it is complete and has the checksum
  *  described in journal_line.h. However the program ends, at most the last line is truncated; it is closed by a newline
  *  before the next one. A damaged head is written again behind the other lines, which then become valid again. */

@@ -1,4 +1,5 @@
 /** Line of a journal with a checksum at its end, to detect truncated or damaged lines. Leaf module.
+ *
  *  {"case":7,...,"at":1.5} becomes {"case":7,...,"at":1.5,"check":"1a2b3c4d"}: the CRC-32 of all bytes before
  *  `,"check"`. That of the head stands alone; that of a row continues from it, so that a row is invalid under another
  *  head. */

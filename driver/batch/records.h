@@ -11,7 +11,7 @@ typedef enum {
     RECORDS_COUNTS /**< only the number of cases of each status */
 } records_detail;
 
-/** Print the number of cases of each status and the journals' first lines, then the valid record of each case, in the
- *  order of the cases.
+/** Print the number of cases of each status, the journals' first lines, and the valid record of each case in the order
+ *  of the cases.
  *  @return the code of `error`: EVL_EXIT_CASE with the journal's path if one is invalid or cannot be read */
 evl_exit records(FILE *stream, const char *folder, records_detail detail, evl_error *error);
