@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 /* Errors of the penetration as a function of the tolerance, the largest found by `python benchmarks/stated_accuracy.py
-   --measure`: factor * tolerance^power. Radau controls its steps by tolerance^(4/7), and its errors follow. The law of
-   ida excludes gears that lose contact repeatedly. */
+ * --measure`: factor * tolerance^power. Radau controls its steps by tolerance^(4/7), and its errors follow. The law of
+ * ida excludes gears that lose contact repeatedly. */
 typedef struct {
     double factor, power;
 } error_law;

@@ -22,8 +22,8 @@ void number_blocks_keep(number_blocks *blocks, archive *archive);
 void number_blocks_period(number_blocks *blocks, double time);
 void number_blocks_add(number_blocks *blocks, int channel, double integral);
 
-/** Means of a channel over the complete blocks of each half of the window, and the standard deviation of the block
- *  means about the mean of their half. */
+/** Means of a channel over the complete blocks of each half of the window. The scatter is the standard deviation of the
+ *  block means about the mean of their half. */
 typedef struct {
     double first, second, scatter;
 } block_halves;

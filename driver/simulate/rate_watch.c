@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The start of a step and the nodes of Radau quadrature of order 13, the last of which is its end, in units of the
-   step. They are the stages of a radau step: then the sum of the rates equals the change up to the error of Newton's
-   iteration, for any step size. */
+/* The start of a step and the nodes of Radau quadrature of order 13, in units of the step; the last node is its end.
+ * They are the stages of a radau step: then the sum of the rates equals the change up to the error of Newton's
+ * iteration, for any step size. */
 static const double nodes[DAE_LANES] = {0,
                                         0.02931642715978489197,
                                         0.1480785996684842918,
@@ -32,14 +32,14 @@ enum { START = 0, END = DAE_LANES - 1 };
 
 static const double part = 1e-8; /* permitted difference of two formulas, relative to the largest value or change */
 /* Permitted error, in tolerances, of a state between the ends of a step; its effect on an integral is computed by
-   perturbing the states. Radau's steps are collocations: only Newton's iteration contributes, by at most 0.3 tolerances
-   in 400 random cases. IDA's polynomials satisfy the equations only at their ends: 7.8 in the same cases, in the short
-   steps after an event. */
+ * perturbing the states. Radau's steps are collocations: only Newton's iteration contributes, by at most 0.3 tolerances
+ * in 400 random cases. IDA's polynomials satisfy the equations only at their ends: 7.8 in the same cases, in the short
+ * steps after an event. */
 static const double tolerances_of_collocation = 10, tolerances_of_polynomials = 100;
 static const double roundings = 64 * DBL_EPSILON; /* of subtracted values, and of the time */
 
 /* The first step is checked, then one of 32, of 64, ... and one of 512 for the rest of the run. A check is delayed by
-   up to an eighth of the interval until the first step after an event. */
+ * up to an eighth of the interval until the first step after an event. */
 enum { FIRST_INTERVAL = 32, LAST_INTERVAL = 512, PATIENCE = 8 };
 
 /** The step with the largest difference of an integral from the change. */

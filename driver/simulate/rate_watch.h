@@ -1,10 +1,9 @@
 /** Check of reported rates against the changes of the integrated quantities, in some steps of a run: docs/theory.md,
  *  "Rates".
  *
- *  A rate has two formulas: that of the integrator, and that of the outputs. In a checked step
- *  - the two evaluations of the outputs, of eight states at once and of one, and both formulas of every load are
- *  compared;
- *  - the integral of every rate over the step is compared with the change of its quantity.
+ *  A rate has two formulas: that of the integrator, and that of the outputs. Checks in a step:
+ *  - the evaluations of the outputs for eight states at once and for one agree, and so do both formulas of every load;
+ *  - the integral of every rate over the step agrees with the change of its quantity.
  *  A difference is a defect of the program: the run fails. */
 #pragma once
 

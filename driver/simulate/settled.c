@@ -14,8 +14,7 @@ static const double of_range = 0.05; /* permitted remainder of the transient, re
 static const double least = 1e-4;    /* negligible, relative to the quantity's largest root mean square */
 static const double of_start = 1e-6; /* rounding, relative to the distance of the start */
 static const double undamped = 1e-6; /* damping ratio below which a mode does not decay */
-static const double of_scatter =
-    2; /* permitted difference of the halves' means, in standard deviations between blocks */
+static const double of_scatter = 2;  /* permitted difference of the halves' means, in standard deviations of blocks */
 
 /** Worst result so far: above 1 is not settled. */
 typedef struct {

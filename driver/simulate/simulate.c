@@ -64,7 +64,7 @@ static int give_found(simulation *s, int code, const output_block *block)
     }
     if (code != DAE_OK) {
         s->stop = s->outputs.capacity > 1 ? STOP_MISSED : STOP_MODEL; /* repeated one by one, the run shows which output
-                                                                         it is */
+                                                                       * it is */
         return 1;
     }
     return give(s, block) ? 0 : 1;

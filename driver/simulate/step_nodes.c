@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Gauss-Legendre: eight nodes where the kernel evaluates eight states together, three where it evaluates them one by
-   one, in the short steps of IDA. */
+ * one, in the short steps of IDA. */
 static const double places_of_8[] = {-0.9602898564975363, -0.7966664774136267, -0.5255324099163290, -0.1834346424956498,
                                      0.1834346424956498,  0.5255324099163290,  0.7966664774136267,  0.9602898564975363};
 static const double weights_of_8[] = {0.1012285362903763, 0.2223810344533745, 0.3137066458778873, 0.3626837833783620,

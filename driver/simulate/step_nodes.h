@@ -51,7 +51,7 @@ static inline node_range step_nodes_range(const step_nodes *nodes, const double 
     const bool whole = nodes->n == STEP_NODES_MOST;
     double highest = values[0], lowest = values[0];
     for (int k = whole ? HALF : 1; k < nodes->n; k++) { /* fmax is a function call; in pairs, to shorten the dependency
-                                                           chain */
+                                                         * chain */
         const double other = values[whole ? k - HALF : 0];
         const double high = values[k] > other ? values[k] : other, low = values[k] < other ? values[k] : other;
         highest = high > highest ? high : highest;
