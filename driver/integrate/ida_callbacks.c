@@ -6,7 +6,7 @@
 #include <sunmatrix/sunmatrix_dense.h>
 
 /* Only for quantities without bound, such as the gap of flanks that never meet again, and for the rounding of F: the
-   tolerance is not smaller than these permit. */
+ * tolerance is not smaller than these permit. */
 enum { ROUNDINGS = 16 };
 static const double relative_tolerance = ROUNDINGS * DBL_EPSILON;
 
@@ -166,7 +166,7 @@ void ida_watch_to(ida_session *s, double t, N_Vector y)
 }
 
 /* Error weights as IDA computes them, in one loop instead of four. IDA requests them before each step, when the
-   previous one is complete and has no event: here the observer processes it. */
+ * previous one is complete and has no event: here the observer processes it. */
 int ida_weights(N_Vector y, N_Vector weight, void *data)
 {
     ida_session *s = data;

@@ -6,7 +6,7 @@
 #include <sunmatrix/sunmatrix_dense.h>
 
 /* An estimate takes n solutions: it is made for one of this number of Jacobians, or of n. If rounding dominates,
-   Jacobians are frequent. */
+ * Jacobians are frequent. */
 enum { LEAST_JACOBIANS = 16 };
 
 static int jacobians_of(int n)

@@ -1,6 +1,7 @@
-/** Lower limit of IDA's tolerance due to rounding. F(t, y, y') is rounded by about eps |M| |y|, with its Jacobian M =
- *  dF/dy + cj dF/dy', and a correction by |M^-1| times that. This exceeds the rounding of y if positions of the order
- *  of a metre determine distances of a nanometre. All quantities are in IDA's units. Private to integrate/. */
+/** Lower limit of IDA's tolerance due to rounding. The rounding error of F(t, y, y') is about eps |M| |y|, with its
+ *  Jacobian M = dF/dy + cj dF/dy'; that of a correction is |M^-1| times that. This exceeds the rounding of y if
+ *  positions of the order of a metre determine distances of a nanometre. All quantities are in IDA's units. Private to
+ *  integrate/. */
 #pragma once
 
 #include "base/memory.h"

@@ -12,7 +12,7 @@
 #include <sundials/sundials_config.h>
 
 /* A contact of damping ratio 0.02 is integrated for thousands of oscillations: a Newton matrix outdated by more than 1
-   % in the step size costs more steps than it saves factorisations. */
+ * % in the step size costs more steps than it saves factorisations. */
 static const double matrix_staleness = 0.01;
 static const double first_step = 1e-8;   /* [s] from flanks in contact, where the force's stiffness starts from 0 */
 static const double restart_step = 1e-7; /* [s] after an event */
@@ -112,7 +112,7 @@ static const dae_state *state_of(const ida_session *s, const output_due *due, da
 }
 
 /* Pass on the outputs from t_from to the present time, except the end, which is passed on last. *missed: an event in
-   the last step was missed; the integration continues from the start of that step. */
+ * the last step was missed; the integration continues from the start of that step. */
 static integrate_code give_outputs(ida_session *s, double t_from, bool *missed)
 {
     integration *run = s->run;
@@ -173,7 +173,7 @@ static integrate_code handle_event(ida_session *s, bool time_event)
 }
 
 /* Advance to the next grid point (by position: step), event or end, whichever comes first; IDA chooses its steps freely
-   and interpolates. */
+ * and interpolates. */
 static integrate_code advance(void *self)
 {
     ida_session *s = self;
@@ -234,7 +234,7 @@ static integrate_code open_session(ida_session *s, integration *run, double step
 }
 
 /* IDA's internal memory cannot be serialised: it is discarded, and the run restarts from the present state, both here
-   and when it is resumed. */
+ * and when it is resumed. */
 static integrate_code settle(void *self)
 {
     ida_session *s = self;

@@ -63,7 +63,7 @@ static integrate_code give_several(integration *run)
 }
 
 /* Pass on the grid points in the last step; the end is passed on last. If an output shows that an event was missed, it
-   is searched again in smaller steps. */
+ * is searched again in smaller steps. */
 static integrate_code give_outputs(integration *run, bool *missed)
 {
     *missed = false;

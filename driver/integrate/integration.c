@@ -8,7 +8,7 @@
 #include <time.h>
 
 /* Relative to the present time: near a limit of the model's domain the steps would shrink without end unless bounded by
-   rounding. */
+ * rounding. */
 static const double smallest_step = 64 * DBL_EPSILON;
 static const int most_times_missed = 12; /* missed events at one output: each time the step is reduced to a quarter */
 

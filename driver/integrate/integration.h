@@ -62,8 +62,7 @@ typedef struct {
     void (*watch)(void *self);             /**< let the observer process the steps that it has not seen */
     /** before a checkpoint: bring the scheme into the state that a resumed run has; NULL: not required */
     integrate_code (*settle)(void *self);
-    long (*steps)(
-        const void *self); /**< number of steps so far, of which `advance` makes several; NULL: it makes one */
+    long (*steps)(const void *self); /**< steps so far, if `advance` makes several; NULL: it makes one */
 } integration_ways;
 /** Serialise all that changes between two steps, including the observer's part. @return false if the data read do not
  *  match, with a reason */
@@ -72,6 +71,6 @@ bool integration_keep(integration *run, archive *archive);
 integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self);
 
 /* Integrate to the end by SUNDIALS IDA or by the model's stepper. On entry the run's `reason` is empty and its counters
-   are zero. */
+ * are zero. */
 integrate_code integrate_by_ida(integration *run);
 integrate_code integrate_by_stepper(integration *run);

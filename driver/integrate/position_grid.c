@@ -8,7 +8,7 @@ enum { DEGREE = DAE_DENSE_DEGREE, N = DEGREE + 1, MOST_HALVINGS = 48, MOST_TRIAL
 
 static const double on_grid = 1e-9;             /* in steps of the grid: a position this close to the grid is on it */
 static const double many_reaches = 4;           /* relative to the distance covered by a step, or extrapolated with the
-                                                   previous speed */
+                                                 * previous speed */
 static const double rounding = 8 * DBL_EPSILON; /* of a position */
 
 /** Search of a step. */
