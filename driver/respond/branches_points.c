@@ -47,8 +47,8 @@ double *branches_numbers(branches *o, const model_orbit *orbit)
     return find_numbers(o, -1, 0, orbit, message);
 }
 
-/** If a mesh has no time without contact on either side of a grazing point, only one of its tooth pairs separates
- *  there, not the mesh. */
+/** A mesh that is always in contact on both sides of a grazing point does not separate there: one of its tooth pairs
+ *  does. */
 static void check_touches(branches *o, int first, int n)
 {
     const model_output *row = &o->sweep->rows[NUMBER_share_no_contact];

@@ -18,6 +18,6 @@ bool jump_is_likely(const model_output *row, const response_point *a, const resp
 {
     const bool either_repeats = a->period > 0 || b->period > 0;
     const bool both_are_known = a->period >= 0 && b->period >= 0; /* a motion that is not settled is not assigned to any
-                                                                     branch yet */
+                                                                   * branch yet */
     return either_repeats && both_are_known && jump_size(row, a, b) > small;
 }

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 static const double rounding = 0.01; /* relative to the distance below which states are regarded as equal: the error of
-                                        the integration */
+                                      * the integration */
 
 settling_times settling_of(const model *model)
 {
