@@ -66,7 +66,7 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
         .largest_step = 1,
         .straight_step = 8,
         .largest_change = setup->n_values > 0 ? 0.1 : 0.0125, /* without requested values the points must be dense
-                                                                 enough for a smooth curve */
+                                                               * enough for a smooth curve */
         .most_points = 2000,
         .n_values = setup->n_values,
         .values = setup->values,
