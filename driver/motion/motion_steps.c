@@ -1,6 +1,6 @@
 /* Motion by steps. The stepper chooses its steps freely and the motion is interpolated, as in a run. As long as no
-   input changes it is identical to that run, for any steps of the caller. After a change of an input the stepper
-   restarts, and its step ends with the caller's. */
+ * input changes it is identical to that run, for any steps of the caller. After a change of an input the stepper
+ * restarts, and its step ends with the caller's. */
 #include "motion/motion_parts.h"
 
 #include "integrate/integration.h"
