@@ -1,5 +1,5 @@
 /* Failed allocations in the library. By memory.h this function does not return, which is true within every call; but
-   the kernel may be called without the library, and then continues as it would on its own. */
+ * the kernel may be called without the library, and then continues as it would on its own. */
 #include "library/boundary.h"
 
 void evl_memory_run_out(size_t count, size_t size);

@@ -104,8 +104,7 @@ enum { EVOLVENT_MOST_DIMENSIONS = 5 };
 /** A variable; valid as long as its record. */
 typedef struct evolvent_variable {
     const char *name, *units, *long_name, *symbol;
-    const char
-        *rates; /**< names, separated by blanks, of the variables whose sum is its time derivative; "": unknown */
+    const char *rates; /**< names, separated by blanks, of variables that sum to its time derivative; "": unknown */
     evolvent_type type;
     int is_of_events; /**< not 0: belongs to the events, which have their own dimensions; else to the record itself */
     int rank;
