@@ -1,5 +1,5 @@
 /* Functions of the interface that this FMU does not support, as stated in its description: variables other than 64-bit
-   floats, clocks, derivatives of outputs, variable dependencies. Each reports this. */
+ * floats, clocks, derivatives of outputs, variable dependencies. Each reports this. */
 #include "fmu/fmi3_instance.h"
 
 /* The parameters are those of the standard. NOLINTBEGIN(misc-unused-parameters,readability-non-const-parameter) */
