@@ -8,11 +8,10 @@
 
 /** Options: at most one of the first three; none: the steady state at the start of the case. */
 typedef struct {
-    const char *at; /**< time [s] as a text, or NULL */
-    const char
-        *mesh_position; /**< steady state at this number of pitches from the start of contact, as a text, or NULL */
-    bool mean;          /**< the mean over the steady states at all positions of the meshes */
-    bool is_shown;      /**< show the progress on stderr */
+    const char *at;            /**< time [s] as a text, or NULL */
+    const char *mesh_position; /**< steady state, in pitches from the start of contact, as a text, or NULL */
+    bool mean;                 /**< the mean over the steady states at all positions of the meshes */
+    bool is_shown;             /**< show the progress on stderr */
     const volatile sig_atomic_t *interrupt; /**< ends it when it is not 0 */
     const char *(*who)(int interrupt);      /**< name of the interrupt's source */
 } modes_request;
