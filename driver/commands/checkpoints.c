@@ -254,7 +254,7 @@ void checkpoints_remove(checkpoints *self)
 bool checkpoints_is_due(checkpoints *self, double t)
 {
     /* The checkpoint must be complete by then: the margin is twice the longest duration so far, but at least a second,
-       or for a short limit a part of it. */
+     * or for a short limit a part of it. */
     static const double times = 2, least = 1, part = 0.05;
     const double margin = fmax(times * self->longest, fmin(least, part * self->max_time)), now = clock_seconds();
     self->t_due = t;
