@@ -7,8 +7,7 @@
 typedef struct {
     journal journal;
     journal_case *cases; /**< [n_cases] */
-    long *todo; /**< numbers of the cases to run, in their order; batch_pool_run moves those that are not recorded to
-                 *   the front */
+    long *todo;          /**< cases to run, in order; batch_pool_run moves those not recorded to the front */
     long n_todo;
     long n_finished; /**< number of them finished so far */
     long n_wheels;   /**< number of compliant wheels computed for them */

@@ -23,9 +23,8 @@ typedef struct {
     model_names names; /**< of the base case; only meshes, wheels and accelerometers */
     int n_meshes, n;
     statistics_scalar *scalars; /**< [n] those of a mesh together, then those of the whole case, then further metrics */
-    bool *taken;                /**< [N_NUMBER_ROWS] metrics over whole periods; a scalar of the same name has this
-                                 *   value */
-    int n_numbers;              /**< 0: none */
+    bool *taken;   /**< [N_NUMBER_ROWS] metrics over whole periods; they replace scalars of the same name */
+    int n_numbers; /**< 0: none */
     statistics_number *numbers; /**< [n_numbers] */
     int settled;    /**< scalar for whether the motion is settled in the window; -1: none, without metrics */
     int multiplier; /**< scalar of the orbit on which the case starts; -1: none */

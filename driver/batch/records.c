@@ -13,8 +13,7 @@
 typedef struct {
     int index, of;
     char *path;
-    char *head; /**< the line that describes the others, usually the first; NULL if it was truncated or damaged, and not
-               *   written again */
+    char *head;     /**< describes the other lines, usually the first; NULL if damaged and not written again */
     uint32_t check; /**< checksum of the head */
     long n_rows;    /**< valid lines behind it */
     FILE *file;
