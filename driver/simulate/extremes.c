@@ -13,8 +13,7 @@ struct extremes {
     channel_past past; /**< for an integrator without candidates */
     double from, to;   /**< window */
     dae_state end;     /**< of the last step */
-    bool rises_on;     /**< a possible extreme at the end was not evaluated: it is irrelevant if the channel continues
-                        *   to rise */
+    bool rises_on;     /**< a possible extreme at the end was not evaluated: irrelevant while the channel rises */
 };
 
 static int channel_of(int index, int mesh)

@@ -66,8 +66,7 @@ struct invariant_watch {
     int n_wheels, n_meshes;
     double tolerance;
     bool is_tracked;       /**< points are tracked in at least one mesh */
-    int places[N_OUTPUTS]; /**< index of the first value of each output; static outputs: among the constants; -1: the
-                            *   model has no such output */
+    int places[N_OUTPUTS]; /**< index of the first value; of static outputs among the constants; -1: no such output */
     double *constants;     /**< [n_values] of the model */
     bool has_begun;
     double t, power;                    /**< of the previous outputs */

@@ -39,8 +39,7 @@ typedef struct {
     double mean, variance, rms;
     double fourth;                                           /**< fourth central moment */
     double high, low;                                        /**< NaN if the quantity is NaN */
-    double least;                                            /**< lower bound of the quantity; smaller values are
-                                                              *   rounding errors */
+    double least;                                            /**< lower bound: smaller values are rounding errors */
     double cosine[NUMBER_HARMONICS], sine[NUMBER_HARMONICS]; /**< coefficients of the harmonics of the mesh order */
 } channel_window;
 
