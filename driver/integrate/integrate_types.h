@@ -78,8 +78,7 @@ typedef struct {
     void (*keep)(void *self, archive *archive);
     /** Then: store the checkpoint */
     int (*kept)(void *self, double t, const archive *archive);
-    bool keeps_spent; /**< also write a checkpoint at the step limit, regardless of is_due, for a resumed run with a
-                      *   larger limit */
+    bool keeps_spent; /**< checkpoint also at the step limit, regardless of is_due, to resume with a larger limit */
     archive *resume;  /**< checkpoint to resume from; NULL: start */
     const double
         *highest; /**< for `watch`: [n_watched] largest value of each channel so far, as in dae.roots_and_watched */
