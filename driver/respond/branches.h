@@ -10,8 +10,7 @@ typedef enum { BRANCHES_LOOK, BRANCHES_RISE, BRANCHES_FALL, BRANCHES_DOUBLE } br
 
 typedef struct {
     branch *sweep; /**< prepares the case, and finds settled motions to start from */
-    int n_values;  /**< values in the range, evenly spaced from its first to its last, at which stable orbits are
-                   *   required, too; 0: none */
+    int n_values;  /**< evenly spaced values, from first to last, with stable orbits required, too; 0: none */
     memory_pool pool;
     model_orbits *orbits;
     prepared_case prepared; /**< for the last call by the kernel */

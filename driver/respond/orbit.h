@@ -15,8 +15,7 @@ typedef struct {
     int period; /**< common periods after which it repeats, 1 to 16; 0: it does not; RESPONSE_SETTLING: not yet settled */
     int periods;     /**< number of common periods that it was followed */
     int pitches;     /**< of the first mesh in a common period */
-    double distance; /**< largest difference of a state after one orbit, in its unit; if the motion does not repeat, the
-                   *   smallest over all tested orbit lengths */
+    double distance; /**< largest difference of a state after one orbit, in its unit; aperiodic: least of all lengths */
     double time;     /**< of one orbit [s]; 0: it does not repeat */
     double common_time;   /**< of a common period [s] */
     double time_constant; /**< of the slowest damped mode [s]; NAN: unknown */
