@@ -19,8 +19,7 @@ typedef struct {
 
 typedef struct {
     memory_pool pool;
-    int n_rigid; /**< number of independent motions without restoring force, such as rotation of the whole train; not
-                  *   among the modes */
+    int n_rigid; /**< independent motions without restoring force, such as rotation of the train; not among the modes */
     int n;
     natural_mode *modes; /**< [n] in ascending order of frequency */
 } natural_modes;

@@ -43,9 +43,7 @@ typedef struct {
     double from, to; /**< range of the parameter */
     double place;    /**< position of the section with a prescribed speed [pitches of the first mesh after t = 0] */
     int n_values;
-    const double
-        *values; /**< [n_values] of the parameter, ascending or descending, at which stable orbits of each branch are
-                  *   required, too */
+    const double *values; /**< [n_values] of the parameter, monotonic, at which stable orbits are required, too */
 } model_orbits_setup;
 
 typedef struct model_orbits model_orbits;
