@@ -11,7 +11,7 @@ typedef struct {
     const char *dims; /**< names of the dimensions besides time: "", "wheel", "mesh axis" and so on */
     bool is_static, is_integer;
     int offset, count;   /**< position in the array filled by model_outputs; count 0: the case has no such variable */
-    const char *rate_of; /**< output of which it is the rate, as of evl_output; NULL: none */
+    const char *rate_of; /**< output whose rate it is, as in evl_output; NULL: none */
 } model_output;
 
 /** Reason of a refusal, or a warning; with the location in the case file. */
@@ -69,7 +69,7 @@ void model_warning(const model *model, int index, model_message *warning);
 const model_output *model_output_named(const model *model, const char *name);
 /** Offset of an output, by its name, in the array filled by model_outputs; -1 if there is none. */
 int model_output_offset(const model *model, const char *name);
-/** An element of an output, by its name, among values as of model_outputs; NAN if there is no such output. */
+/** An element of an output, by its name, among values as from model_outputs; NAN if there is no such output. */
 double model_output_value(const model *model, const double *values, const char *name, int index);
 /** The static outputs, at their offsets among all [n_values]. */
 void model_constants(const model *model, double *values);
