@@ -23,7 +23,7 @@ typedef struct {
     pace pace; /**< progress monitor */
     double
         t_unwatched; /**< start of the step that the observer has not processed yet; the present time if there is none */
-    double *lanes;   /**< [n * DAE_LANES] as of dae_stepper.interpolate_lanes */
+    double *lanes;   /**< [n * DAE_LANES] as in dae_stepper.interpolate_lanes */
     double
         t_missed; /**< time of the output at which a missed event was detected; steps are repeated until they pass it */
     int times_missed; /**< number of attempts without passing it */
