@@ -24,7 +24,7 @@ void case_base_delete(case_base **base);
 bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error);
 /** Names of the base's elements of a list such as "meshes", as used in paths: the index for an element without a name. */
 const char **case_base_elements(const case_base *base, const char *list, memory_pool *pool, int *n);
-/** The text of a scalar in the base at a path as of --set; NULL if the base does not contain it. */
+/** The text of a scalar in the base at a path as in --set; NULL if the base does not contain it. */
 const char *case_base_text(const case_base *base, const char *path);
 /** Whether a --set path leads to a key that a case may have, in any variant, and to elements that exist in the base.
  *  @return false with the fault of the path in error->message */
