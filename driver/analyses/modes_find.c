@@ -50,7 +50,7 @@ static bool move_to(const prepared_case *prepared, const modes_request *request,
 
 /* ---- the state ---- */
 
-/** The number of an option; none if the option was not given. */
+/** Read the number of an option; unchanged if the option was not given. */
 static bool read_number(const char *option, const char *text, const char *unit, double most, const char *range,
                         double *number, evl_error *error)
 {
@@ -71,7 +71,7 @@ static bool refuse_steady_state(const prepared_case *prepared, const model_messa
     if (strncmp(refusal->field, MODEL_START, strlen(MODEL_START)) != 0) {
         return prepare_refuse(prepared, refusal, error);
     }
-    return evl_error_set(/* the case need not ask for it: its lines are not to blame */
+    return evl_error_set(/* the case does not require this state: do not blame a line of the case */
                          error, EVL_EXIT_CASE, case_path(prepared->file),
                          "there is no steady state to linearise at: %s; --at TIME linearises the motion at a time "
                          "instead",
@@ -91,7 +91,7 @@ static bool find_state_at(const prepared_case *prepared, const modes_request *re
            (time <= state->t || move_to(prepared, request, time, state, error));
 }
 
-/** The modes at one state. */
+/** Find the modes at one state. */
 static bool linearise(const prepared_case *prepared, const dae_state *state, double *values, natural_modes *modes,
                       evl_error *error)
 {
@@ -118,7 +118,7 @@ const char *modes_check(const modes_request *request)
     return n_states > 1 ? "one of '--at', '--mesh-position' and '--mean' at a time" : NULL;
 }
 
-/** The modes at the mean of the steady states, or at one state. */
+/** Find the modes at the mean of the steady states, or at one state. */
 static bool find(const prepared_case *prepared, const modes_request *request, const modes_place *place,
                  modes_report *report, evl_error *error)
 {
@@ -144,7 +144,7 @@ bool modes_find(const prepared_case *prepared, const modes_request *request, con
                                      : request->at != NULL ? MODES_AT
                                                            : MODES_STEADY,
                              .mesh_position = place->position};
-    /* what cannot run has no modes either */
+    /* a case that cannot run has no modes either */
     return (request->at != NULL || prepare_check_start(prepared, error)) &&
            find(prepared, request, place, report, error);
 }

@@ -1,4 +1,4 @@
-/** The natural modes of a case. */
+/** Natural modes of a case. */
 #pragma once
 
 #include "analyses/modes_print.h"
@@ -6,19 +6,19 @@
 
 #include <signal.h>
 
-/** What is asked for: at most one of the first three; none: the steady state where the case starts. */
+/** Options: at most one of the first three; none: the steady state at the start of the case. */
 typedef struct {
     const char *at;            /**< time [s] as a text, or NULL */
-    const char *mesh_position; /**< steady state at so many pitches from the start of contact, as a text, or NULL */
+    const char *mesh_position; /**< steady state, in pitches from the start of contact, as a text, or NULL */
     bool mean;                 /**< the mean over the steady states at all positions of the meshes */
-    bool is_shown;             /**< how far it is, on stderr */
+    bool is_shown;             /**< show the progress on stderr */
     const volatile sig_atomic_t *interrupt; /**< ends it when it is not 0 */
-    const char *(*who)(int interrupt);      /**< by whom */
+    const char *(*who)(int interrupt);      /**< name of the interrupt's source */
 } modes_request;
 
-/** Why these do not go together; NULL if they do. */
+/** Reason why the options cannot be combined; NULL if they can. */
 const char *modes_check(const modes_request *request);
-/** What the texts of a request say. */
+/** Values of the texts of a request. */
 typedef struct {
     double time, position;
 } modes_place;

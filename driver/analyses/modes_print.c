@@ -12,7 +12,7 @@ static const char *const contacts[] = {[EVL_CONTACT_OPEN] = "open",
                                        [EVL_CONTACT_UNLOADED] = "unloaded",
                                        [EVL_CONTACT_APART] = "apart"};
 
-/** An output at the state; `part` is which wheel or mesh. */
+/** An output at the state; `part` is the index of the wheel or mesh. */
 static double value_of(const modes_report *report, const char *output, int part)
 {
     return report->values[model_output_offset(report->model, output) + part];
@@ -35,15 +35,15 @@ static double damping_ratio(const natural_mode *mode)
     return is_oscillation(mode) ? -creal(mode->eigenvalue) / cabs(mode->eigenvalue) : NAN;
 }
 
-/** In which it falls to 1/e [s]; negative if it grows. Infinite without damping. */
+/** Time to decay to 1/e [s]; negative if it grows. Infinite without damping. */
 static double time_constant(const natural_mode *mode)
 {
     return -1.0 / creal(mode->eigenvalue);
 }
 
-/* ---- for reading ---- */
+/* ---- tables ---- */
 
-/* Below this damping ratio there is no damping, but rounding. */
+/* Damping ratios below it are rounding errors. */
 static const double no_damping = 1e-12;
 
 static int name_width(const description *description)
@@ -68,7 +68,7 @@ static void print_cell(FILE *stream, int width, int digits, double value)
     }
 }
 
-/** Which state it is. */
+/** Print which state it is. */
 static void print_what(FILE *stream, const modes_report *report)
 {
     fprintf(stream, "Case %s, linearised ", case_path(report->file));
@@ -123,7 +123,7 @@ static void print_state(FILE *stream, const modes_report *report)
 
 enum { LABEL_SIZE = 16 };
 
-/** Number of a mode among those that oscillate, or among the others, from 1. */
+/** Index, from 1, of a mode among the oscillatory ones, or among the others. */
 static int number_of(const natural_modes *modes, int index)
 {
     int number = 0;
@@ -133,7 +133,7 @@ static int number_of(const natural_modes *modes, int index)
     return number;
 }
 
-/** "1", or "d1" of a mode that decays without oscillating. */
+/** "1", or "d1" for a mode that decays without oscillation. */
 static void write_label(const natural_modes *modes, int index, char label[LABEL_SIZE])
 {
     const char *kind = is_oscillation(&modes->modes[index]) ? "" : "d";
@@ -242,7 +242,7 @@ void modes_print_text(FILE *stream, const modes_report *report)
     print_shapes(stream, report);
 }
 
-/* ---- for scripts ---- */
+/* ---- JSON ---- */
 
 static void write_complex(json_writer *writer, const char *key, double complex value)
 {

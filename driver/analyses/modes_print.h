@@ -1,4 +1,4 @@
-/** What `evolvent modes` prints. */
+/** Output of `evolvent modes`. */
 #pragma once
 
 #include "case/case.h"
@@ -6,17 +6,17 @@
 
 #include <stdio.h>
 
-/** What was linearised. */
+/** Linearisation point. */
 typedef enum {
     MODES_STEADY, /**< a steady state under load */
     MODES_MEAN,   /**< the steady states at all positions of the meshes, with the mean of the matrices */
-    MODES_AT      /**< the motion at a time */
+    MODES_AT      /**< the state of the motion at a time */
 } modes_kind;
 
 typedef struct {
     const case_file *file;
     const model *model;
-    dae_state state; /**< at which the gearbox is linearised; of MODES_MEAN one of them */
+    dae_state state; /**< linearisation point; for MODES_MEAN one of the states */
     double *values;  /**< [model_n_values] the outputs there, or their means */
     modes_kind kind;
     double
@@ -24,7 +24,7 @@ typedef struct {
     natural_modes modes;
 } modes_report;
 
-/** Tables for reading. */
+/** Print tables. */
 void modes_print_text(FILE *stream, const modes_report *report);
-/** One JSON object in SI units and in full precision, for scripts. */
+/** Print one JSON object in SI units and in full precision, for scripts. */
 void modes_print_json(FILE *stream, const modes_report *report);

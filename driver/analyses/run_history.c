@@ -13,9 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Its head. */
+/* ---- start ---- */
 
-/** What the case asks for: all that change, or some of them; and the constants. */
+/** Request the outputs of the case, all variable ones or a selection, and the constants. */
 static void want_outputs(run_history *self)
 {
     const model *model = self->prepared->model;
@@ -23,7 +23,7 @@ static void want_outputs(run_history *self)
     const char *words = case_description(self->prepared->file)->simulation.outputs;
     OWNED bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
     if (words != NULL) {
-        free(output_groups_choose(words, about->n_outputs, about->outputs, chosen)); /* the case was checked */
+        free(output_groups_choose(words, about->n_outputs, about->outputs, chosen)); /* the case is already checked */
     }
     wanted_init(&self->wanted, model, &self->pool);
     for (int i = 0; i < about->n_outputs; i++) {
@@ -37,7 +37,7 @@ static void want_outputs(run_history *self)
     model_constants(model, self->row + self->n_told + POSITIONS_OUTPUTS);
 }
 
-/** The outputs that are told, those of a grid of positions, and the constants, with their places in a row. */
+/** List the requested outputs, those of a position grid, and the constants, with their offsets in a row. */
 static void list_outputs(run_history *self)
 {
     const positions_rule rule = positions_of(self->prepared);
@@ -152,7 +152,7 @@ bool run_history_open(run_history *self, const char *path, evl_error *error)
     return self->history != NULL;
 }
 
-/* What the simulation tells. */
+/* ---- outputs of the simulation ---- */
 
 void run_history_again(run_history *self)
 {
@@ -160,7 +160,7 @@ void run_history_again(run_history *self)
     self->events.to_come = self->events.written;
 }
 
-/** Whether the next one is on file already. */
+/** Whether the next one is already on file. */
 static bool is_written(run_history_count *count)
 {
     if (count->to_come > 0) {
@@ -186,7 +186,7 @@ static const double *row_of(const run_history *self, const output_block *block, 
 
 bool run_history_outputs(run_history *self, const output_block *block, evl_error *error)
 {
-    if (block->marks == NULL && self->rows.to_come == 0) { /* as they come */
+    if (block->marks == NULL && self->rows.to_come == 0) { /* without conversion */
         self->rows.written += block->n;
         return history_append_rows(self->history, block->n, block->t, block->values, DAE_LANES, error);
     }
@@ -210,9 +210,9 @@ bool run_history_event(run_history *self, const event_record *record, evl_error 
     return is_written(&self->events) || history_add_event(self->history, &event, error);
 }
 
-/* Its end. */
+/* ---- end ---- */
 
-/** The extremes over the run, as variables of the meshes. */
+/** Write the extremes over the run, as variables of the meshes. */
 static bool put_extremes(const run_history *self, evl_error *error)
 {
     const int n = model_tables()->n_extremes, n_meshes = case_description(self->prepared->file)->n_meshes;
@@ -231,7 +231,7 @@ static bool put_extremes(const run_history *self, evl_error *error)
     return history_put_finals(self->history, 2 * n, outputs, values, error);
 }
 
-/** The numbers of the case, as variables with window_ in front. */
+/** Write the metrics of the case, as variables with the prefix window_. */
 static bool put_numbers(const run_history *self, evl_error *error)
 {
     const model_names *names = &model_about(self->prepared->model)->names;
@@ -261,7 +261,7 @@ bool run_history_put(const run_history *self, evl_error *error)
     return put_extremes(self, error) && (self->numbers == NULL || put_numbers(self, error));
 }
 
-/** The attributes that say how it ended. @return the status */
+/** Attributes about the end of the run. @return the status */
 static const char *tell_end(const simulate_result *result, const char *who, char message[2 * DAE_MESSAGE_LENGTH])
 {
     const size_t size = 2 * (size_t)DAE_MESSAGE_LENGTH;

@@ -12,7 +12,7 @@ enum { MOST_COLUMNS = 4, COLUMN_WIDTH = 16, ERRORS_A_LINE = 10 };
 
 static const double MICROMETRES_PER_METRE = 1e6;
 
-/** The quantities of a wheel or mesh. */
+/** Quantities of a wheel or mesh. */
 typedef struct {
     const char *name;
     int n;
@@ -26,7 +26,7 @@ static column column_of(const model *model, evl_of of, int index, const char *na
     return column;
 }
 
-/** Pitch errors of a wheel, a new array; none if it has none. */
+/** Pitch deviations of a wheel, a new array; empty if it has none. */
 static double *pitch_errors_of(const model *model, int wheel, int *n)
 {
     *n = model_pitch_errors(model, wheel, 0, NULL);
@@ -35,9 +35,9 @@ static double *pitch_errors_of(const model *model, int wheel, int *n)
     return errors;
 }
 
-/* ---- for reading ---- */
+/* ---- tables ---- */
 
-/** Each in a line; nothing where there are none. */
+/** Print one quantity per line; nothing if there are none. */
 static void print_rows(FILE *stream, const char *title, const column *column)
 {
     int name_width = 0, symbol_width = 0;
@@ -68,7 +68,7 @@ static void print_rows(FILE *stream, const char *title, const column *column)
     }
 }
 
-/** That of a row of a list: a stiffness for each width and a line load as in tables of tooth stiffness. */
+/** Unit of a row of a list: stiffness per face width and line load as in tables of tooth stiffness. */
 static reading_unit unit_of(const evl_output *quantity)
 {
     return strcmp(quantity->units, "Pa") == 0    ? unit_of_name("Pa", "N/(mm um)")
@@ -76,7 +76,7 @@ static reading_unit unit_of(const evl_output *quantity)
                                                  : unit_for_reading(quantity->units, quantity->value[0]);
 }
 
-/** Each in a line. */
+/** Print one quantity per line. */
 static void print_list(FILE *stream, const column *column, const int widths[3], int digits)
 {
     for (int i = 0; i < column->n; i++) {
@@ -97,7 +97,7 @@ static reading_unit unit_of_row(int row, int n, const column *columns)
     return unit_for_reading(columns[0].rows[row].units, largest);
 }
 
-/** Up to MOST_COLUMNS columns beside each other; all have the same rows. */
+/** Print up to MOST_COLUMNS columns side by side; all have the same rows. */
 static void print_columns(FILE *stream, int n, const column *columns)
 {
     int name_width = 0;
@@ -120,7 +120,8 @@ static void print_columns(FILE *stream, int n, const column *columns)
     }
 }
 
-/** A table of those that have rows, MOST_COLUMNS at a time: nothing if the case has no real gears. */
+/** Print a table of the elements that have rows, MOST_COLUMNS at a time: nothing if the case has no gears with a basic
+ *  rack. */
 static void print_table(FILE *stream, const char *title, const model *model, evl_of of, int n, const char *const *names)
 {
     column shown[MOST_COLUMNS];
@@ -154,7 +155,7 @@ static void print_deviations(FILE *stream, const model *model, int wheel, const 
     }
 }
 
-/** How the wheels of a mesh give way: nothing if none does. */
+/** Print the compliance of the wheels of a mesh: nothing if both are rigid. */
 static void print_compliance(FILE *stream, const model *model, int mesh, const char *name)
 {
     const column column = column_of(model, EVL_OF_COMPLIANCE, mesh, name);
@@ -203,7 +204,7 @@ char *stiffness_note(const description *description, const model *model)
                            first, more);
 }
 
-/* ---- for scripts ---- */
+/* ---- JSON ---- */
 
 static void write_rows(json_writer *writer, const column *column)
 {
@@ -217,7 +218,7 @@ static void write_rows(json_writer *writer, const column *column)
     }
 }
 
-/** The wheels or meshes, and within each what it is as a real gear, if it is one. */
+/** Write the wheels or meshes, each with its data as a gear with a basic rack, if it is one. */
 static void write_all(json_writer *writer, const char *key, const model *model, evl_of of, evl_of of_gear, int n,
                       const char *const *names)
 {
@@ -236,7 +237,7 @@ static void write_all(json_writer *writer, const char *key, const model *model, 
     json_close(writer, '}');
 }
 
-/** Of what has any, with its pitch errors. */
+/** Write the quantities of an element that has any, with its pitch deviations. */
 static void write_one(json_writer *writer, const model *model, evl_of of, int index, const char *name)
 {
     const column column = column_of(model, of, index, name);

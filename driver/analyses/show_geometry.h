@@ -1,4 +1,4 @@
-/** What `evolvent show` tells of the geometry that follows from a case. */
+/** Geometry of a case as printed by `evolvent show`. */
 #pragma once
 
 #include "base/json.h"
@@ -7,8 +7,8 @@
 
 #include <stdio.h>
 
-/** In engineering units, each beside its number: of every wheel and mesh; then the real gears beside each other and the deviations,
- *  as ISO 21771 has them; then how the wheels of the meshes give way. */
+/** Print tables in engineering units: every wheel and mesh; then the gears with a basic rack and their deviations, as
+ *  in ISO 21771; then the compliance of the gears. */
 void show_geometry(FILE *stream, const description *description, const model *model);
 /** What makes the meshes too stiff, in one line without end; "" if nothing does. To be freed. */
 char *stiffness_note(const description *description, const model *model);

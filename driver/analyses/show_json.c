@@ -35,7 +35,7 @@ static void write_warnings(json_writer *writer, const prepared_case *prepared)
     json_close(writer, ']');
 }
 
-/** What geometry a refused case has. */
+/** Write the available geometry of a refused case. */
 static void write_sketch(json_writer *writer, const prepared_case *prepared)
 {
     model *sketch = model_sketch(case_description(prepared->file));

@@ -1,4 +1,4 @@
-/** What `evolvent show` tells scripts of a case, each one JSON object. */
+/** Output of `evolvent show` for scripts, one JSON object each. */
 #pragma once
 
 #include "simulate/prepare.h"
@@ -7,7 +7,7 @@
 
 /** "radau" or "ida" */
 const char *integrator_name(const simulation_description *simulation);
-/** All of it, in SI units and radians, in full precision. @param refusal  why the case cannot run, if so */
+/** The complete case, in SI units and radians, in full precision. @param refusal  why the case cannot run, if so */
 void show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal);
-/** The numbers that the case gives, by their paths. */
+/** The numbers of the case, by their paths. */
 void show_parameters_json(FILE *stream, const model *model);

@@ -19,7 +19,7 @@ static bool refuse_option(const char *option, const char *text, const char *why,
     return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why);
 }
 
-/** A whole number from 1 to `most`. */
+/** Read an integer from 1 to `most`. */
 static bool read_count(const char *text, int most, int *count)
 {
     double value;
@@ -57,14 +57,14 @@ static const char HOW_TORQUES[] =
     "it must be FROM:TO:STEPS, two torques [N m] that grow and how many there are, from 2 to "
     "1000, such as 10:200:20 or '10 N m:0.2 kN m:20'; or one torque";
 
-/** A torque of --torque. */
+/** Read a torque of --torque. */
 static bool read_torque(const char *option, const char *text, double *torque, evl_error *error)
 {
     OWNED char *why = quantity_complaint(text, "N m", HOW_TORQUES, torque);
     return why == NULL || refuse_option("--torque", option, why, error);
 }
 
-/** Both ends of FROM:TO:STEPS. @param parts  its texts */
+/** Read both ends of FROM:TO:STEPS. @param parts  its texts */
 static bool read_ends(const char *option, char *const parts[3], double ends[2], int *n, evl_error *error)
 {
     static const char one_flank[] =
@@ -83,8 +83,8 @@ static bool read_ends(const char *option, char *const parts[3], double ends[2], 
     return ends[0] > 0.0 || ends[1] < 0.0 || refuse_option("--torque", option, one_flank, error);
 }
 
-/** FROM:TO:STEPS, evenly from one to the other, or one torque.
- *  @param torques  room for STATIC_MOST_TORQUES */
+/** Read FROM:TO:STEPS, evenly spaced, or one torque.
+ *  @param torques  space for STATIC_MOST_TORQUES */
 static bool read_torques(const char *text, double *torques, int *n, evl_error *error)
 {
     OWNED char *copy = xstrdup(text);
@@ -114,7 +114,7 @@ static bool read_torques(const char *text, double *torques, int *n, evl_error *e
 
 /* ---- the file ---- */
 
-/** 0, 1, 2, ... times a step from the first on, a new array. */
+/** Multiples 0, 1, 2, ... of a step added to the first number, a new array. */
 static double *count_up(int n, double first, double step)
 {
     double *numbers = xcalloc((size_t)n, sizeof *numbers);
@@ -170,7 +170,7 @@ static bool create_file(static_analysis *a, evl_error *error)
     return a->file != NULL;
 }
 
-/** What it came to: the file gets its name, or stays a .partial that says why. */
+/** Close the file: rename it if complete, else leave a .partial with the reason. */
 static void close_file(static_analysis *a, evl_error *error)
 {
     const bool is_done = error->code == EVL_EXIT_OK;
@@ -190,7 +190,7 @@ static void close_file(static_analysis *a, evl_error *error)
 
 /* ---- the analysis ---- */
 
-/** Turn a refusal of what was asked for into one of the option, another one into one of the case. @return false */
+/** Turn a refusal of the request into an error of the option, any other into one of the case. @return false */
 static bool refuse(const static_analysis *a, const model_message *refusal, const char *option, const char *text,
                    evl_error *error)
 {
@@ -198,7 +198,7 @@ static bool refuse(const static_analysis *a, const model_message *refusal, const
                                                         : prepare_refuse(a->prepared, refusal, error);
 }
 
-/** Place of an output among the values, and how many it has. */
+/** An output by its name, with its offset and number of values. */
 static const model_output *output_of(const static_plan *plan, const char *name)
 {
     int i = 0;
@@ -208,7 +208,7 @@ static const model_output *output_of(const static_plan *plan, const char *name)
     return &plan->outputs[i];
 }
 
-/** Whether a tooth pair carries without a contact pressure. */
+/** Whether a tooth pair carries a load without a contact pressure. */
 static bool carries_bare(const static_plan *plan, const double *values)
 {
     const model_output *force = output_of(plan, "pair_normal_force"),
@@ -220,7 +220,7 @@ static bool carries_bare(const static_plan *plan, const double *values)
     return is_bare;
 }
 
-/** One torque; its numbers are kept for the summary. */
+/** Analyse one torque; its results are stored for the summary. */
 static bool solve(static_analysis *a, int i, const char *asked, evl_error *error)
 {
     model_message refusal;
@@ -234,7 +234,7 @@ static bool solve(static_analysis *a, int i, const char *asked, evl_error *error
     return true;
 }
 
-/** All torques onto the file, which is made when the first one is known. */
+/** Analyse all torques and write the file, which is created after the first one. */
 static void analyse(static_analysis *a, const static_request *request, evl_error *error)
 {
     const char *asked = request->torque;
@@ -253,7 +253,7 @@ static void analyse(static_analysis *a, const static_request *request, evl_error
     close_file(a, error);
 }
 
-/** Torques to look at: those of the option, or the one that the loads give. */
+/** Torques to analyse: those of the option, or the one from the loads. */
 static bool find_torques(static_analysis *a, const char *asked, evl_error *error)
 {
     if (asked != NULL) {

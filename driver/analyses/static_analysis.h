@@ -1,4 +1,4 @@
-/** A mesh of a case at rest, under torques. */
+/** Quasi-static analysis of a mesh of a case under torques. */
 #pragma once
 
 #include "files/history.h"
@@ -9,34 +9,34 @@
 
 enum { STATIC_MOST_TORQUES = 1000 };
 
-/** What is asked for, as texts. */
+/** Options, as texts. */
 typedef struct {
     const char *mesh;                       /**< name or index; NULL: the first one */
-    const char *torque;                     /**< FROM:TO:STEPS or one number; NULL: what the loads give */
+    const char *torque;                     /**< FROM:TO:STEPS or one number; NULL: from the loads */
     const char *speed;                      /**< NULL: no friction */
     const char *points;                     /**< NULL: 200 */
     const volatile sig_atomic_t *interrupt; /**< ends it when it is not 0 */
-    const char *(*who)(int interrupt);      /**< by whom */
+    const char *(*who)(int interrupt);      /**< name of the interrupt's source */
 } static_request;
 
 typedef struct {
     const prepared_case *prepared;
-    const char *path;      /**< where it goes; as of history_layout */
-    struct history **kept; /**< the same */
+    const char *path;      /**< of the result; as in history_layout */
+    struct history **kept; /**< as in history_layout */
     static_plan plan;
     history *file;
     int n_torques;
     double torques[STATIC_MOST_TORQUES];
     double *values;  /**< [n_values] of the last torque */
-    double *numbers; /**< [n_torques][n_outputs] the first of each output, of each torque */
-    bool is_bare;    /**< tooth pairs carry without a contact pressure at some torque */
+    double *numbers; /**< [n_torques][n_outputs] first value of each output, for each torque */
+    bool is_bare;    /**< tooth pairs carry a load without a contact pressure at some torque */
 } static_analysis;
 
 /* Each of these returns false with the reason in `error`. */
-/** What can be refused without a case. @param[out] points  a pitch */
+/** Checks without a case. @param[out] points  per pitch */
 bool static_check(const static_request *request, int *points, evl_error *error);
-/** What is to be done. @param[in,out] analysis  the first three are set, the others zeros; in any case it is to be freed */
+/** Plan the analysis. @param[in,out] analysis  the first three members are set, the others zero; free it in any case */
 bool static_plan_case(static_analysis *analysis, const static_request *request, int points, evl_error *error);
-/** Do it. A file that was begun says how it ended. */
+/** Run the analysis. A file that was started records how it ended. */
 bool static_analyse(static_analysis *analysis, const static_request *request, evl_error *error);
 void static_analysis_free(static_analysis *analysis);

@@ -1,5 +1,5 @@
-/** What made a result. */
+/** Versions of the programs that produced a result. */
 #pragma once
 
-/** Versions of all that made it, as a new string. */
+/** All versions, as a new string. */
 char *result_versions(void);

@@ -20,7 +20,7 @@ void *archive_take(archive *archive, size_t size)
     }
     archive->n += size;
     if (size > 0) {
-        memset(archive->bytes + archive->n - WORD, 0, WORD); /* what fills up the last word */
+        memset(archive->bytes + archive->n - WORD, 0, WORD); /* padding of the last word */
     }
     return archive->bytes + archive->n - size;
 }

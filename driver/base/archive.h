@@ -1,4 +1,5 @@
-/** A state in a row of bytes, so that a computation can go on in another process. One function of a struct names its members once:
+/** Serialisation of a state to a byte array, so that another process can resume a computation. One function of a struct
+ *  lists its members once:
  *
  *      void thing_keep(thing *thing, archive *archive)
  *      {
@@ -6,7 +7,7 @@
  *          KEEP_ARRAY(archive, thing->values, thing->n);
  *      }
  *
- *  and whether they are written or read is the archive's business: what is kept cannot drift apart. A leaf. */
+ *  The archive decides whether they are written or read: reader and writer cannot diverge. Leaf module. */
 #pragma once
 
 #include <stdbool.h>
@@ -14,23 +15,23 @@
 
 typedef struct archive {
     bool is_reading;
-    bool has_failed; /**< of one that is read: it holds something else; what was read is of no use */
+    bool has_failed; /**< reading: the content does not match; everything read from it is invalid */
     unsigned char *bytes;
-    size_t n;    /**< bytes that there are */
-    size_t at;   /**< of one that is read: where it goes on */
-    size_t room; /**< of one that is written */
+    size_t n;    /**< bytes in the archive */
+    size_t at;   /**< reading: offset of the next bytes */
+    size_t room; /**< writing: capacity in bytes */
 } archive;
 
-/** Keep `size` bytes; an array of the same length has to be there when they are read. */
+/** Write or read `count` elements of `size` bytes; for reading, an array of the same length must exist. */
 void archive_keep(archive *archive, void *things, size_t count, size_t size);
-/** The place of the next `size` bytes, as malloc aligns numbers: to be written, or to be read; NULL if there are not so many. It lasts
+/** Pointer to the next `size` bytes, aligned as by malloc, for writing or reading; NULL if fewer bytes are left. Valid
  *  until the next call. */
 void *archive_take(archive *archive, size_t size);
-/** Whether an archive was read to its end, and all of it was what it should be. */
+/** Whether an archive was read completely and its content was valid. */
 bool archive_is_read(const archive *archive);
 void archive_free(archive *archive);
 
-/** Keep a number, or a struct without pointers. */
+/** Serialise a number, or a struct without pointers. */
 #define KEEP(archive, member) archive_keep((archive), &(member), 1, sizeof(member))
-/** Keep n elements of an array that is there. */
+/** Serialise n elements of an allocated array. */
 #define KEEP_ARRAY(archive, member, n) archive_keep((archive), (member), (size_t)(n), sizeof *(member))

@@ -1,4 +1,4 @@
-/** CRC-32 of zlib (ISO 3309): whether bytes are still those that were written. A leaf. */
+/** CRC-32 of zlib (ISO 3309) to detect damaged bytes. Leaf module. */
 #pragma once
 
 #include <stddef.h>
@@ -6,8 +6,8 @@
 
 #include <zlib.h>
 
-/** On from the check of what stands before; 0 if nothing does. Any damage within 32 bits running changes it, other damage
- *  stays unseen once in 4e9 times. Not against who wants to deceive. */
+/** Continue the CRC `check` of the preceding bytes; 0 if there are none. It detects every damage within 32 consecutive
+ *  bits; other damage is missed once in 4e9 times. No protection against deliberate manipulation. */
 static inline uint32_t crc32_on(uint32_t check, const void *bytes, size_t n)
 {
     return (uint32_t)crc32_z(check, bytes, n);

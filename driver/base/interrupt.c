@@ -9,7 +9,7 @@ static void note(int signal)
     interrupt_signal = signal;
 }
 
-/** A shell that starts a job in the background lets it ignore SIGINT, and means it. */
+/** A shell that starts a job in the background sets SIGINT to be ignored; that setting is preserved. */
 static void install(int signal)
 {
     struct sigaction old;

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/** Length of the start of a text that stands for itself between quotes. */
+/** Length of the start of a text that needs no escaping. */
 static size_t ordinary_length(const char *text)
 {
     size_t n = 0;
@@ -15,7 +15,7 @@ static size_t ordinary_length(const char *text)
     return n;
 }
 
-/** What is no UTF-8, such as a character that was cut, becomes the replacement character. */
+/** Invalid UTF-8, such as a truncated character, becomes the replacement character. */
 static void write_text(FILE *stream, const char *text)
 {
     fputc('"', stream);
@@ -45,7 +45,7 @@ static void write_number(const json_writer *writer, double value)
 {
     char text[NUMBER_TEXT_LENGTH] = "null";
     if (isfinite(value) && writer->is_line) {
-        number_write_plain(text, value); /* the shortest text of all is dear to find */
+        number_write_plain(text, value); /* the shortest text is expensive to find */
     } else if (isfinite(value)) {
         number_write(text, value);
     }

@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/** What the holder wrote about itself, on one line. */
+/** The holder's description of itself, on one line. */
 static void read_owner(int descriptor, char *text, size_t size)
 {
     const ssize_t n = pread(descriptor, text, size - 1, 0);
@@ -19,7 +19,7 @@ static void read_owner(int descriptor, char *text, size_t size)
     text[strcspn(text, "\n")] = '\0';
 }
 
-/** For the eyes of whoever is refused: without it the lock holds as well. */
+/** Information for a user whose lock is refused; the lock works without it. */
 static void write_owner(int descriptor)
 {
     char host[128] = "unknown", when[32] = "", text[256];
@@ -35,7 +35,7 @@ static void write_owner(int descriptor)
 
 bool file_lock_take(file_lock *lock, const char *path, evl_error *error)
 {
-    /* Of the POSIX kind: it works across the machines that share a folder, and worker processes do not inherit it. */
+    /* POSIX lock: it works across the machines that share a folder, and worker processes do not inherit it. */
     struct flock region = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     lock->descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (lock->descriptor < 0) {

@@ -28,7 +28,7 @@ FILE *memory_open(char **text, size_t *length)
 void memory_close(FILE *stream, char *const *text)
 {
     const bool is_short = ferror(stream) != 0;
-    if (fclose(stream) != 0 || is_short || *text == NULL) { /* the C library lets it go where it cannot be shortened */
+    if (fclose(stream) != 0 || is_short || *text == NULL) { /* the C library frees it if it cannot be shortened */
         evl_memory_run_out(1, BUFSIZ);
     }
 }
@@ -63,7 +63,7 @@ char *xstrdup(const char *text)
     return pool_copy(NULL, text);
 }
 
-/** A new string, in a pool unless that is NULL. */
+/** Print to a new string, in a pool unless that is NULL. */
 static char *print(memory_pool *pool, const char *format, va_list arguments)
 {
     va_list again;
@@ -96,9 +96,9 @@ struct memory_block {
 enum {
     FIRST_BLOCK = 1024,
     LARGEST_BLOCK = 64 * 1024,
-    PART = 4, /* what is larger than this part of a block has one of its own */
+    PART = 4, /* allocations larger than this part of a block get a block of their own */
 #ifdef __SANITIZE_ADDRESS__
-    SHARES_BLOCKS = 0 /* so that a step beyond what was given is seen */
+    SHARES_BLOCKS = 0 /* so that an access beyond an allocation is detected */
 #else
     SHARES_BLOCKS = 1
 #endif
@@ -117,7 +117,7 @@ static struct memory_block *block_create(size_t size)
     return block;
 }
 
-/** A block of its own, behind the one that is being filled. */
+/** Allocate a block of its own, behind the one that is being filled. */
 static void *take_alone(memory_pool *pool, size_t size)
 {
     struct memory_block *block = block_create(size), **place = pool->last == NULL ? &pool->last : &pool->last->before;
@@ -127,7 +127,7 @@ static void *take_alone(memory_pool *pool, size_t size)
     return block->content;
 }
 
-/** Room in the block that is being filled, or in one of its own, or in a new one for this and others. */
+/** Allocate in the block that is being filled, in a block of its own, or in a new block for this and others. */
 static void *take_room(memory_pool *pool, size_t size, size_t alignment)
 {
     const struct memory_block *last = pool->last;

@@ -1,56 +1,57 @@
-/** Memory that is there, or the program ends with a message and EVL_EXIT_MEMORY, and a call of the library with an error: nothing
- *  sensible can be done without it. */
+/** Allocators that never return NULL: on failure the program exits with EVL_EXIT_MEMORY and a message, and a library
+ *  call returns an error. */
 #pragma once
 
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/** For a local pointer that is freed where its block ends, however that is left. An extension of gcc and clang, by which
- *  clang's analyzer cannot see what the C library itself has allocated: not for getline. */
+/** Attribute of a local pointer that is freed at every exit from its block. An extension of gcc and clang. clang's
+ *  analyzer does not see memory allocated by the C library through it: do not use it for getline. */
 #define OWNED __attribute__((cleanup(free_owned)))
 static inline void free_owned(void *pointer)
 {
     free(*(void **)pointer);
 }
 
-/** End the program with one line, without a signal (memory_end.c), or leave the library's call; nothing is tidied up, for which
- *  memory may be missing, too. The kernel's library finds it by name (no_memory.c): in another program, which has none, it goes on
- *  without memory as that program would. */
+/** Exit with a one-line message (memory_end.c), without a signal, or leave the library call. There is no clean-up,
+ *  since memory may be missing for it, too. The kernel's library looks the function up by name (no_memory.c); in a
+ *  program that does not define it, a failed allocation is left to that program. */
 _Noreturn void evl_memory_run_out(size_t count, size_t size);
 /** count * size bytes, zeroed; never NULL. */
 void *xcalloc(size_t count, size_t size);
-/** See that so many bytes can be had: for who calls what would crash without them. */
+/** Verify that `size` bytes can be allocated: for calls to code that crashes without them. */
 void memory_need(size_t size);
-/** count * size bytes with the old content; never NULL. */
+/** Resize to count * size bytes and keep the content; never NULL. */
 void *xrealloc(void *old, size_t count, size_t size);
 
-/** Bytes of a line of the cache, on which what a pool gives begins: loops over vectors of any length are fastest there. */
+/** Bytes of a cache line, to which allocations from a pool are aligned: loops over vectors of any length are fastest
+ *  there. */
 enum { MEMORY_LINE = 64 };
 
-/** What is given back together with its owner. Zeros: nothing yet. */
+/** Memory freed together with its owner. All zeros: empty. */
 typedef struct {
     struct memory_block *last;
 } memory_pool;
-/** As xcalloc; it lasts until pool_free, unless the pool is NULL. */
+/** As xcalloc; valid until pool_free, unless the pool is NULL. */
 void *pool_calloc(memory_pool *pool, size_t count, size_t size);
-/** The same for the many small things of a tree, which no loop goes over: they lie close together. */
+/** Same for the many small objects of a tree that no loop iterates over: packed closely. */
 void *pool_packed(memory_pool *pool, size_t count, size_t size);
-/** More room for `n` things: count * size bytes, zeroed behind the old ones. */
+/** Enlarge an array of `n` elements to count * size bytes; the bytes behind the old elements are zero. */
 void *pool_grow(memory_pool *pool, const void *old, size_t n, size_t count, size_t size);
 /** As xstrdup. */
 char *pool_copy(memory_pool *pool, const char *text);
-/** A new string as printf would print it; it lasts until pool_free. */
+/** A new string formatted as by printf; valid until pool_free. */
 __attribute__((format(printf, 2, 3))) char *pool_printf(memory_pool *pool, const char *format, ...);
 void pool_free(memory_pool *pool);
-/** For a local pool, as OWNED. */
+/** Attribute of a local pool, as OWNED. */
 #define POOLED __attribute__((cleanup(pool_free)))
 
-/** A stream into memory, as of open_memstream; to be closed by memory_close, and only then to be read. */
+/** A stream into memory, as open_memstream; close it by memory_close before you read the text. */
 FILE *memory_open(char **text, size_t *length);
-/** @param[in] text  that of memory_open: there is one afterwards */
+/** @param[in] text  that of memory_open; not NULL afterwards */
 void memory_close(FILE *stream, char *const *text);
 
 char *xstrdup(const char *text);
-/** A new string as printf would print it. */
+/** A new string formatted as by printf. */
 __attribute__((format(printf, 1, 2))) char *xasprintf(const char *format, ...);

@@ -1,4 +1,4 @@
-/* How the program ends where there is no memory. The library has another answer (library/boundary.c). */
+/* Exit of the program when memory runs out. The library handles this differently (library/boundary.c). */
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -16,8 +16,9 @@ void evl_memory_run_out(size_t count, size_t size)
     _exit(EVL_EXIT_MEMORY);
 }
 
-/* gfortran's library ends the program by these where an `allocate` fails, with several lines and exit code 1. The kernel calls the
- * first definition that is found, which is this one; weak, for the library to have its own where it is linked statically. */
+/* gfortran's library ends the program through these functions when an `allocate` fails, with several lines and exit
+ * code 1. The kernel calls the first definition that the linker finds, which is this one. It is weak so that the
+ * library can define its own when linked statically. */
 /* NOLINTBEGIN(bugprone-reserved-identifier) */
 __attribute__((weak)) _Noreturn void _gfortran_os_error(const char *message);
 __attribute__((weak)) _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...);
@@ -37,7 +38,7 @@ _Noreturn void _gfortran_os_error_at(const char *where, const char *format, ...)
     va_end(arguments);
     evl_memory_run_out(1, size);
 }
-/* What is left of a text without the blanks at its end: most of what the kernel has that library take memory for. */
+/* A text without trailing blanks: the kernel's most frequent allocation by that library. */
 __attribute__((weak)) void _gfortran_string_trim(size_t *length, void **made, size_t n, const char *text);
 
 void _gfortran_string_trim(size_t *length, void **made, size_t n, const char *text)

@@ -1,12 +1,14 @@
-/* What the linker puts in the place of the allocator (--wrap), in the program and in the kernel's library: where memory ends, the
- * program does, with one line. Who asks need not look at the answer, and some do not: temporaries of gfortran, tables of HDF5. */
+/* Wrappers of the allocators for the linker (--wrap), in the program and in the kernel's library: if memory runs out,
+ * the program ends with one line. Callers need not check the result; some do not: temporaries of gfortran, tables of
+ * HDF5. */
 #include <stdlib.h>
 #include <string.h>
 
-/* Of memory.h, which the kernel does not know: the program's, or none where the kernel is another program's. */
+/* Of memory.h, which the kernel does not include: defined by the program, or absent if the kernel belongs to another
+ * program. */
 __attribute__((weak)) void evl_memory_run_out(size_t count, size_t size);
 
-/* The names are the linker's. NOLINTBEGIN(bugprone-reserved-identifier) */
+/* The names are given by the linker. NOLINTBEGIN(bugprone-reserved-identifier) */
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
 void *__real_realloc(void *old, size_t size);

@@ -9,7 +9,7 @@
 
 /* ---- reading ---- */
 
-/** Also without YAML's leading point, as other programs print it. */
+/** Also without YAML's leading point, as other programs print these values. */
 static bool is_nan_or_infinity(const char *text)
 {
     text += *text == '-' || *text == '+' ? 1 : 0;
@@ -17,8 +17,8 @@ static bool is_nan_or_infinity(const char *text)
     return strcasecmp(text, "nan") == 0 || strcasecmp(text, "inf") == 0 || strcasecmp(text, "infinity") == 0;
 }
 
-/* [-+]? ( \. [0-9]+ | [0-9]+ ( \. [0-9]* )? ) ( [eE] [-+]? [0-9]+ )?   (YAML 1.2, 10.3.2): what strtod takes of these
- * characters; it takes others too. */
+/* [-+]? ( \. [0-9]+ | [0-9]+ ( \. [0-9]* )? ) ( [eE] [-+]? [0-9]+ )?   (YAML 1.2, 10.3.2): what strtod accepts of these
+ * characters; it accepts others too. */
 number_kind number_read(const char *text, double *value)
 {
     char *end = NULL;
@@ -36,10 +36,11 @@ number_kind number_read(const char *text, double *value)
 
 /* ---- writing ---- */
 
-/** Digits of a double that all decimals survive, and those that tell every double from its neighbours. */
+/** Digits to which every decimal is preserved by a double, and digits that distinguish neighbouring doubles. */
 enum { SAFE_DIGITS = 15, MOST_DIGITS = 17 };
 
-/** With 15 digits if these read back as `value`, else with `step` more until they do, at most 17. @return how many */
+/** Print with 15 digits if these read back as `value`, else with `step` more until they do, at most 17. @return number
+ *  of digits */
 static int write_general(char text[NUMBER_TEXT_LENGTH], double value, int step)
 {
     int digits = SAFE_DIGITS;
@@ -51,7 +52,7 @@ static int write_general(char text[NUMBER_TEXT_LENGTH], double value, int step)
     }
 }
 
-/** With an exponent, and without the zeros at the end of the digits but for the first behind the point. */
+/** Print with an exponent, without trailing zeros of the digits except the first behind the decimal point. */
 static void write_scientific(char text[NUMBER_TEXT_LENGTH], double value, int digits)
 {
     (void)snprintf(text, NUMBER_TEXT_LENGTH, "%.*e", digits - 1, value);
@@ -76,7 +77,7 @@ void number_write(char text[NUMBER_TEXT_LENGTH], double value)
 
 void number_write_plain(char text[NUMBER_TEXT_LENGTH], double value)
 {
-    static const double all_digits = 1e15; /* whole numbers below are those digits */
+    static const double all_digits = 1e15; /* integers below it are printed as digits */
     if (fabs(value) < all_digits && value == (double)(long)value && !(signbit(value) && value == 0.0)) {
         (void)snprintf(text, NUMBER_TEXT_LENGTH, "%ld", (long)value);
     } else {

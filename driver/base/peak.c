@@ -10,10 +10,10 @@ double peak_of_parabola(const double t[3], const double f[3])
     return bend < 0 ? 0.5 * (t[0] + t[1]) - 0.5 * slope_1 / bend : NAN;
 }
 
-/** Three places around x, in order, x among them, inside the bracket. @return false if they are not apart */
+/** Three ordered abscissae around x, x among them, inside the bracket. @return false if they do not differ */
 static bool surround(const peak_bracket *bracket, double x, double wanted_width, double t[3])
 {
-    /* three of them fit in the bracket: x at most one from its end, and two beyond x */
+    /* three widths fit into the bracket: x is at most one from its end, and two are beyond x */
     const double width = fmin(wanted_width, (bracket->right - bracket->left) / 3);
     double middle = x;
     if (x - width < bracket->left) {
@@ -30,9 +30,9 @@ static bool surround(const peak_bracket *bracket, double x, double wanted_width,
 void peak_climb(peak_function function, void *with, const peak_bracket *bracket)
 {
     enum { MOST_TURNS = 6 };
-    static const double small = 1e-12; /* of the value: what another turn gains does not matter */
+    static const double small = 1e-12; /* relative to the value: gains of another iteration below it are negligible */
     static const double nearly =
-        1e-3; /* of the value: how far below a peak the start may be where nothing is expected */
+        1e-3; /* relative to the value: how far below a peak the start may be without an expected value */
     double x = bracket->start, width = bracket->width, top = function(with, x);
     const double doubt = isnan(bracket->expected) ? nearly * fabs(top) : 3 * fabs(bracket->expected - top);
     if (!(bracket->right > bracket->left) || !(top + doubt + nearly * fabs(top) >= bracket->wanted)) {

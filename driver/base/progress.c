@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 static const double terminal_interval = 0.1; /* [s] between two lines on a terminal */
-static const double log_interval = 60.0;     /* [s] and in a log */
-static const double look_interval = 0.02;    /* [s] between two looks at the clock, aimed at */
-static const double growth = 4.0;            /* of the stride at most, because steps do not all cost the same */
+static const double log_interval = 60.0;     /* [s] between two lines in a log */
+static const double look_interval = 0.02;    /* [s] between two readings of the clock, target */
+static const double growth = 4.0;            /* largest factor on the stride, because the cost of steps varies */
 
 double clock_seconds(void)
 {

@@ -71,7 +71,7 @@ void sha256_add(sha256 *hash, const void *bytes, size_t n)
 
 void sha256_finish(sha256 *hash, char text[SHA256_TEXT])
 {
-    enum { LENGTH = 8 }; /* bytes of the number of bits, which ends the last block */
+    enum { LENGTH = 8 }; /* bytes of the bit count at the end of the last block */
     static const unsigned char padding[SHA256_BLOCK] = {0x80};
     const uint64_t n_bits = 8 * hash->n_bytes;
     const size_t kept = hash->n_bytes % SHA256_BLOCK;

@@ -1,4 +1,4 @@
-/** How a command ends: exit codes, and the one line that says why. A leaf. */
+/** Exit codes of commands, and the one-line error message. Leaf module. */
 #pragma once
 
 #include <stdbool.h>
@@ -24,22 +24,22 @@ void evl_exit_print_table(FILE *stream);
 
 enum { EVL_ERROR_PLACE_LENGTH = 1280, EVL_ERROR_MESSAGE_LENGTH = 1024 };
 
-/** Why something failed. code is EVL_EXIT_OK as long as nothing did. */
+/** Reason of a failure. code is EVL_EXIT_OK if there was none. */
 typedef struct {
     evl_exit code;
     char place[EVL_ERROR_PLACE_LENGTH]; /**< "CASE.yaml:12:5" or "--set wheels.gear.teeth=-3"; "" if there is none */
-    char message[EVL_ERROR_MESSAGE_LENGTH]; /**< what is wrong and what to do, one line without its newline */
+    char message[EVL_ERROR_MESSAGE_LENGTH]; /**< the fault and its remedy, one line without its newline */
 } evl_error;
 
-/** Fill an error; foreign text in it becomes one line that can be printed (utf8_make_line).
+/** Fill an error; foreign text in it becomes one printable line (utf8_make_line).
  *  @param place  "" if there is none
- *  @return false, for who refuses */
+ *  @return false, as a return value for the caller */
 __attribute__((format(printf, 4, 5))) bool evl_error_set(evl_error *error, evl_exit code, const char *place,
                                                          const char *format, ...);
 
-/** Say that a file cannot be written for the reason in errno: EVL_EXIT_IO. @return false */
+/** Report that a file cannot be written for the reason in errno: EVL_EXIT_IO. @return false */
 bool evl_error_set_unwritten(evl_error *error, const char *path);
-/** "PLACE: MESSAGE" of an error that has a place, as a new string. */
+/** "PLACE: MESSAGE" of an error with a place, as a new string. */
 char *evl_error_text(const evl_error *error);
 /** Write "PLACE: MESSAGE", or "evolvent: MESSAGE" if there is no place, and a newline. */
 void evl_error_print(FILE *stream, const evl_error *error);

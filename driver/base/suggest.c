@@ -57,7 +57,7 @@ const char *suggest_nearest(const char *text, int n, const char *const *candidat
             continue;
         }
         const int distance = edit_distance(text, (int)length, candidates[i], (int)candidate_length);
-        /* a third of the letters may be wrong, one in short words; and something must be right */
+        /* a third of the letters may be wrong, one in short words; at least one must match */
         const int longer = (int)(length > candidate_length ? length : candidate_length);
         if (distance <= (longer < 6 ? 1 + longer / 5 : longer / 3) && distance < longer &&
             (nearest == NULL || distance < nearest_distance)) {

@@ -1,14 +1,15 @@
-/** Writing all bytes, however often a signal comes between, and bringing them to the disk. A leaf. */
+/** Complete writes in spite of signals, and synchronisation to the disk. Leaf module. */
 #pragma once
 
 #include <stdbool.h>
 #include <sys/types.h>
 
-/** @param offset  in the file; negative: where it stands, at the end of a journal, or into a socket
- *  @return how many were written; if not all, errno says why */
+/** @param offset  in the file; negative: the current one, at the end of a journal, or into a socket
+ *  @return number of bytes written; if not all, errno has the reason */
 size_t write_bytes(int descriptor, off_t offset, const void *bytes, size_t n);
-/** Bring a file to the disk; what cannot be, such as a pipe, counts as there. @return false, with errno, if the disk fails */
+/** Synchronise a file to the disk; files that cannot be, such as a pipe, count as done. @return false, with errno, if
+ *  the disk fails */
 bool sync_bytes(int descriptor);
-/** Bring to the disk that there is a file of this name: without it a file that is there may be without a name after a loss of
- *  power. Folders that know no such thing are no reason to fail. @return false, with errno, if the disk fails */
+/** Synchronise the folder of `path`: without it an existing file may lose its name in a power failure. Folders that do
+ *  not support this are not an error. @return false, with errno, if the disk fails */
 bool sync_name(const char *path);

@@ -29,7 +29,7 @@ typedef struct {
 
 /* ---- the command line ---- */
 
-/** A count from 1 on at the start of a text. @return what follows, NULL if there is no such count */
+/** Read a count from 1 on at the start of a text. @return the rest of the text, NULL if there is no such count */
 static const char *read_count(const char *text, int most, int *count)
 {
     char *end = NULL;
@@ -67,7 +67,7 @@ static bool read_share(const batch_options *options, batch_share *share, evl_err
 
 /* ---- the folder ---- */
 
-/** The first line of a file, without its newline; NULL, with errno, if it cannot be read. */
+/** Read the first line of a file, without its newline; NULL, with errno, if it cannot be read. */
 static char *read_line(const char *path)
 {
     FILE *file = fopen(path, "rb");
@@ -78,7 +78,7 @@ static char *read_line(const char *path)
     size_t room = 0;
     const ssize_t length = getline(&line, &room, file);
     const int reason = errno;
-    const bool was_read = length >= 0 || feof(file) != 0; /* what has no memory for a line is not empty */
+    const bool was_read = length >= 0 || feof(file) != 0; /* a failed allocation is not an empty file */
     (void)fclose(file);
     char *text = length >= 0 ? xasprintf("%.*s", (int)strcspn(line, "\n"), line) : was_read ? xstrdup("") : NULL;
     free(line);
@@ -86,12 +86,12 @@ static char *read_line(const char *path)
     return text;
 }
 
-/** Write the mark under another name first: shards that start together find all of it or nothing. */
+/** Write the mark under a temporary name first: shards that start at the same time see all of it or nothing. */
 static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 {
     OWNED char *partial = xasprintf("%s.%ld", mark, (long)getpid()), *line = xasprintf("%s\n", hash);
     const size_t length = strlen(line);
-    (void)unlink(partial); /* of a process of that number that was killed; or a link, which is not followed */
+    (void)unlink(partial); /* left by a killed process with the same id; or a link, which is not followed */
     const int descriptor = open(partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     bool good = descriptor >= 0 && write_bytes(descriptor, -1, line, length) == length && sync_bytes(descriptor);
     const int reason = errno;
@@ -104,7 +104,7 @@ static bool mark_folder(const char *mark, const char *hash, evl_error *error)
     return good;
 }
 
-/** A folder holds the results of one design. */
+/** Reserve a folder for the results of one design. */
 static bool claim_folder(const char *folder, const char *hash, evl_error *error)
 {
     if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
@@ -136,7 +136,7 @@ typedef struct {
     batch_plan plan;
     batch_state state;
     const char *stem; /**< FOLDER/shard-I-of-N */
-    long n_recorded;  /**< cases, by runs before this one */
+    long n_recorded;  /**< cases recorded by earlier runs */
 } shard_run;
 
 static bool open_histories(shard_run *run, evl_error *error)
@@ -176,15 +176,15 @@ static bool open_journal(shard_run *run, evl_error *error)
                          run->n_recorded);
 }
 
-/** A row is recorded only where its file has its name, whatever happens to the machine: the journal's, that of the histories, and
- *  the folder's own. */
+/** A row is recorded only after the names of its files are on disk, in spite of power failures: of the journal, the
+ *  histories and the folder itself. */
 static bool sync_names(const shard_run *run, evl_error *error)
 {
     return (sync_name(run->stem) && sync_name(run->options->folder)) ||
            evl_error_set_unwritten(error, run->options->folder);
 }
 
-/** Checkpoints of cases that are recorded go, once that is on the disk. */
+/** Delete the checkpoints of recorded cases, after the records are on the disk. */
 static bool drop_checkpoints(shard_run *run, evl_error *error)
 {
     const batch_state *state = &run->state;
@@ -197,7 +197,7 @@ static bool drop_checkpoints(shard_run *run, evl_error *error)
     return true;
 }
 
-/** @return whether cases did not finish */
+/** @return whether some cases did not finish */
 static bool summarise(const shard_run *run, double seconds)
 {
     const long n = batch_shard_size(&run->plan);
@@ -215,7 +215,7 @@ static bool summarise(const shard_run *run, double seconds)
     return bad > 0;
 }
 
-/** With the lock held. @return as summarise */
+/** Run with the lock held. @return as summarise */
 static bool run_locked(shard_run *run, evl_error *error)
 {
     batch_state *state = &run->state;

@@ -1,4 +1,4 @@
-/** Many cases, those of a shard of a design, in one process or a few. docs/batch.md describes what it leaves. */
+/** Batch of the cases in a shard of a design, in one or several processes. docs/batch.md describes its output files. */
 #pragma once
 
 #include "base/status.h"
@@ -9,10 +9,10 @@ typedef struct {
     const char *folder;
     const char *shard;      /**< "I/N"; NULL: 1/1 */
     const char *jobs;       /**< number of workers; NULL: 1 */
-    const char *cases;      /**< file with the numbers of the only cases to run; NULL: all that are not recorded */
-    const char *checkpoint; /**< minutes between two of a case; NULL: 10 */
-    bool resume;            /**< go on with a journal that has rows already */
-    bool check;             /**< only say which cases would be refused; `shard` alone goes with it */
+    const char *cases;      /**< file with the numbers of the cases to run; NULL: all that are not recorded */
+    const char *checkpoint; /**< minutes between two checkpoints of a case; NULL: 10 */
+    bool resume;            /**< continue a journal that already has rows */
+    bool check;             /**< only list the cases that would be refused; allowed with `shard` only */
     bool quiet;             /**< no progress */
 } batch_options;
 

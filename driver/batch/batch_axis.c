@@ -12,7 +12,7 @@ const model_output batch_axis_time = {.name = "time",
                                       .offset = -1,
                                       .count = 1};
 
-static const double same = 1e-6; /* of an output interval: times that differ by rounding are the same */
+static const double same = 1e-6; /* relative to the output interval: smaller differences of times are rounding */
 
 static void take_times(batch_axis *axis)
 {
@@ -91,9 +91,9 @@ long batch_axis_place(const batch_axis *axis, long index, double t, const output
                line / (double)axis->every < axis->coordinate.n;
         k = good ? lround(line) / axis->every : -1;
     } else {
-        good =
-            good && k < axis->coordinate.n &&
-            fabs(t - axis->values[k]) <= same * axis->grid.output_interval; /* not the last state of a run that fails */
+        good = good && k < axis->coordinate.n &&
+               fabs(t - axis->values[k]) <= same * axis->grid.output_interval; /* excludes the last state of a run that
+                                                                                * fails */
     }
     return good ? k : -1;
 }

@@ -1,4 +1,4 @@
-/** The axis along which the histories of all cases are stacked: every so many outputs of a grid of times or of positions. */
+/** Common axis of the stacked histories of all cases: every n-th output of a grid of times or of positions. */
 #pragma once
 
 #include "files/design.h"
@@ -7,22 +7,22 @@
 #include "simulate/simulate.h"
 
 typedef struct {
-    long every;             /**< of the outputs one is kept */
+    long every;             /**< one of this number of outputs is stored */
     integrate_options grid; /**< of the outputs */
-    positions_rule rule;    /**< of the first case, whose texts it holds */
+    positions_rule rule;    /**< of the first case, which owns the texts */
     history_coordinate coordinate;
     double *values; /**< of the coordinate, owned */
 } batch_axis;
 
-/** Make the axis that suits a case. @return false with the reason in `error` */
+/** Create the axis for a case. @return false with the reason in `error` */
 bool batch_axis_make(batch_axis *axis, const design *design, const prepared_case *first, evl_error *error);
 void batch_axis_free(batch_axis *axis);
-/** Whether the outputs of a case have places on it. */
+/** Whether the outputs of a case match the axis. */
 bool batch_axis_fits(const batch_axis *axis, const prepared_case *prepared);
-/** Where an output goes; -1 if it has no place.
+/** Index of an output on the axis; -1 if it is not on it.
  *  @param index  of the output in its run, from 0
  *  @param mark   of an output by position */
 long batch_axis_place(const batch_axis *axis, long index, double t, const output_mark *mark);
 
-/** What comes with every history along positions: the time. Its offset among the outputs is -1. */
+/** The time, stored with every history over positions. Its offset among the outputs is -1. */
 extern const model_output batch_axis_time;

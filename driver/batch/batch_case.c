@@ -14,7 +14,7 @@
 #include <string.h>
 #include <time.h>
 
-/** How a case begins. */
+/** Start of a case. */
 typedef struct {
     dae_state state; /**< at t = 0; to be freed */
     number_window window;
@@ -65,9 +65,9 @@ void batch_case_lost(const batch_plan *plan, long index, const char *message, ba
     batch_row_write(plan, index, JOURNAL_FAILED, message, NULL, NULL, row);
 }
 
-/* ---- what a case has to have ---- */
+/* ---- checks of a case ---- */
 
-/** The window of a case: the design's times, or the case's own. @return false if no output lies in it */
+/** Window of a case: the design's times, or the case's own. @return false if it contains no output */
 static bool find_window(const batch_plan *plan, const prepared_case *prepared, number_window *window)
 {
     const numbers_description *own = &case_description(prepared->file)->simulation.numbers;
@@ -77,7 +77,7 @@ static bool find_window(const batch_plan *plan, const prepared_case *prepared, n
                               .to = isnan(given[1]) ? own->to : given[1],
                               .mesh = own->mesh,
                               .wheel = own->wheel};
-    if (options.per_unit > 0) { /* outputs may lie anywhere */
+    if (options.per_unit > 0) { /* output times are not known in advance */
         return window->from <= options.t_end;
     }
     const double first = ceil(window->from / dt - slack) * dt; /* on the grid */
@@ -131,9 +131,9 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
                          "without histories");
 }
 
-/* ---- what the simulation tells ---- */
+/* ---- outputs of the simulation ---- */
 
-/** One output of a history that is stacked, if it has a place there; of several at one position the first. */
+/** Store one output of a stacked history, if it is on the axis; of several at one position the first. */
 static void keep_output(const batch_sink *sink, const output_block *block, int time)
 {
     const batch_histories *histories = &sink->plan->histories;
@@ -177,7 +177,7 @@ static bool is_due(void *self, double t)
     return batch_keeper_is_due(sink->keeper);
 }
 
-/** What the simulation does not keep itself. */
+/** Serialise what the simulation does not. */
 static void keep(void *self, archive *archive)
 {
     batch_sink *sink = self;
@@ -213,14 +213,14 @@ static void start_history(batch_sink *sink)
 
 /* ---- the case ---- */
 
-/** What `evolvent run` would warn of, less what the base case's own numbers cause: that is printed once. */
+/** Warnings of `evolvent run`, except those of the base case's own numbers, which are printed once. */
 static char *remarks(const prepared_case *prepared, const char *remark)
 {
     OWNED char *warnings = prepare_own_warnings(prepared, "; ");
     return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 
-/** A case whose outputs go by position may have none in its window: it failed. */
+/** A case with outputs by position fails if none of them is in its window. */
 static void check_window(const batch_sink *sink, simulate_result *result)
 {
     if (result->end == SIMULATE_DONE && !statistics_has_outputs(sink->statistics)) {
@@ -259,7 +259,7 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
 static void sink_start(batch_sink *sink, const prepared_case *prepared, const number_window *window)
 {
     const batch_plan *plan = sink->plan;
-    const double interval = case_description(prepared->file)->simulation.output_interval; /* by position 0: no slack */
+    const double interval = case_description(prepared->file)->simulation.output_interval; /* by position: 0 */
     *sink = (batch_sink){.plan = plan, .keeper = sink->keeper};
     wanted_init(&sink->wanted, prepared->model, &sink->pool);
     sink->statistics = statistics_create(&plan->table, &sink->wanted, window, interval);
@@ -294,8 +294,8 @@ static void simulate_once(batch_sink *sink, const prepared_case *prepared, const
     simulate(prepared, &heard, &state, result);
 }
 
-/** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. The
- *  processor time is that of both. */
+/** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. The CPU
+ *  time is that of both. */
 static void simulate_to(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
                         simulate_result *result)
 {
@@ -336,7 +336,7 @@ static bool simulate_prepared(batch_keeper *keeper, const batch_start *start, ba
     return good;
 }
 
-/** Make a case of a simulation and check all but its start. */
+/** Prepare a case of a simulation and check everything except its start. */
 static bool prepare_simulation(const batch_plan *plan, long index, prepared_case *prepared, number_window *window,
                                evl_error *refusal)
 {
@@ -352,7 +352,7 @@ bool batch_case_check(const batch_plan *plan, long index, prepared_case *prepare
                : prepare_simulation(plan, index, prepared, &window, refusal) && prepare_check_start(prepared, refusal);
 }
 
-/** The row of a case that does not begin. @return false with the reason in `error` if a file of a wheel is no good */
+/** Row of a case that cannot start. @return false with the reason in `error` if the file of a wheel is invalid */
 static bool refuse_case(const batch_plan *plan, long index, const evl_error *refusal, batch_row *row, evl_error *error)
 {
     if (wheel_store_error(plan->wheels)->code != EVL_EXIT_OK) {

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/** What was found so far. */
+/** Results so far. */
 typedef struct {
     long checked, refused;
     double shortest; /**< duration of the cases that would run [s], NaN if there are none */

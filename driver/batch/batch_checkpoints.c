@@ -33,7 +33,7 @@ char *batch_checkpoints_path(const batch_checkpoints *self, long index)
 
 bool batch_checkpoints_has(const batch_checkpoints *self, long index)
 {
-    if (access(self->folder, F_OK) != 0) { /* asked for again and again, which even far file systems remember */
+    if (access(self->folder, F_OK) != 0) { /* repeated calls are cached even by remote file systems */
         return false;
     }
     OWNED char *path = batch_checkpoints_path(self, index);
@@ -74,7 +74,7 @@ void batch_checkpoints_remove(const batch_checkpoints *self, long index)
     OWNED char *path = batch_checkpoints_path(self, index);
     (void)checkpoint_remove(path);
     (void)rmdir(path);
-    (void)rmdir(self->folder); /* the last one */
+    (void)rmdir(self->folder); /* if this was the last one */
 }
 
 static int compare(const void *a, const void *b)
@@ -83,7 +83,7 @@ static int compare(const void *a, const void *b)
     return (first > second) - (first < second);
 }
 
-/** Number of a case that a name stands for; -1: it is another's. */
+/** Case number given by a name; -1: not a case folder. */
 static long number_of(const char *name)
 {
     char *end = NULL;

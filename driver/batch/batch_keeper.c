@@ -8,17 +8,17 @@
 #include <math.h>
 #include <string.h>
 
-enum { STRIDE = 16 };          /* steps between looks at the clock, which takes a hundredth of a step */
-static const double least = 1; /* [s] of work that is worth a checkpoint when the batch ends */
+enum { STRIDE = 16 };          /* steps between readings of the clock, each of which takes a hundredth of a step */
+static const double least = 1; /* [s] of work that justifies a checkpoint when the batch ends */
 
-/** What stands before the simulation's own state. */
+/** Serialise the data preceding the simulation's own state. */
 static void keep_head(batch_keeper *self, archive *archive)
 {
     KEEP(archive, self->waits);
     KEEP(archive, self->cpu_seconds);
 }
 
-/** What checkpoints of this case are of: the design says what is found of it. */
+/** Set the identification of this case's checkpoints: includes the design, which determines the requested results. */
 static void identify(const batch_keeper *self, checkpoint *own)
 {
     OWNED char *text = xasprintf("case %ld of the design %s\n%s", self->index, self->plan->design->hash,

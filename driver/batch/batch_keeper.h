@@ -1,7 +1,7 @@
-/** The checkpoints of the case that a worker runs. A case that takes longer than their interval goes on from the last one when it is
- *  run again, whatever ended it; when the batch is asked to end, from there.
+/** Checkpoints of the case run by a worker. A case that takes longer than their interval is resumed from the last one
+ *  when it is run again, however it ended; when the batch is stopped, from that point.
  *
- *  Only by radau: then they change no bit of a row. A case by IDA begins anew. */
+ *  Only with radau: then they do not change any bit of a row. A case with IDA starts again. */
 #pragma once
 
 #include "batch/batch_plan.h"
@@ -10,29 +10,29 @@
 
 typedef struct batch_keeper {
     const batch_plan *plan;
-    const batch_queue *queue;      /**< which says when the batch is to end */
+    const batch_queue *queue;      /**< signals the end of the batch */
     const prepared_case *prepared; /**< the case */
     long index;
-    bool can_go_on;     /**< the case is one of which checkpoints are made */
+    bool can_go_on;     /**< checkpoints of the case are possible */
     bool has_some;      /**< there are checkpoints of it */
-    archive from;       /**< what it goes on from; no bytes: from the start */
-    bool waits;         /**< as of simulate_sink, there and in the checkpoints to come */
-    double cpu_seconds; /**< of the simulations before this one, which missed something */
-    double last;        /**< clock [s] of the last checkpoint, or the start */
-    int countdown;      /**< steps to the next look at the clock */
-    evl_error *error;   /**< why a checkpoint could not be made */
+    archive from;       /**< state to resume from; no bytes: from the start */
+    bool waits;         /**< as in simulate_sink, there and in later checkpoints */
+    double cpu_seconds; /**< of the earlier simulations of this case, which missed an event */
+    double last;        /**< wall clock [s] of the last checkpoint, or of the start */
+    int countdown;      /**< steps to the next reading of the clock */
+    evl_error *error;   /**< why a checkpoint could not be written */
 } batch_keeper;
 
-/** Begin with a case, and find what it goes on from. What is damaged, or of something else, is told and does not count.
- *  @param error  where it is said why a checkpoint could not be made */
+/** Start a case, and find its checkpoint. Checkpoints that are damaged, or of something else, are reported and ignored.
+ *  @param error  receives the reason if a checkpoint could not be written */
 void batch_keeper_begin(batch_keeper *self, const batch_plan *plan, const batch_queue *queue, long index,
                         const prepared_case *prepared, evl_error *error);
 void batch_keeper_end(batch_keeper *self);
-/** What it goes on from; NULL: from the start. */
+/** State to resume from; NULL: from the start. */
 archive *batch_keeper_resume(batch_keeper *self);
-/** Go on from the start after all. */
+/** Start again from the beginning. */
 void batch_keeper_begin_anew(batch_keeper *self, bool waits, double cpu_seconds);
 
-/* As of simulate_sink. */
+/* As in simulate_sink. */
 bool batch_keeper_is_due(batch_keeper *self);
 simulate_kept batch_keeper_kept(batch_keeper *self, double t, const archive *state);

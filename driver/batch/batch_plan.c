@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** A path that no case has is a fault of the design; a value that is refused is one of its row. */
+/** A path that does not exist in any case is an error of the design; a refused value is one of its row. */
 static bool check_paths(const batch_plan *plan, evl_error *error)
 {
     const design *design = plan->design;
@@ -93,7 +93,7 @@ static bool refuse_variable(const batch_plan *plan, const model *model, const ch
                          "history_variables: a history of these cases has no '%.64s' over time%s", name, hint);
 }
 
-/** Find the variables by the names that stand in the design. */
+/** Find the variables by the names in the design. */
 static bool choose_variables(batch_plan *plan, const model *model, evl_error *error)
 {
     batch_histories *histories = &plan->histories;
@@ -119,7 +119,7 @@ static bool choose_variables(batch_plan *plan, const model *model, evl_error *er
     return true;
 }
 
-/** Every shard has to come to the same layout: the design's first case that is not refused decides. */
+/** All shards must determine the same layout: it is that of the design's first case that is not refused. */
 static bool plan_histories(batch_plan *plan, evl_error *error)
 {
     prepared_case *first = &plan->histories.first;
@@ -129,7 +129,7 @@ static bool plan_histories(batch_plan *plan, evl_error *error)
         i++;
     }
     if (i == plan->design->n_cases) {
-        return true; /* no case at all will have a history */
+        return true; /* no case has a history */
     }
     return batch_axis_make(&plan->histories.axis, plan->design, first, error) &&
            choose_variables(plan, first->model, error);

@@ -1,4 +1,4 @@
-/** What all cases of a batch share: made once, before the workers are. */
+/** Common data of all cases of a batch, created once before the workers. */
 #pragma once
 
 #include "batch/batch_axis.h"
@@ -9,16 +9,16 @@
 #include "files/wheel_store.h"
 #include "simulate/prepare.h"
 
-/** What the histories of all cases have in common. */
+/** Common data of the histories of all cases. */
 typedef struct {
     int n_variables;
-    model_output *variables; /**< as the model of the first good case has them */
+    model_output *variables; /**< as in the model of the first valid case */
     batch_axis axis;
-    prepared_case first; /**< the first good case; the variables and their dimensions are those of its model */
+    prepared_case first; /**< the first valid case; the variables and their dimensions belong to its model */
 } batch_histories;
 
 typedef struct {
-    memory_pool pool; /**< of names */
+    memory_pool pool; /**< owns names */
     const design *design;
     case_base *base;
     statistics_table table;
@@ -26,8 +26,8 @@ typedef struct {
     stack stack;               /**< open if there are histories */
     batch_checkpoints checkpoints;
     const char *responses;   /**< folder of their files, if cases are responses */
-    wheel_store *wheels;     /**< that give way and are known; each worker has its own copy */
-    long first_case, stride; /**< of the shard, whose rows the stack has */
+    wheel_store *wheels;     /**< known compliant wheels; each worker has its own copy */
+    long first_case, stride; /**< of the shard; rows of the stack */
 } batch_plan;
 
 /** Parse the base case, check the paths of the design, lay out the histories. The stack is not opened yet.
@@ -38,5 +38,5 @@ void batch_plan_free(batch_plan *plan);
 /** The journal's first line, without its newline, as a new string. */
 char *batch_plan_head(const batch_plan *plan, int shard, int n_shards);
 
-/** Make a case from its row. `prepared` and the result are those of prepare_edited. */
+/** Prepare a case from its row. `prepared` and the result are as in prepare_edited. */
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error);

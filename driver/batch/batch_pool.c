@@ -18,20 +18,20 @@
 
 enum { MOST_TRIES = 2, LOOK_MILLISECONDS = 200 };
 static const struct timespec rest = {
-    .tv_nsec = 10000000};                    /* between two looks at the answers: each look costs the workers time */
-static const double patience = 10.0;         /* [s] for workers that put away what they run, when the batch is to end */
-static const double sync_interval = 1.0;     /* [s] between two times that all is brought to the disk */
+    .tv_nsec = 10000000};                    /* between two polls of the workers: each poll costs the workers time */
+static const double patience = 10.0;         /* [s] for workers to write checkpoints when the batch is stopped */
+static const double sync_interval = 1.0;     /* [s] between two synchronisations to the disk */
 static const double terminal_interval = 1.0; /* [s] between two lines of progress on a terminal */
 
-/** What became of the processes that ran a case. */
+/** Processes that ran a case. */
 typedef struct {
-    int n_deaths; /**< of those that got no further than the one before; -1: the case is recorded */
-    double reach; /**< model time of the checkpoint from which the next one goes on [s] */
+    int n_deaths; /**< number of processes that died without progress beyond the previous one; -1: the case is recorded */
+    double reach; /**< model time of the checkpoint from which the next one resumes [s] */
 } tries;
 
 typedef struct pool {
-    memory_pool memory; /**< of the arrays */
-    batch_work work;    /**< its list is that of the state, of which it keeps what is left */
+    memory_pool memory; /**< owns the arrays */
+    batch_work work;    /**< its list is that of the state; cases that are not recorded remain in it */
     batch_state *state;
     evl_error *error;
     int n_workers;
@@ -39,13 +39,13 @@ typedef struct pool {
     long n_left;        /**< length of the list */
     tries *tries;       /**< [n_left] */
     long n_bad;         /**< failed or refused in this run */
-    long n_kept, *kept; /**< cases that were recorded since the last sync and have checkpoints */
+    long n_kept, *kept; /**< recorded cases with checkpoints since the last synchronisation */
     double started, synced, shown;
     bool show_progress, is_terminal;
     double progress_interval; /**< [s] between two lines of progress */
 } pool;
 
-/* ---- what is to be seen and to be safe ---- */
+/* ---- progress and synchronisation ---- */
 
 static void show_progress(const pool *pool, double now)
 {
@@ -65,7 +65,7 @@ static void wipe_progress(const pool *pool)
     }
 }
 
-/** Histories first: a row that is recorded has one. @return false if the disk does not take it */
+/** Synchronise histories first: a recorded row has its history on disk. @return false if the disk fails */
 static bool sync_all(pool *pool)
 {
     const stack *stack = &pool->work.plan->stack;
@@ -92,7 +92,7 @@ static bool look_at_clock(pool *pool)
             return false;
         }
     }
-    if (is_shown) { /* what is told to be done is on the disk */
+    if (is_shown) { /* cases reported as done are on the disk */
         show_progress(pool, now);
         pool->shown = now;
     }
@@ -101,7 +101,7 @@ static bool look_at_clock(pool *pool)
 
 /* ---- rows ---- */
 
-/** A recorded case needs its checkpoints no longer. */
+/** Note a recorded case whose checkpoints are no longer needed. */
 static void note_kept(pool *pool, bool has_some, long index)
 {
     if (has_some) {
@@ -137,7 +137,7 @@ static bool record_lost(pool *pool, long place, int wait_status)
                        WEXITSTATUS(wait_status));
     }
     batch_case_lost(pool->work.plan, pool->work.todo[place], message, &row);
-    row.has_checkpoints = true; /* it may */
+    row.has_checkpoints = true; /* possibly */
     return record(pool, place, &row);
 }
 
@@ -149,8 +149,8 @@ static bool start_worker(pool *pool, int number, long first)
                               pool->error);
 }
 
-/** One more process of a case has died. @return whether the case is to be given up: once it may be anyone's fault; twice it is the
- *  case's, unless it got further in between. */
+/** A process of a case has died again. @return whether to give up the case: the first death may have any cause; the
+ *  second is attributed to the case, unless it made progress in between. */
 static bool is_given_up(pool *pool, long place)
 {
     tries *tries = &pool->tries[place];
@@ -160,7 +160,7 @@ static bool is_given_up(pool *pool, long place)
     return tries->n_deaths == MOST_TRIES;
 }
 
-/** A worker is gone: because there is nothing left to do, or in the middle of a case. */
+/** A worker has ended: because there is nothing left to do, or during a case. */
 static bool replace_worker(pool *pool, int number)
 {
     const long place = batch_queue_last(pool->work.queue, number);
@@ -175,7 +175,7 @@ static bool replace_worker(pool *pool, int number)
     return start_worker(pool, number, in_case ? place : -1);
 }
 
-/** Record all that a worker has sent. @return false to end the batch, with the reason in pool->error */
+/** Record all messages of a worker. @return false to end the batch, with the reason in pool->error */
 static bool attend(pool *pool, int number, batch_worker_news *news)
 {
     batch_answer answer;
@@ -201,7 +201,7 @@ static bool has_workers(const pool *pool)
     return false;
 }
 
-/** Record what the workers say, for a moment. @param gone  what becomes of a worker that is gone */
+/** Record messages of all workers, for a moment. @param gone  called for a worker that has ended */
 static bool listen(pool *pool, bool (*gone)(struct pool *pool, int number))
 {
     OWNED struct pollfd *ends = xcalloc((size_t)pool->n_workers, sizeof *ends);
@@ -222,7 +222,7 @@ static bool listen(pool *pool, bool (*gone)(struct pool *pool, int number))
     return good;
 }
 
-/** Record what the workers say until they are all gone. */
+/** Record messages until all workers have ended. */
 static bool listen_to_all(pool *pool)
 {
     bool good = true;
@@ -248,8 +248,8 @@ static bool end_worker(pool *pool, int number)
     return true;
 }
 
-/** End the workers that are still there, after a signal such that they put away what they run. `good`: the disk takes what they have
- *  sent. */
+/** Stop the remaining workers, after a signal so that they write checkpoints. `good`: their data can be written to the
+ *  disk. */
 static bool stop_all(pool *pool, bool good)
 {
     const double end = clock_seconds() + patience;
@@ -268,7 +268,7 @@ static bool stop_all(pool *pool, bool good)
     return good;
 }
 
-/* ---- the whole run ---- */
+/* ---- complete run ---- */
 
 static bool begin(pool *pool, int jobs)
 {
@@ -292,8 +292,8 @@ static bool begin(pool *pool, int jobs)
     return pool->work.queue != NULL;
 }
 
-/** Of the list only what is not recorded: all if the run was interrupted; else a case that a worker was just taking when it
- *  died, if any. */
+/** Retain only unrecorded cases in the list: all if the run was interrupted; else a case that a worker was just taking
+ *  when it died, if any. */
 static void keep_unrecorded(pool *pool)
 {
     long n = 0;
@@ -331,7 +331,8 @@ void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_
                       "interrupted by %s; %ld of %ld cases were finished, --resume runs the others",
                       interrupt_name((int)interrupt_signal), state->n_finished, state->n_todo);
     } else if (!good) {
-        (void)fsync(state->journal.descriptor); /* the reason that ended the batch is worth more than that of a sync */
+        (void)fsync(state->journal.descriptor); /* the reason that ended the batch has priority over that of a failed
+                                                 * synchronisation */
     }
     batch_queue_delete(&pool.work.queue);
     pool_free(&pool.memory);

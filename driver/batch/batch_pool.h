@@ -1,4 +1,4 @@
-/** The parent of a batch's workers: starts and replaces them, records what they send. */
+/** Parent of a batch's workers: starts and replaces them, records their results. */
 #pragma once
 
 #include "batch/batch_plan.h"
@@ -7,12 +7,12 @@
 typedef struct {
     journal journal;
     journal_case *cases; /**< [n_cases] */
-    long *todo; /**< numbers of the cases to run, in their order; batch_pool_run leaves what is not recorded in front */
+    long *todo;          /**< cases to run, in order; batch_pool_run moves those not recorded to the front */
     long n_todo;
-    long n_finished; /**< of them, so far */
-    long n_wheels;   /**< that give way and were computed for them */
+    long n_finished; /**< number of them finished so far */
+    long n_wheels;   /**< number of compliant wheels computed for them */
 } batch_state;
 
-/** Run all that is to do in `jobs` workers. Interrupted by a signal, or if something cannot be written, it ends what runs,
- *  brings to the disk what is recorded, and says so in `error`. */
+/** Run all cases to do in `jobs` workers. After a signal or a failed write it stops the running cases, synchronises the
+ *  records to the disk, and reports this in `error`. */
 void batch_pool_run(const batch_plan *plan, int jobs, bool show_progress, batch_state *state, evl_error *error);

@@ -1,4 +1,4 @@
-/* MAP_ANONYMOUS is younger than the POSIX that the rest asks for. */
+/* MAP_ANONYMOUS is newer than the POSIX version required by the rest. */
 #define _DEFAULT_SOURCE  // NOLINT(bugprone-reserved-identifier)
 #define _DARWIN_C_SOURCE // NOLINT(bugprone-reserved-identifier)
 #include "batch/batch_queue.h"
@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 
 struct batch_queue {
-    size_t size; /**< of all this [bytes] */
+    size_t size; /**< of the complete struct [bytes] */
     int n_workers;
     atomic_bool is_stopped;
     volatile sig_atomic_t stop; /**< the same */

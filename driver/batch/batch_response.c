@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
-/** What is told of a response, behind the numbers. */
+/** Results of a response, after the metrics. */
 enum {
     JUMPS_UP,
     JUMPS_DOWN,
@@ -75,7 +75,7 @@ static int compare(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/** The case of which a folder of the responses keeps the state; -1: of none. */
+/** Case of a checkpoint folder; -1: not one. */
 static long case_of(const char *name)
 {
     static const char begin[] = "case-", end[] = ".h5.parts";
@@ -169,7 +169,7 @@ static void hear(void *self, const response *response)
     listener->warnings = warnings_of(response);
 }
 
-/** What is asked for of a case: its settings are in the pool. */
+/** Options of a case; its settings are in the pool. */
 static respond_options options_of(const batch_plan *plan, long index, memory_pool *pool)
 {
     const design *design = plan->design;
@@ -203,7 +203,7 @@ static const char *by_the_batch(int stop)
     return "the end of the batch";
 }
 
-/** @return false if it ends the batch: what is in `error` is no fault of the case */
+/** @return false if it ends the batch: then `error` is not an error of the case */
 static bool write_row(const batch_plan *plan, long index, const listener *listener, evl_exit code, batch_row *row,
                       evl_error *error)
 {

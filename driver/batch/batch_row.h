@@ -1,4 +1,4 @@
-/** The line of a case in the journal. */
+/** Line of a case in the journal. */
 #pragma once
 
 #include "batch/batch_plan.h"
@@ -8,7 +8,7 @@ typedef struct {
     journal_status status;
     char *line; /**< of the journal, with its newline; to be freed */
     size_t length;
-    bool has_checkpoints; /**< which are of no use when it is recorded */
+    bool has_checkpoints; /**< obsolete when the row is recorded */
 } batch_row;
 
 /** @param results  [n scalars], NULL: none

@@ -8,16 +8,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** How outputs become one number. Means and shares weight each output with its part of the time (trapezoidal rule). */
+/** Reductions of outputs to one number. Means and shares weight each output with its part of the time (trapezoidal
+ *  rule). */
 typedef enum {
     MEAN,
-    RANGE, /**< largest less smallest */
+    RANGE, /**< largest minus smallest */
     LARGEST,
     SHARE_OF,  /**< of the time with exactly `pairs` */
     SHARE_FROM /**< of the time with `pairs` or more */
 } reduction;
 
-/** The table of what is kept of each mesh. */
+/** Metrics of each mesh. */
 static const struct {
     const char *name, *units, *long_name, *output;
     reduction reduction;
@@ -36,7 +37,7 @@ static const struct {
 };
 enum { N_OF_MESH = sizeof of_mesh / sizeof *of_mesh };
 
-/** And of the whole case, before a count of the events of each kind. */
+/** Metrics of the whole case, followed by the number of events of each kind. */
 enum { ENERGY_RESIDUAL, STEPS, CPU_TIME, N_OF_CASE };
 static const struct {
     const char *name, *units, *long_name;
@@ -48,7 +49,7 @@ static const struct {
 
 /* ---- the table ---- */
 
-/** Place of a scalar; -1: there is none. */
+/** Index of a scalar; -1: there is none. */
 static int find_scalar(const statistics_table *table, const char *name)
 {
     for (int i = 0; i < table->n; i++) {
@@ -59,7 +60,7 @@ static int find_scalar(const statistics_table *table, const char *name)
     return -1;
 }
 
-/** NAME_MESH, with letters that a name in a program cannot have as underscores. */
+/** NAME_MESH; letters not allowed in identifiers become underscores. */
 static char *name_of(statistics_table *table, const char *name, const char *element)
 {
     char *full = pool_printf(&table->pool, "%s_%s", name, element);
@@ -69,7 +70,7 @@ static char *name_of(statistics_table *table, const char *name, const char *elem
     return full;
 }
 
-/** The same, and a number if that name is taken. */
+/** Same, with a number appended if that name is used. */
 static const char *own_name_of(statistics_table *table, const char *name, int index, const char *element)
 {
     char *full = name_of(table, name, element);
@@ -81,7 +82,7 @@ static void add(statistics_table *table, const char *name, const char *units, co
     table->scalars[table->n++] = (statistics_scalar){.name = name, .units = units, .long_name = long_name};
 }
 
-/** Element k of a row as a scalar: NAME_HARMONIC_AXIS_ELEMENT, without what there is only one of. */
+/** Element k of a row as a scalar: NAME_HARMONIC_AXIS_ELEMENT, without dimensions of length 1. */
 static int add_number(statistics_table *table, const model_output *row, int k)
 {
     memory_pool *pool = &table->pool;
@@ -107,7 +108,7 @@ static int add_number(statistics_table *table, const model_output *row, int k)
     return known < 0 ? table->n - 1 : known;
 }
 
-/** The numbers over whole periods: a scalar each, or the one of that name that is there. */
+/** Add the metrics over whole periods: one scalar each, or an existing one of the same name. */
 static void add_numbers(statistics_table *table)
 {
     model_output rows[N_NUMBER_ROWS];
@@ -120,7 +121,7 @@ static void add_numbers(statistics_table *table)
     }
 }
 
-/** An empty table with room for what is asked for, and `more`. @return as of statistics_table_init */
+/** An empty table with space for the requested metrics, and `more`. @return as statistics_table_init */
 static const char *begin_table(statistics_table *table, const model_names *names, int n_words, const char *const *words,
                                int more)
 {
@@ -176,9 +177,9 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
 /* ---- one case ---- */
 
 typedef struct {
-    int place;   /**< of the output among the values; -1 if the model has none */
+    int place;   /**< index of the output among the values; -1 if the model has none */
     double sum;  /**< integral over time [unit s] */
-    double last; /**< of the output before */
+    double last; /**< of the previous output */
 } accumulator;
 
 struct statistics {
@@ -187,14 +188,14 @@ struct statistics {
     double t;       /**< of the last output */
     double t_first; /**< of the window */
     double t_last;
-    bool is_in_window;    /**< the last output was */
+    bool is_in_window;    /**< the last output was in the window */
     accumulator *of_mesh; /**< [n_meshes * N_OF_MESH] */
     extremes *extremes;   /**< in the window */
-    numbers *numbers;     /**< the same, over whole periods; NULL: none */
+    numbers *numbers;     /**< metrics over whole periods; NULL: none */
     long *events;         /**< [kinds] */
 };
 
-/** Whether a row is a sum over the outputs: others are extremes, which are found between them too. */
+/** Whether a row is a sum over the outputs: other rows are extremes, which are also searched between outputs. */
 static bool sums_up(int row)
 {
     return of_mesh[row].reduction != RANGE && of_mesh[row].reduction != LARGEST;
@@ -203,14 +204,14 @@ static bool sums_up(int row)
 static const char *resolve_output(const model *model, const char *name)
 {
     const bool counts_pairs = strcmp(name, "pairs_in_contact") == 0;
-    /* A model of one pair a mesh tells only whether that is in contact. */
+    /* A model with one pair per mesh only provides whether that is in contact. */
     return counts_pairs && model_output_offset(model, name) < 0 ? "in_contact" : name;
 }
 
 statistics *statistics_create(const statistics_table *table, wanted_outputs *wanted, const number_window *window,
                               double output_interval)
 {
-    static const double slack = 1e-6; /* of an output interval: times that differ by rounding are the same */
+    static const double slack = 1e-6; /* relative to the output interval: smaller differences of times are rounding */
     const model *model = wanted->model;
     statistics *statistics = xcalloc(1, sizeof *statistics);
     *statistics =
@@ -259,7 +260,7 @@ bool statistics_has_outputs(const statistics *statistics)
     return !isnan(statistics->t_first);
 }
 
-/** What becomes of an output in a row, at some times. */
+/** Value of an output for a row, at several times. */
 static void reduce_values(int row, int n, const double *values, double *reduced)
 {
     const double pairs = of_mesh[row].pairs;
@@ -279,7 +280,8 @@ static void reduce_values(int row, int n, const double *values, double *reduced)
     }
 }
 
-/** What a row adds to its integral at each time. @param dt  [n] since the time before, 0 where that is outside the window */
+/** Contributions of a row to its integral at each time. @param dt  [n] since the previous time, 0 if that is outside
+ *  the window */
 static void find_parts(accumulator *a, int row, int first, int n, const double *dt, const output_block *block,
                        double parts[DAE_LANES])
 {
@@ -307,7 +309,8 @@ static void add_to_mesh(accumulator of_mesh[N_OF_MESH], int first, int n, const 
             rows[n_rows++] = i;
         }
     }
-    for (int k = 0; k < n; k++) { /* in the order of time, but the sums side by side: none waits for another */
+    for (int k = 0; k < n; k++) { /* in the order of time, but with independent sums, so that they can be computed in
+                                   * parallel */
         for (int i = 0; i < n_rows; i++) {
             sums[i] += parts[i][k];
         }
@@ -377,7 +380,7 @@ static double reduce(const statistics *statistics, int row, int mesh, double spa
     }
 }
 
-/** The numbers over whole periods, in place of those of the same name. */
+/** Set the metrics over whole periods, replacing those of the same name. */
 static void put_numbers(const statistics *statistics, double *results)
 {
     const statistics_table *table = statistics->table;

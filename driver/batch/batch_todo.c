@@ -22,13 +22,13 @@ static const char *skip_blanks(const char *text)
     return text;
 }
 
-/** The cases that a file names. */
+/** The cases listed in a file. */
 typedef struct {
     bool *is_wanted; /**< [n_cases] */
-    long after;      /**< rows of the journal, behind which what is recorded is not run again */
+    long after;      /**< cases recorded after this number of rows of the journal are not run again */
 } case_list;
 
-/** Take the number of a line. @return false if it has none */
+/** Read the number in a line. @return false if it is invalid */
 static bool take_line(const batch_plan *plan, const char *line, bool is_first, case_list *list)
 {
     static const char after[] = "after ";
@@ -46,7 +46,7 @@ static bool take_line(const batch_plan *plan, const char *line, bool is_first, c
         list->after = index;
     } else if (!is_number || index >= plan->design->n_cases) {
         return false;
-    } else if (index % plan->stride == plan->first_case) { /* else it is another shard's */
+    } else if (index % plan->stride == plan->first_case) { /* else it belongs to another shard */
         list->is_wanted[index] = true; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
     }
     return true;

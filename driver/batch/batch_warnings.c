@@ -12,7 +12,7 @@ static double magnitude(const design_column *column, long index)
     return column->type == DESIGN_TEXT ? 0 : fabs(column->type == DESIGN_REAL ? value.real : (double)value.integer);
 }
 
-/** The cases with the largest and the smallest magnitude of a column that is not 0; the first case, of texts. */
+/** Cases with the largest and the smallest nonzero magnitude of a column; the first case for texts. */
 static void find_ends(const design *design, const design_column *column, long ends[2])
 {
     ends[0] = ends[1] = 0;
@@ -23,7 +23,7 @@ static void find_ends(const design *design, const design_column *column, long en
     }
 }
 
-/** Warn of the value that a column has in a case, if it is outside. */
+/** Warn of the value of a column in a case, if it is implausible. */
 static bool warn_of_value(const batch_plan *plan, int column, long index)
 {
     const design *design = plan->design;

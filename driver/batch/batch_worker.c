@@ -16,7 +16,7 @@
 
 /* ---- in the worker ---- */
 
-/** The answer and the text behind it, with one call: each wakes the parent. */
+/** Send the message and its text with one call: each wakes the parent. */
 static bool send_answer(int socket, const batch_answer *answer)
 {
     const size_t length = sizeof *answer + answer->row.length;
@@ -26,7 +26,7 @@ static bool send_answer(int socket, const batch_answer *answer)
     return write_bytes(socket, -1, message, length) == length;
 }
 
-/** Only the parent decides when a job ends: it is told as well. If it is gone, writing to it fails. */
+/** Only the parent, which receives the signals as well, decides when a job ends. If it has died, writing to it fails. */
 static void leave_signals_to_parent(pid_t parent)
 {
     static const int signals[] = {SIGINT, SIGTERM, SIGUSR1, SIGHUP, SIGPIPE};
@@ -43,7 +43,7 @@ static void leave_signals_to_parent(pid_t parent)
     }
 }
 
-/** @return false if the parent is gone, or the batch is to end and the case is put away */
+/** @return false if the parent has died, or if the batch is stopped and the case has a checkpoint */
 static bool run_case(const batch_work *work, long place, int socket, prepared_case *prepared)
 {
     evl_error error = {.code = EVL_EXIT_OK};
@@ -121,7 +121,7 @@ static int wait_for(pid_t pid)
     return status;
 }
 
-/** A whole message at the start of the buffer? Then hand its text over. */
+/** If the buffer starts with a complete message, return its text. */
 static bool take_answer(batch_worker *worker, batch_answer *answer)
 {
     if (worker->n_bytes < sizeof *answer) {

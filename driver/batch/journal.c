@@ -28,8 +28,8 @@ static bool fail(const journal *journal, evl_error *error)
                          "cannot be written: %s; what is recorded stays, go on with --resume", strerror(errno));
 }
 
-/** Where the time of a row begins, ",\"at\":TIME"; NULL if there is none. No text inside a row can look like that: its quotes
- *  are escaped. */
+/** Start of the time of a row, ",\"at\":TIME"; NULL if there is none. No text inside a row can look like that: its
+ *  quotes are escaped. */
 static const char *find_end(const char *line, size_t length)
 {
     static const char mark[] = ",\"at\":";
@@ -41,7 +41,7 @@ static const char *find_end(const char *line, size_t length)
     return (size_t)(end - line) > n && end < line + length && memcmp(end - n, mark, n) == 0 ? end - n : NULL;
 }
 
-/** What comes after `start` in a text that begins with it; NULL if it does not. */
+/** Rest of a text that starts with `start`; NULL if it does not. */
 static const char *after(const char *text, const char *start)
 {
     const size_t length = strlen(start);
@@ -93,7 +93,7 @@ static void take_line(const char *line, size_t length, uint32_t head, long n_cas
     }
 }
 
-/** With one write; the rest of one that came up short is tried for the reason's sake. */
+/** Write with one call; the remainder of an incomplete write is tried to obtain the reason. */
 static bool write_all(const journal *journal, const char *text, size_t length, evl_error *error)
 {
     const size_t done = write_bytes(journal->descriptor, -1, text, length);
@@ -103,22 +103,22 @@ static bool write_all(const journal *journal, const char *text, size_t length, e
     const int reason = errno;
     struct stat file;
     if (done > 0 && fstat(journal->descriptor, &file) == 0) {
-        /* if that fails, the line stays torn: it does not count */
+        /* if that fails, the line remains truncated and is invalid */
         (void)!ftruncate(journal->descriptor, file.st_size - (off_t)done);
     }
     errno = reason;
     return fail(journal, error);
 }
 
-/** What a journal has beside its rows. */
+/** State of a journal apart from its rows. */
 typedef struct {
-    bool has_line;  /**< one that is complete */
-    bool has_head;  /**< this one */
-    bool has_other; /**< another head comes first */
-    bool is_torn;   /**< the last line */
+    bool has_line;  /**< at least one complete line */
+    bool has_head;  /**< the expected head */
+    bool has_other; /**< another head precedes it */
+    bool is_torn;   /**< the last line is truncated */
 } journal_state;
 
-/** The whole file, line by line: rows count under `head`, a line without its newline, wherever that stands. */
+/** Read the whole file, line by line: rows are valid under `head`, a line without its newline, wherever it is. */
 static journal_state read_lines(FILE *file, const journal *journal, const char *head, long n_cases, journal_case *cases,
                                 long *n_recorded)
 {
@@ -144,8 +144,8 @@ static journal_state read_lines(FILE *file, const journal *journal, const char *
     return state;
 }
 
-/** Read what is there, and make the end ready for the next line.
- *  @param head  with its check and newline, `n` bytes */
+/** Read the existing lines, and prepare the end for the next line.
+ *  @param head  with its checksum and newline, `n` bytes */
 static bool take_over(journal *journal, const char *head, size_t n, long n_cases, journal_case *cases, long *n_recorded,
                       evl_error *error)
 {
@@ -155,7 +155,7 @@ static bool take_over(journal *journal, const char *head, size_t n, long n_cases
     }
     OWNED char *wanted = xasprintf("%.*s", (int)n - 1, head);
     const journal_state state = read_lines(file, journal, wanted, n_cases, cases, n_recorded);
-    const bool was_read = feof(file) != 0; /* without memory for a line there is no error of the file */
+    const bool was_read = feof(file) != 0; /* a failed allocation for a line is not a file error */
     (void)fclose(file);
     if (!was_read) {
         return fail(journal, error);
@@ -164,7 +164,7 @@ static bool take_over(journal *journal, const char *head, size_t n, long n_cases
         return evl_error_set(error, EVL_EXIT_CASE, journal->path,
                              "belongs to another design, or was begun by another version; choose another folder");
     }
-    if (!state.has_line) { /* nothing was ever recorded */
+    if (!state.has_line) { /* nothing was recorded yet */
         return (ftruncate(journal->descriptor, 0) == 0 || fail(journal, error)) && write_all(journal, head, n, error);
     }
     if (state.is_torn && !write_all(journal, "\n", 1, error)) {

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { DIGITS = 8, TAIL = 20 /**< of the line, from the mark on */ };
+enum { DIGITS = 8, TAIL = 20 /**< length of the line from the mark on */ };
 static const char mark[] = ",\"check\":\"", ending[] = "\"}";
 
 char *journal_line_make(const char *line, size_t length, uint32_t head, size_t *n)
@@ -45,7 +45,7 @@ journal_head_kind journal_line_is_head(const char *line, size_t length, long *fo
         return JOURNAL_NO_HEAD;
     }
     *format = strtol(line + n, NULL, 10);
-    const bool has_check = strstr(line, mark) != NULL; /* the first format had none */
+    const bool has_check = strstr(line, mark) != NULL; /* the first format had no checksum */
     if (has_check ? journal_line_read(line, length, 0) == 0 : *format == JOURNAL_FORMAT) {
         return JOURNAL_NO_HEAD;
     }

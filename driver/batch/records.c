@@ -9,21 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** A shard that has a journal. */
+/** A shard with a journal. */
 typedef struct {
     int index, of;
     char *path;
-    char *
-        head; /**< the line that describes the others, the first; NULL if that was torn or damaged, and not written anew */
-    uint32_t check; /**< of the head */
-    long n_rows;    /**< lines that count, behind it */
+    char *head;     /**< describes the other lines, usually the first; NULL if damaged and not written again */
+    uint32_t check; /**< checksum of the head */
+    long n_rows;    /**< valid lines behind it */
     FILE *file;
 } shard_journal;
 
-/** Where the record of a case stands that counts so far. */
+/** Location of the valid record of a case so far. */
 typedef struct {
     int shard; /**< -1 if there is none */
-    int times; /**< that the case is recorded */
+    int times; /**< number of records of the case */
     journal_status status;
     long offset;
     size_t length; /**< of the line, without its newline */
@@ -35,7 +34,7 @@ typedef struct {
     shard_journal *shards; /**< ordered by `of`, then by `index` */
     long n_cases;
     record *records; /**< [n_cases] */
-    long torn;       /**< lines, also damaged ones */
+    long torn;       /**< truncated or damaged lines */
 } collection;
 
 static int by_split(const void *a, const void *b)
@@ -44,7 +43,7 @@ static int by_split(const void *a, const void *b)
     return one->of != other->of ? one->of - other->of : one->index - other->index;
 }
 
-/** Whether it is "shard-I-of-N.jsonl". */
+/** Whether a name has the form "shard-I-of-N.jsonl". */
 static bool read_name(const char *name, shard_journal *journal)
 {
     static const char *const words[] = {"shard-", "-of-"};
@@ -83,7 +82,7 @@ static bool find_journals(collection *found, const char *folder, evl_error *erro
     return true;
 }
 
-/** A head that is damaged is none: then no row of the journal counts until a batch has written it anew. */
+/** Read a head. A damaged one is ignored: then no row of the journal is valid until a batch has written it again. */
 static bool take_head(collection *found, shard_journal *journal, const char *line, size_t length, evl_error *error)
 {
     long format = 0;
@@ -110,7 +109,7 @@ static bool take_head(collection *found, shard_journal *journal, const char *lin
     return true;
 }
 
-/** Usually the first line. */
+/** Find the head, usually the first line. */
 static bool find_head(collection *found, shard_journal *journal, evl_error *error)
 {
     char *line = NULL;
@@ -124,14 +123,14 @@ static bool find_head(collection *found, shard_journal *journal, evl_error *erro
     }
     free(line);
     const bool was_read =
-        !good || journal->head != NULL || feof(journal->file) != 0; /* without memory for a line it was not */
+        !good || journal->head != NULL || feof(journal->file) != 0; /* a failed allocation for a line */
     if (!was_read || (good && fseek(journal->file, 0, SEEK_SET) != 0)) {
         good = evl_error_set(error, EVL_EXIT_CASE, journal->path, "cannot be read: %s", strerror(errno));
     }
     return good;
 }
 
-/** In one journal the later line counts, whatever the clock said; of two journals the later time. */
+/** In one journal the later line is valid, regardless of its time; of two journals the later time. */
 static void take_record(collection *found, const journal_row *row, record new)
 {
     record *known = &found->records[row->index];
@@ -191,7 +190,7 @@ static bool read_journal(collection *found, int shard, evl_error *error)
     return error->code == EVL_EXIT_OK;
 }
 
-/** How many cases became what, and how many lines say so. */
+/** Print the number of cases of each status, and of their lines. */
 static void print_counts(FILE *stream, const collection *found)
 {
     long n_rows = 0;
@@ -208,7 +207,7 @@ static void print_counts(FILE *stream, const collection *found)
     }
 }
 
-/** What all records have in common, and which cases have several. */
+/** Print the common data of all records, and the cases with several records. */
 static void print_heads(FILE *stream, const collection *found)
 {
     const char *separator = "";
@@ -228,7 +227,7 @@ static void print_heads(FILE *stream, const collection *found)
     fputs("]", stream);
 }
 
-/** The line of the journal behind the number of that. */
+/** Print the journal's line behind the journal's number. */
 static bool print_record(FILE *stream, const collection *found, const record *record, bool brief, evl_error *error)
 {
     const shard_journal *journal = &found->shards[record->shard];

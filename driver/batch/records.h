@@ -1,4 +1,4 @@
-/** What the journals of a folder record of each case, for whoever collects or counts it. docs/batch.md describes the lines. */
+/** Records of each case in the journals of a folder, for collecting or counting. docs/batch.md describes the lines. */
 #pragma once
 
 #include "base/status.h"
@@ -7,11 +7,11 @@
 
 typedef enum {
     RECORDS_WHOLE,
-    RECORDS_BRIEF, /**< without the numbers of the cases */
-    RECORDS_COUNTS /**< only how many cases became what */
+    RECORDS_BRIEF, /**< without the metrics of the cases */
+    RECORDS_COUNTS /**< only the number of cases of each status */
 } records_detail;
 
-/** Print how many cases became what and the journals' first lines, then the record of each case that counts, in the order
+/** Print the number of cases of each status, the journals' first lines, and the valid record of each case in the order
  *  of the cases.
- *  @return the code of `error`: EVL_EXIT_CASE with the journal's path if one cannot be understood or read */
+ *  @return the code of `error`: EVL_EXIT_CASE with the journal's path if one is invalid or cannot be read */
 evl_exit records(FILE *stream, const char *folder, records_detail detail, evl_error *error);

@@ -14,7 +14,7 @@ bool case_file_check_format(const case_file *file, evl_error *error)
     double version = 0;
     if (format == NULL || format->kind != NODE_SCALAR || !format->plain ||
         number_read(format->text, &version) != NUMBER_FINITE || version == CASE_FORMAT) {
-        return true; /* good, or the schema says better what is wrong */
+        return true; /* valid, or the schema check gives the better message */
     }
     char place[EVL_ERROR_PLACE_LENGTH];
     place_text(file->path, format->place, place);
@@ -82,7 +82,7 @@ case_file *case_parse(const char *name, const char *text, int n_set, const char 
     return load(name, NULL, text, n_set, set_options, schema, error);
 }
 
-/** It is not that of the tree any more. */
+/** Discard the text after a change of the tree. */
 static void forget_text(const case_file *file)
 {
     if (file->text != NULL) {
@@ -97,7 +97,7 @@ void case_delete(case_file **file)
         return;
     }
     description_clear(&(*file)->description);
-    forget_text(*file); /* whose place is in the pool */
+    forget_text(*file); /* before the pool, which holds the pointer to it */
     pool_free(&(*file)->pool);
     free(*file);
     *file = NULL;
@@ -121,7 +121,7 @@ const char *case_text(const case_file *file)
     return file->text == NULL ? NULL : *file->text;
 }
 
-/** Say in a case what it did not say of the simulation. */
+/** Add a value to the simulation block of a case that does not specify it. */
 static void say(const case_file *file, const char *key, const char *value)
 {
     case_node *block = node_get(file->root, "simulation");
@@ -179,7 +179,7 @@ const case_node *case_root(const case_file *file)
 
 /* ---- messages of the model ---- */
 
-/** The deepest node along a dotted path that the case has. */
+/** Deepest existing node along a dotted path. */
 static const case_node *deepest(const case_node *block, const char *field)
 {
     OWNED char *path = xstrdup(field);

@@ -1,4 +1,4 @@
-/* A case parsed once: what a batch asks of it before its rows are tried. */
+/* A case parsed once: queries of a batch before its rows are tried. */
 #include "case/case_file.h"
 
 #include "base/memory.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** @param text  NULL: that of the file of this name */
+/** @param text  NULL: read the file of this name */
 static case_base *load(const char *name, const char *text, const case_schema *schema, evl_error *error)
 {
     memset(error, 0, sizeof *error);
@@ -67,7 +67,7 @@ const char *case_base_text(const case_base *base, const char *path)
     return node != NULL && node->kind == NODE_SCALAR ? node->text : NULL;
 }
 
-/** Say that a block, of whatever variant, has no such key. */
+/** Report that a block has no such key in any variant. */
 static void refuse_key(const case_schema *schema, const char *block, const char *parent, const char *key,
                        evl_error *error)
 {
@@ -77,7 +77,7 @@ static void refuse_key(const case_schema *schema, const char *block, const char 
     evl_error_set(error, EVL_EXIT_CASE, "", "%s has no key '%s'%s", parent[0] == '\0' ? "a case" : parent, key, hint);
 }
 
-/** What a path leads to: from a block of the schema down, `parent` being the part that was walked already. */
+/** Follow a path from a block of the schema downwards; `parent` is the part already followed. */
 static bool walk(const case_schema *schema, const char *block, const char *parent, const char *path, evl_error *error)
 {
     const size_t length = strcspn(path, ".");
@@ -93,7 +93,7 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
         }
         is_known = true;
         const char *inner = rest;
-        if (inner != NULL && (key->type == EVL_LIST || key->type == EVL_MAP)) { /* its element: the base knows those */
+        if (inner != NULL && (key->type == EVL_LIST || key->type == EVL_MAP)) { /* an element, which the base checks */
             const char *dot = strchr(inner, '.');
             inner = dot == NULL ? NULL : dot + 1;
         }

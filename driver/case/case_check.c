@@ -1,4 +1,4 @@
-/* A tree against the schema, block by block: unknown keys, missing keys; defaults filled in, the table's order. */
+/* Check of a tree against the schema, block by block: unknown keys, missing keys; fills in defaults and sorts the keys. */
 #include "case/case_check.h"
 #include "base/memory.h"
 #include "base/suggest.h"
@@ -10,7 +10,7 @@
 
 static bool check_block(const checker *checker, const char *block, case_node *node);
 
-/** The schema bounds how many there are: what is not a gearbox any more is refused before anything goes over all of it. */
+/** Check the number of elements against the schema. Oversized input is refused before any loop iterates over all of it. */
 static bool check_count(const checker *checker, const evl_row *key, const case_node *node)
 {
     const char *one = key->type == EVL_LIST ? "element" : "name",
@@ -21,7 +21,7 @@ static bool check_count(const checker *checker, const evl_row *key, const case_n
                           node->n, node->n == 1 ? one : several, few ? key->minimum : key->maximum);
 }
 
-/** Of a list or a map. */
+/** Check the elements of a list or a map. */
 static bool check_elements(const checker *checker, const evl_row *key, case_node *node)
 {
     const bool is_list = key->type == EVL_LIST;
@@ -73,7 +73,7 @@ static bool refuse_missing(const checker *checker, const evl_row *key, const cas
                           key->unit[0] == '\0' ? "" : " [", key->unit, key->unit[0] == '\0' ? "" : "]");
 }
 
-/** The default value as nodes that stand where the block stands. */
+/** The default value as nodes at the location of the block. */
 static case_node *default_value(const checker *checker, const evl_row *key, const case_node *node)
 {
     if (key->type == EVL_NAME) {
@@ -82,7 +82,7 @@ static case_node *default_value(const checker *checker, const evl_row *key, cons
     }
     const bool is_plain = isalnum((unsigned char)key->default_text[0]) && strpbrk(key->default_text, ":#,[]{}") == NULL;
     return is_plain ? node_create_scalar(node->pool, key->default_text, true,
-                                         node->place) /* the parser would say the same */
+                                         node->place) /* same result as from the parser */
                     : tree_load_text(node->pool, key->default_text, node->place, checker->error);
 }
 
@@ -102,7 +102,7 @@ static bool check_key_names(const checker *checker, const char *block, const cas
     return true;
 }
 
-/** The variants of a block in which a key may stand, separated by commas: a new string. */
+/** Variants of a block that allow a key, separated by commas: a new string. */
 static char *variants_with(const checker *checker, const char *block, const char *key)
 {
     int n = 0;
@@ -119,7 +119,7 @@ static char *variants_with(const checker *checker, const char *block, const char
     return all;
 }
 
-/** A key that stands beside a selector (NULL: its default holds) with which it has no meaning. */
+/** Refuse a key that the selected variant does not allow (selector value NULL: its default applies). */
 static bool refuse_variant(const checker *checker, const evl_row *selector, const case_entry *entry,
                            const case_node *value, const char *variant)
 {
@@ -172,7 +172,7 @@ static bool has_what_it_needs(const evl_row *key, const case_node *node)
            (row_excludes(key) == NULL || node_find(node, row_excludes(key)) < 0);
 }
 
-/** Two keys that say the same in two ways. */
+/** Refuse two alternative keys for the same quantity. */
 static bool refuse_pair(const checker *checker, const case_entry *entry, const case_node *node, const char *other)
 {
     char where[EVL_ERROR_PLACE_LENGTH];
@@ -181,7 +181,7 @@ static bool refuse_pair(const checker *checker, const case_entry *entry, const c
                           other, where);
 }
 
-/** Refuse a key without the other key that gives it a meaning, or beside one that takes it. */
+/** Refuse a key without the other key that it requires, or together with one that it excludes. */
 static bool check_needs(const checker *checker, const char *block, const char *variant, const case_node *node)
 {
     for (int i = 0; i < node->n; i++) {

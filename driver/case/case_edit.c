@@ -1,5 +1,5 @@
-/* Case after case of one base. A case that differs from the one before in numbers only is made from it in place: a tree
- * that was checked stays good if each new number is one that its key allows. */
+/* Successive cases of one base. A case that differs from the previous one only in numbers is made from it in place: a
+ * checked tree remains valid if each new number is one that its key allows. */
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_check.h"
@@ -8,15 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- where the numbers are ---- */
+/* ---- locations of the numbers ---- */
 
 static bool holds_numbers(int type)
 {
     return type <= EVL_NAMED;
 }
 
-/** Follow the path of an option through a checked tree. What is said of the simulation is told by it as a whole; all other single
- *  numbers stand for themselves alone. */
+/** Follow the path of an option through a checked tree. Values of the simulation block depend on each other and are
+ *  read as a whole; all other single numbers are independent. */
 static case_number find_number(const case_schema *schema, case_node *root, const char *option)
 {
     OWNED char *path = xasprintf("%.*s", (int)strcspn(option, "="), option);
@@ -30,7 +30,7 @@ static case_number find_number(const case_schema *schema, case_node *root, const
     return is_number ? number : (case_number){NULL, NULL, -1};
 }
 
-/** Note where the options of a case have put numbers, and give these nodes room for others. */
+/** Record the nodes set by the options of a case, and reserve space for other numbers in them. */
 static void find_numbers(const case_schema *schema, case_file *file)
 {
     file->numbers = pool_calloc(&file->pool, (size_t)file->n_options, sizeof *file->numbers);
@@ -45,9 +45,10 @@ static void find_numbers(const case_schema *schema, case_file *file)
     }
 }
 
-/* ---- other numbers ---- */
+/* ---- replacement of numbers ---- */
 
-/** The text of a number in an option that differs from `option` in that number only; NULL if it is none. */
+/** Text of the number in an option that differs from `option` only in that number; NULL if the options differ
+ *  otherwise. */
 static const char *other_number(const char *option, const char *other)
 {
     const size_t path_length = strcspn(option, "=") + 1;
@@ -69,8 +70,8 @@ static bool differs_in_numbers_only(const case_file *file, int n_set, const char
     return good;
 }
 
-/** @return false if one of the numbers is refused, or all of them together are: `file` cannot say that as well as a new
- *  case does, and keeps numbers that do not belong together */
+/** @return false if a number, or their combination, is refused: a new case gives the better message, and the numbers in
+ *          `file` are inconsistent */
 static bool exchange_numbers(const case_base *base, case_file *file, const char *const *set_options)
 {
     evl_error ignored = {.code = EVL_EXIT_OK};
@@ -126,7 +127,7 @@ bool case_edit(const case_base *base, int n_set, const char *const *set_options,
         return false;
     }
     find_numbers(base->schema, made);
-    case_lay_out(base->schema, made->root, &made->description); /* now that the texts stay where they are */
+    case_lay_out(base->schema, made->root, &made->description); /* from here on the texts remain at their addresses */
     made->as_read = made->description.simulation;
     case_delete(file);
     *file = made;

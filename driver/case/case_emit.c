@@ -1,4 +1,4 @@
-/* Nodes to YAML text. */
+/* Conversion of nodes to YAML text. */
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_tree.h"
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <yaml.h>
 
-/** Every event of a tree is well formed and the buffer grows at will, so only memory can fail. */
+/** Every event of a tree is well formed and the buffer grows on demand, so only memory allocation can fail. */
 static void emit(yaml_emitter_t *emitter, int initialized, yaml_event_t *event)
 {
     if (!initialized || !yaml_emitter_emit(emitter, event)) {
@@ -21,7 +21,7 @@ static void emit_text(yaml_emitter_t *emitter, const char *text, bool plain)
     double value = 0;
     char number[NUMBER_TEXT_LENGTH];
     if (plain && number_read(text, &value) == NUMBER_FINITE) {
-        number_write(number, value); /* a YAML 1.1 reader takes 1e9 for a word and 012 for ten */
+        number_write(number, value); /* a YAML 1.1 reader takes 1e9 for a string and 012 for ten */
         text = number;
     }
     emit(emitter,
@@ -30,7 +30,7 @@ static void emit_text(yaml_emitter_t *emitter, const char *text, bool plain)
          &event);
 }
 
-/** Blocks of blocks are written line by line, what holds single values only in one line. */
+/** Nested blocks are written line by line, a block or list of single values on one line. */
 static bool holds_single_values(const case_node *node)
 {
     for (int i = 0; i < node->n; i++) {

@@ -1,13 +1,13 @@
 #include "case/case_file.h"
 
-/** What is laid out so far; both arrays have room for all that the tree can give. */
+/** Entries and numbers so far; both arrays are large enough for the whole tree. */
 typedef struct {
     const case_schema *schema;
     int n, n_numbers;
     evl_entry *entries;
     double *numbers;
-    const case_node *wanted; /**< a number whose place is asked for */
-    int place;               /**< of it among the numbers */
+    const case_node *wanted; /**< number whose index is requested */
+    int place;               /**< its index among the numbers */
 } layout;
 
 static void add_entry(layout *layout, const evl_row *row, int level, const char *name)
@@ -18,7 +18,7 @@ static void add_entry(layout *layout, const evl_row *row, int level, const char 
                                                .numbers = layout->numbers + layout->n_numbers};
 }
 
-/** A number of the entry that was added last. */
+/** Add a number to the last entry. */
 static void add_number(layout *layout, const case_node *node)
 {
     layout->place = node == layout->wanted ? layout->n_numbers : layout->place;
@@ -28,7 +28,7 @@ static void add_number(layout *layout, const case_node *node)
 
 static void add_block(layout *layout, const case_node *node, int level);
 
-/** Blocks of a list or map, named numbers, or references: an entry each. */
+/** Blocks of a list or map, named numbers, or references: one entry each. */
 static void add_elements(layout *layout, const evl_row *row, const case_node *node, int level)
 {
     for (int i = 0; i < node->n; i++) {
@@ -63,7 +63,7 @@ static void add_value(layout *layout, const evl_row *row, const case_node *node,
         return;
     case EVL_NUMBER:
     case EVL_INTEGER:
-        if (!node_is_number(node)) { /* one of the words that may stand for it */
+        if (!node_is_number(node)) { /* a word permitted in place of the number */
             add_entry(layout, row, level, node->text);
             return;
         }
@@ -85,7 +85,7 @@ static void add_block(layout *layout, const case_node *node, int level)
     }
 }
 
-/** Nodes of a tree: each gives one entry and one number at most. */
+/** Number of nodes of a tree, each with one entry and one number at most. */
 static size_t count_nodes(const case_node *node)
 {
     size_t n = 1;

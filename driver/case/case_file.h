@@ -1,57 +1,58 @@
-/** What a case_file is made of: shared by case.c and case_edit.c. */
+/** Contents of a case_file: shared by case.c and case_edit.c. */
 #pragma once
 
 #include "case/case.h"
 #include "case/case_schema.h"
 #include "case/case_tree.h"
 
-/** Of case_base_parse. */
+/** See case_base_parse. */
 struct case_base {
-    memory_pool pool; /**< of all */
+    memory_pool pool; /**< owns all members */
     char *name;
     const case_schema *schema;
     case_node *root;
 };
 
-/** Where an option of an edited base has put a number. */
+/** Number set by an option of an edited base. */
 typedef struct {
-    case_node *node;    /**< NULL: the option has put something else, or was overruled by a later one */
-    const evl_row *row; /**< what the number has to be */
-    int place;          /**< among the numbers of the description, if nothing else depends on it; else -1 */
+    case_node *node;    /**< NULL: the option sets something else, or a later one overrides it */
+    const evl_row *row; /**< constraints on the number */
+    int place;          /**< index among the description's numbers, if no other value depends on it; else -1 */
 } case_number;
 
 struct case_file {
-    memory_pool pool; /**< of all but the text and the description */
+    memory_pool pool; /**< owns all members except the text and the description */
     char *path;
     int n_options;
-    char **options; /**< the nodes of the tree point to them; each has room for another number behind its path */
+    char **options; /**< referenced by the nodes of the tree; each has space for another number behind its path */
     case_node *root;
-    char **text;          /**< made when it is asked for: a million knots take seconds; NULL for an edited base */
+    char **text;          /**< created on request, since a million knots take seconds; NULL for an edited base */
     case_number *numbers; /**< [n_options] of an edited base, else NULL */
-    simulation_description as_read; /**< of an edited base: nothing of it is settled */
+    simulation_description as_read; /**< of an edited base: before the defaults of the model are filled in */
     description description;
 };
 
-/** A case with these options and without a tree. */
+/** A case with these options, without a tree. */
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options);
-/** Whether the tree is of this format: before anything else, since a case of another format has other keys.
+/** Whether the tree has this format. To be called first, since a case of another format has other keys.
  *  @return false with the reason in `error` */
 bool case_file_check_format(const case_file *file, evl_error *error);
-/** Apply the options to the tree that the file has, check and resolve it. @return false with the reason in `error` */
+/** Apply the options to the file's tree, check and resolve it. @return false with the reason in `error` */
 bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error);
 
-/** What a path of --set leads to.
- *  @param[out] node  of the tree; NULL if it does not go so far
- *  @return the row of the last key on the path; NULL if there is none, or several with different units of which the tree's variants
- *          choose none */
+/** Find the node and the row of a --set path.
+ *  @param[out] node  of the tree; NULL if the tree does not contain it
+ *  @return row of the last key on the path; NULL if there is none, or if several have different units and the tree's
+ *          variants select none */
 const evl_row *row_at_path(const case_schema *schema, case_node *root, const char *path, case_node **node);
 
-/** Fill `description`, but for its entries, from a tree that schema_check accepted; gaps that are not given are added to the tree as 0.
- *  @param path  the case file, for the places in messages
+/** Fill `description`, except its entries, from a tree that schema_check accepted; absent gaps are added to the tree as
+ *  0.
+ *  @param path  the case file, for locations in messages
  *  @return false with the reason in `error`; `description` can be freed in any case */
 bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,
                   evl_error *error);
-/** Fill the entries of a description. Their names are the texts of the tree, which have to stay where they are. */
+/** Fill the entries of a description. Their names are texts of the tree and must remain at the same address. */
 void case_lay_out(const case_schema *schema, const case_node *root, description *description);
-/** Where that puts a number of the tree; -1: nowhere. */
+/** Index of a number of the tree among the description's numbers; -1 if it has none. */
 int case_number_place(const case_schema *schema, const case_node *root, const case_node *number);

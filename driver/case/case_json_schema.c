@@ -1,5 +1,5 @@
-/* The table of all keys as a JSON Schema, draft 2020-12. Each block is a definition; what its kinds have of their own stands behind
- * conditions on the key that chooses among them. */
+/* The table of all keys as a JSON Schema, draft 2020-12. Each block is a definition; keys of its variants are subject
+ * to conditions on the selector. */
 #include "base/json.h"
 #include "base/words.h"
 #include "case/case_json_value.h"
@@ -9,7 +9,7 @@
 
 /* ---- a key ---- */
 
-/** "what it means [unit], range; plausible range": editors show nothing else. */
+/** "meaning [unit], range; plausible range": editors show only this text. */
 static void write_description(json_writer *json, const evl_row *row)
 {
     char range[128], plausible[128];
@@ -22,7 +22,7 @@ static void write_description(json_writer *json, const evl_row *row)
     json_text(json, "description", text);
 }
 
-/** The name of a mesh has a default that is none for editors: it follows from other keys. */
+/** The default name of a mesh is omitted: it depends on other keys. */
 static void write_default(json_writer *json, const evl_row *row)
 {
     POOLED memory_pool pool = {NULL};
@@ -56,7 +56,7 @@ typedef struct {
     const char **keys; /**< each once */
 } block;
 
-/** The rows of a key: with several it is another thing with each kind. */
+/** Number of rows of a key; several if its meaning depends on the variant. */
 static int count_rows(const block *block, const char *key)
 {
     int n = 0;
@@ -79,7 +79,7 @@ static void write_required(json_writer *json, const block *block, const char *va
     json_close(json, ']');
 }
 
-/** Keys that stand beside others only. */
+/** Keys that require others. */
 static void write_needs(json_writer *json, const block *block)
 {
     json_open(json, "dependentRequired", '{');
@@ -93,7 +93,7 @@ static void write_needs(json_writer *json, const block *block)
     json_close(json, '}');
 }
 
-/** Keys that do not stand beside others. */
+/** Keys that exclude others. */
 static void write_exclusions(json_writer *json, const block *block)
 {
     json_open(json, "dependentSchemas", '{');
@@ -109,7 +109,7 @@ static void write_exclusions(json_writer *json, const block *block)
     json_close(json, '}');
 }
 
-/** With this value of the selector: what keys are, and which there are none of. */
+/** For this value of the selector: the meaning of keys, and the keys that are not allowed. */
 static void write_variant(json_writer *json, const case_schema *schema, const block *block, const evl_row *selector,
                           const char *variant)
 {

@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-/** What the reader takes for a number (base/number.c). */
+/** Syntax of numbers accepted by the reader (base/number.c). */
 #define DECIMAL "[-+]?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][-+]?[0-9]+)?"
-/** What check_name takes: no blank, no sign of a path, and no number. */
+/** Syntax accepted by check_name: no blank, no path separator, not a number. */
 #define NO_NAME DECIMAL "|[-+]?([iI][nN][fF]([iI][nN][iI][tT][yY])?|[nN][aA][nN])"
 #define NAME "^(?!(" NO_NAME ")$)[^\\u0000- .=/\\u007f]+$"
 
@@ -36,7 +36,7 @@ static void write_limit(json_writer *json, const char *name, double limit)
     }
 }
 
-/** The definition of numbers of this unit, which may be one of a kind that a block is called by. */
+/** Name of the definition of numbers with this unit; it may also be the name of a block's variant. */
 static char *quantity_name(const char *key_unit)
 {
     char *name = xasprintf("quantity_%s", unit_kind_name(key_unit));
@@ -58,7 +58,7 @@ void json_schema_reference(json_writer *json, const char *key, const char *block
     }
 }
 
-/** One number of a key. Ranges are those of numbers without a unit. */
+/** One number of a key. Ranges apply to numbers without a unit. */
 static void write_number(json_writer *json, const evl_row *row)
 {
     const bool is_whole = row->type == EVL_INTEGER;
@@ -73,7 +73,7 @@ static void write_number(json_writer *json, const evl_row *row)
     write_limit(json, row->maximum_open ? "exclusiveMaximum" : "maximum", is_free_above ? INT_MAX : row->maximum);
 }
 
-/** A number, or one of the words. */
+/** A number, or one of the permitted words. */
 static void write_number_or_word(json_writer *json, const evl_row *row)
 {
     if (row->words[0] == '\0') {
@@ -90,7 +90,7 @@ static void write_number_or_word(json_writer *json, const evl_row *row)
     json_close(json, ']');
 }
 
-/** A list of so many numbers; any number of them if `most` is 0. */
+/** A list of `least` to `most` numbers; no upper limit if `most` is 0. */
 static void write_numbers(json_writer *json, const evl_row *row, int least, int most)
 {
     json_text(json, "type", "array");
@@ -103,7 +103,7 @@ static void write_numbers(json_writer *json, const evl_row *row, int least, int 
     json_close(json, '}');
 }
 
-/** Blocks, in a list or by name, as many as the range says. */
+/** Blocks, in a list or by name, with the permitted number of elements. */
 static void write_blocks(json_writer *json, const evl_row *row)
 {
     const bool is_list = row->type == EVL_LIST;
@@ -190,7 +190,7 @@ void json_schema_value(json_writer *json, const evl_row *row)
     }
 }
 
-/** The spellings of a unit, for a regular expression: those that begin with a digit need a blank in front of them. */
+/** Spellings of a unit as a regular expression: those that start with a digit require a preceding blank. */
 static char *spellings_pattern(const char *key_unit, bool begin_with_digit)
 {
     POOLED memory_pool pool = {NULL};
@@ -228,6 +228,6 @@ void json_schema_quantity(json_writer *json, const char *key_unit)
     json_text(json, NULL, "string");
     json_close(json, ']');
     json_text(json, "pattern", pattern);
-    json_text(json, "patternErrorMessage", said); /* of editors, in place of the pattern */
+    json_text(json, "patternErrorMessage", said); /* editors show it in place of the pattern */
     json_close(json, '}');
 }

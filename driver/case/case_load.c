@@ -1,4 +1,4 @@
-/* Files and texts of options as nodes. */
+/* Conversion of files and option texts to nodes. */
 #include "base/memory.h"
 #include "case/case_tree.h"
 #include "case/case_yaml.h"
@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { MOST_BYTES = 32 * 1024 * 1024 }; /* a case of that size is a mistake, such as a history in place of a case */
+enum { MOST_BYTES = 32 * 1024 * 1024 }; /* a file of that size is a mistake, such as a history instead of a case */
 
 static char *read_bytes(FILE *file, const char *path, size_t *length, evl_error *error)
 {

@@ -1,4 +1,4 @@
-/* What of a case decides its motion. */
+/* Part of a case that affects the motion. */
 #include "base/memory.h"
 #include "case/case_file.h"
 

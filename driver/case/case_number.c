@@ -1,4 +1,4 @@
-/* Numbers against their key: the unit that they are written with, finite, range, whole. */
+/* Check of numbers against their key: unit, finite value, range, integer. */
 #include "base/memory.h"
 #include "base/words.h"
 #include "case/case_check.h"
@@ -15,7 +15,8 @@ static bool is_in_range(const evl_row *key, double value)
            (key->maximum_open ? value < key->maximum : value <= key->maximum);
 }
 
-/** What a scalar says of a number of the key. Quotes make text of a number, but not of one with a unit, which is text to YAML anyway. */
+/** Read a scalar as a number of the key. A quoted number is text; a quoted number with a unit is accepted, since YAML
+ *  reads it as text anyway. */
 static quantity_kind read_node(const evl_row *key, const case_node *node, double *value, const char **unit)
 {
     if (node->kind != NODE_SCALAR) {

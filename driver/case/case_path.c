@@ -1,4 +1,4 @@
-/* What a path of --set leads to. */
+/* Schema row at a --set path. */
 #include "case/case_file.h"
 
 #include "base/memory.h"
@@ -6,15 +6,15 @@
 
 #include <string.h>
 
-/** The block whose keys the value of a key, or an element of it, has; NULL if there is none. */
+/** Block that defines the keys of a value, or of its elements; NULL if there is none. */
 static const char *block_below(const evl_row *row, bool is_element)
 {
     const bool has_elements = row->type == EVL_LIST || row->type == EVL_MAP;
     return has_elements == is_element && (has_elements || row->type == EVL_BLOCK) ? row->holds : NULL;
 }
 
-/** The row of a key of a block, in the variant of the tree's node (NULL: it has none) or, if the key is not in that one, in another:
- *  the first, if those that have the key have the same unit. */
+/** Row of a key of a block, in the variant of the tree's node (NULL: no node). If that variant does not contain the
+ *  key: the first row in another variant, provided that all such rows have the same unit. */
 static const evl_row *row_of_key(const case_schema *schema, const char *block, const case_node *node, const char *key)
 {
     const evl_row *found = node == NULL ? NULL : schema_find(schema, block, schema_variant(schema, block, node), key);

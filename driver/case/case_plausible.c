@@ -1,4 +1,4 @@
-/* Numbers outside the plausible ranges of their keys: accepted, but a unit is probably wrong. */
+/* Numbers outside the plausible ranges of their keys: accepted, but the unit is probably wrong. */
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_check.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** The first number of a key that is outside, and how many others are. */
+/** First implausible number of a key, and the number of others. */
 typedef struct {
     const evl_row *row;
     const case_node *node;
@@ -20,7 +20,7 @@ typedef struct {
 typedef struct {
     memory_pool *pool;
     int n;
-    implausible *found; /**< in the order of the file; those of --set options apart from those of the file */
+    implausible *found; /**< in the order of the file; those of --set options separate from those of the file */
 } search;
 
 static bool is_plausible(const evl_row *row, double value)
@@ -30,9 +30,9 @@ static bool is_plausible(const evl_row *row, double value)
            (size >= row->plausible_least * (1 - slack) && size <= row->plausible_most * (1 + slack));
 }
 
-/* ---- words ---- */
+/* ---- text ---- */
 
-/** An end of a range: the key's unit where that is short, else an engineering unit. */
+/** Limit of a range: in the key's unit if that text is short, else in an engineering unit. */
 static char *end_text(double value, const char *key_unit)
 {
     OWNED char *reading = quantity_text(value, key_unit);
@@ -52,7 +52,8 @@ void row_plausible_text(const evl_row *row, char text[128])
     }
 }
 
-/** The number as it was written, with the first unit in which it is plausible, such as "16 um": a new string, NULL if there is none. */
+/** The number as written, with the first unit in which it is plausible, such as "16 um": a new string, NULL if there is
+ *  none. */
 static char *likely_text(const evl_row *row, const case_node *node)
 {
     const char *written = node->written == NULL ? node->text : node->written;

@@ -1,4 +1,4 @@
-/* A case for reading: its numbers in engineering units. Reading it as a case gives the same numbers, unless a list was cut. */
+/* A case with numbers in engineering units. Reading it as a case gives the same numbers, unless a list was shortened. */
 #include "base/memory.h"
 #include "base/words.h"
 #include "case/case_file.h"
@@ -6,13 +6,14 @@
 
 #include <string.h>
 
-/** Longer lists of numbers are cut to so many at either end. */
+/** Longer lists of numbers are reduced to SHOWN_AT_ENDS values at each end. */
 enum { MOST_SHOWN = 1000, SHOWN_AT_ENDS = 3 };
 
-/** Stands for a blank while the text is made, so that no line breaks between a number and its unit: U+E000, for private use. */
+/** Placeholder of a blank during formatting, to prevent a line break between a number and its unit: U+E000, for private
+ *  use. */
 static const char BLANK[] = "\xee\x80\x80";
 
-/** Blanks to BLANK: a new string. */
+/** Replace blanks by BLANK: a new string. */
 static char *without_blanks(const char *text)
 {
     OWNED char **words = NULL;
@@ -20,7 +21,7 @@ static char *without_blanks(const char *text)
     return words_join(n, (const char *const *)words, BLANK);
 }
 
-/** BLANK to blanks, in place. */
+/** Replace BLANK by blanks, in place. */
 static void put_blanks(char *text)
 {
     char *end = text;
@@ -61,7 +62,7 @@ static void write_block(const case_schema *schema, const char *block, case_node 
     }
 }
 
-/** A copy with long lists cut. */
+/** A copy with long lists shortened. */
 static case_node *shortened(memory_pool *pool, const case_node *node)
 {
     if (node->kind == NODE_SCALAR) {

@@ -10,12 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* more rows than that is a slip of the keyboard, not a history */
+/* more outputs are a typing error */
 static const double MOST_OUTPUTS = 1e9;
 
 /* ---- names ---- */
 
-/** The names of a list of blocks (its `name` keys) or of a map (its keys), which the caller frees without a pool. */
+/** The names of a list of blocks (its `name` keys) or of a map (its keys); without a pool the caller frees them. */
 static const char **names_of(const case_node *node, memory_pool *pool)
 {
     const char **names = pool_calloc(pool, (size_t)node->n, sizeof *names);
@@ -25,7 +25,7 @@ static const char **names_of(const case_node *node, memory_pool *pool)
     return names;
 }
 
-/** Take the names of a list of blocks (NULL: there is none); one that stands twice is refused. */
+/** Read the names of a list of blocks (NULL: there is none) and refuse duplicates. */
 static bool take_names(const checker *checker, const case_node *list, const char *key, const char *what,
                        memory_pool *pool, int *n, const char ***names)
 {
@@ -61,7 +61,7 @@ static bool check_reference(const checker *checker, const case_node *root, const
 
 /* ---- tables ---- */
 
-/** The knots of a table, such as times, increase. */
+/** Check that the knots of a table, such as times, increase. */
 static bool check_knots(const checker *checker, const evl_row *row, const case_node *knots)
 {
     if (knots->n < 2) {
@@ -82,7 +82,7 @@ static bool check_knots(const checker *checker, const evl_row *row, const case_n
     return true;
 }
 
-/** A table has as many values as knots, if it has both. */
+/** Check that a table has as many values as knots, if it has both. */
 static bool check_at_knots(const checker *checker, const case_node *block, const case_node *values)
 {
     for (int i = 0; i < block->n; i++) {
@@ -95,7 +95,7 @@ static bool check_at_knots(const checker *checker, const case_node *block, const
     return true;
 }
 
-/* ---- what goes beyond single keys, in all blocks ---- */
+/* ---- checks beyond single keys, in all blocks ---- */
 
 static bool check_inside(const checker *checker, const case_node *root, const case_node *node);
 
@@ -149,7 +149,7 @@ static bool check_inside(const checker *checker, const case_node *root, const ca
 
 /* ---- the simulation ---- */
 
-/** Numbers by name, into the order of `names`. */
+/** Sort named numbers into the order of `names`. */
 static bool take_named(const checker *checker, const case_node *numbers, const char *what, int n,
                        const char *const *names, double *values)
 {
@@ -221,7 +221,7 @@ static bool take_initial(const checker *checker, case_node *block, description *
     return true;
 }
 
-/** The window of the numbers. @param block  NULL: none is given */
+/** Read the window of the key figures. @param block  NULL: none is given */
 static bool take_numbers(const checker *checker, const case_node *block, description *description)
 {
     simulation_description *simulation = &description->simulation;
@@ -253,7 +253,7 @@ static bool take_numbers(const checker *checker, const case_node *block, descrip
                           numbers->from, numbers->to, simulation->duration);
 }
 
-/** Outputs by position: so many, of what has that name. @return whether there is one */
+/** Read outputs by position: their number, and the name of the mesh or wheel. @return whether a name is given */
 static bool take_positions(const checker *checker, const case_node *number, const char *name, const char *what,
                            simulation_description *simulation)
 {
@@ -262,7 +262,7 @@ static bool take_positions(const checker *checker, const case_node *number, cons
                                           strcmp(what, "mesh") == 0 ? "pitch" : "turn", what);
 }
 
-/** The interval of an output grid of times. */
+/** Read the interval of an equidistant output grid. */
 static bool take_interval(const checker *checker, const case_node *interval, const case_node *duration,
                           simulation_description *simulation)
 {
@@ -276,7 +276,7 @@ static bool take_interval(const checker *checker, const case_node *interval, con
                           step, MOST_OUTPUTS, span);
 }
 
-/** The block `output`: one of its ways to say where outputs stand. The names that it gives are there: the schema knows. */
+/** Read the block `output`: one of its ways to define output points. Its names exist, which the schema check ensures. */
 static bool take_output_block(const checker *checker, const case_node *output, const case_node *duration,
                               description *description)
 {
@@ -297,7 +297,7 @@ static bool take_output_block(const checker *checker, const case_node *output, c
                                : take_positions(checker, per_turn, wheel, "wheel", simulation);
 }
 
-/** `output_interval`, or `output` in its place. */
+/** Read `output_interval`, or `output` instead of it. */
 static bool take_output(const checker *checker, const case_node *block, description *description)
 {
     simulation_description *simulation = &description->simulation;
@@ -330,7 +330,7 @@ static double number_or_none(const case_node *node)
     return node == NULL ? 0 : node_number(node);
 }
 
-/** @param absent  where the case does not say it */
+/** @param absent  value if the case does not specify it */
 static double limit_of(const case_node *node, double absent)
 {
     return node == NULL ? absent : node_is_number(node) ? node_number(node) : DBL_MAX;

@@ -12,7 +12,7 @@ typedef struct {
     evl_error *error;
 } set_edit;
 
-/** @param n_parent  bytes of the path to the sequence, with which the option begins */
+/** @param n_parent  bytes of the path to the sequence at the start of the option */
 static void refuse_element(const set_edit *edit, const case_node *sequence, int n_parent, const char *segment)
 {
     POOLED memory_pool pool = {NULL};
@@ -34,7 +34,7 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, int 
     }
 }
 
-/** The entry of `node` that `segment` names, made (with a NULL value) if it is not there yet. NULL if refused. */
+/** The entry of `node` named by `segment`, created (with a NULL value) if it does not exist. NULL if refused. */
 static case_entry *enter(const set_edit *edit, case_node *node, int n_parent, const char *segment)
 {
     const case_place place = {.option = edit->option};
@@ -57,7 +57,7 @@ static case_entry *enter(const set_edit *edit, case_node *node, int n_parent, co
     return &node->entries[i];
 }
 
-/** Walk along the path, which is cut up on the way, and put `value` at its end. @return false if refused */
+/** Follow the path, which is split in place, and put `value` at its end. @return false if refused */
 static bool put(const set_edit *edit, case_node *root, char *path, case_node *value)
 {
     case_node *node = root;
@@ -74,7 +74,7 @@ static bool put(const set_edit *edit, case_node *root, char *path, case_node *va
             entry->value = value;
             entry->key_place = value->place;
         } else if (entry->value == NULL || node_is_null(entry->value)) {
-            /* a number cannot be a key: what follows is a list */
+            /* a number cannot be a key: the following is a list */
             const bool is_list = node_index(dot + 1) >= 0;
             entry->value = node_create(root->pool, is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
         }

@@ -1,4 +1,4 @@
-/** The case file as a tree of nodes, each of which knows where it comes from: a line of the file or a --set option.
+/** Case file as a tree of nodes with their origin: a line of the file or a --set option.
  *  libyaml is used by case_yaml.c and case_emit.c only. */
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <evolvent/description.h>
 #include <stdbool.h>
 
-/** Where a node comes from. */
+/** Origin of a node. */
 typedef struct {
     int line, column;   /**< from 1; 0 if not from the file */
     const char *option; /**< "PATH=VALUE" of the --set option, not owned; NULL if from the file */
@@ -24,16 +24,16 @@ typedef struct {
     char *key;
     case_place key_place;
     case_node *value;
-    const evl_row *row; /**< of a key that schema_check has found good; else NULL */
+    const evl_row *row; /**< of a key accepted by schema_check; else NULL */
 } case_entry;
 
-/** All of a tree lasts as long as the pool that it was made in. */
+/** A tree is valid as long as the pool in which it was created. */
 struct case_node {
     memory_pool *pool;
     node_kind kind;
     case_place place;
     char *text;          /**< of a scalar, else NULL */
-    const char *written; /**< of a number that was given with a unit: as it was given; else NULL */
+    const char *written; /**< original text of a number given with a unit; else NULL */
     bool plain;          /**< scalar without quotes: may be a number or null */
     int n;               /**< entries of a sequence or mapping */
     int capacity;
@@ -44,7 +44,7 @@ struct case_node {
 
 case_node *node_create(memory_pool *pool, node_kind kind, case_place place);
 case_node *node_create_scalar(memory_pool *pool, const char *text, bool plain, case_place place);
-/** The same tree once more, at the same places. */
+/** A copy of the tree with the same locations. */
 case_node *node_copy(memory_pool *pool, const case_node *node);
 
 /** Append; copies `key` (NULL in a sequence). */
@@ -55,28 +55,28 @@ int node_find(const case_node *mapping, const char *key);
 case_node *node_get(const case_node *mapping, const char *key);
 /** The text of a scalar value of a key, or NULL. */
 const char *node_get_text(const case_node *mapping, const char *key);
-/* Of blocks that the schema has checked: the key is there and has the type. */
+/* For blocks checked by the schema: the key exists and has the type. */
 double node_number(const case_node *node);
 bool node_is_number(const case_node *node);
 double node_get_number(const case_node *mapping, const char *key);
-/** The number with its unit, for messages: "0.003 m", or "3 mm (0.003 m)" if it was given so. A new string. */
+/** The number with its unit, for messages: "0.003 m", or "3 mm (0.003 m)" if it was given in mm. A new string. */
 char *node_quantity(const case_node *node, const char *unit);
 
-/** Put a number in place of one with a unit. */
+/** Replace a number with a unit by a number in the key's unit. */
 void node_convert(case_node *node, double value);
 
-/** Nothing was written where a value belongs: null, ~ or empty. */
+/** Whether a value is missing: null, ~ or empty. */
 bool node_is_null(const case_node *node);
 /** "a list", "a block", "nothing" or the quoted start of the scalar, for messages. */
 void node_describe(const case_node *node, char text[64]);
 
-/** The name by which paths call an element of a list of blocks: its `name`, else "driving-driven" of a mesh.
+/** Name of an element of a list of blocks in paths: its `name`, else "driving-driven" of a mesh.
  *  @return a new string, or NULL if it has none */
 char *node_element_name(const case_node *element);
 
-/** Index that the first segment of a path means: digits only, else -1. */
+/** Index given by the first segment of a path: digits only, else -1. */
 int node_index(const char *path);
-/** Index of the entry to which a segment of a path leads, an element of a list by its name or number; -1 if none. */
+/** Index of the entry for a segment of a path, an element of a list by name or number; -1 if none. */
 int node_step(const case_node *node, const char *segment);
 
 /** "PATH:LINE:COLUMN" or "--set OPTION". */
@@ -84,22 +84,22 @@ void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LE
 
 /* ---- reading, editing, writing ---- */
 
-/** What messages call a file: its path, or "stdin" for "-", which stands for standard input. */
+/** Name of a file in messages: its path, or "stdin" for "-" (standard input). */
 const char *tree_file_name(const char *path);
 
 /** Read the one YAML document of a file. @return NULL with the reason in `error` */
 case_node *tree_load_file(memory_pool *pool, const char *path, evl_error *error);
-/** Read the one YAML document of a text, whose lines count as those of a file called `name`. */
+/** Read the one YAML document of a text; line numbers in messages refer to a file called `name`. */
 case_node *tree_load_named(memory_pool *pool, const char *name, const char *text, evl_error *error);
-/** Read a YAML text; all of its nodes get `place`, which errors name as well.
+/** Read a YAML text; all its nodes get `place`, which error messages name as well.
  *  @return NULL with the reason in `error`; empty text gives a null scalar */
 case_node *tree_load_text(memory_pool *pool, const char *text, case_place place, evl_error *error);
 
-/** A tree as JSON: numbers without quotes are numbers, all other scalars text. */
+/** Write a tree as JSON: unquoted numbers are numbers, all other scalars are text. */
 void tree_write_json(json_writer *writer, const char *key, const case_node *node);
 
-/** Apply one --set option "PATH=VALUE" to the tree. The nodes it makes point to `option`, which has to outlive
- *  the tree. Keys that do not exist are added; the schema refuses them later if it does not know them.
+/** Apply one --set option "PATH=VALUE" to the tree. New nodes refer to `option`, which must outlive the tree. Unknown
+ *  keys are added; the schema check refuses them later.
  *  @return false with the reason in `error`: EVL_EXIT_USAGE if malformed, EVL_EXIT_CASE if refused */
 bool tree_set(case_node *root, const char *option, evl_error *error);
 

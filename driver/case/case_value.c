@@ -1,4 +1,4 @@
-/* Single values against their key: type, choice, lists of numbers; and the words of a refusal. */
+/* Check of single values against their key: type, choice, lists of numbers; and the text of a refusal. */
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/suggest.h"
@@ -75,7 +75,7 @@ static bool refuse_word(const checker *checker, const evl_row *key, const case_n
                                                     n > 1 ? "one of " : "", list, found, hint);
 }
 
-/** A list of so many numbers, which `wanted` describes. */
+/** Check a list of `n` numbers; `wanted` describes it. */
 static bool check_components(const checker *checker, const evl_row *key, const case_node *node, int n,
                              const char *wanted)
 {
@@ -109,7 +109,7 @@ static bool check_numbers(const checker *checker, const evl_row *key, const case
     return true;
 }
 
-/** Text that another YAML reader would take for a number, a truth value or nothing gets quotes when it is written. */
+/** Quote text in the output that another YAML reader would take for a number, a truth value or null. */
 static void keep_as_text(case_node *node)
 {
     static const char *const words[] = {"true", "false", "yes", "no", "on", "off", "y", "n", NULL};

@@ -1,4 +1,4 @@
-/* YAML to nodes, event by event: what is too deep, too wide or too much ends the reading where it stands. */
+/* Conversion of YAML to nodes, event by event. Input that is too deep, too wide or too large stops the reading at once. */
 #include "case/case_yaml.h"
 #include "base/memory.h"
 #include "case/case_tree.h"
@@ -10,7 +10,7 @@
 
 enum {
     MOST_NODES = 3500 *
-        1000,         /* a table of a million points; aliases multiply: a few lines can mean any number of nodes */
+        1000,         /* a table of a million points; aliases multiply: a few lines can expand to any number of nodes */
     MOST_KEYS = 2000, /* of one block; names are looked up among them */
     MOST_ANCHORS = 10000,
     MOST_LEVELS = 32
@@ -18,21 +18,21 @@ enum {
 
 typedef struct {
     const char *name;
-    const case_node *node; /* NULL: it is being read */
+    const case_node *node; /* NULL: still being read */
 } anchor;
 
 typedef struct {
-    memory_pool *pool; /* of the nodes */
+    memory_pool *pool; /* owns the nodes */
     const char *path;  /* NULL: the text of an option */
     case_place place;  /* of an option */
-    const char *text;  /* all of it */
+    const char *text;  /* the complete text */
     size_t length;
     evl_error *error;
     yaml_parser_t parser;
     int n_nodes;
-    case_entry *waiting; /* of the blocks and lists that are being read, one behind the other */
+    case_entry *waiting; /* stack of the entries of unfinished blocks and lists */
     int n_waiting, room;
-    anchor *anchors; /* by name */
+    anchor *anchors; /* sorted by name */
     int n_anchors;
 } yaml_loader;
 
@@ -71,7 +71,7 @@ static bool next_event(yaml_loader *loader, yaml_event_t *event)
 
 /* ---- anchors ---- */
 
-/** Where a name stands among the anchors, or would stand. */
+/** Index of a name among the anchors, or its insertion index. */
 static int place_among_anchors(const yaml_loader *loader, const char *name, bool *is_there)
 {
     int low = 0, high = loader->n_anchors;
@@ -113,7 +113,7 @@ static bool count_node(yaml_loader *loader, case_place place, int level)
     return ++loader->n_nodes <= MOST_NODES || refuse(loader, place, "too many values (aliases that multiply?)") != NULL;
 }
 
-/** Whether there is room for the same nodes once more. */
+/** Whether the node limit allows the same nodes once more. */
 static bool count_again(yaml_loader *loader, const case_node *node, case_place place, int level)
 {
     bool good = count_node(loader, place, level);
@@ -173,7 +173,7 @@ static void keep_waiting(yaml_loader *loader, case_entry entry)
     loader->waiting[loader->n_waiting++] = entry;
 }
 
-/** What waits from `first` on becomes that of a list or block. */
+/** Move the waiting entries from `first` on to a list or block. */
 static case_node *take_waiting(yaml_loader *loader, int first, case_node *to)
 {
     to->n = to->capacity = loader->n_waiting - first;
@@ -213,7 +213,7 @@ static int by_key(const void *a, const void *b)
     return order != 0 ? order : left < right ? -1 : 1;
 }
 
-/** The first key that was there before. */
+/** Refuse the first repeated key. */
 static bool refuse_repeated(const yaml_loader *loader, int first)
 {
     const int n = loader->n_waiting - first;
@@ -239,7 +239,7 @@ static bool refuse_repeated(const yaml_loader *loader, int first)
     return refuse(loader, repeated->key_place, message) != NULL;
 }
 
-/** The word of a key: a scalar, or an alias of one. */
+/** Text of a key: a scalar, or an alias of one. */
 static char *load_key(yaml_loader *loader, const yaml_event_t *event, case_place place)
 {
     const bool may_be = event->type == YAML_SCALAR_EVENT || event->type == YAML_ALIAS_EVENT;
@@ -250,7 +250,7 @@ static char *load_key(yaml_loader *loader, const yaml_event_t *event, case_place
     return may_be && key == NULL ? NULL : refuse(loader, place, "a key has to be a word");
 }
 
-/** A key and its value. */
+/** Read a key and its value. */
 static bool load_pair(yaml_loader *loader, const yaml_event_t *event, int first, int level)
 {
     const case_place place = place_of(loader, event->start_mark);
@@ -308,7 +308,7 @@ static case_node *load_unnamed(yaml_loader *loader, const yaml_event_t *event, c
     return good ? take_waiting(loader, first, to) : NULL;
 }
 
-/** What begins with an event. @return NULL if it was refused */
+/** Read the node that starts with an event. @return NULL if it was refused */
 static case_node *load_node(yaml_loader *loader, const yaml_event_t *event, int level)
 {
     const case_place place = place_of(loader, event->start_mark);
@@ -332,7 +332,7 @@ static case_node *load_node(yaml_loader *loader, const yaml_event_t *event, int 
 
 /* ---- the one document ---- */
 
-/** Of a stream: its document as nodes; NULL if there is none or it was refused: then error->code tells. */
+/** Read the document of a stream as nodes; NULL if there is none or it was refused; error->code distinguishes these. */
 static case_node *load_stream(yaml_loader *loader)
 {
     case_node *root = NULL;

@@ -11,7 +11,7 @@
 
 /* ---- the table ---- */
 
-/** A factor to more than double precision: both parts together. {0}: one. */
+/** A factor in more than double precision: the sum of both parts. {0}: one. */
 typedef struct {
     double first, rest;
 } factor;
@@ -24,7 +24,7 @@ typedef struct {
 #define SIXTIETH {0.016666666666666666, 2.312964634635743e-19}  /* 1/60 */
 #define PER_3_6 {0.2777777777777778, -1.2335811384723961e-17}   /* 1/3.6 */
 
-/** One of it is 10^exponent times the factor in the key's unit. */
+/** 1 of this unit equals 10^exponent times the factor in the key's unit. */
 typedef struct {
     const char *name;
     int exponent;
@@ -33,8 +33,8 @@ typedef struct {
 
 typedef struct {
     const char *key_unit, *name;
-    int n_read;        /**< in so many of the units things are printed for reading */
-    const unit *units; /**< those first, the largest one of them first; the last one without a name */
+    int n_read;        /**< number of units used for printed output */
+    const unit *units; /**< those first, in descending order; the last one without a name */
 } unit_kind;
 
 #define SAME(name) {name, 0, ONE}
@@ -48,7 +48,8 @@ typedef struct {
         }                                                                                                              \
     }
 
-/* No kind has one unit with both m for milli and M for mega. `1/s` is no angular velocity: it could be turns. */
+/* No kind has both m for milli and M for mega of the same unit. `1/s` is no angular velocity: it could mean
+ * revolutions. */
 static const unit_kind kinds[] = {
     {"m", "length", 2,
      UNITS(TEN("mm", -3), TEN("um", -6), TEN("nm", -9), TEN("cm", -2), SAME("m"), {"in", -4, {254, 0}})},
@@ -157,7 +158,7 @@ const char **unit_spellings(const char *key_unit, memory_pool *pool, int *n)
 
 /* ---- numbers ---- */
 
-/** Digits, with a point among them or not. @return where they end */
+/** Skip digits, with or without a decimal point. @return their end */
 static const char *skip_digits(const char *text, bool *has_digits)
 {
     const size_t before = strspn(text, "0123456789");
@@ -167,8 +168,8 @@ static const char *skip_digits(const char *text, bool *has_digits)
     return point + (*point == '.' ? 1 + behind : 0);
 }
 
-/** @param[out] digits_end  where its digits end and an exponent may begin
- *  @return where the number with which the text begins ends; NULL if there is none */
+/** @param[out] digits_end  end of the digits, where an exponent may start
+ *  @return end of the number at the start of the text; NULL if there is none */
 static const char *skip_number(const char *text, const char **digits_end)
 {
     bool has_digits = false;
@@ -182,11 +183,11 @@ static const char *skip_number(const char *text, const char **digits_end)
     return has_digits ? end : NULL;
 }
 
-/** The double next to the decimal number times a power of ten. */
+/** The double nearest to the decimal number times a power of ten. */
 static double read_shifted(const char *text, const char *digits_end, int shift)
 {
     const long written = strtol(*digits_end == 'e' || *digits_end == 'E' ? digits_end + 1 : "0", NULL, 10);
-    const long most = 100000; /* beyond all doubles */
+    const long most = 100000; /* beyond the range of doubles */
     const long exponent = (written < -most ? -most : written > most ? most : written) + shift;
     OWNED char *shifted = xasprintf("%.*se%ld", (int)(digits_end - text), text, exponent);
     return strtod(shifted, NULL);
@@ -206,7 +207,8 @@ quantity_kind quantity_read(const char *text, const char *key_unit, double *valu
     const char *name = end + strspn(end, " ");
     const unit *unit = find_unit(kind, name);
     *unit_text = name;
-    if (unit == NULL || (name == end && *name == '1')) { /* 31/min has no beginning */
+    if (unit == NULL || (name == end && *name == '1')) { /* 31/min is ambiguous: the number and the unit 1/min cannot be
+                                                          * separated */
         const bool begins_as_one = isalpha((unsigned char)*name) || *name == '%' || (unsigned char)*name >= 0x80;
         return begins_as_one || (name > end && strncmp(name, "1/", 2) == 0) ? QUANTITY_OTHER_UNIT : QUANTITY_NONE;
     }
@@ -220,7 +222,7 @@ quantity_kind quantity_read(const char *text, const char *key_unit, double *valu
     return QUANTITY_CONVERTED;
 }
 
-/* ---- for reading ---- */
+/* ---- printed output ---- */
 
 static reading_unit reading_of(const unit *unit)
 {
@@ -228,10 +230,10 @@ static reading_unit reading_of(const unit *unit)
     return (reading_unit){unit->name, unit->factor.first == 0 ? ten : ten / unit->factor.first};
 }
 
-/** The largest unit of which the number is a tenth or more; but no unit of which it is thousands, if a larger one is there. */
+/** The largest unit in which the number is at least 0.1, unless it is 1e4 or more in it and a larger unit exists. */
 static const unit *unit_of_size(const unit_kind *kind, double number)
 {
-    const double tenth = 0.1 - 1e-12; /* 0.1 mm in metres may be a little less */
+    const double tenth = 0.1 - 1e-12; /* 0.1 mm in metres may be slightly less */
     int i = 0;
     while (i < kind->n_read - 1 && number != 0 && fabs(number) * reading_of(&kind->units[i]).factor < tenth &&
            fabs(number) * reading_of(&kind->units[i + 1]).factor < 1e4) {
@@ -271,7 +273,7 @@ char *quantity_text(double value, const char *key_unit)
     char shown[NUMBER_TEXT_LENGTH];
     if (unit->factor.first == 0) {
         number_write_plain(shown, read_shifted(number, number + strcspn(number, "e"), -unit->exponent));
-    } else { /* a speed such as 1500 rpm, if it is one of few digits */
+    } else { /* a speed such as 1500 rpm, if it has few digits */
         (void)snprintf(shown, sizeof shown, "%.10g", value * reading_of(unit).factor);
     }
     char *text = xasprintf("%s %s", shown, unit->name);
@@ -286,7 +288,7 @@ char *quantity_text(double value, const char *key_unit)
 
 /* ---- refusals ---- */
 
-/** The kinds that take a unit, with commas between them: a new string; empty if none does. */
+/** Kinds of quantity that accept a unit, separated by commas: a new string; empty if none does. */
 static char *kinds_with(const char *unit)
 {
     const char *names[N_KINDS];

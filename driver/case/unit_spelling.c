@@ -24,7 +24,7 @@ static style style_at(int i)
                    .quotient = i / (N_MICROS * N_POWERS * N_PRODUCTS)};
 }
 
-/** m2, m^2, m²; below the stroke of a name that is spelled without one: m-2, m^-2, m⁻². */
+/** m2, m^2, m²; in the denominator of a name spelled without a slash: m-2, m^-2, m⁻². */
 static const char *power_text(const style *style, bool is_negative, char digit)
 {
     static const char *const texts[2][N_POWERS][3] = {{{"", "2", "3"}, {"", "^2", "^3"}, {"", "²", "³"}},
@@ -37,7 +37,7 @@ static bool is_letter(char c)
     return isalpha((unsigned char)c) != 0;
 }
 
-/** A text as it grows. */
+/** A text under construction. */
 typedef struct {
     char *text;
     size_t length;
@@ -51,7 +51,7 @@ static void add(spelled *spelled, const char *more)
     spelled->text[spelled->length] = '\0';
 }
 
-/** Letter by letter; 1/min without stroke is min-1. */
+/** Spell letter by letter; 1/min without slash is min-1. */
 static void spell(const char *name, const style *style, char text[UNIT_SPELLING_LENGTH])
 {
     const bool has_stroke = style->quotient == 0;
@@ -76,14 +76,14 @@ static void spell(const char *name, const style *style, char text[UNIT_SPELLING_
     }
 }
 
-/** Has no spelling but its name: N/m^exponent. */
+/** Whether the name is its only spelling: N/m^exponent. */
 static bool is_verbatim(const char *name)
 {
     return strpbrk(name, "^(") != NULL;
 }
 
-/** Whether the name in this style is another spelling than in the earlier ones. Symbols without anything between them are read
- *  behind N and kg, as in Nm. */
+/** Whether the name in this style differs from its earlier spellings. Symbols without a separator are accepted behind N
+ *  and kg, as in Nm. */
 static bool has_style(const char *name, const style *style)
 {
     const bool has_stroke = strchr(name, '/') != NULL, has_blank = strchr(name, ' ') != NULL;
@@ -106,7 +106,7 @@ bool unit_spelling(const char *name, int i, char text[UNIT_SPELLING_LENGTH])
     return has;
 }
 
-/** The next letter, an u for micro; '\0' at the end. @param[in,out] text  behind it then */
+/** Next letter, `u` for micro; '\0' at the end. @param[in,out] text  moved behind it */
 static char next_letter(const char **text)
 {
     while (**text != '\0') {
@@ -125,7 +125,7 @@ static char next_letter(const char **text)
     return '\0';
 }
 
-/** All spellings have the same letters: nearly always that is enough to see that a text is none of them. */
+/** All spellings have the same letters: in most cases this rules out a text quickly. */
 static bool has_letters(const char *name, const char *text)
 {
     char letter = '\0';

@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 
-/** The parser's reader knows only the offset of a byte that is no character. */
+/** For an invalid character the parser reports only the byte offset. */
 static yaml_mark_t mark_of_offset(const char *text, size_t length, size_t offset)
 {
     yaml_mark_t mark = {0};
@@ -16,7 +16,7 @@ static yaml_mark_t mark_of_offset(const char *text, size_t length, size_t offset
     return mark;
 }
 
-/** A tab stands among the blanks that begin the line of `mark`. */
+/** Whether a tab is among the blanks at the start of the line of `mark`. */
 static bool is_indented_by_tab(const char *text, size_t length, yaml_mark_t mark)
 {
     size_t i = 0;

@@ -1,4 +1,4 @@
-/** A case of a command, with wheels whose compliance the user's cache knows. */
+/** Case of a command, with wheel compliances from the user's cache. */
 #pragma once
 
 #include "simulate/prepare.h"

@@ -1,22 +1,22 @@
-/** The words of a run that can go on after it was stopped. */
+/** Options of a run with checkpoints. */
 #pragma once
 
 #include <stdbool.h>
 
-/** What the command line says of it; NULL where it says nothing. */
+/** Values on the command line; NULL if not given. */
 typedef struct {
     const char *minutes;     /**< between two checkpoints */
-    const char *at;          /**< model times, with commas */
+    const char *at;          /**< model times, separated by commas */
     const char *max_minutes; /**< after which the run ends */
     bool continues;
 } checkpoint_options;
 
-/** What is wrong with the options; NULL if nothing is. */
+/** Fault of the options; NULL if there is none. */
 const char *checkpoint_options_check(const checkpoint_options *options);
 bool checkpoint_options_any(const checkpoint_options *options);
 
 /** @return whether a text is minutes above 0, which become seconds */
 bool checkpoint_minutes(const char *text, double *seconds);
-/** Model times with commas, above 0 and rising.
- *  @param at  room for as many numbers as there are commas, and one more; NULL: they are only read. @return how many; -1: no times */
+/** Read model times separated by commas, above 0 and ascending.
+ *  @param at  space for one number more than there are commas; NULL: only check. @return their number; -1: invalid */
 int checkpoint_times(const char *text, double *at);

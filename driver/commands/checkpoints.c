@@ -16,22 +16,22 @@
 struct checkpoints {
     parts parts;
     char *command, *part; /**< part: name of the next one */
-    checkpoint from;      /**< what it goes on from, and what all checkpoints are of */
+    checkpoint from;      /**< checkpoint to resume from, and the identification of all checkpoints */
     bool resumes;
-    double interval, max_time; /**< clock [s], INFINITY: never */
+    double interval, max_time; /**< wall clock [s], INFINITY: never */
     int n_at, next_at;
-    double *at;                    /**< [n_at] model times, in their order; those from next_at on are to come */
-    double started, last, longest; /**< clock [s]: of the start, of the last checkpoint; how long one took */
+    double *at;                    /**< [n_at] model times, ascending; those from next_at on are still to come */
+    double started, last, longest; /**< wall clock [s]: of the start, of the last checkpoint; longest duration of one */
     bool out_of_time;
-    double t, t_due;            /**< model time of the last one, and of the one that is being made */
-    long long n_rows, n_events; /**< until now */
-    size_t n_times;             /**< bytes of: */
+    double t, t_due;            /**< model time of the last one, and of the present one */
+    long long n_rows, n_events; /**< so far */
+    size_t n_times;             /**< length of `times` in bytes */
     char *times;
 };
 
-/* ---- from what to go on ---- */
+/* ---- resume ---- */
 
-/** What this run's checkpoints are of. */
+/** Set the identification of this run's checkpoints. */
 static void identify(checkpoint *own, const prepared_case *prepared)
 {
     const bool by_stepper = simulate_options(prepared).by_stepper;
@@ -39,7 +39,8 @@ static void identify(checkpoint *own, const prepared_case *prepared)
     checkpoint_identify(own, by_stepper ? "radau" : integrate_version(), text);
 }
 
-/** The newest checkpoint that is whole and of this case and program. @param[out] found  to be freed in any case */
+/** The newest checkpoint that is complete and belongs to this case and program. @param[out] found  to be freed in any
+ *  case */
 static bool read_own(const checkpoints *self, checkpoint *found, char *doubt, evl_error *error)
 {
     static const char *const remedies[N_CHECKPOINT_TEXTS] = {"go on with that program", "go on with that library",
@@ -54,7 +55,7 @@ static bool read_own(const checkpoints *self, checkpoint *found, char *doubt, ev
                          remedies[text]);
 }
 
-/** How many parts a checkpoint stands behind, what they hold, and how often checkpoints were made. */
+/** Header of a checkpoint: number of parts before it, their size, and the interval of the checkpoints. */
 typedef struct {
     int n_parts;
     long long n_rows, n_events;
@@ -112,7 +113,7 @@ static bool find_checkpoint(checkpoints *self, const char *path, evl_error *erro
     return good;
 }
 
-/** A folder that an earlier run left is taken only if nothing is lost by that. */
+/** Use the folder of an earlier run only if nothing is lost by that. */
 static bool begin_anew(checkpoints *self, evl_error *error)
 {
     if (checkpoint_exists(self->parts.folder)) {
@@ -123,7 +124,7 @@ static bool begin_anew(checkpoints *self, evl_error *error)
     return parts_keep(&self->parts, 0, error);
 }
 
-/** @return whether one of the model times has come */
+/** @return whether one of the model times is reached */
 static bool pass_times(checkpoints *self, double t)
 {
     const int before = self->next_at;
@@ -152,7 +153,7 @@ checkpoints *checkpoints_open(const checkpoint_options *options, const char *pat
     if (!parts_open(&self->parts, path, error) ||
         !(options->continues ? find_checkpoint(self, path, error) : begin_anew(self, error))) {
         OWNED char *text = error->place[0] != '\0' ? evl_error_text(error) : xstrdup(error->message);
-        evl_error_set(error, error->code, "", "%s", text); /* none of them is of the case */
+        evl_error_set(error, error->code, "", "%s", text); /* none of these errors concerns the case */
         checkpoints_close(&self);
         return NULL;
     }
@@ -201,7 +202,7 @@ bool checkpoints_again(checkpoints *self, evl_error *error)
         return good;
     }
     self->n_rows = self->n_events = 0;
-    self->times[0] = '\0'; /* the missed event may have shown as the first one was made */
+    self->times[0] = '\0'; /* the missed event may have appeared when the first one was written */
     self->n_times = 0;
     return parts_keep(&self->parts, 0, error);
 }
@@ -252,7 +253,8 @@ void checkpoints_remove(checkpoints *self)
 
 bool checkpoints_is_due(checkpoints *self, double t)
 {
-    /* The checkpoint is to be complete by then: twice the longest so far, and a second, of a short time a part of it. */
+    /* The checkpoint must be complete by then: the margin is twice the longest duration so far, but at least a second,
+     * or for a short limit a part of it. */
     static const double times = 2, least = 1, part = 0.05;
     const double margin = fmax(times * self->longest, fmin(least, part * self->max_time)), now = clock_seconds();
     self->t_due = t;
@@ -263,7 +265,7 @@ bool checkpoints_is_due(checkpoints *self, double t)
     return interrupt_signal != 0 || self->out_of_time || now - self->last >= self->interval;
 }
 
-/** The times of all, with that of the one that is being made. */
+/** Append the time of the present checkpoint to the list. */
 static void note_time(checkpoints *self)
 {
     char number[NUMBER_TEXT_LENGTH];

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** A command line that is being understood. */
+/** State of the command line parser. */
 typedef struct {
     const command *command;
-    int n; /**< of the words that are left */
+    int n; /**< number of remaining words */
     char **words;
     option_values files;
     void *options; /**< of the command */
@@ -20,7 +20,7 @@ typedef struct {
     bool help;
 } parser;
 
-/** Complain in one line, remind of the usage in a few. @return false */
+/** Print a one-line error message and a short usage. @return false */
 __attribute__((format(printf, 2, 3))) static bool misuse(const parser *parser, const char *format, ...)
 {
     evl_error error = {.code = EVL_EXIT_OK};
@@ -78,7 +78,7 @@ static void store(parser *parser, const option_row *row, const char *value)
     }
 }
 
-/** @param attached  a value that stands in the same word, or NULL */
+/** @param attached  a value in the same word, or NULL */
 static bool take_value(parser *parser, const option_row *row, const char *attached)
 {
     const char *value = attached;
@@ -141,7 +141,7 @@ static bool take_file(parser *parser, const char *word)
     return true;
 }
 
-/** All that is left, or up to --help. */
+/** Parse all remaining words, or up to --help. */
 static bool take_words(parser *parser)
 {
     bool only_files = false, good = true;
@@ -159,7 +159,7 @@ static bool take_words(parser *parser)
     return good;
 }
 
-/** Words that do not go together. */
+/** Check for options that cannot be combined. */
 static bool check_words(const parser *parser)
 {
     const command *command = parser->command;
@@ -185,7 +185,7 @@ static bool check_words(const parser *parser)
     return complaint == NULL || misuse(parser, "%s", complaint);
 }
 
-/** What was understood. @return the highest code of its files */
+/** Run the command. @return the highest code of its files */
 static evl_exit do_it(const parser *parser, evl_error *error)
 {
     const command *command = parser->command;
@@ -197,7 +197,7 @@ static evl_exit do_it(const parser *parser, evl_error *error)
     return worst;
 }
 
-/** Understand the words that follow a command, and do it. */
+/** Parse the words after a command, and run it. */
 static evl_exit run_command(const command *command, int n, char **words, evl_error *error)
 {
     parser parser = {.command = command,

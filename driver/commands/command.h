@@ -1,5 +1,5 @@
-/** A command describes itself: its name, its texts, its options, what it does. Each stands in a file of its own and is a line in
- *  commands.inc; parsing, help and complaints follow from the struct. */
+/** Description of a command: name, texts, options, action. Each has a file of its own and a line in commands.inc;
+ *  parsing, help and error messages follow from the struct. */
 #pragma once
 
 #include "base/status.h"
@@ -15,38 +15,38 @@ typedef struct {
 typedef enum {
     OPTION_TEXT,  /**< one value, a const char *; NULL if not given */
     OPTION_FLAG,  /**< none, a bool */
-    OPTION_ALONE, /**< the same; no file and no other option goes with it */
+    OPTION_ALONE, /**< the same; no file and no other option is allowed with it */
     OPTION_LIST,  /**< option_values */
-    OPTION_HELP   /**< none, and no place: what the command is is printed instead */
+    OPTION_HELP   /**< none, and no offset: prints the help of the command */
 } option_kind;
 
 typedef struct {
     option_kind kind;
     char letter;          /**< 0 if it has no short form */
     const char *name;     /**< with its dashes */
-    const char *argument; /**< what its value is called */
-    size_t place;         /**< of its value in the command's options */
+    const char *argument; /**< name of its value */
+    size_t place;         /**< offset of its value in the command's options */
     const char *text;
 } option_row;
 
 typedef struct {
     const char *name; /**< "": the program itself */
     const char *synopsis, *summary, *text;
-    const char *file;   /**< what it works on; NULL: nothing */
-    bool takes_several; /**< files, one after the other; the highest exit code is that of the command */
-    size_t size;        /**< of its options, a struct that begins as zeros */
+    const char *file;   /**< argument; NULL: none */
+    bool takes_several; /**< files, one after the other; the exit code is the highest one */
+    size_t size;        /**< of its options, a struct initialised to zeros */
     int n_options;
     const option_row *options;
-    /** What is wrong with a combination of options; NULL if nothing is, and for no check. */
+    /** Fault of a combination of options; NULL if there is none, or no check. */
     const char *(*check)(const void *options);
-    /** @param file  NULL only with an option that stands alone
-     *  @return the exit code; `error` says why unless that is told already */
+    /** @param file  NULL only with an option of kind OPTION_ALONE
+     *  @return the exit code; `error` has the reason unless it is already printed */
     evl_exit (*run)(const char *file, const void *options, evl_error *error);
 } command;
 
 #define OPTION_ROWS(rows) .n_options = (int)(sizeof(rows) / sizeof *(rows)), .options = (rows)
 
-/* Rows that several commands have, for the member of the same name in their options. */
+/* Rows common to several commands, for the member of the same name in their options. */
 #define OPTION_ROW_HELP {OPTION_HELP, 'h', "--help", NULL, 0, "this text"}
 #define OPTION_ROW_SET(options)                                                                                        \
     {OPTION_LIST,                                                                                                      \

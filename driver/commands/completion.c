@@ -49,7 +49,7 @@ const command completion_command = {
             "  evolvent completion bash\n"
             "  evolvent completion fish\n",
     .file = COMPLETION_SHELL,
-    .size = 1, /* it has no options */
+    .size = 1, /* no options */
     OPTION_ROWS(rows),
     .run = completion,
 };

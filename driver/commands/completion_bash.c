@@ -2,7 +2,7 @@
 
 #include "commands/help.h"
 
-/* What is offered for each kind of word, a line each: words may have blanks. */
+/* Suggestions for each kind of word, one per line, since words may contain blanks. */
 static const char script[] =
     "# the words of the line that name the case: its numbers have paths, its meshes names\n"
     "_evolvent_parameters() {\n"

@@ -39,7 +39,7 @@ static const char *source_of(word_kind kind)
     return sources[kind];
 }
 
-/** @param condition  when it is offered */
+/** @param condition  for which they are suggested */
 static void print_options(FILE *stream, const command *command, const char *condition)
 {
     for (int i = 0; i < command->n_options; i++) {

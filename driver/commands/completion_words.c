@@ -26,7 +26,7 @@ void completion_print_quoted(FILE *stream, const char *text, const char *escape)
     fputc('\'', stream);
     for (const char *c = text; *c != '\0'; c++) {
         if (*c == '\'') {
-            fputs("'\\''", stream); /* ends the quotes, stands for itself, begins them again */
+            fputs("'\\''", stream); /* ends the quotes, adds an escaped quote, starts the quotes again */
         } else {
             fprintf(stream, "%s%c", strchr(escape, *c) != NULL ? "\\" : "", *c);
         }

@@ -59,7 +59,7 @@ static const char *action_of(word_kind kind)
     return actions[kind];
 }
 
-/** A specification of _arguments: '(-q --quiet)'{-q,--quiet}'[text]', and behind it what a value is. */
+/** A specification of _arguments: '(-q --quiet)'{-q,--quiet}'[text]', followed by the kind of its value. */
 static void print_option(FILE *stream, const option_row *row)
 {
     const bool is_list = row->kind == OPTION_LIST;

@@ -14,7 +14,7 @@ typedef struct {
     bool quiet;
 } fmu_options;
 
-/** The name of a model: that of its file. */
+/** Name of a model: that of its file. */
 static char *name_of(memory_pool *pool, const char *path)
 {
     const char *slash = strrchr(path, '/');

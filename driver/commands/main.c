@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Bytes without which no command gets far: the tables of the kernel, which are made before anything can be refused. */
+/* Minimum memory of a command, in bytes: the tables of the kernel, which are created before anything can be refused. */
 enum { NEEDED = 8 * 1024 * 1024 };
 
 int main(int argc, char **argv)
@@ -28,7 +28,7 @@ int main(int argc, char **argv)
         evl_error_print(stderr, &error);
     }
     if (code == EVL_EXIT_IO) {
-        _exit(code); /* a library that could not write has nothing to tidy up in peace */
+        _exit(code); /* skip exit handlers: a library could not write its data anyway */
     }
     return code;
 }

@@ -7,7 +7,7 @@
 typedef struct {
     modes_request request;
     option_values set;
-    bool json; /**< one JSON object, else text for reading */
+    bool json; /**< one JSON object, else tables */
 } modes_options;
 
 static void modes_of(const prepared_case *prepared, const modes_options *options, const modes_place *place,

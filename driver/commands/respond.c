@@ -14,8 +14,8 @@ typedef struct {
     const char *output;  /**< NULL: the case's name with -respond.h5 in the current folder */
     const char *most;    /**< common periods at a value */
     const char *method;  /**< "sweep" or "orbits" */
-    const char *values;  /**< how many values of the range have orbits too */
-    const char *longest; /**< common periods of orbits */
+    const char *values;  /**< number of values in the range with orbits */
+    const char *longest; /**< longest orbit in common periods */
     option_values set;
     bool up, down, both, quiet;
 } options_t;

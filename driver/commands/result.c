@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/** Whether a path is that of the case file, be it the one that standard input comes from. */
+/** Whether a path is that of the case file, also if that is read from standard input. */
 static bool is_case(const char *path, const char *case_path, bool by_input)
 {
     struct stat first, second;

@@ -24,7 +24,7 @@
 
 typedef struct {
     const char *output;  /**< NULL: the case's name with .h5 in the current folder */
-    const char *outputs; /**< names of variables and groups; NULL: as the case says */
+    const char *outputs; /**< names of variables and groups; NULL: as in the case */
     checkpoint_options checkpoint;
     option_values set;
     bool quiet;
@@ -32,16 +32,16 @@ typedef struct {
 
 typedef struct {
     prepared_case prepared;
-    run_history history;      /**< or the present part of it */
-    checkpoints *checkpoints; /**< NULL: it cannot go on once it was stopped */
+    run_history history;      /**< or its present part */
+    checkpoints *checkpoints; /**< NULL: the run cannot be resumed */
     progress progress;
-    double t_shown; /**< how far it came [s] */
+    double t_shown; /**< last model time shown [s] */
     evl_error *error;
 } run;
 
-/* What the simulation tells. */
+/* ---- outputs of the simulation ---- */
 
-/** The part to which something is to be added. */
+/** Open the part to which rows or events are to be appended. */
 static bool has_part(run *run, int n_rows, int n_events)
 {
     if (run->checkpoints == NULL) {
@@ -89,9 +89,9 @@ static simulate_kept kept(void *self, double t, const archive *archive)
     return checkpoints_kept(run->checkpoints, &run->history.history, t, archive, run->error);
 }
 
-/* The run itself. */
+/* ---- the run ---- */
 
-/** What the meshes' stiffness and damping come to. */
+/** Report the natural frequencies and damping ratios of the meshes. */
 static void tell_vibrations(const run *run)
 {
     const description *description = case_description(run->prepared.file);
@@ -110,7 +110,7 @@ static void tell_vibrations(const run *run)
     }
 }
 
-/** The orbit on which a periodic start begins. */
+/** Report the orbit of a periodic start. */
 static void tell_orbit(const run *run)
 {
     const model_start_orbit *orbit = model_orbit_of_start(run->prepared.model);
@@ -136,7 +136,7 @@ static void summarise(const integrate_counts *counts, const char *path)
              (double)clock() / CLOCKS_PER_SEC, path);
 }
 
-/** The last line of a run that cannot be trusted. */
+/** Warn if the invariants do not hold. */
 static void warn_of_invariants(const run *run, const simulate_result *result)
 {
     const bool is_stated = case_description(run->prepared.file)->simulation.accuracy > 0;
@@ -146,7 +146,7 @@ static void warn_of_invariants(const run *run, const simulate_result *result)
     }
 }
 
-/** Why there is less than the whole history. */
+/** Report why the history is incomplete. */
 static void refuse_end(const run *run, const simulate_result *result)
 {
     const char *partial = run_history_partial_path(&run->history);
@@ -160,7 +160,7 @@ static void refuse_end(const run *run, const simulate_result *result)
     }
 }
 
-/** The run ended: complete the history, and say how it went. */
+/** The run ended: complete the history, and print the summary. */
 static void conclude(run *run, const simulate_result *result, const char *path)
 {
     if (result->remark[0] != '\0') {
@@ -175,7 +175,7 @@ static void conclude(run *run, const simulate_result *result, const char *path)
     }
 }
 
-/** The run was kept, and ends here: its parts stay as they are. */
+/** The run was stopped after a checkpoint: its parts are not changed. */
 static void conclude_stopped(const run *run, const simulate_result *result)
 {
     OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
@@ -187,7 +187,7 @@ static void conclude_stopped(const run *run, const simulate_result *result)
     }
 }
 
-/** The history of all parts, to which the end can be put. */
+/** Join all parts to one history, which can then be completed. */
 static bool join_parts(run *run, const char *path)
 {
     run_history *history = &run->history;
@@ -196,7 +196,7 @@ static bool join_parts(run *run, const char *path)
            checkpoints_append(run->checkpoints, history->history, run->error);
 }
 
-/** The simulation ended: what is told at its end, and the end of the history. */
+/** The simulation ended: complete the history, or stop after a checkpoint. */
 static void conclude_all(run *run, const simulate_result *result, const char *path)
 {
     const bool is_kept = run->checkpoints != NULL;
@@ -243,7 +243,7 @@ static void simulate_from(run *run, const dae_state *start, bool waits, simulate
     simulate(&run->prepared, &sink, &state, result);
 }
 
-/** What was told since the last checkpoint, or the start, is told once more. */
+/** Prepare the repetition of all since the last checkpoint, or the start. */
 static bool tell_again(run *run)
 {
     if (run->checkpoints == NULL) {
@@ -254,7 +254,7 @@ static bool tell_again(run *run)
     return checkpoints_again(run->checkpoints, run->error);
 }
 
-/** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. */
+/** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. */
 static void simulate_case(run *run, const char *path, const dae_state *start)
 {
     simulate_result result;
@@ -270,7 +270,7 @@ static void simulate_case(run *run, const char *path, const dae_state *start)
     conclude_all(run, &result, path);
 }
 
-/** The command by which the run goes on. */
+/** Command that resumes the run. */
 static const char *command_of(memory_pool *pool, const char *file, const run_options *options, const char *path)
 {
     OWNED char *quoted_file = words_quoted(file), *quoted_path = words_quoted(path);
@@ -286,7 +286,7 @@ static const char *command_of(memory_pool *pool, const char *file, const run_opt
     return pool_printf(pool, "%s --continue", text);
 }
 
-/** Be ready to go on later, if that is asked for. */
+/** Prepare checkpoints if requested. */
 static bool open_checkpoints(run *run, const char *file, const run_options *options, const char *path)
 {
     POOLED memory_pool pool = {NULL};
@@ -319,7 +319,7 @@ static void run_prepared(run *run, const char *file, const run_options *options,
     dae_state_free(&state);
 }
 
-/** Everything that can be refused is refused before the output file is touched. */
+/** All checks are made before the output file is touched. */
 static evl_exit run_case(const char *file, const void *given, evl_error *error)
 {
     const run_options *options = given;

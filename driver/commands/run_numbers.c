@@ -20,7 +20,7 @@ static void write_impacts(char *text, size_t size, double impacts, double speed)
     }
 }
 
-/** Whether the window holds the settled motion. */
+/** Report whether the motion is settled in the window. */
 static void tell_settled(const number_settled *settled, const number_span *span)
 {
     if (settled->is_settled > 0) {

@@ -18,9 +18,9 @@ typedef struct {
     bool json, parameters, laws, keys, schema, units;
 } show_options;
 
-/* ---- for reading ---- */
+/* ---- text ---- */
 
-/** The speeds of a line once more: in rad/s if they are in rpm, and in rpm if they are in rad/s. */
+/** Append the speeds of a line in the other unit: in rad/s if they are in rpm, and in rpm if they are in rad/s. */
 static void print_speeds(FILE *stream, const char *line, size_t n)
 {
     static const char *const names[] = {" rpm", " rad/s"}, *const others[] = {"rad/s", "rpm"};
@@ -57,7 +57,7 @@ static void print_indented(FILE *stream, const char *text)
     }
 }
 
-/** What the accuracy that a case states comes to. */
+/** Print the effect of an accuracy specified in the case. */
 static void show_accuracy(FILE *stream, const simulation_description *simulation)
 {
     if (simulation->accuracy > 0) {
@@ -66,7 +66,7 @@ static void show_accuracy(FILE *stream, const simulation_description *simulation
     }
 }
 
-/** The geometry that a refused case has. */
+/** Print the available geometry of a refused case. */
 static void show_sketch(FILE *stream, const prepared_case *prepared)
 {
     model *sketch = model_sketch(case_description(prepared->file));
@@ -76,8 +76,8 @@ static void show_sketch(FILE *stream, const prepared_case *prepared)
     model_delete(&sketch);
 }
 
-/** The resolved case, the derived geometry of every wheel and mesh, and the warnings, for reading. Of a case without a model the
- *  case and the geometry of its gears. */
+/** Print the resolved case, the derived geometry of every wheel and mesh, and the warnings. Of a case without a model
+ *  only the case and the geometry of its gears. */
 static void show_text(FILE *stream, const prepared_case *prepared)
 {
     fprintf(stream, "Case %s, with all defaults\n\n", case_path(prepared->file));
@@ -160,7 +160,7 @@ static void print_parameters(FILE *stream, const model *model)
 
 /* ---- units ---- */
 
-/** What values are as numbers in the units of their keys, a JSON list. */
+/** Print the numbers of values in the units of their keys, as a JSON list. */
 static void show_converted(FILE *stream, const char *file, const option_values *options, evl_error *error)
 {
     case_base *base = case_base_read(file, model_schema(), error);

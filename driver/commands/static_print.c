@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/** A number of a torque, in the unit of the output. */
+/** A result for a torque, in the unit of the output. */
 static double number_of(const static_report *report, int torque, const char *output)
 {
     const static_plan *plan = report->plan;
@@ -17,7 +17,7 @@ static double number_of(const static_report *report, int torque, const char *out
     return i < plan->n_outputs ? report->numbers[torque * plan->n_outputs + i] : NAN;
 }
 
-/* ---- for reading ---- */
+/* ---- text ---- */
 
 static const struct {
     const char *output, *head[3], *unit;
@@ -60,10 +60,10 @@ static void print_row(FILE *stream, const static_report *report, int torque)
     fputc('\n', stream);
 }
 
-/** Compare the mean stiffness at the last torque with ISO 6336-1, where teeth and bodies yield. */
+/** Compare the mean stiffness at the last torque with ISO 6336-1, for compliant teeth and gear bodies. */
 static void print_softness(FILE *stream, const static_report *report)
 {
-    static const double low = 0.8; /* of c_gamma */
+    static const double low = 0.8; /* relative to c_gamma */
     const int last = report->n_torques - 1;
     const double ratio =
         number_of(report, last, "mesh_stiffness_per_width") / number_of(report, last, "iso_mesh_stiffness_per_width");
@@ -77,7 +77,7 @@ static void print_softness(FILE *stream, const static_report *report)
     }
 }
 
-/** The largest pressure is that of the flanks, and of edges that are rounded. */
+/** Note that the largest pressure covers only flanks and rounded edges. */
 static void print_edges(FILE *stream, const static_report *report)
 {
     if (report->is_bare) {
@@ -118,7 +118,7 @@ void static_print_text(FILE *stream, const static_report *report)
     print_softness(stream, report);
 }
 
-/* ---- for scripts ---- */
+/* ---- JSON ---- */
 
 void static_print_json(FILE *stream, const static_report *report)
 {

@@ -1,4 +1,4 @@
-/** What `evolvent static` prints. */
+/** Output of `evolvent static`. */
 #pragma once
 
 #include "case/case.h"
@@ -9,14 +9,14 @@
 typedef struct {
     const case_file *file;
     const static_plan *plan;
-    const char *path; /**< of the file with all that was found */
-    bool gives_way;   /**< whether a wheel has a compliance */
-    bool is_bare;     /**< tooth pairs carry without a contact pressure, on sharp tip edges */
+    const char *path; /**< of the file with all results */
+    bool gives_way;   /**< whether a wheel is compliant */
+    bool is_bare;     /**< tooth pairs carry a load without a contact pressure, on sharp tip edges */
     int n_torques;
     const double *torques; /**< [n_torques] */
     const double *numbers; /**< [n_torques][plan->n_outputs] the first value of each output */
 } static_report;
 
 void static_print_text(FILE *stream, const static_report *report);
-/** Numbers of the torques, in SI units. */
+/** Metrics for the torques, in SI units. */
 void static_print_json(FILE *stream, const static_report *report);

@@ -10,7 +10,8 @@ typedef struct {
     bool quiet;
 } validate_options;
 
-/** What `evolvent run` does before it touches a file; its refusal is told here, so that the next case has its turn. */
+/** Checks that `evolvent run` makes before it touches a file; a refusal is printed here, so that the next case is
+ *  checked too. */
 static evl_exit validate(const char *file, const void *given, evl_error *error)
 {
     (void)error;
@@ -20,7 +21,7 @@ static evl_exit validate(const char *file, const void *given, evl_error *error)
     const bool good = cached_case(&prepared, file, options->set.n, options->set.values, &refusal) &&
                       prepare_check_start(&prepared, &refusal);
     if (!good) {
-        (void)fflush(stdout); /* the lines come in the order of the cases */
+        (void)fflush(stdout); /* keep the lines in the order of the cases */
         evl_error_print(stderr, &refusal);
     } else {
         if (!options->quiet) {

@@ -1,9 +1,9 @@
-/** What a command says on stderr of a case that it does not refuse. */
+/** Warnings of a command on stderr about an accepted case. */
 #pragma once
 
 #include "simulate/prepare.h"
 
-/** Print the warnings of a case and its model, a line each. */
+/** Print the warnings of a case and its model, one per line. */
 void warn_of_case(const prepared_case *prepared);
-/** The same, each with the case's path or its location in front: for commands that take several cases. */
+/** Same, each preceded by the case's path or its location: for commands that accept several cases. */
 void warn_of_file(const prepared_case *prepared);

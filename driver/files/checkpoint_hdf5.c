@@ -15,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* HDF5 leaves this many bytes at the beginning of a file to its user: the smallest number that it knows. */
+/* HDF5 reserves this many bytes at the start of a file as user block: the smallest possible size. */
 enum { BLOCK = 512, IMAGE_STEP = 1 << 20 };
 static const char block_format[] = "evolvent checkpoint 1, FNV-1a %016" PRIx64 " of the %zu bytes behind byte 512\n";
 
@@ -53,7 +53,7 @@ static bool fill(netcdf_file *file, const checkpoint *from)
     return good && netcdf_flush(file);
 }
 
-/** Properties of a file that is nowhere but in memory. @param image  NULL: a new one */
+/** Properties of a file in memory only. @param image  NULL: a new one */
 static hid_t in_memory(size_t n, void *image)
 {
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
@@ -62,11 +62,11 @@ static hid_t in_memory(size_t n, void *image)
     return good ? access : H5I_INVALID_HID;
 }
 
-/** All bytes of the file that a checkpoint is, the check in front. @return NULL with the reason in the netcdf_file */
+/** All bytes of a checkpoint file, with the checksum in front. @return NULL with the reason in the netcdf_file */
 static unsigned char *make_image(netcdf_file *file, const checkpoint *from, size_t *n)
 {
     unsigned version[3];
-    netcdf_library_version(version); /* which readies the library */
+    netcdf_library_version(version); /* also initialises the library */
     (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     CLOSED const hid_t access = in_memory(0, NULL), creation = H5Pcreate(H5P_FILE_CREATE);
     if (access < 0 || creation < 0 || H5Pset_userblock(creation, BLOCK) < 0) {
@@ -78,7 +78,7 @@ static unsigned char *make_image(netcdf_file *file, const checkpoint *from, size
         (void)netcdf_fail(file);
         return NULL;
     }
-    const ssize_t size = H5Fget_file_image(file->id, NULL, 0); /* without the bytes in front */
+    const ssize_t size = H5Fget_file_image(file->id, NULL, 0); /* without the user block */
     *n = BLOCK + (size > 0 ? (size_t)size : 0);
     unsigned char *image = xcalloc(*n, 1);
     if (size <= 0 || H5Fget_file_image(file->id, image + BLOCK, (size_t)size) != size) {
@@ -90,7 +90,7 @@ static unsigned char *make_image(netcdf_file *file, const checkpoint *from, size
     return image;
 }
 
-/** An array of bytes, zero behind it: a new one. NULL if it is not there. */
+/** Read an array of bytes with a terminating zero: a new one. NULL if it does not exist. */
 static unsigned char *get(hid_t file, const char *name, size_t *n)
 {
     CLOSED const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
@@ -146,7 +146,8 @@ static bool write_image(const char *path, size_t n, const unsigned char *image, 
     return good || output_file_refuse(path, reason, NULL, error);
 }
 
-/** The newer one becomes the older one, which goes. At every moment there is a newer one, but on a file system without links. */
+/** The newer checkpoint becomes the older one, which is deleted. There is a newer one at any time, except on a file
+ *  system without links. */
 static bool name_image(const char *folder, const char *path, evl_error *error)
 {
     OWNED char *newer = xasprintf("%s/%s", folder, names[0]), *older = xasprintf("%s/%s", folder, names[1]);
@@ -174,7 +175,7 @@ bool checkpoint_write(const char *folder, const checkpoint *checkpoint, evl_erro
     return good;
 }
 
-/** All bytes of a file: a new array, or NULL with the system error. */
+/** Read all bytes of a file: a new array, or NULL with the system error. */
 static unsigned char *read_file(const char *path, size_t *n, int *reason)
 {
     struct stat status = {0};
@@ -203,7 +204,7 @@ static bool has_its_check(size_t n, const unsigned char *image)
     return memcmp(block, image, BLOCK) == 0;
 }
 
-/** @return false with what is wrong in a new string, NULL if there is no such file */
+/** @return false with the fault in a new string, NULL if there is no such file */
 static bool read_one(const char *path, checkpoint *to, char **wrong)
 {
     size_t n = 0;

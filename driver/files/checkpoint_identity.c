@@ -16,7 +16,7 @@ void checkpoint_identify(checkpoint *own, const char *integrator, const char *te
     own->texts[CHECKPOINT_CASE] = xstrdup(text);
 }
 
-/** The first line in which two texts differ, as long as a message takes. */
+/** The first line in which two texts differ, truncated to the length of a message. */
 static void find_difference(const char *a, const char *b, char line_a[80], char line_b[80])
 {
     for (;;) {

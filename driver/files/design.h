@@ -1,5 +1,5 @@
-/** A design: a base case and a table, case by parameter, of the --set values that make the cases of a sweep.
- *  docs/batch.md describes the file. The interface knows nothing of HDF5; design_hdf5.c does. */
+/** A design: a base case and a table, case by parameter, of the --set values that define the cases of a sweep.
+ *  docs/batch.md describes the file. The interface is independent of HDF5; design_hdf5.c uses it. */
 #pragma once
 
 #include "base/memory.h"
@@ -7,7 +7,7 @@
 
 typedef enum { DESIGN_REAL, DESIGN_INTEGER, DESIGN_TEXT } design_type;
 
-/** All of one size, as a file has them side by side. */
+/** All of the same size, as in a table on file. */
 typedef union {
     double real;
     long long integer;
@@ -22,20 +22,20 @@ typedef struct {
 } design_column;
 
 typedef struct {
-    memory_pool pool; /**< of all but texts in columns */
+    memory_pool pool; /**< owns all except texts in columns */
     char *file;
-    char *hash;              /**< identity of its results, of all that decides them */
+    char *hash;              /**< hash that identifies its results, of everything that affects them */
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */
-    char *numbers;           /**< over whole periods that are wanted, separated by blanks; "" if none are */
-    char *history_variables; /**< names, separated by blanks; "" if no histories are wanted */
-    long history_every;      /**< of the outputs one is kept */
-    long history_rows;       /**< how many are kept of outputs by position; 0: not said */
+    char *numbers;           /**< requested metrics over whole periods, separated by blanks; "" if none */
+    char *history_variables; /**< names, separated by blanks; "" if no histories are requested */
+    long history_every;      /**< one of this number of outputs is stored */
+    long history_rows;       /**< number of outputs by position that are stored; 0: not specified */
     char *respond_over;      /**< "PATH=FROM:TO[:STEPS]": each case is a response; "": each is a run */
     char *respond_direction; /**< "up", "down" or "both" */
-    long respond_periods;    /**< at a value; 0: the usual number */
+    long respond_periods;    /**< at a value; 0: the default */
     long n_cases;
-    int n_columns; /**< those with a path */
+    int n_columns; /**< with a path */
     design_column *columns;
 } design;
 
@@ -43,5 +43,5 @@ typedef struct {
 design *design_read(const char *path, evl_error *error);
 void design_delete(design **design);
 
-/** The --set option of a column for a case, "PATH=VALUE", in a pool; numbers so that they read back exactly. */
+/** The --set option of a column for a case, "PATH=VALUE", in a pool; numbers read back exactly. */
 char *design_option(const design *design, int column, long index, memory_pool *pool);

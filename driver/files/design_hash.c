@@ -21,7 +21,7 @@ static void add_real(sha256 *hash, double value)
     add_integer(hash, bits);
 }
 
-/** With its length in front: two texts are never another two. */
+/** The length comes first, so that different pairs of texts have different input. */
 static void add_text(sha256 *hash, const char *text)
 {
     const size_t n = strlen(text);
@@ -34,7 +34,7 @@ static void add_words(sha256 *hash, const char *text)
     OWNED char **words = NULL;
     const int n = words_split(text, &words);
     int n_words = 0;
-    for (int i = 0; i < n; i++) { /* of two blanks side by side comes an empty one */
+    for (int i = 0; i < n; i++) { /* consecutive blanks give an empty word */
         words[n_words] = words[i];
         n_words += words[i][0] != '\0' ? 1 : 0;
     }

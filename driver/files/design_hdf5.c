@@ -37,7 +37,7 @@ static bool need_text(const reader *reader, const char *name, memory_pool *pool,
     return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or no text");
 }
 
-/** What must be known before anything else is looked at. */
+/** Check format and maker before anything else. */
 static bool check_maker(const reader *reader)
 {
     long long format = 0;
@@ -58,7 +58,7 @@ static bool check_maker(const reader *reader)
                 EVOLVENT_VERSION));
 }
 
-/** Of what each case is, if that is no run; may be missing. */
+/** Read the kind of the cases, if they are no runs; may be missing. */
 static bool read_respond(const reader *reader, design *design)
 {
     long long periods = 0;
@@ -133,7 +133,7 @@ static bool read_values(const reader *reader, hid_t dataset, const char *name, d
            refuse(reader, name, "cannot be read; a column holds floats, integers, or texts of variable length");
 }
 
-/** The column of a dataset, if it has a path. */
+/** Read the column of a dataset, if it has a path. */
 static bool read_column(const reader *reader, hid_t parameters, const char *name, design *design)
 {
     CLOSED const hid_t dataset = H5Dopen2(parameters, name, H5P_DEFAULT);
@@ -149,7 +149,7 @@ static bool read_column(const reader *reader, hid_t parameters, const char *name
     if (path == NULL) {
         return refuse(reader, name, "has no attribute path");
     }
-    if (path[0] == '\0') { /* a derived quantity: no case depends on it */
+    if (path[0] == '\0') { /* a derived quantity: cases do not depend on it */
         return true;
     }
     design_column *column = &design->columns[design->n_columns++];
@@ -177,7 +177,7 @@ static bool read_columns(const reader *reader, design *design)
 
 /* ---- the file ---- */
 
-/** Before the library sees it: it takes what is damaged at its word. */
+/** To be called before the library opens the file, since it does not detect damage. */
 static bool check_seal(const reader *reader)
 {
     switch (seal_check(reader->path)) {
@@ -197,7 +197,7 @@ static bool check_seal(const reader *reader)
     return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
 }
 
-/** The name that results are known by; evolvent-sweep wrote down what it was. */
+/** Compute the hash that identifies results, and compare it with the one stored by evolvent-sweep. */
 static bool find_hash(const reader *reader, design *design)
 {
     char *plan = netcdf_get_text(reader->file, "plan", &design->pool);

@@ -8,8 +8,8 @@ static const char *const axes[] = {"x", "y", "z"}, *const parts[] = {"w", "x", "
 /** In the order of the file. */
 static const struct {
     const char *name, *long_names[2]; /**< by use */
-    bool is_always;                   /**< in a history too, with or without an output */
-    name_list names;                  /**< n = 0: those of the case */
+    bool is_always;                   /**< also in a history, with or without an output */
+    name_list names;                  /**< n = 0: names from the case */
 } table[N_NAMED_DIMENSIONS] = {
     {"wheel", {"wheel", "name of the wheel"}, true, {0, NULL}},
     {"mesh", {"mesh", "name of the mesh"}, true, {0, NULL}},

@@ -1,4 +1,4 @@
-/** The dimensions that outputs have, in the order of the words of model_output.dims, and the values of their coordinates. */
+/** Dimensions of outputs, in the order of the words in model_output.dims, and the values of their coordinates. */
 #pragma once
 
 #include "files/history.h"
@@ -7,7 +7,7 @@
 
 typedef enum { DIMENSIONS_OF_HISTORY, DIMENSIONS_OF_STACK } dimensions_use;
 
-/** Those with names, and behind them one with numbers: harmonics. */
+/** Those with names, followed by one with numbers: harmonics. */
 enum { N_NAMED_DIMENSIONS = 8, N_DIMENSIONS = N_NAMED_DIMENSIONS + 1 };
 
 /** The coordinate of a dimension. */
@@ -20,16 +20,16 @@ typedef struct {
 } dimension_values;
 
 typedef struct {
-    netcdf_dimension of[N_DIMENSIONS]; /**< their names: all that there can be */
+    netcdf_dimension of[N_DIMENSIONS]; /**< all possible dimensions, with their names */
     dimension_values values[N_DIMENSIONS];
 } dimensions;
 
-/** Those that the outputs may have, with their names; in a history only those that its outputs do have. */
+/** Plan the dimensions that the outputs may have, with their names; for a history only those that its outputs have. */
 void dimensions_plan(dimensions *dimensions, dimensions_use use, const model_names *names, int n_outputs,
                      const model_output *outputs);
-/** Harmonics 1 to n behind them. */
+/** Append harmonics 1 to n. */
 void dimensions_plan_harmonics(dimensions *dimensions, memory_pool *pool, int n);
-/** Other ones, with numbers; at most N_DIMENSIONS. */
+/** Plan other dimensions, with numbers; at most N_DIMENSIONS. */
 void dimensions_plan_numbers(dimensions *dimensions, int n, const history_coordinate *coordinates);
 
 /** The variable of an output, with its dimensions. */

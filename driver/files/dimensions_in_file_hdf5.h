@@ -4,7 +4,7 @@
 #include "files/dimensions.h"
 #include "files/netcdf_hdf5.h"
 
-/** Define those that are there, with their coordinates. */
+/** Define the existing dimensions, with their coordinates. */
 bool dimensions_define(dimensions *dimensions, netcdf_file *file);
-/** As scale_list_users, all of them. */
+/** As scale_list_users, for all of them. */
 bool dimensions_finish(dimensions *dimensions, netcdf_file *file);

@@ -1,16 +1,16 @@
-/** What a history is, wherever its values go: dimensions, columns, constants. Private to history*.c. */
+/** Common part of histories on file and in memory: dimensions, columns, constants. Private to history*.c. */
 #pragma once
 
 #include "files/dimensions.h"
 #include "files/history.h"
 #include "files/series.h"
 
-/** Where an event's numbers are in its row; then come both sides of each state. */
+/** Offsets of an event's numbers in its row, followed by each state before and after it. */
 enum { EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOTH_PAIR, EVENT_STATES };
 
 typedef struct {
     memory_pool pool;
-    history_layout layout; /**< as it was given; attributes and coordinates are its own */
+    history_layout layout; /**< a copy with its own attributes and coordinates */
     dimensions dimensions;
     netcdf_dimension side;
     dimension_values sides;
@@ -22,18 +22,18 @@ typedef struct {
     long long n_events;
 } history_body;
 
-/** Keep the layout, and plan the series. @param reason  as of a series */
+/** Copy the layout, and plan the series. @param reason  as in a series */
 void history_plan(history_body *body, const history_layout *layout, char *reason);
-/** What is known before all rows. */
+/** Set the constants before all rows. */
 void history_keep_statics(history_body *body, const double *values);
-/** The same from the first row, unless it is known. */
+/** Take the constants from the first row, unless they are set. */
 void history_take_statics(history_body *body, const double *values, int stride);
-/** The row of an event, and which event it is. */
+/** Write the row of an event. @return its index */
 double history_event_row(history_body *body, const history_event *event);
 void history_body_free(history_body *body);
 
-/** The attributes of every history, before its own. */
+/** Number of attributes of every history, before its own. */
 enum { N_COMMON_ATTRIBUTES = 3 };
 void history_common_attributes(const history_layout *layout, history_attribute attributes[N_COMMON_ATTRIBUTES]);
-/** Whether an attribute of the start has no other value at the end. */
+/** Whether an attribute of the start is not changed at the end. */
 bool history_is_kept(const history_attribute *attribute, int n, const history_attribute *at_end);

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <time.h>
 
-/** Until the first flush, and from one to the next. */
+/** Time until the first flush, and between flushes. */
 static const double first_flush = 2, flush_interval = 5; /* s */
 
 bool history_refuse(const history *history, evl_error *error)
@@ -17,7 +17,7 @@ bool history_refuse(const history *history, evl_error *error)
     return output_file_refuse(history->file.partial_path, history->netcdf.system_error, history->netcdf.reason, error);
 }
 
-/** Keep why a file cannot be had: a system error, 0 if there is none. */
+/** Store the reason why a file is not available: a system error, 0 if there is none. */
 static bool is_had(history *history, int system_error)
 {
     netcdf_file *netcdf = &history->netcdf;
@@ -28,8 +28,8 @@ static bool is_had(history *history, int system_error)
     return system_error == 0;
 }
 
-/** Seconds by which flushes go. One of held rows writes all of them, and it is work that a killed run loses: there the processor's
- *  time counts, however busy the machine is. */
+/** Clock for flushes, in seconds. A flush of rows in memory writes all of them, and limits the CPU time lost if the run
+ *  is killed: there CPU time is used, independent of the load of the machine. */
 static double flush_clock(const history *history)
 {
     const bool is_dear = !history->grows && history->body.layout.flush_interval <= 0;
@@ -65,7 +65,7 @@ history *history_create(const history_layout *layout, evl_error *error)
 
 /* ---- the file ---- */
 
-/** A new file, beside the one that is there, with all but rows and attributes of the root. */
+/** Create a new file, next to the existing one, with everything except rows and attributes of the root. */
 static bool begin_file(history *history)
 {
     return is_had(history, output_file_begin_fresh(&history->file)) &&
@@ -84,7 +84,7 @@ static bool put_first_attributes(history *history)
     return history_put_attributes(history, history->body.layout.n_attributes, history->body.layout.attributes);
 }
 
-/** All rows, as they are now, in a file of their own. */
+/** Write all present rows to a file of their own. */
 static bool put_snapshot(history *history)
 {
     netcdf_file *netcdf = &history->netcdf;
@@ -99,7 +99,7 @@ static bool write_series(history *history)
            (!history->body.has_events || series_write(&history->body.events, netcdf));
 }
 
-/** From here on the rows are more than memory should hold. */
+/** Start a growing file, since the rows exceed the memory limit. */
 static bool start_growing(history *history)
 {
     history->grows = true;
@@ -112,14 +112,14 @@ static bool start_growing(history *history)
            is_had(history, output_file_show(&history->file));
 }
 
-/** What describes the rows that are on file is written now, and at no other time. */
+/** Metadata of the rows on file are written only here. */
 static bool flush_in_place(history *history)
 {
     return write_series(history) && is_had(history, output_file_hide(&history->file)) &&
            netcdf_flush(&history->netcdf) && is_had(history, output_file_show(&history->file));
 }
 
-/* So that most of a killed run can be read. The processor's clock is dear, and never before the other. */
+/* Makes most of a killed run readable. The CPU clock is expensive and never ahead of the wall clock. */
 bool history_flush_if_due(history *history)
 {
     const double now = clock_seconds();
@@ -182,7 +182,7 @@ bool history_add_event(history *history, const history_event *event, evl_error *
 
 /* ---- the end ---- */
 
-/** All rows are put on file. */
+/** Write all remaining rows. */
 static bool put_last_rows(history *history)
 {
     const bool is_put = history->is_put;
@@ -196,7 +196,7 @@ bool history_put_finals(history *history, int n, const model_output *outputs, co
            history_refuse(history, error);
 }
 
-/** Those of the start that have no other value at the end. */
+/** Write the attributes of the start that are not changed at the end. */
 static bool put_kept_attributes(history *history, int n, const history_attribute *attributes)
 {
     const history_layout *layout = &history->body.layout;

@@ -1,4 +1,4 @@
-/* docs/result_format.md describes what this file and the other history*_hdf5.c write. */
+/* docs/result_format.md describes the output of this file and the other history*_hdf5.c. */
 #include "files/history_head_hdf5.h"
 
 #include "files/netcdf_common_hdf5.h"
@@ -20,7 +20,7 @@ bool history_put_attributes(history *history, int n, const history_attribute *at
     return good;
 }
 
-/** The group of events with its dimension. */
+/** Create the group of events with its dimension. */
 static bool start_events(history *history)
 {
     netcdf_file *netcdf = &history->netcdf;
@@ -36,10 +36,10 @@ static bool write_static(history *history, const model_output *output, const dou
     netcdf_file *netcdf = &history->netcdf;
     const netcdf_variable variable = dimensions_describe(&history->body.dimensions, output);
     if (output->is_integer && !netcdf_are_integers(netcdf->reason, output->name, output->count, values)) {
-        return false; /* HDF5 would write the nearest one */
+        return false; /* HDF5 would write the nearest integer */
     }
     CLOSED const hid_t dataset = netcdf_define(netcdf, netcdf->id, &variable, 0);
-    /* HDF5 turns whole doubles into integers. */
+    /* HDF5 converts whole doubles to integers. */
     return dataset >= 0 && netcdf_write(netcdf, dataset, H5T_NATIVE_DOUBLE, values);
 }
 

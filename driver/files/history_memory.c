@@ -1,4 +1,4 @@
-/* Histories that stay in memory: history.h for the library, in which there is no HDF5. */
+/* Histories in memory: history.h for the library, which does not use HDF5. */
 #include "files/history_memory.h"
 
 #include <stdlib.h>
@@ -58,7 +58,7 @@ bool history_add_event(history *history, const history_event *event, evl_error *
 
 /* ---- variables ---- */
 
-/** Names of the case, which may be gone before the history is. */
+/** Copies of the case's names, which may not live as long as the history. */
 static const void *names_of(memory_pool *pool, int n, const char *const *names)
 {
     const char **own = pool_calloc(pool, (size_t)n, sizeof *own);
@@ -135,7 +135,7 @@ static void add_series(history *history, series *rows, bool is_of_events)
     rows->dimension = (netcdf_dimension){.name = rows->columns[0].variable.name, .length = rows->filled};
 }
 
-/** All but what is known at the end. */
+/** Add everything except what is known at the end. */
 static bool add_all(history *history)
 {
     history_body *body = &history->body;

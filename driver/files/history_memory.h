@@ -1,9 +1,9 @@
-/** What a history in memory holds when it is closed (history.h). */
+/** Content of a closed history in memory (history.h). */
 #pragma once
 
 #include "files/history_body.h"
 
-/** A variable with its values, and where it would be on file. */
+/** A variable with its values, and its location on file. */
 typedef struct {
     netcdf_variable variable;
     bool is_of_events;  /**< in the group of events */
@@ -21,13 +21,13 @@ struct history {
 
 void history_free(history **history);
 
-/* What is kept, in the order of the calls. */
-/** A variable with texts of its own: those it has may go with the case, or with who puts it. Its dimensions and values stay where
- *  they are, in the history's pool or as long as that. */
+/* The following functions store data, in the order of the calls. */
+/** Store a variable with copies of its texts, which may belong to the case or the caller. Its dimensions and values are
+ *  not copied: they are in the history's pool or live as long. */
 void history_keep_variable(history *history, const netcdf_variable *variable, bool is_of_events, const void *values);
-/** The coordinate of a dimension, names with a copy of their own. */
+/** Store the coordinate of a dimension, with copies of names. */
 void history_keep_coordinate(history *history, netcdf_dimension *dimension, const dimension_values *values,
                              bool is_of_events);
 void history_keep_attribute(history *history, const history_attribute *attribute);
-/** Numbers as a variable of this type has them; doubles stay where they are. */
+/** Numbers in the type of a variable; doubles are not copied. */
 const void *history_numbers(history *history, netcdf_type type, int n, const double *numbers);

@@ -1,4 +1,4 @@
-/* What a history is to have, before there is a file. */
+/* Content of a history, before there is a file. */
 #include "base/words.h"
 #include "files/history_body.h"
 
@@ -27,7 +27,7 @@ static void keep_layout(history_body *history, const history_layout *given)
     layout->coordinates = coordinates;
 }
 
-/** Names of the outputs that add up to the rate of one, also of those that the history leaves out; NULL: there are none. */
+/** Names of the outputs whose sum is the rate of one, also of those that the history does not contain; NULL: none. */
 static const char *rates_of(history_body *history, const model_output *of)
 {
     const history_layout *layout = &history->layout;
@@ -100,7 +100,7 @@ static void plan_events(history_body *history, char *reason)
     history->event_row = pool_calloc(pool, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
 }
 
-/** All that there can be in a history, or what another analysis has. */
+/** All possible dimensions of a history, or those of another analysis. */
 static void plan_dimensions(history_body *history)
 {
     static const char *const sides[] = {"before", "after"};

@@ -46,7 +46,7 @@ bool netcdf_put_number(netcdf_file *file, hid_t object, const char *name, double
 
 /* ---- reading ---- */
 
-/** Negative if there is none. */
+/** Negative if it does not exist. */
 static hid_t open_attribute(hid_t object, const char *name)
 {
     return H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
@@ -63,7 +63,7 @@ char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool)
         return NULL;
     }
     if (H5Sget_simple_extent_type(space) == H5S_NULL) {
-        return pool_copy(pool, ""); /* how h5py writes an empty text of fixed length */
+        return pool_copy(pool, ""); /* h5py's representation of an empty text of fixed length */
     }
     const bool is_variable = H5Tis_variable_str(type) > 0;
     OWNED char *fixed = xcalloc(H5Tget_size(type) + 1, 1);

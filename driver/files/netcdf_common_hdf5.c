@@ -9,30 +9,30 @@
 
 netcdf_common netcdf_kept;
 
-/* Bytes that the library takes for a file and some variables; where it gets none it may crash. */
+/* Bytes that the library allocates for a file and some variables; it may crash if an allocation fails. */
 enum { NEEDED = 24 * 1024 * 1024 };
 
-/* After a failed write the library could not clean up at exit, and would crash; and a lock of its own would meet that of the
- * caller, who holds one before the file is emptied. */
+/* After a failed write the library cannot clean up at exit and would crash. Its own lock would conflict with the
+ * caller's, who locks the file before it is emptied. */
 void netcdf_prepare_library(void)
 {
     (void)H5dont_atexit();
     static const char locking[] = "HDF5_USE_FILE_LOCKING";
     if (setenv(locking, "FALSE", 1) != 0) {
-        evl_memory_run_out(1, sizeof locking); /* with locks of its own HDF5 would find ours in the way */
+        evl_memory_run_out(1, sizeof locking); /* HDF5's own locks would conflict with ours */
     }
     memory_need(NEEDED);
 }
 
-/** Reproducible files: members in order of creation, as netCDF wants them, and no times. */
+/** Reproducible files: members in order of creation, as required by netCDF, and no times. */
 static bool set_group_properties(hid_t properties)
 {
     const unsigned order = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
     return H5Pset_link_creation_order(properties, order) >= 0 && H5Pset_obj_track_times(properties, 0) >= 0;
 }
 
-/** Descriptions of variables stay in memory from one flush to the next: written in between, as room for others is needed, they
- *  would be of other rows than the rest of the file, and a killed run's file could not be read. Rows are not among them. */
+/** Metadata of variables stay in memory between flushes. Evicted metadata would not match the rest of the file, so that
+ *  the file of a killed run could not be read. Rows are not affected. */
 static bool hold_metadata(hid_t access)
 {
     H5AC_cache_config_t config = {.version = H5AC__CURR_CACHE_CONFIG_VERSION};
@@ -52,10 +52,10 @@ static bool prepare_files(void)
     kept->file_access = H5Pcreate(H5P_FILE_ACCESS);
     kept->file_create = H5Pcreate(H5P_FILE_CREATE);
     kept->group_create = H5Pcreate(H5P_GROUP_CREATE);
-    /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. That is so with a
-     * single writer and many readers (SWMR) as well: only who asks for that mode can open the file, as long as nobody has cleared
-     * the mark, and each variable has another length. A sieve would be 64 kilobytes, zeroed, for each variable, which is written
-     * all at once. */
+    /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. The
+     * same applies to single writer, multiple readers (SWMR): the file can be opened only in that mode until the mark
+     * is cleared, and the lengths of variables differ. A sieve buffer would take 64 kilobytes, zeroed, for each
+     * variable, which is written at once. */
     return kept->file_access >= 0 && kept->file_create >= 0 && kept->group_create >= 0 &&
            H5Pset_libver_bounds(kept->file_access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
            H5Pset_fclose_degree(kept->file_access, H5F_CLOSE_STRONG) >= 0 &&
@@ -63,13 +63,13 @@ static bool prepare_files(void)
            set_group_properties(kept->file_create) && set_group_properties(kept->group_create);
 }
 
-/** How variables are stored; a growing one gets its chunks when it is created. */
+/** Storage of variables; a growing one gets its chunks when it is created. */
 static bool prepare_stores(void)
 {
     const double missing = NAN;
     netcdf_common *kept = &netcdf_kept;
-    /* Rows come in order, and many at a time: a cache would only cost memory, a megabyte a variable, and to fill their place
-     * beforehand would only cost a copy of each. */
+    /* Rows are written in order, many at a time: a cache would only cost memory, a megabyte per variable, and filling
+     * in advance would only cost an additional copy. */
     kept->access = H5Pcreate(H5P_DATASET_ACCESS);
     bool good = kept->access >= 0 && H5Pset_chunk_cache(kept->access, 1, 0, 1.0) >= 0;
     for (int store = 0; store < N_STORES; store++) {
@@ -103,7 +103,7 @@ static bool prepare_types(void)
 
 bool netcdf_prepare(void)
 {
-    const int bytes = 64 * 1024; /* of a kind of memory that the library may hoard */
+    const int bytes = 64 * 1024; /* limit of each free list of the library */
     if (netcdf_kept.is_ready) {
         return true;
     }

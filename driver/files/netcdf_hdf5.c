@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** The system's reason inside an HDF5 message such as "..., errno = 28, error message = '...', ..."; 0 if there is none. */
+/** The system error in an HDF5 message such as "..., errno = 28, error message = '...', ..."; 0 if there is none. */
 static int system_error(const char *description)
 {
     static const char mark[] = "errno = ";
@@ -16,7 +16,7 @@ static int system_error(const char *description)
     return at == NULL ? 0 : (int)strtol(at + sizeof mark - 1, NULL, 10);
 }
 
-/** The innermost message comes first; one with a system error is worth more than any other. */
+/** The innermost message is visited first; a system error has priority over any other. */
 static herr_t collect_reason(unsigned index, const H5E_error2_t *error, void *data)
 {
     netcdf_file *file = data;
@@ -31,7 +31,7 @@ static herr_t collect_reason(unsigned index, const H5E_error2_t *error, void *da
     return 0;
 }
 
-/** Why an identifier could not be closed, which its holder does not hear of. */
+/** Reason why an identifier could not be closed, of which its owner is not informed. */
 static netcdf_file lost;
 
 void netcdf_let_go(const hid_t *identifier)
@@ -41,7 +41,7 @@ void netcdf_let_go(const hid_t *identifier)
     }
 }
 
-/** Whether a call has failed: then the library is left alone, since it may crash over what it could not write. */
+/** Whether a call has failed: then the library is no longer called, since it may crash on data that it could not write. */
 static bool is_broken(netcdf_file *file)
 {
     if (file->reason[0] == '\0' && lost.reason[0] != '\0') {
@@ -62,7 +62,7 @@ bool netcdf_fail(netcdf_file *file)
     return false;
 }
 
-/** An identifier that a call has made; if it failed, the reason is kept. */
+/** Return an identifier created by a call; on failure store the reason. */
 static hid_t checked(netcdf_file *file, hid_t made)
 {
     (void)(made >= 0 || netcdf_fail(file));
@@ -107,13 +107,13 @@ hid_t netcdf_open(const char *path)
 
 const char *netcdf_system_reason(const char *otherwise)
 {
-    static netcdf_file failed; /* its text outlives the call */
+    static netcdf_file failed; /* its text must outlive the call */
     failed = (netcdf_file){0};
     (void)netcdf_fail(&failed);
     return failed.system_error != 0 ? failed.reason : otherwise;
 }
 
-/** The CF attributes by which a reader turns numbers into words. */
+/** Add the CF attributes by which readers convert numbers to words. */
 static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
 {
     OWNED int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
@@ -147,7 +147,7 @@ static hid_t create_space(const netcdf_variable *variable)
     }
     if (grows(variable)) {
         extent[0] = 0;
-        /* Readers take a limited dimension at its word; an unlimited one some of them look for in every variable. */
+        /* Readers rely on the length of a limited dimension; some search for an unlimited one in every variable. */
         limit[0] = limit[0] == 0 ? H5S_UNLIMITED : limit[0];
     }
     return H5Screate_simple(variable->rank, extent, limit);
@@ -162,7 +162,7 @@ static bool set_chunks(const netcdf_variable *variable, hsize_t chunk_rows, hid_
     return H5Pset_chunk(creation, variable->rank, chunk) >= 0;
 }
 
-/** A few bytes: they may stand in the description of a variable, of which 64 kilobytes is the most. */
+/** Whether a variable is small enough for the object header, which is limited to 64 kilobytes. */
 static bool is_small(const netcdf_variable *variable)
 {
     const hsize_t few = 512;
@@ -173,7 +173,7 @@ static bool is_small(const netcdf_variable *variable)
     return n > 0 && n <= few;
 }
 
-/** All of the place in the file, filled with NaN: for rows that are written past the library. */
+/** Properties for early allocation of the whole variable, filled with NaN: its rows are written without the library. */
 static hid_t take_place_early(void)
 {
     const hid_t creation = H5Pcopy(netcdf_kept.creation[STORE_WHOLE][true]);

@@ -1,7 +1,7 @@
-/** The conventions of netCDF-4 that a history needs, on plain HDF5: named dimensions attached to every axis, attributes
- *  as the readers expect them.
+/** Conventions of netCDF-4 needed for histories, on plain HDF5: named dimensions attached to every axis, attributes as
+ *  expected by readers.
  *
- *  Every function that can fail returns false, or a negative identifier, and keeps the reason of the first failure in
+ *  Every function that can fail returns false, or a negative identifier, and stores the reason of the first failure in
  *  the netcdf_file. Nothing is printed. */
 #pragma once
 
@@ -13,45 +13,46 @@
 #include <hdf5.h>
 #include <stdbool.h>
 
-/** For a local identifier, which is closed where its block ends, however that is left; 0 and less: there is nothing to close. */
+/** Attribute of a local identifier that is closed at every exit from its block; 0 and less: nothing to close. */
 #define CLOSED __attribute__((cleanup(netcdf_let_go)))
-/** A failure is kept for netcdf_flush and netcdf_close: the library puts writes off until a dataset is closed. */
+/** Close an identifier. A failure is stored for netcdf_flush and netcdf_close: the library defers writes until a
+ *  dataset is closed. */
 void netcdf_let_go(const hid_t *identifier);
 
 typedef struct netcdf_file {
-    memory_pool pool; /**< of who uses the scales, and of what else lasts as long as the file is open */
+    memory_pool pool; /**< owns the users of scales, and other data needed while the file is open */
     hid_t id;
-    int system_error;                  /**< errno of the first failure, 0 if it was none of the system's */
+    int system_error;                  /**< errno of the first failure, 0 if it was not a system error */
     char reason[NETCDF_REASON_LENGTH]; /**< of the first failure; "" if there was none */
 } netcdf_file;
 
 /** Major, minor, release of the HDF5 library. */
 void netcdf_library_version(unsigned version[3]);
-/** Create the file, or empty the one that is there. */
+/** Create the file, or truncate an existing one. */
 bool netcdf_create(netcdf_file *file, const char *path);
 bool netcdf_flush(netcdf_file *file);
-/** Close the file with everything in it that is still open; free its pool. After a failure the file is only abandoned. */
+/** Close the file with all open objects in it, and free its pool. After a failure the file is only abandoned. */
 bool netcdf_close(netcdf_file *file);
-/** Keep the reason of a failed HDF5 call, unless there is an earlier one. @return false */
+/** Store the reason of a failed HDF5 call, unless there is an earlier one. @return false */
 bool netcdf_fail(netcdf_file *file);
 
-/** Open a file of anyone's to read it, without locks: shards do at one time, from folders that may not lock. Negative if it is
- *  no HDF5 file. */
+/** Open any file for reading, without locks: shards open files at the same time, in folders that may not support locks.
+ *  Negative if it is not an HDF5 file. */
 hid_t netcdf_open(const char *path);
-/** Right after a call that opens or reads has failed: the reason if it is the system's, else what the caller says. */
+/** Directly after a failed open or read: the system error if there is one, else `otherwise`. */
 const char *netcdf_system_reason(const char *otherwise);
 /** A text attribute, of variable or fixed length, in a pool. NULL if there is none. */
 char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool);
-/** The numbers of an attribute, converted. @return false if it is not there or holds another number of them */
+/** The numbers of an attribute, converted. @return false if it does not exist or has another length */
 bool netcdf_get_numbers(hid_t object, const char *name, hid_t type, int n, void *values);
 
 hid_t netcdf_create_group(netcdf_file *file, const char *name);
 
-/* Set an attribute of a group or variable that has none of this name yet. */
+/* Set an attribute of a group or variable that does not have it yet. */
 /** @param n  length of an array; 0: one value */
 bool netcdf_add(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value);
 bool netcdf_add_text(netcdf_file *file, hid_t object, const char *name, const char *text);
-/* The same, but an older value is replaced. */
+/* Same, but replace an older value. */
 bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value);
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text);
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value);
@@ -60,12 +61,12 @@ bool netcdf_put_number(netcdf_file *file, hid_t object, const char *name, double
 /** Create a variable with its attributes, its axes attached to their dimensions.
  *  @param chunk_rows  rows of a chunk if the first dimension grows */
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows);
-/** Create a dimension, whose length is set, with its coordinate variable. */
+/** Create a dimension of given length, with its coordinate variable. */
 bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variable *coordinate,
                              netcdf_dimension *dimension, hsize_t chunk_rows);
-/** Create a dimension with the values of its coordinate variable. scale_list_users is to come after the last variable of it.
- *  @param type  of them in memory, which may be another one than on file */
+/** Create a dimension with the values of its coordinate variable. Call scale_list_users after its last variable.
+ *  @param type  of the values in memory, which may differ from that on file */
 bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const netcdf_variable *variable,
                           long n, hid_t type, const void *values);
-/** All values of a small variable. @param type  of them in memory */
+/** Write all values of a small variable. @param type  of the values in memory */
 bool netcdf_write(netcdf_file *file, hid_t dataset, hid_t type, const void *values);

@@ -1,5 +1,5 @@
-/* The library has no files: nothing outlasts a call, there is no state to go on from, and wheels are known to one call. Of parts.h,
- * checkpoint.h and wheel_file.h what analyses in memory ask for. */
+/* The library has no files: nothing remains after a call, a computation cannot be resumed, and wheels are cached during
+ * one call only. These are the functions of parts.h, checkpoint.h and wheel_file.h that analyses in memory need. */
 #include "base/memory.h"
 #include "files/checkpoint.h"
 #include "files/parts.h"
@@ -56,7 +56,7 @@ void checkpoint_free(checkpoint *checkpoint)
     *checkpoint = (struct checkpoint){.t = 0};
 }
 
-/* A store of wheels asks for these when it shares a folder, which nobody lets it do here. */
+/* Used by a store of wheels when it shares a folder, which never happens here. */
 
 unsigned long long wheel_file_hash(const wheel_numbers *wheel)
 {

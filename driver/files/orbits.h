@@ -1,5 +1,5 @@
-/** Branches of periodic orbits over a parameter: the result of `evolvent respond --method orbits`. The interface knows nothing of
- *  HDF5; orbits_hdf5.c does. */
+/** Branches of periodic orbits over a parameter: the result of `evolvent respond --method orbits`. The interface is
+ *  independent of HDF5; orbits_hdf5.c uses it. */
 #pragma once
 
 #include "base/status.h"
@@ -9,17 +9,17 @@
 /** A point of a branch. */
 typedef struct {
     int branch;
-    int at_value; /**< which of the values that were asked for its parameter is; -1: none */
+    int at_value; /**< index of its parameter among the requested values; -1: none */
     model_orbit orbit;
     double *multipliers; /**< [2 * n_multipliers] */
-    double *values;      /**< [n_values] numbers; NULL: they could not be found */
+    double *values;      /**< [n_values] metrics; NULL: not available */
 } orbit_point;
 
-/** A branch: its points stand together. */
+/** A branch: its points are contiguous. */
 typedef struct {
-    int parent;      /**< branch at whose doubling it begins; -1: none */
-    int n;           /**< points */
-    const char *end; /**< why it ends where it does; "": at the end of the range */
+    int parent;      /**< branch at whose period doubling it starts; -1: none */
+    int n;           /**< number of points */
+    const char *end; /**< reason of its end; "": at the end of the range */
 } orbit_branch;
 
 typedef struct {
@@ -27,7 +27,7 @@ typedef struct {
     const char *parameter, *units;
     const model_names *names;
     int n_harmonics, n_outputs, n_values;
-    const model_output *outputs; /**< numbers of a point, where they stand */
+    const model_output *outputs; /**< metrics of a point, with their offsets */
     int n_branches;
     const orbit_branch *branches;
     int n_points;
@@ -36,5 +36,5 @@ typedef struct {
     const history_attribute *attributes; /**< of the root */
 } orbit_branches;
 
-/** Write it as NAME.partial; if `commit`, it becomes NAME. @return false with the reason in `error`, EVL_EXIT_IO */
+/** Write it as NAME.partial; if `commit`, rename it to NAME. @return false with the reason in `error`, EVL_EXIT_IO */
 bool orbits_write(const orbit_branches *orbits, bool commit, evl_error *error);

@@ -1,4 +1,4 @@
-/* docs/response.md describes what this file writes. */
+/* docs/response.md describes the output of this file. */
 #include "files/orbits.h"
 
 #include "base/memory.h"
@@ -19,7 +19,7 @@ typedef struct {
     dimensions of_outputs;
 } writer;
 
-/* ---- what is told of each point ---- */
+/* ---- variables of each point ---- */
 
 typedef double teller(const orbit_point *point);
 
@@ -43,7 +43,7 @@ static double tell_time(const orbit_point *point)
     return point->orbit.time;
 }
 
-/** At a touch multipliers differ from side to side, and may grow without bound on one of them. */
+/** At a grazing point multipliers differ between its sides, and may grow without bound on one of them. */
 static bool is_grazing(const orbit_point *point)
 {
     return point->orbit.kind == MODEL_ORBIT_TOUCH || point->orbit.kind == MODEL_ORBIT_TOUCH_FOLD;
@@ -212,7 +212,7 @@ static bool write_branches(writer *w)
                       &w->branch, parents);
 }
 
-/* ---- numbers ---- */
+/* ---- metrics ---- */
 
 static bool write_number(writer *w, const model_output *output)
 {

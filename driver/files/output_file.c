@@ -41,7 +41,7 @@ static const char *remedy(int system_error)
 
 bool output_file_refuse(const char *path, int system_error, const char *reason, evl_error *error)
 {
-    enum { REST = 240 }; /* characters that the reason and the remedy may need */
+    enum { REST = 240 }; /* characters reserved for the reason and the remedy */
     const size_t length = strlen(path), room = sizeof error->message - REST;
     const bool is_long = length > room;
     return evl_error_set(error, EVL_EXIT_IO, "", "cannot write '%s%s': %s; %s", is_long ? "..." : "",
@@ -49,8 +49,8 @@ bool output_file_refuse(const char *path, int system_error, const char *reason, 
                          remedy(system_error));
 }
 
-/** 0, or why a file cannot get this name: only a regular file is ever replaced.
- *  @param is_derived  nobody has chosen the name: a link of that name would lead to what nobody has named */
+/** 0, or the reason why a file cannot be renamed to this path: only a regular file is ever replaced.
+ *  @param is_derived  the name was not chosen by the user: a link of that name would lead to an unintended file */
 static int check_name(const char *path, bool is_derived)
 {
     struct stat status;
@@ -63,13 +63,13 @@ static int check_name(const char *path, bool is_derived)
     return S_ISREG(status.st_mode) ? 0 : S_ISDIR(status.st_mode) ? EISDIR : EEXIST;
 }
 
-/** Folders that cannot lock (some network file systems) are no reason to refuse. */
+/** Folders that do not support locks (some network file systems) are accepted. */
 static int lock(int descriptor)
 {
     return flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK ? 0 : errno;
 }
 
-/** Whether NAME.partial is what is open: another run may just have renamed it. */
+/** Whether the open file still is NAME.partial: another run may just have renamed it. */
 static bool has_name(const output_file *file)
 {
     struct stat opened, named;
@@ -77,7 +77,7 @@ static bool has_name(const output_file *file)
            opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
-/** 0, or why this run may not write what is open as NAME.partial. */
+/** 0, or the reason why this run may not write to the open NAME.partial. */
 static int take_lock(const output_file *file)
 {
     const int reason = lock(file->descriptor);
@@ -101,7 +101,7 @@ bool output_file_open(output_file *file, const char *path, evl_error *error)
         file->descriptor = open(file->partial_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
         reason = file->descriptor < 0 ? errno : take_lock(file);
     }
-    if (reason == 0 && ftruncate(file->descriptor, 0) != 0) { /* what an earlier run left is not of this one */
+    if (reason == 0 && ftruncate(file->descriptor, 0) != 0) { /* discard the content of an earlier run */
         reason = errno;
     }
     if (reason != 0) {
@@ -156,7 +156,7 @@ bool output_file_close(output_file *file, bool commit, evl_error *error)
     if (good && commit) {
         good = rename(file->partial_path, file->path) == 0 || output_file_refuse(file->path, errno, NULL, error);
     }
-    if (good && commit) { /* a rename is safe on disk only when its folder is */
+    if (good && commit) { /* a rename is safe on disk only after its folder is synchronised */
         good = sync_name(file->path) || output_file_refuse(file->path, errno, NULL, error);
     }
     output_file_drop(file, false);
@@ -165,7 +165,7 @@ bool output_file_close(output_file *file, bool commit, evl_error *error)
 
 void output_file_drop(output_file *file, bool remove)
 {
-    if (file->is_hidden) { /* perhaps it can be read */
+    if (file->is_hidden) { /* it may be readable */
         (void)rename(file->fresh_path, file->partial_path);
     }
     if (remove) {

@@ -12,7 +12,7 @@ static hsize_t rows_of(hid_t place, const char *name)
                                                                                                          : 0;
 }
 
-/** Why a part cannot be read: the system's reason, if there is one. */
+/** Report why a part cannot be read: the system error, if there is one. */
 static bool refuse_part(const char *path, const char *reason, evl_error *error)
 {
     return reason != NULL ? evl_error_set(error, EVL_EXIT_IO, path, "cannot be read: %s; mend that", reason)
@@ -20,7 +20,7 @@ static bool refuse_part(const char *path, const char *reason, evl_error *error)
                                           "is damaged; put a copy of it back, or begin anew without --continue");
 }
 
-/** All rows of a series, in blocks as it has room. @return false with the reason in `error` */
+/** Append all rows of a series, in blocks as space permits. @return false with the reason in `error` */
 static bool append_rows(hid_t place, const char *path, history *to, series *rows, evl_error *error)
 {
     POOLED memory_pool pool = {NULL};

@@ -41,7 +41,7 @@ char *parts_path(const parts *parts, int index)
     return xasprintf("%s/part-%04d.h5", parts->folder, index);
 }
 
-/** Number of the part that a file is, or is to become; 0: it is none. *is_complete: it has its name */
+/** Number of the part in a complete or partial file; 0: it is not a part. *is_complete: it has its final name */
 static int number_of(const char *name, bool *is_complete)
 {
     static const char prefix[] = "part-", suffix[] = ".h5";
@@ -81,6 +81,6 @@ void parts_remove(parts *parts)
     if (checkpoint_remove(parts->folder) && parts_keep(parts, 0, &error)) {
         (void)unlink(lock);
         (void)rmdir(parts->folder);
-        (void)sync_name(parts->folder); /* what is left after a loss of power is removed next time */
+        (void)sync_name(parts->folder); /* if lost in a power failure, the rest is removed next time */
     }
 }

@@ -1,5 +1,5 @@
-/** The history of a long run as closed parts in a folder NAME.parts, each a history by itself, on disk and readable: part-0001.h5,
- *  part-0002.h5 and so on. At the end they become NAME. */
+/** History of a long run as closed parts in a folder NAME.parts, each a readable history on disk: part-0001.h5,
+ *  part-0002.h5 and so on. At the end they are combined to NAME. */
 #pragma once
 
 #include "base/lock.h"
@@ -8,27 +8,27 @@
 
 typedef struct parts {
     char *folder;
-    file_lock lock; /**< of the one run that may work here */
-    int n;          /**< parts that are complete */
+    file_lock lock; /**< of the single run that may use the folder */
+    int n;          /**< number of complete parts */
 } parts;
 
-/** Make the folder, if it is not there, and lock it.
+/** Create the folder if necessary, and lock it.
  *  @param path  of the history
- *  @return false with the reason in `error`: EVL_EXIT_IO, or EVL_EXIT_CASE if another run is at work there */
+ *  @return false with the reason in `error`: EVL_EXIT_IO, or EVL_EXIT_CASE if another run uses it */
 bool parts_open(parts *parts, const char *path, evl_error *error);
-/** Let go of it. */
+/** Release the folder. */
 void parts_close(parts *parts);
 /** NAME.parts of a history NAME: a new string. */
 char *parts_folder(const char *path);
 /** The name of a part, from 1: a new string. */
 char *parts_path(const parts *parts, int index);
-/** Keep the first n parts, delete all others, complete or not. @return false with the reason in `error`, EVL_EXIT_IO */
+/** Retain the first n parts, delete all others, complete or not. @return false with the reason in `error`, EVL_EXIT_IO */
 bool parts_keep(parts *parts, int n, evl_error *error);
-/** Delete the folder with what this program puts there, the checkpoints first: without one nobody goes on from the rest. Other files
- *  stay, and the folder with them. */
+/** Delete the folder with this program's files, the checkpoints first: without one the rest cannot be resumed. Other
+ *  files remain, and the folder with them. */
 void parts_remove(parts *parts);
 
-/** What a part holds. */
+/** Content of a part. */
 typedef struct {
     long long rows, events;
 } part_size;

@@ -1,10 +1,10 @@
-/* A response that stays in memory: response.h for the library, in which there is no HDF5. */
+/* A response in memory: response.h for the library, which does not use HDF5. */
 #include "files/history_memory.h"
 #include "files/response_rows.h"
 
 #include <stdlib.h>
 
-/** Numbers that outlast the call. */
+/** A copy of numbers that is valid after the call. */
 static const void *own_numbers(history *history, netcdf_type type, size_t n, const double *numbers)
 {
     const double *copy = pool_grow(&history->body.pool, numbers, n, n, sizeof *copy);
@@ -54,7 +54,7 @@ bool response_write(const response *response, bool commit, evl_error *error)
     axes->pool = &history->body.pool;
     const response_sink sink = {
         .self = history, .attribute = keep_attribute, .axis = keep_axis, .variable = keep_variable};
-    (void)response_tell(response, axes, &sink); /* nothing is refused */
+    (void)response_tell(response, axes, &sink); /* this sink never fails */
     *response->kept = history;
     return true;
 }

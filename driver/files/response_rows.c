@@ -1,4 +1,4 @@
-/* docs/response.md describes what this file tells. */
+/* docs/response.md describes this content. */
 #include "files/response_rows.h"
 
 #include "base/memory.h"
@@ -11,10 +11,10 @@ typedef struct {
     response_axes *axes;
     const response_sink *sink;
     int n_directions;
-    int of[RESPONSE_DIRECTIONS]; /**< which they are */
+    int of[RESPONSE_DIRECTIONS]; /**< their indices */
 } writer;
 
-/* ---- what is told at each value ---- */
+/* ---- variables at each value ---- */
 
 typedef double teller(const response_point *point);
 
@@ -43,7 +43,7 @@ static double tell_distance(const response_point *point)
     return point->period == -1 ? NAN : point->distance;
 }
 
-/** The first dimensions of all variables. */
+/** Add the first two dimensions of all variables. */
 static void put_axes(writer *w, netcdf_variable *variable)
 {
     variable->dimensions[0] = &w->axes->direction;
@@ -92,7 +92,7 @@ static bool write_all_told(writer *w)
     return good;
 }
 
-/* ---- numbers ---- */
+/* ---- metrics ---- */
 
 static bool write_number(writer *w, const model_output *output)
 {
@@ -122,7 +122,7 @@ static double of_jump(const response_jump *jump, int what)
     return all[what];
 }
 
-/** Which of the directions in the file. */
+/** Index of a direction in the file. */
 static int place_of(const writer *w, int direction)
 {
     return w->of[0] == direction ? 0 : 1;
@@ -185,7 +185,7 @@ static bool write_jumps(writer *w)
                                 "standard deviation of the transmission error behind it", true);
 }
 
-/* ---- all of it ---- */
+/* ---- complete response ---- */
 
 static bool define_axes(writer *w)
 {

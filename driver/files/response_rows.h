@@ -1,19 +1,19 @@
-/** What a response has, in the order of its file, variable by variable: the one description for files and for memory. Private to
- *  response_*.c. */
+/** Content of a response, variable by variable in the order of its file: the single description for files and for
+ *  memory. Private to response_*.c. */
 #pragma once
 
 #include "files/dimensions.h"
 #include "files/response.h"
 
-/** Its dimensions; they live as long as what describes them. */
+/** Its dimensions; valid as long as what describes them. */
 typedef struct {
-    memory_pool *pool; /**< of what they need */
+    memory_pool *pool; /**< owns their data */
     netcdf_dimension direction, parameter, jump;
     dimensions of_outputs;
 } response_axes;
 
-/** Where it goes. What is handed over lasts as long as the call, dimensions as long as the axes. Each returns false if it cannot be
- *  taken, which ends the telling. */
+/** Receiver of the content. Arguments are valid during the call, dimensions as long as the axes. Each function returns
+ *  false on failure, which ends the transfer. */
 typedef struct {
     void *self;
     bool (*attribute)(void *self, const history_attribute *attribute);
@@ -22,5 +22,5 @@ typedef struct {
     bool (*variable)(void *self, const netcdf_variable *variable, const double *values);
 } response_sink;
 
-/** @param axes  zeros, but for the pool. @return false if the sink has refused something */
+/** @param axes  zeros, except the pool. @return false if the sink failed */
 bool response_tell(const response *response, response_axes *axes, const response_sink *sink);

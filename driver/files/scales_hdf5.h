@@ -1,7 +1,7 @@
-/** Dimension scales as the HDF5 specification stores them, attributes written once.
+/** Dimension scales as stored by the HDF5 specification, with attributes written once.
  *
- *  H5DSattach_scale gives the same file, but rewrites a scale's list of users with every further user: a fifth of what a
- *  short history costs. */
+ *  H5DSattach_scale gives the same file, but rewrites a scale's list of users with every further user: a fifth of the
+ *  cost of a short history. */
 #pragma once
 
 #include <hdf5.h>
@@ -16,7 +16,7 @@ typedef struct {
 typedef struct dimension_scale {
     hid_t dataset; /**< of the coordinate; not owned */
     hobj_ref_t reference;
-    int n_users, n_listed, room; /**< n_listed: those that are on file */
+    int n_users, n_listed, room; /**< n_listed: number of users on file */
     scale_user *users;           /**< [n_users] */
 } dimension_scale;
 
@@ -24,9 +24,9 @@ struct netcdf_file;
 
 /** Make a dataset the scale `name`. @return false with the reason on HDF5's error stack */
 bool scale_make(dimension_scale *scale, hid_t dataset, const char *name);
-/* Each of these returns false with the reason in the file. */
-/** Attach a scale to every axis of a dataset; the scales are to list their users later. */
+/* Each of these functions returns false with the reason in the file. */
+/** Attach a scale to every axis of a dataset; the scales list their users later. */
 bool scales_attach(struct netcdf_file *file, hid_t dataset, int rank, dimension_scale *const *scales);
-/** To come after the last user, and before a flush: write the list of users, if there are new ones. Nothing
- *  is to be done for NULL. */
+/** Required after the last user, and before a flush: write the list of users, if there are new ones. No effect for
+ *  NULL. */
 bool scale_list_users(struct netcdf_file *file, dimension_scale *scale);

@@ -16,9 +16,9 @@
 enum { SEAL_LENGTH = 64 };
 typedef enum { AT_FRONT, AT_END } seal_place;
 static const char mark[] = "evolvent-seal 1 crc32 ", first[] = " of the first ";
-enum { FIRST = sizeof mark - 1 + 8 }; /* where that stands in the seal of a file's first bytes */
+enum { FIRST = sizeof mark - 1 + 8 }; /* offset of that text in the checksum line of a file's first bytes */
 
-/** The whole line, by which a seal is also recognised: nothing of it is believed, but compared. */
+/** Write the complete line. It also serves to recognise a checksum: lines are compared, not parsed. */
 static void write_seal(char seal[SEAL_LENGTH + 1], uint32_t check, off_t n, bool is_of_all)
 {
     const int length = snprintf(seal, SEAL_LENGTH + 1, "%s%08x%s%lld bytes", mark, (unsigned)check,
@@ -28,14 +28,14 @@ static void write_seal(char seal[SEAL_LENGTH + 1], uint32_t check, off_t n, bool
     seal[SEAL_LENGTH] = '\0';
 }
 
-/** pread of all that is wanted. */
+/** pread of the complete range. */
 static bool read_at(int descriptor, void *bytes, size_t n, off_t from)
 {
     size_t done = 0;
     while (done < n) {
         const ssize_t part = pread(descriptor, (char *)bytes + done, n - done, from + (off_t)done);
         if (part == 0) {
-            errno = EIO; /* it became shorter */
+            errno = EIO; /* the file has been truncated */
         }
         if (part == 0 || (part < 0 && errno != EINTR)) {
             return false;
@@ -83,7 +83,7 @@ bool seal_put_on_first(int descriptor, long long n)
     return put(descriptor, (off_t)n, false);
 }
 
-/** How many bytes a seal is of, as it says; at most so many as there are. */
+/** Number of bytes covered by a checksum, as stated in its line; at most `most`. */
 static off_t bytes_of(const char *seal, off_t most)
 {
     char digits[16] = "";

@@ -1,8 +1,8 @@
-/** The seal of a file: a line that tells the check sum of all other bytes, so that damage is noticed before a library reads
- *  the file. docs/result_format.md describes it. A leaf: knows nothing of HDF5.
+/** Checksum of a file: a line with the checksum of all other bytes, to detect damage before a library reads the file.
+ *  docs/result_format.md describes it. Leaf module, independent of HDF5.
  *
- *  It stands at the front, where HDF5 leaves room for its user (plans), or at the end, behind what HDF5 reads: programs know
- *  histories by their first bytes. */
+ *  The line is at the front, in the user block of HDF5 (plans), or at the end, behind the data read by HDF5: programs
+ *  recognise histories by their first bytes. */
 #pragma once
 
 #include "base/status.h"
@@ -11,9 +11,9 @@
 
 typedef enum { SEAL_HOLDS, SEAL_NONE, SEAL_BROKEN, SEAL_UNREADABLE } seal_answer;
 
-/** Seal a file, open for reading and writing, at its end. @return false with the reason in errno */
+/** Append the checksum to a file that is open for reading and writing. @return false with the reason in errno */
 bool seal_put(int descriptor);
-/** The same for its first `n` bytes: what follows is written later, and has checks elsewhere. */
+/** Same for its first `n` bytes: the following bytes are written later and have other checksums. */
 bool seal_put_on_first(int descriptor, long long n);
-/** Read all of a file and hold it against its seal. SEAL_UNREADABLE: errno says why. */
+/** Read the complete file and verify its checksum. SEAL_UNREADABLE: errno has the reason. */
 seal_answer seal_check(const char *path);

@@ -5,9 +5,9 @@
 #include <string.h>
 
 enum {
-    HELD_BYTES = 4 * 1024 * 1024, /* the most that is held of rows that may all fit */
-    BLOCK_BYTES = 3 * 512 * 1024, /* a block of rows that do not */
-    GROWN_BYTES = 1024 * 1024     /* the most to which a block is enlarged */
+    HELD_BYTES = 4 * 1024 * 1024, /* largest memory for rows that may all fit */
+    BLOCK_BYTES = 3 * 512 * 1024, /* a block of rows that do not fit */
+    GROWN_BYTES = 1024 * 1024     /* largest size of an enlarged block */
 };
 
 bool netcdf_are_integers(char *reason, const char *name, int n, const double *values)
@@ -45,7 +45,7 @@ void series_add_column(series *rows, const netcdf_variable *variable, int offset
 
 /* ---- the block ---- */
 
-/** Doubles everywhere: so each column begins where a double may. */
+/** Doubles for all columns, so that each column is aligned for doubles. */
 size_t series_row_bytes(const series *rows)
 {
     size_t bytes = sizeof(double); /* of the coordinate */
@@ -55,7 +55,8 @@ size_t series_row_bytes(const series *rows)
     return bytes;
 }
 
-/** A block for so many rows, with those that are there. One piece for all columns, which is not touched before it is used. */
+/** Allocate a block with the given capacity, and copy the present rows. One allocation for all columns, not touched
+ *  before it is used. */
 static void take_block(series *rows, size_t capacity)
 {
     char *block = xrealloc(NULL, capacity, series_row_bytes(rows)), *at = block;
@@ -109,7 +110,7 @@ static inline void copy_reals(const series_column *column, double *to, int n, co
     const int count = column->count;
     const double *from = values + (size_t)column->offset * (size_t)stride;
     if (n == 1) {
-        to[0] = from[0]; /* most columns have a value or two */
+        to[0] = from[0]; /* most columns have one or two values */
         for (int v = 1; v < count; v++) {
             to[v] = from[v * stride];
         }
@@ -122,7 +123,7 @@ static inline void copy_reals(const series_column *column, double *to, int n, co
     }
 }
 
-/** @return false if one of them is none */
+/** @return false if one of them is not an integer */
 static inline bool copy_integers(const series_column *column, int *to, int n, const double *values, int stride)
 {
     const int count = column->count;
@@ -138,7 +139,7 @@ static inline bool copy_integers(const series_column *column, int *to, int n, co
     return true;
 }
 
-/** Say which integer is none. */
+/** Report which value is not an integer. */
 static void refuse_integers(const series *rows, const series_column *column, int n, const double *values, int stride)
 {
     for (int v = 0; v < column->count; v++) {

@@ -1,4 +1,4 @@
-/** Rows of numbers along one growing dimension, held in memory by columns. series_hdf5.h writes them. */
+/** Rows of numbers along one growing dimension, stored in memory by columns. series_hdf5.h writes them. */
 #pragma once
 
 #include "base/memory.h"
@@ -9,43 +9,43 @@
 
 typedef struct {
     netcdf_variable variable;
-    int offset, count; /**< place in a row */
-    int64_t dataset;   /**< HDF5's, of a variable that grows on file */
+    int offset, count; /**< position in a row */
+    int64_t dataset;   /**< HDF5 identifier of a variable that grows on file */
     void *block;       /**< [capacity * count] double or int, part of the series' block */
 } series_column;
 
 typedef struct {
-    char *reason;               /**< [NETCDF_REASON_LENGTH] why a row was not taken */
+    char *reason;               /**< [NETCDF_REASON_LENGTH] why a row was not accepted */
     netcdf_dimension dimension; /**< the growing one; column 0 is its coordinate */
     int n_columns;
     series_column *columns;
-    void *block;                   /**< of all columns */
+    void *block;                   /**< owns the memory of all columns */
     size_t capacity;               /**< rows of the block */
     size_t filled;                 /**< rows in the block */
-    size_t written;                /**< those of them that are on file as well, of a series that grows there */
+    size_t written;                /**< rows of the block that are also on file, for a series that grows there */
     unsigned long long first;      /**< index of the block's first row */
-    unsigned long long limit;      /**< the most rows there can be; 0 if that is not known */
+    unsigned long long limit;      /**< largest number of rows; 0 if unknown */
     unsigned long long chunk_rows; /**< of a variable that grows */
 } series;
 
-/** An empty series with room for n_columns.
- *  @param reason  as in the series; outlives it
- *  @param limit   the most rows it can get; 0 if that is not known */
+/** An empty series with space for n_columns.
+ *  @param reason  as in the series; must outlive it
+ *  @param limit   largest number of rows; 0 if unknown */
 void series_init(series *rows, char *reason, memory_pool *pool, int n_columns, unsigned long long limit);
-/** Add the next column; the first is the coordinate, which is no part of a row.
+/** Add the next column; the first is the coordinate, which is not part of a row.
  *  @param variable  its dimensions are those besides the growing one
  *  @param offset    of its `count` values in a row */
 void series_add_column(series *rows, const netcdf_variable *variable, int offset, int count);
-/** After the last column: take memory for at most max_rows rows, fewer if they need more than a few megabytes. */
+/** After the last column: allocate memory for at most max_rows rows, fewer if they need more than a few megabytes. */
 void series_start(series *rows, size_t max_rows);
 void series_free(series *rows);
 
-/** Take rows, integers as whole doubles, as far as there is room: value v of row k is values[v * stride + k].
- *  @return how many of them were taken; -1 if an integer is none */
+/** Append rows, integers as whole doubles, as far as there is space: value v of row k is values[v * stride + k].
+ *  @return number of rows appended; -1 if an integer value is invalid */
 int series_append(series *rows, int n, const double *places, const double *values, int stride);
-/** More room for a series of which no row is on file. @return false if it would be too much: it has to grow on file */
+/** Enlarge a series without rows on file. @return false if it would be too large: it has to grow on file */
 bool series_make_room(series *rows);
-/** More room however much that is, for a series that never sees a file. */
+/** Enlarge a series that is never written to a file, without limit. */
 void series_widen(series *rows);
 
 /** Whether a column holds int, else double. */

@@ -13,7 +13,7 @@ static hid_t type_in_memory(const series_column *column)
     return series_is_integer(column) ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
 }
 
-/** Define a column's variable. @return negative if it cannot be */
+/** Define a column's variable. @return negative on failure */
 static hid_t define(series *rows, netcdf_file *file, hid_t group, const series_column *column)
 {
     if (column != rows->columns) {
@@ -40,8 +40,8 @@ bool series_put_whole(series *rows, netcdf_file *file, hid_t group)
     return good && scale_list_users(file, rows->dimension.scale);
 }
 
-/** Large chunks, and no larger than the rows need: each of them has to be listed in the file, and the list kept in memory. The
- *  place in a chunk that has no rows yet takes none on the disk. */
+/** Large chunks, but not larger than the rows need: each is listed in the file, and the list is kept in memory. Unused
+ *  space in a chunk takes no space on the disk. */
 static hsize_t choose_chunk(const series *rows)
 {
     const hsize_t fit = CHUNK_BYTES / series_row_bytes(rows);
@@ -63,7 +63,7 @@ bool series_begin(series *rows, netcdf_file *file, hid_t group)
     return good && scale_list_users(file, rows->dimension.scale);
 }
 
-/** Rows of a column behind those that the dataset has already. @param first  the first of them */
+/** Write rows of a column behind the existing ones. @param first  index of the first of them */
 static bool write_rows(netcdf_file *file, const series_column *column, hsize_t first, hsize_t n, const void *from)
 {
     const netcdf_variable *variable = &column->variable;
@@ -84,7 +84,7 @@ static bool write_rows(netcdf_file *file, const series_column *column, hsize_t f
            netcdf_fail(file);
 }
 
-/** Rows written..filled of the block. */
+/** Write rows written..filled of the block. */
 static bool write_column(const series *rows, netcdf_file *file, const series_column *column)
 {
     const char *from = (const char *)column->block + rows->written * (size_t)column->count * series_value_size(column);
@@ -108,7 +108,7 @@ bool series_write(series *rows, netcdf_file *file)
 
 /* ---- another file ---- */
 
-/** Rows of a variable, if it is as a column is. @param[out] extent  along all its dimensions */
+/** Extent of a variable, if it matches a column. @param[out] extent  along all its dimensions */
 static bool find_extent(hid_t space, const series_column *column, hsize_t extent[NETCDF_MAX_RANK])
 {
     const int rank = column->variable.rank;
@@ -159,7 +159,7 @@ static bool read_rows(const series_column *column, series_source *source, int in
         return false;
     }
     const bool good = H5Dread(dataset, type_in_memory(column), in_memory, on_file, H5P_DEFAULT, to) >= 0;
-    source->reason = good ? NULL : netcdf_system_reason(NULL); /* HDF5 forgets it with its next call */
+    source->reason = good ? NULL : netcdf_system_reason(NULL); /* HDF5 discards it in its next call */
     return good;
 }
 

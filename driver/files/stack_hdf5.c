@@ -21,10 +21,10 @@ typedef struct {
     netcdf_file netcdf;
     netcdf_dimension cases, axis;
     dimensions of_outputs;
-    long long first_history; /**< where the first of them begins, bytes */
+    long long first_history; /**< start of the first history, bytes */
 } builder;
 
-/* ---- making the file ---- */
+/* ---- creation of the file ---- */
 
 static bool define_dimensions(builder *b, const stack_layout *layout)
 {
@@ -74,17 +74,17 @@ static bool fill_file(builder *b, const stack_layout *layout)
     return good;
 }
 
-/** Room for the descriptions of all variables in one piece, before any history. */
+/** Reserve contiguous space for the metadata of all variables, before any history. */
 static void keep_descriptions_together(const stack_layout *layout)
 {
-    enum { ANY = 24 * 1024, EACH = 2 * 1024, USUAL = 2048 /* of HDF5 */ };
+    enum { ANY = 24 * 1024, EACH = 2 * 1024, USUAL = 2048 /* default of HDF5 */ };
     const hsize_t room = layout == NULL ? USUAL : ANY + EACH * (hsize_t)layout->n_variables;
     if (netcdf_prepare()) {
         (void)H5Pset_meta_block_size(netcdf_kept.file_access, room);
     }
 }
 
-/** The file gets its name when it is complete. */
+/** Create the file; it is renamed when it is complete. */
 static bool make_file(const stack_layout *layout, evl_error *error)
 {
     output_file file;
@@ -108,7 +108,7 @@ static bool make_file(const stack_layout *layout, evl_error *error)
                          "cannot be written: %s; ask for fewer histories, or make room", b.netcdf.reason);
 }
 
-/* ---- finding the rows ---- */
+/* ---- location of the rows ---- */
 
 static bool has_hash(hid_t file, const char *hash)
 {
@@ -131,7 +131,7 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
     return good;
 }
 
-/** Before the library opens it, which takes what is damaged at its word. */
+/** To be called before the library opens the file, since it does not detect damage. */
 static bool admits(seal_answer answer, const char *path, evl_error *error)
 {
     return answer == SEAL_HOLDS || answer == SEAL_NONE ||

@@ -22,10 +22,10 @@ struct wheel_cache {
     char *folder; /**< NULL: none */
 };
 
-/** The front of a file; the key, the numbers and the check sum of all bytes before it follow. */
+/** Header of a file; followed by the key, the numbers and the checksum of all preceding bytes. */
 typedef struct {
     char magic[8];
-    char sources[56]; /**< of the program */
+    char sources[56]; /**< identification of the program's sources */
     int64_t n_key, n;
 } front;
 
@@ -43,7 +43,7 @@ static char *find_folder(void)
     return home != NULL && home[0] == '/' ? xasprintf("%s/.cache/evolvent", home) : NULL;
 }
 
-/** Make a folder and the one that it stands in. */
+/** Create a folder and its parent. */
 static void make_folder(const char *folder)
 {
     OWNED char *parent = xstrdup(folder);
@@ -73,7 +73,7 @@ static int compare_use(const void *a, const void *b)
     return seconds != 0 ? seconds : (x->tv_nsec > y->tv_nsec) - (x->tv_nsec < y->tv_nsec);
 }
 
-/** All files of the cache. @return how many; their bytes in `total` */
+/** List all files of the cache. @return their number; their bytes in `total` */
 static size_t list_files(memory_pool *pool, const char *folder, cached **files, long long *total)
 {
     size_t n = 0, room = 64;
@@ -100,7 +100,7 @@ static size_t list_files(memory_pool *pool, const char *folder, cached **files, 
     return n;
 }
 
-/** Remove the files that were used longest ago, where there are too many bytes. */
+/** Delete the least recently used files if the size limit is exceeded. */
 static void bound_folder(const char *folder)
 {
     POOLED memory_pool pool = {NULL};
@@ -140,13 +140,13 @@ static front front_of(int n_key, int n)
     return begin;
 }
 
-/** Bytes of a file without its check sum. */
+/** Bytes of a file without its checksum. */
 static size_t size_of(int n_key, int n)
 {
     return sizeof(front) + ((size_t)n_key + (size_t)n) * sizeof(double);
 }
 
-/** All of a file that has this size. @return NULL if it has not, or cannot be read */
+/** Read a file of the given size. @return NULL if the size differs, or it cannot be read */
 static char *read_file(const char *path, size_t size)
 {
     const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
@@ -187,11 +187,11 @@ static int find(void *self, int n_key, const double *key, int n, double *numbers
         return 0;
     }
     memcpy(numbers, bytes + sizeof begin + key_size, (size_t)n * sizeof *numbers);
-    (void)utimensat(AT_FDCWD, path, NULL, 0); /* it was used now */
+    (void)utimensat(AT_FDCWD, path, NULL, 0); /* updates the time of last use */
     return 1;
 }
 
-/** Write it under a name of its own, then give it its name: whatever ends the program, what has that name is complete. */
+/** Write to a temporary file and rename it: however the program ends, a file with the final name is complete. */
 static void write_file(const char *path, const char *bytes, size_t size)
 {
     OWNED char *partial = xasprintf("%s.XXXXXX", path);
@@ -223,7 +223,7 @@ static int keep(void *self, int n_key, const double *key, int n, double *numbers
     return 1;
 }
 
-/* ---- its owner ---- */
+/* ---- public procedures ---- */
 
 wheel_cache *wheel_cache_open(void)
 {

@@ -15,7 +15,7 @@
 
 enum { FORMAT = 1 };
 
-/* ---- what a file is recognised by ---- */
+/* ---- identification of a file ---- */
 
 /** FNV-1a over the bits of numbers. */
 unsigned long long wheel_file_hash(const wheel_numbers *wheel)
@@ -48,7 +48,7 @@ static bool fill_file(netcdf_file *file, const wheel_numbers *wheel)
            put_numbers(file, "key", wheel->n_key, wheel->key) && put_numbers(file, "numbers", wheel->n, wheel->numbers);
 }
 
-/** Others may read what they may read of the folder's other files. */
+/** Give the file the same permissions as other new files in the folder. */
 static bool open_to_others(int descriptor)
 {
     const mode_t mask = umask(0);
@@ -56,7 +56,7 @@ static bool open_to_others(int descriptor)
     return fchmod(descriptor, 0666 & ~mask) == 0;
 }
 
-/** The file under a name of its own. */
+/** Write the file under a temporary name. */
 static bool write_partial(const char *partial, int descriptor, const wheel_numbers *wheel, const char *path,
                           evl_error *error)
 {
@@ -71,8 +71,8 @@ static bool write_partial(const char *partial, int descriptor, const wheel_numbe
            evl_error_set_unwritten(error, path);
 }
 
-/** Give a file its name unless there is one of that name. Where the file system knows no links, the later of two that come at one
- *  moment wins: both are complete. */
+/** Rename a file unless one of that name exists. On a file system without links, the later of two simultaneous files
+ *  remains: both are complete. */
 static bool name_file(const char *partial, const char *path, evl_error *error)
 {
     return link(partial, path) == 0 || errno == EEXIST || access(path, F_OK) == 0 || rename(partial, path) == 0 ||
@@ -108,7 +108,7 @@ static bool get_numbers(hid_t file, const char *name, int n, double *numbers)
            H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) >= 0;
 }
 
-/** NULL, or what is wrong. */
+/** NULL, or the fault. */
 static const char *find_fault(hid_t file, const wheel_numbers *wheel)
 {
     OWNED double *key = xcalloc((size_t)wheel->n_key, sizeof *key);
@@ -126,7 +126,7 @@ wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, 
     if (access(path, F_OK) != 0) {
         return WHEEL_FILE_MISSING;
     }
-    const seal_answer answer = seal_check(path); /* the library takes what is damaged at its word */
+    const seal_answer answer = seal_check(path); /* the library does not detect damage */
     if (answer == SEAL_UNREADABLE) {
         evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s; go on with --resume", strerror(errno));
         return WHEEL_FILE_REFUSED;

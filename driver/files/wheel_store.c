@@ -10,14 +10,14 @@
 #include <time.h>
 #include <unistd.h>
 
-/** Wheels in memory: a sweep over the geometry has no end of them. */
+/** Limit of wheels in memory, since a sweep over the geometry may have any number of them. */
 enum { MOST_KEPT = 1000 };
 
 struct wheel_store {
     evl_wheel_store door;
     char *folder;                  /**< NULL: none */
-    wheel_numbers kept[MOST_KEPT]; /**< the numbers of each and its key behind them are one array */
-    long n_met, n_computed;        /**< wheel i that was met is at i mod MOST_KEPT */
+    wheel_numbers kept[MOST_KEPT]; /**< one array contains the numbers of a wheel, followed by its key */
+    long n_met, n_computed;        /**< wheel number i is stored at i mod MOST_KEPT */
     evl_error error;
 };
 
@@ -57,7 +57,7 @@ static char *path_of(const wheel_store *store, const wheel_numbers *wheel)
     return xasprintf("%s/compliance-%016llx.h5", store->folder, wheel_file_hash(wheel));
 }
 
-/** Whether a name is that of a file being written, compliance-HASH.h5.XXXXXX. */
+/** Whether a name is that of a temporary file, compliance-HASH.h5.XXXXXX. */
 static bool is_partial(const char *name)
 {
     static const char begin[] = "compliance-", end[] = ".h5.";
@@ -66,7 +66,7 @@ static bool is_partial(const char *name)
            strspn(name + BEGIN, "0123456789abcdef") == HASH && strncmp(name + BEGIN + HASH, end, END) == 0;
 }
 
-/** Remove what writers left that were killed. Writing takes milliseconds: an old one has no writer. */
+/** Delete the temporary files of killed writers. Writing takes milliseconds: an old one has no writer. */
 static void drop_leftovers(const char *folder)
 {
     enum { OLD = 600 }; /* [s] */
@@ -84,7 +84,7 @@ static void drop_leftovers(const char *folder)
     (void)closedir(stream);
 }
 
-/** Write a wheel and read it again: what counts is in the file, whoever wrote it. @return 1 or -1 */
+/** Write a wheel and read it again: the file is used, whichever process wrote it. @return 1 or -1 */
 static int settle(wheel_store *store, const wheel_numbers *wheel)
 {
     OWNED char *path = path_of(store, wheel);
@@ -94,7 +94,7 @@ static int settle(wheel_store *store, const wheel_numbers *wheel)
                : -1;
 }
 
-/* ---- what a model asks ---- */
+/* ---- interface for the model ---- */
 
 static int find(void *self, int n_key, const double *key, int n, double *numbers)
 {

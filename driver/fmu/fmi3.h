@@ -1,5 +1,5 @@
-/** What the Functional Mock-up Interface 3.0 asks of an FMU's binary, written from the standard: types, and the functions that importers
- *  look up by name. */
+/** Binary interface of an FMU by the Functional Mock-up Interface 3.0, written from the standard: types, and the
+ *  functions that importers look up by name. */
 #pragma once
 
 #include <stdbool.h>
@@ -71,7 +71,7 @@ FMI3_API fmi3Status fmi3ExitConfigurationMode(fmi3Instance);
 
 /* ---- values ---- */
 
-/** X(type): those whose values are numbers in a row. */
+/** X(type): types whose values are contiguous numbers. */
 #define FMI3_PLAIN_TYPES(X)                                                                                            \
     X(Float32) X(Float64) X(Int8) X(UInt8) X(Int16) X(UInt16) X(Int32) X(UInt32) X(Int64) X(UInt64) X(Boolean) X(String)
 #define FMI3_DECLARE(type)                                                                                             \
@@ -102,7 +102,7 @@ FMI3_API fmi3Status fmi3GetAdjointDerivative(fmi3Instance, const fmi3ValueRefere
 FMI3_API fmi3Status fmi3GetOutputDerivatives(fmi3Instance, const fmi3ValueReference[], size_t n,
                                              const fmi3Int32 orders[], fmi3Float64 values[], size_t n_values);
 
-/* ---- the whole state ---- */
+/* ---- the complete state ---- */
 
 FMI3_API fmi3Status fmi3GetFMUState(fmi3Instance, fmi3FMUState *);
 FMI3_API fmi3Status fmi3SetFMUState(fmi3Instance, fmi3FMUState);

@@ -1,5 +1,5 @@
-/* What the interface has and this FMU, as its description says, has not: variables that are no 64-bit floats, clocks, derivatives of
- * outputs, dependencies that change. Each says so. */
+/* Functions of the interface that this FMU does not support, as stated in its description: variables other than 64-bit
+ * floats, clocks, derivatives of outputs, variable dependencies. Each reports this. */
 #include "fmu/fmi3_instance.h"
 
 /* The parameters are those of the standard. NOLINTBEGIN(misc-unused-parameters,readability-non-const-parameter) */
@@ -14,7 +14,7 @@ static fmi3Status absent(fmi3Instance handle, const char *function, char *what)
     return instance_call(handle, function, IN_ANY, refuse, what);
 }
 
-/** Nothing of nothing is no error. */
+/** A request for zero values is no error. */
 static fmi3Status absent_values(fmi3Instance handle, const char *function, size_t n, char *what)
 {
     return n == 0 ? fmi3OK : absent(handle, function, what);

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/** Some numbers that go to or fro. */
+/** Numbers passed to or from the importer. */
 typedef struct {
     size_t n;
     double *to;
@@ -37,7 +37,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance handle, fmi3Boolean *again, fmi
                                     fmi3Boolean *nominals_changed, fmi3Boolean *states_changed, fmi3Boolean *has_next,
                                     fmi3Float64 *next)
 {
-    static const double never = 1e300; /* the kernel's word for it is the largest number */
+    static const double never = 1e300; /* the kernel returns the largest double in this case */
     motion_change change = {.next = INFINITY};
     const fmi3Status status = instance_call(handle, "fmi3UpdateDiscreteStates", IN_EVENT, update, &change);
     *again = change.again;
@@ -101,7 +101,7 @@ fmi3Status fmi3SetTime(fmi3Instance handle, fmi3Float64 time)
     return instance_call(handle, "fmi3SetTime", IN_CONTINUOUS | IN_EVENT, set_time, &time);
 }
 
-/** Whether so many are wanted as there are. */
+/** Whether the requested number of values is correct. */
 static bool fits(instance *self, size_t n, int there)
 {
     if (n != (size_t)there) {
@@ -124,7 +124,7 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance handle, const fmi3Float64 states
                          &(numbers){n, NULL, states});
 }
 
-/** Hand numbers over, or tell why there are none. */
+/** Pass on numbers, or report why there are none. */
 static void give(instance *self, const numbers *x, int there, const double *from, dae_code code)
 {
     if (from == NULL) {

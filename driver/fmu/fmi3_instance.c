@@ -1,4 +1,4 @@
-/* Instances, and the modes that they are in. */
+/* Instances and their modes. */
 #include "fmu/fmi3_instance.h"
 
 #include "base/memory.h"
@@ -33,7 +33,7 @@ static const char *name_of(instance_mode mode)
 
 static void tell(const instance *self, const char *text)
 {
-    if (self->log != NULL) { /* errors always; what fmi3SetDebugLogging is for, there is not */
+    if (self->log != NULL) { /* errors always; there is nothing to be enabled by fmi3SetDebugLogging */
         self->log(self->environment, self->status, self->status == fmi3Fatal ? "logStatusFatal" : "logStatusError",
                   text);
     }
@@ -229,7 +229,7 @@ static void do_nothing(instance *self, void *with)
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance handle, fmi3Boolean on, size_t n, const fmi3String categories[])
 {
-    (void)on, (void)n, (void)categories; /* whatever is told is an error */
+    (void)on, (void)n, (void)categories; /* all messages are errors */
     return instance_call(handle, "fmi3SetDebugLogging", IN_ANY, do_nothing, NULL);
 }
 
@@ -259,7 +259,7 @@ static void initialize(instance *self, void *with)
 fmi3Status fmi3EnterInitializationMode(fmi3Instance handle, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
                                        fmi3Float64 start, fmi3Boolean has_stop, fmi3Float64 stop)
 {
-    (void)has_tolerance, (void)tolerance; /* the case has one, in units of its own */
+    (void)has_tolerance, (void)tolerance; /* the case has a tolerance, in its own units */
     return instance_call(handle, "fmi3EnterInitializationMode", IN_INSTANTIATED, initialize,
                          &(span){start, stop, has_stop});
 }

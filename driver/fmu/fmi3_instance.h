@@ -1,5 +1,5 @@
-/** An instance of the FMU, and how every function of the interface is called: in a mode that allows it, with the caller's locale and
- *  rounding set aside, and where it fails with one line to the importer's log. */
+/** An instance of the FMU, and the common procedure of all interface functions: check of the mode, default locale and
+ *  rounding during the call, and one line in the importer's log on failure. */
 #pragma once
 
 #include "fmu/fmi3.h"
@@ -13,9 +13,9 @@ typedef enum {
     IN_STEP = 16,
     IN_TERMINATED = 32,
     IN_CONFIGURATION = 64,
-    IN_RUINS = 128 /**< a call ended for want of memory, anywhere: nothing can be said of the rest */
+    IN_RUINS = 128 /**< a call ended for lack of memory, at any point: the state is undefined */
 } instance_mode;
-/** Where the motion is under way. */
+/** Modes during the motion. */
 #define IN_MOTION ((unsigned)(IN_EVENT | IN_CONTINUOUS | IN_STEP))
 #define IN_ANY 127U
 
@@ -23,8 +23,8 @@ typedef struct {
     motion *motion;
     instance_mode mode;
     bool by_steps; /**< co-simulation, else model exchange */
-    bool is_begun; /**< the motion is at its start, as parameters and inputs are now */
-    double t_end;  /**< DBL_MAX: the importer does not say */
+    bool is_begun; /**< the motion is at its start, with the present parameters and inputs */
+    double t_end;  /**< DBL_MAX: not given by the importer */
     char token[SHA256_TEXT];
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback *log;
@@ -33,14 +33,14 @@ typedef struct {
 
 typedef void instance_work(instance *instance, void *with);
 
-/** Do the work of a function of the interface in one of the modes. @return its status */
+/** Execute an interface function in one of the modes. @return its status */
 fmi3Status instance_call(fmi3Instance handle, const char *function, unsigned modes, instance_work *work, void *with);
-/** The work fails: tell why. */
+/** Mark the call as failed and log the reason. */
 __attribute__((format(printf, 3, 4))) void instance_refuse(instance *instance, fmi3Status status, const char *format,
                                                            ...);
-/** Whether n numbers of the importer's are finite, else the work fails. */
+/** Whether n numbers from the importer are finite; else mark the call as failed. */
 bool instance_are_finite(instance *instance, size_t n, const double *numbers);
-/** The work fails since the motion did. */
+/** Mark the call as failed because the motion failed. */
 void instance_fail(instance *instance, dae_code code);
-/** Begin the motion if that is to be done yet. @return false: it failed, which is told */
+/** Start the motion if necessary. @return false: it failed, which is logged */
 bool instance_begin(instance *instance);

@@ -1,4 +1,4 @@
-/* The whole state of an instance, put away and taken up again. What is handed to the importer is an archive. */
+/* Serialisation of the complete state of an instance. The importer receives an archive. */
 #include "fmu/fmi3_instance.h"
 
 #include "base/memory.h"
@@ -31,7 +31,7 @@ static bool keep(instance *self, archive *archive)
     return true;
 }
 
-/** A handle of the importer's, or none, which is told. */
+/** Check that a handle from the importer is not NULL; else report it. */
 static bool is_state(instance *self, const archive *state)
 {
     if (state == NULL) {
@@ -86,7 +86,7 @@ fmi3Status fmi3FreeFMUState(fmi3Instance handle, fmi3FMUState *state)
     return instance_call(handle, "fmi3FreeFMUState", IN_ANY, free_state, state);
 }
 
-/* ---- as bytes: what they are of, a check sum of the rest, the rest ---- */
+/* ---- as bytes: identification, checksum of the rest, the rest ---- */
 
 typedef struct {
     char token[SHA256_TEXT], sum[SHA256_TEXT];

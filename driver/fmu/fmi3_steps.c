@@ -10,7 +10,7 @@ typedef struct {
 
 static void go(instance *self, void *with)
 {
-    static const double same = 1e-9; /* times that differ by less, of the step, do by rounding */
+    static const double same = 1e-9; /* relative to the step: smaller differences of times are rounding */
     stride *s = with;
     const double t = motion_state(self->motion)->t;
     if (!(s->step > 0) || !isfinite(s->step)) {

@@ -1,4 +1,4 @@
-/* Values of variables, all of which are 64-bit floats. */
+/* Values of variables, all of them 64-bit floats. */
 #include "fmu/fmi3_instance.h"
 
 #include <string.h>
@@ -10,7 +10,7 @@ typedef struct {
     const double *given;
 } values;
 
-/** How many variables a kind has, and how many numbers one of them. */
+/** Number of variables of a kind, and of the numbers of one variable. */
 static int count_of(const motion_facts *about, fmu_kind kind)
 {
     switch (kind) {
@@ -32,7 +32,7 @@ static int count_of(const motion_facts *about, fmu_kind kind)
     return 0;
 }
 
-/** What a reference stands for. @return how many numbers; 0 if it is none, which is told */
+/** Decode a reference. @return how many numbers it has; 0 if it is invalid, which is reported */
 static size_t look_up(instance *self, fmi3ValueReference reference, fmu_kind *kind, int *index)
 {
     const motion_facts *about = motion_about(self->motion);
@@ -47,7 +47,7 @@ static size_t look_up(instance *self, fmi3ValueReference reference, fmu_kind *ki
     return *kind == FMU_PARAMETER ? (size_t)about->parameters[*index].of.n : 1;
 }
 
-/** The numbers of a variable. NULL: it has none now, which is told */
+/** The numbers of a variable. NULL: not available, which is reported */
 static const double *find(instance *self, fmu_kind kind, int index)
 {
     const motion_facts *about = motion_about(self->motion);
@@ -84,7 +84,7 @@ static const double *find(instance *self, fmu_kind kind, int index)
     return all + index;
 }
 
-/** Whether the values are as many as they should be, or at least, which else is told. */
+/** Whether the number of values is correct, or sufficient; else report it. */
 static bool suits(instance *self, const values *v, bool is_so)
 {
     if (!is_so) {

@@ -1,15 +1,16 @@
-/** What a case is as an FMU: which number stands for which variable, and the texts that the description and the binary share. */
+/** Mapping of a case to an FMU: value references of the variables, and the texts common to the description and the
+ *  binary. */
 #pragma once
 
 #include "base/sha256.h"
 #include "motion/motion.h"
 
-/** The name of the binary and of the model in an FMU; that of an importer's choice is the file's. */
+/** Name of the binary and of the model in an FMU; the file name is chosen by the user. */
 #define FMU_MODEL_IDENTIFIER "evolvent"
 /** The case among the FMU's resources. */
 #define FMU_CASE "case.yaml"
 
-/** A value reference is a kind of variable and which one of it. */
+/** A value reference consists of a kind of variable and an index. */
 typedef enum {
     FMU_TIME = 0,
     FMU_STATE = 1,
@@ -17,7 +18,7 @@ typedef enum {
     FMU_INDICATOR = 3,
     FMU_INPUT = 4,
     FMU_INPUT_RATE = 5, /**< of an input that is a speed */
-    FMU_OUTPUT = 6,     /**< a value of the outputs that the case chooses */
+    FMU_OUTPUT = 6,     /**< a value of the outputs selected by the case */
     FMU_PARAMETER = 7   /**< of a motion, with all its numbers */
 } fmu_kind;
 enum { FMU_KIND_SHIFT = 28 };
@@ -27,5 +28,5 @@ static inline unsigned fmu_reference(fmu_kind kind, int index)
     return ((unsigned)kind << FMU_KIND_SHIFT) | (unsigned)index;
 }
 
-/** What ties a description to the case and the program that it was made with: the FMU's instantiation token. */
+/** Instantiation token of the FMU: identifies the case and the program of its description. */
 void fmu_token(const prepared_case *prepared, char token[SHA256_TEXT]);

@@ -16,7 +16,7 @@ static bool copy(zipFile archive, const char *path)
     size_t n = sizeof part;
     FILE *from = fopen(path, "rb");
     bool good = from != NULL;
-    while (good && n == sizeof part) { /* less is the end, or an error */
+    while (good && n == sizeof part) { /* fewer bytes: the end, or an error */
         n = fread(part, 1, sizeof part, from);
         good = zipWriteInFileInZip(archive, part, (unsigned)n) == ZIP_OK;
     }
@@ -26,7 +26,7 @@ static bool copy(zipFile archive, const char *path)
 
 static bool put(zipFile archive, const fmu_file *file)
 {
-    /* one date for all, the first that a zip archive can have: the same case gives the same bytes */
+    /* the earliest date of a zip archive for all files, so that the same case gives the same bytes */
     const zip_fileinfo info = {.tmz_date = {.tm_mday = 1, .tm_year = 1980}};
     if (zipOpenNewFileInZip(archive, file->name, &info, NULL, 0, NULL, 0, NULL, Z_DEFLATED, Z_DEFAULT_COMPRESSION) !=
         ZIP_OK) {
@@ -38,7 +38,7 @@ static bool put(zipFile archive, const fmu_file *file)
     return zipCloseFileInZip(archive) == ZIP_OK && good;
 }
 
-/** Where an archive grows. */
+/** Buffer of an archive. */
 typedef struct {
     char *bytes;
     size_t n;
@@ -51,7 +51,7 @@ static voidpf open_heap(voidpf opaque, const char *name, int mode)
     return memory_open(&h->bytes, &h->n);
 }
 
-/** All files in memory: minizip goes back in what it writes, and what is interrupted there would be lost. */
+/** Write all files in memory: minizip seeks back in its output, which would be lost on an interrupt. */
 static bool fill(heap *h, int n, const fmu_file *files)
 {
     zlib_filefunc_def in_memory;
@@ -73,7 +73,7 @@ bool fmu_archive(const char *path, int n, const fmu_file *files, evl_error *erro
     if (!output_file_open(&output, path, error)) {
         return false;
     }
-    output.is_open_end = true; /* an archive has check sums of its own, and nothing behind its end */
+    output.is_open_end = true; /* an archive has its own checksums, and must not be followed by other bytes */
     errno = 0;
     const bool good = fill(&h, n, files) && write_bytes(output.descriptor, 0, h.bytes, h.n) == h.n;
     free(h.bytes);

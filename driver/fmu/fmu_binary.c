@@ -1,4 +1,4 @@
-/* The binary that the program puts into an FMU, and the libraries that have to lie beside it. */
+/* Binary of an FMU, and the libraries required next to it. */
 #include "base/memory.h"
 #include "base/words.h"
 #include "fmu/fmu_write.h"
@@ -8,14 +8,14 @@
 #include <string.h>
 #include <unistd.h>
 
-/** Where importers look for it. */
+/** Location of the binary, as required by importers. */
 static const char folder[] = "binaries/x86_64-linux";
 
 typedef struct {
     memory_pool *pool;
     int n, n_names;
     fmu_file *files;
-    char **names; /**< of libraries, without lib and behind */
+    char **names; /**< of libraries, without "lib" and suffix */
 } search;
 
 /** Whether a library has one of the names: libgfortran.so.5, or in a wheel libgfortran-1a2b3c.so.5. */
@@ -39,7 +39,7 @@ static void add(search *s, const char *name, const char *path)
     s->files[s->n++] = (fmu_file){pool_printf(s->pool, "%s/%s", folder, name), pool_copy(s->pool, path), NULL};
 }
 
-/** A library that this program has. */
+/** Callback for each library loaded by this program. */
 static int look(struct dl_phdr_info *info, size_t size, void *with)
 {
     search *s = with;
@@ -51,7 +51,7 @@ static int look(struct dl_phdr_info *info, size_t size, void *with)
     return 0;
 }
 
-/** The binary, in this program's folder or in that of its libraries; NULL if it is in neither. */
+/** Path of the binary, in this program's folder or in that of its libraries; NULL if it is in neither. */
 static char *find_binary(memory_pool *pool)
 {
     static const char *const folders[] = {"", FMU_FOLDER "/"};

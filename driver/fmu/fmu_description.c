@@ -18,7 +18,7 @@ typedef struct {
     memory_pool pool;
     mxml_node_t *units, *variables, *structure, *initial;
     int n_units;
-    const char **unit_names; /**< those that are defined already */
+    const char **unit_names; /**< units defined so far */
 } writer;
 
 static mxml_node_t *add(mxml_node_t *parent, const char *name)
@@ -44,7 +44,7 @@ static void put_reference(mxml_node_t *node, const char *name, unsigned referenc
     mxmlElementSetAttr(node, name, text);
 }
 
-/** The unit of a variable, in the spelling of results, which is defined where it comes first. */
+/** Set the unit of a variable, in the spelling of results; it is defined at its first use. */
 static void put_unit(writer *w, mxml_node_t *variable, const char *name)
 {
     if (name[0] == '\0' || strcmp(name, "1") == 0) {
@@ -136,7 +136,7 @@ static void add_inputs(writer *w)
     }
 }
 
-/** "name[gear,x]": the names of the places that a value of an output has. */
+/** "name[gear,x]": the output with the names of the value's elements. */
 static char *name_of(writer *w, const model_output *output, dimensions *all, int index)
 {
     const netcdf_variable variable = dimensions_describe(all, output);
@@ -200,7 +200,7 @@ static void add_indicators(writer *w)
     }
 }
 
-/* ---- the whole ---- */
+/* ---- the complete document ---- */
 
 static void describe_kinds(mxml_node_t *root)
 {
@@ -262,7 +262,7 @@ static mxml_node_t *describe(writer *w)
     describe_experiment(w, root);
     w->variables = add(root, "ModelVariables");
     w->structure = add(root, "ModelStructure");
-    w->initial = add(NULL, "InitialUnknowns"); /* they come behind */
+    w->initial = add(NULL, "InitialUnknowns"); /* to be appended last */
     mxml_node_t *time = add_variable(w, "time", fmu_reference(FMU_TIME, 0), "independent", "continuous", "");
     put_unit(w, time, "s");
     add_inputs(w);

@@ -1,4 +1,4 @@
-/* Inputs as a command names them. */
+/* Selection of inputs by command line options. */
 #include "base/memory.h"
 #include "fmu/fmu_write.h"
 
@@ -10,7 +10,7 @@ static bool refuse(const char *option, const char *reason, evl_error *error)
     return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", reason);
 }
 
-/** The inputs that there are, as options. */
+/** The available inputs in the form of options. */
 static char *list(const fmu_plan *plan)
 {
     const motion_facts *about = motion_about(plan->motion);

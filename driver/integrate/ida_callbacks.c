@@ -5,12 +5,12 @@
 #include <math.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
-/* Only for what grows beyond all scales, such as the gap of flanks that never meet again, and for what rounding makes of F: ask for
- * no more than that allows. */
+/* Only for quantities without bound, such as the gap of flanks that never meet again, and for the rounding of F: the
+ * tolerance is not smaller than these permit. */
 enum { ROUNDINGS = 16 };
 static const double relative_tolerance = ROUNDINGS * DBL_EPSILON;
 
-/* The discrete state cannot change while IDA steps: trial states borrow the caller's. */
+/* The discrete state cannot change while IDA steps: trial states share that of the caller. */
 static void take_trial(ida_session *s, double t, N_Vector y, N_Vector yp)
 {
     const double *scale = s->run->model->scale;
@@ -94,7 +94,7 @@ bool ida_interpolate(const void *with, double t, double *y)
     return true;
 }
 
-/* At equal distances over the last step. */
+/* Evaluate the state at equidistant nodes over the last step. */
 static bool find_nodes(ida_session *s, double from, double to)
 {
     ida_nodes *nodes = s->nodes;
@@ -165,8 +165,8 @@ void ida_watch_to(ida_session *s, double t, N_Vector y)
     s->continues = true;
 }
 
-/* Error weights as IDA would make them, in one loop instead of four. IDA asks for them before each step, when the one before is
- * complete and no event lies in it: the place to look at that. */
+/* Error weights as IDA computes them, in one loop instead of four. IDA requests them before each step, when the
+ * previous one is complete and has no event: here the observer processes it. */
 int ida_weights(N_Vector y, N_Vector weight, void *data)
 {
     ida_session *s = data;

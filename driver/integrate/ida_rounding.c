@@ -5,7 +5,8 @@
 #include <string.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
-/* An answer takes n solutions: of so many Jacobians, or n, one is looked at. Where rounding rules there are many soon. */
+/* An estimate takes n solutions: it is made for one of this number of Jacobians, or of n. If rounding dominates,
+ * Jacobians are frequent. */
 enum { LEAST_JACOBIANS = 16 };
 
 static int jacobians_of(int n)

@@ -1,6 +1,7 @@
-/** What rounding makes of IDA's corrections: no tolerance can ask for less. F(t, y, y') is rounded by about eps |M| |y|, M being its
- *  Jacobian dF/dy + cj dF/dy', and a correction by |M^-1| times that: more than the rounding of y where places a metre apart hold a
- *  nanometre. All is in the units that IDA is given. Private to integrate/. */
+/** Lower limit of IDA's tolerance due to rounding. The rounding error of F(t, y, y') is about eps |M| |y|, with its
+ *  Jacobian M = dF/dy + cj dF/dy'; that of a correction is |M^-1| times that. This exceeds the rounding of y if
+ *  positions of the order of a metre determine distances of a nanometre. All quantities are in IDA's units. Private to
+ *  integrate/. */
 #pragma once
 
 #include "base/memory.h"
@@ -13,16 +14,16 @@
 
 typedef struct {
     int n;
-    int jacobians;     /**< until one is looked at, since the last answer or event */
+    int jacobians;     /**< number of Jacobians until the next estimate */
     bool is_due;       /**< the Jacobian is being factored */
-    double *of_rows;   /**< [n] rounding of F */
-    double *of_states; /**< [n] rounding of a correction; 0: nothing is known */
+    double *of_rows;   /**< [n] rounding error of F */
+    double *of_states; /**< [n] rounding error of a correction; 0: unknown */
 } ida_rounding;
 
 ida_rounding ida_rounding_create(memory_pool *pool, int n);
-/** Another discrete state holds. */
+/** Reset after a change of the discrete state. */
 void ida_rounding_forget(ida_rounding *rounding);
-/** There is a new Jacobian, not factored yet. sparse: NULL if it is full */
+/** Process a new Jacobian before its factorisation. sparse: NULL if it is dense */
 void ida_rounding_note(ida_rounding *rounding, const ida_sparse *sparse, SUNMatrix jacobian, const double *y);
-/** Look at it, if that is due, now that it is factored. a, b: two vectors to work with */
+/** Update the estimate, if due, after the factorisation. a, b: two work vectors */
 void ida_rounding_update(ida_rounding *rounding, SUNLinearSolver solver, SUNMatrix factors, N_Vector a, N_Vector b);

@@ -1,4 +1,4 @@
-/* Differences between SUNDIALS 6 and 7 stay here. */
+/* Differences between SUNDIALS 6 and 7 are confined to this file. */
 #include "integrate/ida_session.h"
 
 #include "integrate/short_vectors.h"
@@ -122,7 +122,7 @@ void ida_session_close(ida_session *s)
 
 void ida_session_count(ida_session *s)
 {
-    /* where each counter stands, and what tells how far it is since the last restart */
+    /* offset of each counter, and the function that returns its value since the last restart */
     static const struct {
         size_t place;
         int (*get)(void *ida, long *count);

@@ -1,5 +1,5 @@
-/** What an integration with IDA has beside an integration. IDA gets states in units of their scales, so that one absolute tolerance
- *  holds for all of them. Private to integrate/. */
+/** Data of an integration with IDA in addition to `integration`. IDA's states are in units of their scales, so that one
+ *  absolute tolerance applies to all of them. Private to integrate/. */
 #pragma once
 
 #include "base/memory.h"
@@ -11,60 +11,60 @@
 #include <sundials/sundials_matrix.h>
 #include <sundials/sundials_nvector.h>
 
-/** Enough for the polynomials of IDA, of degree 5. */
+/** Sufficient for the polynomials of IDA, of degree 5. */
 enum { IDA_NODES = 6 };
 
-/** The last step at some times in it, from which single states follow. */
+/** The last step at several times in it, for interpolation of single states. */
 typedef struct {
-    double t[IDA_NODES]; /**< the last one is the end; NAN: nothing is known */
-    double *y;           /**< [n * IDA_NODES] of each state the times side by side; NULL: not asked for yet */
+    double t[IDA_NODES]; /**< the last one is the end; NAN: unknown */
+    double *y;           /**< [n * IDA_NODES] for each state the values at the times; NULL: not requested yet */
     double *one;         /**< [n] */
 } ida_nodes;
 
 typedef struct {
-    memory_pool pool;        /**< of the arrays */
-    integration *run;        /**< the states in it are in physical units */
-    integrate_counts before; /**< until the last restart: IDAReInit starts its counters anew */
+    memory_pool pool;        /**< owns the arrays */
+    integration *run;        /**< its states are in physical units */
+    integrate_counts before; /**< until the last restart: IDAReInit resets its counters */
     double *row_units;       /**< 1/row_scale */
     int *directions;
     SUNContext context;
     void *ida;
     N_Vector y, yp;
-    N_Vector between;   /**< state inside a step, for who watches */
+    N_Vector between;   /**< state within a step, for observers */
     double *watched_y;  /**< [n] */
-    double t_watched;   /**< up to which the observer has seen the motion */
-    double *channels;   /**< [n_watched] watched channels where the roots were asked last */
-    double t_channels;  /**< when that was */
+    double t_watched;   /**< time up to which the observer has processed the motion */
+    double *channels;   /**< [n_watched] watched channels at the last evaluation of the root functions */
+    double t_channels;  /**< time of that evaluation */
     double *kept;       /**< [n_kept] */
-    bool continues;     /**< nothing happened there */
-    ida_nodes *nodes;   /**< in the last step that was asked for */
-    ida_sparse *sparse; /**< NULL: the matrix is full */
+    bool continues;     /**< there was no event at t_watched */
+    ida_nodes *nodes;   /**< in the last step for which they were requested */
+    ida_sparse *sparse; /**< NULL: the matrix is dense */
     SUNMatrix matrix;
     SUNLinearSolver solver;
     ida_rounding rounding;
-    double t_refused; /**< latest time at which the model had no answer */
+    double t_refused; /**< latest time at which the model refused a state */
 } ida_session;
 
-/** Everything that takes memory. @return whether there was enough; ida_session_close is due in any case */
+/** Allocate everything. @return whether there was enough memory; ida_session_close is required in any case */
 bool ida_session_open(ida_session *s);
 void ida_session_close(ida_session *s);
 
 void ida_session_from_scaled(const ida_session *s, N_Vector from, double *to);
 void ida_session_to_scaled(const ida_session *s, const double *from, N_Vector to);
 
-/** Bring the run's counts up to date. */
+/** Update the run's counters. */
 void ida_session_count(ida_session *s);
 
-/* What IDA asks of an integration, as functions of the kinds that it wants; `data` is the session. */
+/* Callbacks of IDA; `data` is the session. */
 int ida_residual(sunrealtype t, N_Vector y, N_Vector yp, N_Vector r, void *data);
 int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *data,
                  N_Vector a, N_Vector b, N_Vector c);
 int ida_roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void *data);
 int ida_weights(N_Vector y, N_Vector weight, void *data);
 
-/** y at t in the last step; a function of the kind that integrate_step has, `with` being the session. */
+/** y at t in the last step; has the type of integrate_step.interpolate, with the session as `with`. */
 bool ida_interpolate(const void *with, double t, double *y);
-/** The same of some states: of long trains, where it is asked for at many times. */
+/** Same for some states only: for long trains, with many evaluations. */
 bool ida_interpolate_some(void *with, double t, int n, const int *states, double *y);
-/** Let the observer look at the motion from where it has seen it to t, in the last step. */
+/** Let the observer process the motion from t_watched to t, in the last step. */
 void ida_watch_to(ida_session *s, double t, N_Vector y);

@@ -10,11 +10,11 @@
 #include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
-/* Of rows of wheels, 26 states take as long with a full matrix, 50 a third more, 74 twice as long. */
+/* For rows of wheels, 26 states take the same time with a dense matrix, 50 a third more, 74 twice as long. */
 enum { LEAST_STATES = 50 };
 
 struct ida_sparse {
-    memory_pool pool; /**< of the arrays, and of this */
+    memory_pool pool; /**< owns the arrays, and this struct */
     const dae *model;
     void *pattern;
     int n_entries;
@@ -72,7 +72,7 @@ void ida_sparse_close(ida_sparse **pointer)
     }
 }
 
-/* IDA clears the places as well before it asks. */
+/* IDA also clears the sparsity pattern before the call. */
 int ida_sparse_jacobian(const ida_sparse *sparse, const dae_state *state, double cj, const double *row_units,
                         SUNMatrix matrix, char message[DAE_MESSAGE_LENGTH])
 {

@@ -1,4 +1,4 @@
-/** Sparse matrices for IDA, with SUNDIALS' solver KLU where the build has it. Private to integrate/. */
+/** Sparse matrices for IDA, with SUNDIALS' solver KLU if the build includes it. Private to integrate/. */
 #pragma once
 
 #include "integrate/dae.h"
@@ -10,15 +10,15 @@
 
 typedef struct ida_sparse ida_sparse;
 
-/** What integrate_version says of it. */
+/** Its part of integrate_version. */
 #ifdef EVOLVENT_KLU
 #define IDA_SPARSE_VERSION "with KLU"
 #else
 #define IDA_SPARSE_VERSION "without KLU"
 #endif
 
-/** Make a sparse matrix and its solver, if the build has one and it pays for a model. @return NULL if not, or if there is not enough
- *  memory: then a full matrix has to do */
+/** Create a sparse matrix and its solver, if the build includes KLU and it is faster for the model. @return NULL if
+ *  not, or if there is not enough memory: then use a dense matrix */
 ida_sparse *ida_sparse_open(const dae *model, N_Vector like, SUNContext context, SUNMatrix *matrix,
                             SUNLinearSolver *solver);
 void ida_sparse_close(ida_sparse **sparse);

@@ -1,4 +1,4 @@
-/* IDA steps freely and interpolates; after an event it starts anew. */
+/* IDA chooses its steps freely and interpolates; it restarts after an event. */
 #include "integrate/integration.h"
 
 #include "integrate/ida_session.h"
@@ -11,15 +11,15 @@
 #include <string.h>
 #include <sundials/sundials_config.h>
 
-/* A contact of damping ratio 0.02 is followed for thousands of oscillations: a Newton matrix that is out of date by more than a
- * hundredth in the step size costs more steps than it saves factorisations. */
+/* A contact of damping ratio 0.02 is integrated for thousands of oscillations: a Newton matrix outdated by more than 1
+ * % in the step size costs more steps than it saves factorisations. */
 static const double matrix_staleness = 0.01;
-static const double first_step = 1e-8;        /* [s] from touching flanks, where the force's stiffness starts from 0 */
-static const double restart_step = 1e-7;      /* [s] after an event */
-static const double shortest_run = 1e-3;      /* [s] in shorter ones both are shorter */
-static const long steps_between_looks = 1000; /* after which the observer hears of it, however far the next output is */
+static const double first_step = 1e-8;   /* [s] from flanks in contact, where the force's stiffness starts from 0 */
+static const double restart_step = 1e-7; /* [s] after an event */
+static const double shortest_run = 1e-3; /* [s] for shorter runs both are reduced */
+static const long steps_between_looks = 1000; /* after which the observer is called, regardless of the next output */
 
-/* A first step in a run as short as this one. */
+/* First step, reduced for a short run. */
 static double step_of(const integration *run, double step)
 {
     return step * fmin(1, run->options->t_end / shortest_run);
@@ -48,7 +48,7 @@ static bool set_up(ida_session *s, double step)
     return good;
 }
 
-/* The model's own words if it refused states at or beyond the last accepted one, else the integrator's. */
+/* Report the model's message if it refused states at or beyond the last accepted one, else the integrator's. */
 static integrate_code explain(ida_session *s, int flag)
 {
     if (s->t_refused < s->run->state->t) {
@@ -65,13 +65,13 @@ static integrate_code explain(ida_session *s, int flag)
     return INTEGRATE_FAILED;
 }
 
-/* From the present state, in units of the scales. */
+/* Restart from the present state, in units of the scales. */
 static integrate_code start_anew(ida_session *s, double step)
 {
     ida_session_count(s);
     s->before = *s->run->counts;
     s->t_watched = s->run->state->t;
-    s->t_channels = NAN; /* they belong to the motion before */
+    s->t_channels = NAN; /* values of the earlier motion */
     s->nodes->t[IDA_NODES - 1] = NAN;
     memset(s->kept, 0, (size_t)s->run->model->n_kept * sizeof(double));
     s->continues = false;
@@ -83,7 +83,7 @@ static integrate_code start_anew(ida_session *s, double step)
     return INTEGRATE_DONE;
 }
 
-/* An event in the last step was missed: start anew where it began, with a step that is a part of it. */
+/* An event in the last step was missed: restart at its start, with a fraction of its size. */
 static integrate_code take_back(void *self)
 {
     ida_session *s = self;
@@ -100,7 +100,7 @@ static integrate_code take_back(void *self)
     return start_anew(s, step / 4);
 }
 
-/* The state at an output: the present one, or of outputs by position one before in the last step. */
+/* The state at an output: the present one, or for outputs by position an interpolated one in the last step. */
 static const dae_state *state_of(const ida_session *s, const output_due *due, dae_state *between)
 {
     if (!due->has_mark || due->t >= s->run->state->t) {
@@ -111,8 +111,8 @@ static const dae_state *state_of(const ida_session *s, const output_due *due, da
     return between;
 }
 
-/* Hand over what lies on the grid from t_from to the present time; the end itself is handed over at the end. *missed: it was not,
- * since an event in the last step had been missed; the integration goes on from the beginning of that step. */
+/* Pass on the outputs from t_from to the present time, except the end, which is passed on last. *missed: an event in
+ * the last step was missed; the integration continues from the start of that step. */
 static integrate_code give_outputs(ida_session *s, double t_from, bool *missed)
 {
     integration *run = s->run;
@@ -136,7 +136,7 @@ static integrate_code give_outputs(ida_session *s, double t_from, bool *missed)
     return code;
 }
 
-/* Until t_stop, the next event, or where an output may be due: by time that is the next one; by position any step may have some. */
+/* Integrate to t_stop, the next event, or the next possible output: by time the next output; by position any step. */
 static int solve(ida_session *s, double t_stop)
 {
     integration *run = s->run;
@@ -154,7 +154,7 @@ static int solve(ida_session *s, double t_stop)
     return flag;
 }
 
-/* Apply what happened at the present state and start anew from there. */
+/* Apply the events at the present state and restart from there. */
 static integrate_code handle_event(ida_session *s, bool time_event)
 {
     const dae *m = s->run->model;
@@ -172,7 +172,8 @@ static integrate_code handle_event(ida_session *s, bool time_event)
     return start_anew(s, step_of(s->run, restart_step));
 }
 
-/* On to the next grid point (by position: step), event or end, whichever comes first; IDA steps freely and interpolates. */
+/* Advance to the next grid point (by position: step), event or end, whichever comes first; IDA chooses its steps freely
+ * and interpolates. */
 static integrate_code advance(void *self)
 {
     ida_session *s = self;
@@ -216,7 +217,7 @@ static void watch(void *self)
     ida_watch_to(s, s->run->state->t, s->y);
 }
 
-/* A session from the present state. */
+/* Open a session from the present state. */
 static integrate_code open_session(ida_session *s, integration *run, double step)
 {
     *s = (ida_session){
@@ -232,7 +233,8 @@ static integrate_code open_session(ida_session *s, integration *run, double step
     return INTEGRATE_DONE;
 }
 
-/* IDA's own memory is out of reach: it is given up, and all goes on from the present state, here and where it was kept. */
+/* IDA's internal memory cannot be serialised: it is discarded, and the run restarts from the present state, both here
+ * and when it is resumed. */
 static integrate_code settle(void *self)
 {
     ida_session *s = self;

@@ -1,4 +1,4 @@
-/* A stepper goes as it likes, the grid is interpolated. */
+/* A stepper chooses its steps freely; outputs are interpolated. */
 #include "integrate/integration.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@ static integrate_code redo(void *self)
     return INTEGRATE_DONE;
 }
 
-/* From where the observer has watched. */
+/* The step since the last one seen by the observer. */
 static integrate_step last_step(const integration *run)
 {
     return (integrate_step){.t_from = run->t_unwatched,
@@ -25,10 +25,10 @@ static integrate_step last_step(const integration *run)
                             .candidate = run->model->stepper->candidate};
 }
 
-/* States of the last step at some times, of each state the times side by side. */
+/* States of the last step at several times, for each state variable the values at the times. */
 static void find_states(integration *run, const integrate_step *step, int n, double t[DAE_LANES])
 {
-    enum { FEW = 1 }; /* one by one they cost less */
+    enum { FEW = 1 }; /* faster one by one */
     const int n_states = run->model->n;
     for (int k = 0; k < DAE_LANES; k++) {
         t[k] = t[k] < run->state->t ? t[k] : run->state->t;
@@ -45,7 +45,7 @@ static void find_states(integration *run, const integrate_step *step, int n, dou
     }
 }
 
-/* The grid points of the last step to an observer that takes several. */
+/* Pass the grid points of the last step to an observer that accepts several. */
 static integrate_code give_several(integration *run)
 {
     const integrate_step step = last_step(run);
@@ -62,8 +62,8 @@ static integrate_code give_several(integration *run)
     return INTEGRATE_DONE;
 }
 
-/* The grid points that the last step passed; the end itself is handed over at the end. An event that an output shows to have been
- * missed is looked for again in smaller steps. */
+/* Pass on the grid points in the last step; the end is passed on last. If an output shows that an event was missed, it
+ * is searched again in smaller steps. */
 static integrate_code give_outputs(integration *run, bool *missed)
 {
     *missed = false;
@@ -91,7 +91,7 @@ static integrate_code give_outputs(integration *run, bool *missed)
     return INTEGRATE_DONE;
 }
 
-/* Let the observer look into the step just made. */
+/* Let the observer process the last step. */
 static void watch_step(integration *run, bool goes_on)
 {
     integrate_step step = last_step(run);
@@ -107,7 +107,7 @@ static void watch(void *self)
     watch_step(self, false);
 }
 
-/* One step, and what happened at its end. */
+/* Make one step, and apply the events at its end. */
 static integrate_code advance(void *self)
 {
     integration *run = self;
@@ -129,7 +129,7 @@ static integrate_code advance(void *self)
             return code;
         }
         if (run->state->t < run->options->t_end || outcome == DAE_AT_EVENT) {
-            watch_step(run, outcome == DAE_STEPPED && run->state->t < t_event); /* the end has not proved good yet */
+            watch_step(run, outcome == DAE_STEPPED && run->state->t < t_event); /* the end is not verified yet */
         }
         if (run->observer->step(run->observer->self, run->state->t) != 0) {
             return INTEGRATE_STOPPED;

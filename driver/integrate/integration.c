@@ -7,9 +7,10 @@
 #include <string.h>
 #include <time.h>
 
-/* Of the present time: towards a limit of the model the steps shrink for ever unless they may not pass rounding. */
+/* Relative to the present time: near a limit of the model's domain the steps would shrink without end unless bounded by
+ * rounding. */
 static const double smallest_step = 64 * DBL_EPSILON;
-static const int most_times_missed = 12; /* an event at one output: each time the step is a quarter of what it was */
+static const int most_times_missed = 12; /* missed events at one output: each time the step is reduced to a quarter */
 
 dae_state dae_state_create(const dae *dae, memory_pool *pool)
 {
@@ -60,14 +61,14 @@ static double grain_of(const integration *run)
     return pace_grain(run->state->t, run->options->t_end);
 }
 
-/* What happens again and again, if the model has words for it. */
+/* Report an event that repeats endlessly, if the model describes it. */
 static bool tell_endless(integration *run, const char *how)
 {
     const dae *m = run->model;
     return m->endless != NULL && run->pace.n_recent > 0 && m->endless(m->self, &run->pace.last, how, run->reason);
 }
 
-/* Events without progress. */
+/* Report events without progress. */
 static integrate_code tell_events(integration *run)
 {
     char how[64];
@@ -201,7 +202,7 @@ bool integration_keep(integration *run, archive *archive)
     return good;
 }
 
-/** Seconds in words: such as "3 h". */
+/** Seconds as a text such as "3 h". */
 static const char *time_in_words(double seconds, char words[32])
 {
     static const struct {
@@ -216,7 +217,7 @@ static const char *time_in_words(double seconds, char words[32])
     return words;
 }
 
-/** Say that its steps are over. @param came  how far they brought it [s] */
+/** Report that the step limit is reached. @param came  progress [s] */
 static void tell_spent(integration *run, bool creeps, double came)
 {
     const pace *pace = &run->pace;
@@ -237,7 +238,7 @@ static void tell_spent(integration *run, bool creeps, double came)
                    "%s%s; raise simulation.max_steps, or take a larger tolerance or a shorter duration", how, needs);
 }
 
-/** Keep it here: always at a step's end. */
+/** Write a checkpoint, always at the end of a step. */
 static integrate_code put_away(integration *run, const integration_ways *ways, void *self)
 {
     const integrate_observer *observer = run->observer;
@@ -252,7 +253,7 @@ static integrate_code put_away(integration *run, const integration_ways *ways, v
     return goes_on ? INTEGRATE_DONE : INTEGRATE_STOPPED;
 }
 
-/** n steps are made: whether there may be more. */
+/** Count n steps and check the step limit. */
 static integrate_code spend(integration *run, int n, const integration_ways *ways, void *self)
 {
     const integrate_options *options = run->options;
@@ -263,7 +264,7 @@ static integrate_code spend(integration *run, int n, const integration_ways *way
         return INTEGRATE_DONE;
     }
     if (run->observer->keeps_spent) {
-        (void)run->observer->is_due(run->observer->self, t); /* it is, whatever he says: he hears of the time */
+        (void)run->observer->is_due(run->observer->self, t); /* always due; the call informs the observer of the time */
         const integrate_code code = put_away(run, ways, self);
         if (code != INTEGRATE_DONE) {
             return code;
@@ -273,7 +274,7 @@ static integrate_code spend(integration *run, int n, const integration_ways *way
     return INTEGRATE_SPENT;
 }
 
-/** Keep it if that is due, once at a time, so that the time says where. */
+/** Write a checkpoint if due, once for each time, so that the time identifies it. */
 static integrate_code rest(integration *run, const integration_ways *ways, void *self)
 {
     const integrate_observer *observer = run->observer;

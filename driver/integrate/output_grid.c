@@ -2,7 +2,7 @@
 
 #include "integrate/integration.h"
 
-static const double grid_slack = 1e-6; /* of an output interval: a grid point this near the end is the end */
+static const double grid_slack = 1e-6; /* relative to the output interval: a grid point this near the end is the end */
 
 double output_grid_time(const integrate_options *options, double t_start, long index)
 {

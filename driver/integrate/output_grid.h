@@ -1,4 +1,4 @@
-/** The outputs of an integration that are still to come, on a grid of times or of positions. Private to integrate/. */
+/** Remaining outputs of an integration, on a grid of times or of positions. Private to integrate/. */
 #pragma once
 
 #include "integrate/position_grid.h"
@@ -14,22 +14,22 @@ typedef struct {
 typedef struct {
     double t;
     bool has_mark;
-    output_mark mark; /**< if it goes by position */
+    output_mark mark; /**< if by position */
 } output_due;
 
 void output_grid_begin(output_grid *grid, const dae *model, const integrate_options *options, const dae_state *start);
 bool output_grid_goes_by_position(const output_grid *grid);
-/** By time: when the next one is due; the last one is the end itself. */
+/** By time: time of the next output; the last one is the end. */
 double output_grid_next(const output_grid *grid);
-/** The next output that lies in a step, but for the end itself. Of outputs by position the steps are all told, in order of time; those
- *  made anew from an earlier time give again no output that was given.
- *  @param room  a state with the integers of the step, and room for its y
+/** The next output in a step, except the end. For outputs by position, pass all steps in order of time; repeated steps
+ *  from an earlier time do not return earlier outputs again.
+ *  @param room  a state with the integers of the step, and space for its y
  *  @return false if there is none */
 bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *room, output_due *due);
-/** How many outputs by time are due in a step, and when; what is left of t has the last of these times.
- *  @param most  no more are told, DAE_LANES or fewer */
+/** Number and times of the outputs by time in a step; unused elements of t repeat the last of these times.
+ *  @param most  largest number to return, at most DAE_LANES */
 int output_grid_ahead(const output_grid *grid, const integrate_step *step, int most, double t[DAE_LANES]);
-/** Keep how far it is. */
+/** Serialise the position in the grid. */
 void output_grid_keep(output_grid *grid, archive *archive);
-/** That output was given: go on behind it. */
+/** Mark that output as done and advance to the next one. */
 void output_grid_given(output_grid *grid, const output_due *due);

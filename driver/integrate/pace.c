@@ -8,7 +8,7 @@ enum { MOST_EVENTS = 1000, MOST_STEPS = 100000 };
 
 static const double rounding = 64 * DBL_EPSILON; /* of the present time */
 static const double part_of_run = 1e-10;
-static const double stretch = 1e-6; /* of the run, on which it may not creep */
+static const double stretch = 1e-6; /* part of the run on which the number of steps is limited */
 static const double crept_at_least = 1e6, crept_share = 1e-3;
 
 pace pace_create(void)

@@ -1,4 +1,4 @@
-/** Whether a run gets on: events and steps without progress, and events that come ever sooner. */
+/** Progress monitor of a run: events and steps without progress, and accumulating events. */
 #pragma once
 
 #include "base/archive.h"
@@ -7,32 +7,33 @@
 enum { PACE_RECENT = 9 };
 
 typedef struct {
-    double t_began;               /**< time from which on there was no progress */
+    double t_began;               /**< time since which there was no progress */
     int events, steps;            /**< since then */
     double all;                   /**< steps of the run so far */
-    double t_crept, crept;        /**< where a stretch of the run began, and the steps on it */
-    double t_recent[PACE_RECENT]; /**< of the last events that were alike, the latest last */
+    double t_crept, crept;        /**< start of the present stretch of the run, and the steps on it */
+    double t_recent[PACE_RECENT]; /**< of the last events of the same kind, the latest last */
     int n_recent;
     dae_event last;
 } pace;
 
-/** What is left of a run's steps: some; none; or it creeps. */
+/** State of a run's step budget: sufficient; exhausted; or too slow. */
 typedef enum { PACE_FITS, PACE_SPENT, PACE_CREEPS } pace_budget;
 
-/** Nothing has happened. */
+/** Initial state. */
 pace pace_create(void);
-/** Times closer than this are no progress, at t of a run until t_end: to rounding, or so that the run would take 1e13 events. */
+/** Smallest time increment that counts as progress, at t of a run until t_end: above rounding, and large enough that
+ *  the run takes less than 1e13 events. */
 double pace_grain(double t, double t_end);
 
-/** An event at t, or n steps to there. @return false: too many of them without progress */
+/** Count an event at t, or n steps to t. @return false: too many of them without progress */
 bool pace_event(pace *pace, double t, double grain);
 bool pace_steps(pace *pace, int n, double t, double grain);
-/** n steps to t of a run until t_end: there may be `most` of them in all, and a thousandth of these, or 1e6, on a millionth of the run:
- *  at that pace it would take a thousand times what it may. */
+/** Count n steps to t of a run until t_end. The limit is `most` in all, and a thousandth of it (at least 1e6) on a
+ *  millionth of the run: at that rate the run would take a thousand times the limit. */
 pace_budget pace_spend(pace *pace, int n, double t, double t_end, double most);
-/** What an event was, for pace_gathers(). */
+/** Record an event for pace_gathers(). */
 void pace_note(pace *pace, double t, const dae_event *what);
-/** Whether the last events were alike and came ever sooner. @param within  time that they took [s] */
+/** Whether the last events were of the same kind, at decreasing intervals. @param within  time that they took [s] */
 bool pace_gathers(const pace *pace, double *within);
 
 void pace_keep(pace *pace, archive *archive);

@@ -6,23 +6,24 @@
 
 enum { DEGREE = DAE_DENSE_DEGREE, N = DEGREE + 1, MOST_HALVINGS = 48, MOST_TRIALS = 100 };
 
-static const double on_grid = 1e-9;             /* steps of the grid: so near to it is on it */
-static const double many_reaches = 4;           /* of how far a step goes, or would at the speed before */
+static const double on_grid = 1e-9;             /* in steps of the grid: a position this close to the grid is on it */
+static const double many_reaches = 4;           /* relative to the distance covered by a step, or extrapolated with the
+                                                 * previous speed */
 static const double rounding = 8 * DBL_EPSILON; /* of a position */
 
-/** A step that is searched. */
+/** Search of a step. */
 typedef struct {
     const position_grid *grid;
     const integrate_step *step;
     dae_state *room;
 } search;
 
-/** A place at a time, in steps of the grid. */
+/** A position at a time, in steps of the grid. */
 typedef struct {
     double t, u;
 } moment;
 
-/** A place that is on the grid but for rounding is there. */
+/** Snap a position to the grid if it is on it within rounding. */
 static double settle(double u)
 {
     const double line = round(u);
@@ -40,7 +41,7 @@ output_mark output_grid_mark(const dae *model, const integrate_options *options,
     return (output_mark){u / options->per_unit, fabs(u - round(u)) > 0 ? OUTPUT_OFF_GRID : OUTPUT_FORWARDS};
 }
 
-/** Where the motion is at a time in the step; NaN if that is not known. */
+/** Position at a time in the step; NaN if not available. */
 static double place_at(const search *s, double t)
 {
     const position_grid *grid = s->grid;
@@ -55,7 +56,7 @@ static double place_at(const search *s, double t)
 
 /* ---- polynomials in Bernstein's form ---- */
 
-/** From values at N places, evenly spread from the first to the last: Newton's form, powers, then Bernstein's. */
+/** Convert values at N equidistant points, including the ends: Newton's form, powers, then Bernstein's form. */
 static void bernstein_of_values(double c[N])
 {
     for (int k = 1; k < N; k++) {
@@ -80,7 +81,7 @@ static void bernstein_of_values(double c[N])
     }
 }
 
-/** The halves of the interval: de Casteljau. */
+/** Split at the middle of the interval: de Casteljau. */
 static void halve(const double c[N], double left[N], double right[N])
 {
     memcpy(right, c, N * sizeof *c);
@@ -111,15 +112,16 @@ static bounds bounds_of(const double c[N])
     return found;
 }
 
-/* ---- passing ---- */
+/* ---- crossing of grid lines ---- */
 
-/** When a motion without a turn comes to a line between two moments: false position, halving where that is slow. */
+/** Time at which a monotonic motion reaches a line between two moments: false position, with bisection where that is
+ *  slow. */
 static double meet(const search *s, moment a, moment b, double line)
 {
     const double rising = b.u > a.u ? 1 : -1, enough = rounding * fmax(1, fabs(line));
     double left = a.t, right = b.t, before = rising * (a.u - line), behind = rising * (b.u - line);
     double best = right, least = fabs(place_at(s, right) - line);
-    int side = 0; /* on which side of the line the last one was */
+    int side = 0; /* side of the line of the last iterate */
     for (int i = 0; i < MOST_TRIALS && least > enough; i++) {
         const double share = i % 4 == 3 ? 0.5 : before / (before - behind);
         const double t = left + share * (right - left);
@@ -146,7 +148,7 @@ static double meet(const search *s, moment a, moment b, double line)
     return fmax(best, nextafter(a.t, INFINITY));
 }
 
-/** The first line that a motion without a turn comes to. */
+/** The first line reached by a monotonic motion. */
 static bool pass(const search *s, moment a, moment b, double *t, output_mark *mark)
 {
     const bool rises = b.u > a.u;
@@ -162,7 +164,7 @@ static bool pass(const search *s, moment a, moment b, double *t, output_mark *ma
     return *t < t_end;
 }
 
-/** The first line that is passed between two moments. */
+/** The first line crossed between two moments. */
 static bool find(const search *s, moment a, moment b, const double c[N], int halvings, double *t, output_mark *mark)
 {
     const bounds bounds = bounds_of(c);
@@ -191,14 +193,14 @@ void position_grid_begin(position_grid *grid, const dae *model, const integrate_
     grid->place = settle(place_of(model, options->per_unit, options->position_of, start));
 }
 
-/** Whether nothing of the grid is near a short step, to `end`, of a motion that went on. */
+/** Whether no grid line is near a short step, to `end`, that continues the previous one. */
 static bool is_far(const position_grid *grid, moment from, double end, double span)
 {
     const double reach = many_reaches * fmax(fabs(end - from.u), grid->speed * span);
     return floor(fmax(from.u, end) + reach + on_grid) < ceil(fmin(from.u, end) - reach - on_grid);
 }
 
-/** Nothing else was passed until t. */
+/** Record that no other line was crossed until t. */
 static void leave(position_grid *grid, double t, double place, double span)
 {
     grid->speed = fabs(place - grid->place) / span;

@@ -9,7 +9,7 @@ static sunindextype length(N_Vector x)
     return NV_LENGTH_S(x);
 }
 
-/* Equal factors multiply the sum once, as SUNDIALS does it: its rounding, and with factors of one the sign of its zeros. */
+/* Equal factors multiply the sum once, as in SUNDIALS: same rounding, and with factors of one the same sign of zeros. */
 static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
 {
     const sunindextype n = length(x);
@@ -57,7 +57,7 @@ static sunrealtype wrms_norm(N_Vector x, N_Vector weight)
     return sqrt(sum / (sunrealtype)n);
 }
 
-/* Some rows from row i on. Their number is known to the compiler, and the sums stay in registers. */
+/* Combine several rows from row i on. Their number is known at compile time, so that the sums stay in registers. */
 static inline void combine_rows(int n_rows, sunindextype i, int n_vectors, const sunrealtype *c, N_Vector *x,
                                 N_Vector z)
 {
@@ -120,7 +120,7 @@ void short_vectors_use(N_Vector vector)
     vector->ops->nvscalevectorarray = scale_each;
 }
 
-/* L is unit lower, U upper triangular; pivots[k] is the row that changed places with row k. */
+/* L is unit lower, U upper triangular; pivots[k] is the row that was exchanged with row k. */
 static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector b, sunrealtype tolerance)
 {
     (void)tolerance;
@@ -135,7 +135,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector 
         row[k] = row[other];
         row[other] = kept;
     }
-    /* Two columns at a time: a row is fetched and put back half as often, and changes in the same order. */
+    /* Two columns at a time: a row is loaded and stored half as often, with the same order of operations. */
     sunindextype k = 0;
     for (; k + 1 < n; k += 2) {
         const sunrealtype *restrict first = columns[k], *restrict second = columns[k + 1];

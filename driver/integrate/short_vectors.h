@@ -1,15 +1,15 @@
-/** What IDA does most often with vectors and matrices of ten rows, compiled with the program.
+/** Most frequent operations of IDA on vectors and matrices of about ten rows, compiled with the program.
  *
- *  Distributions ship SUNDIALS without optimisation (Debian 12 does): its loops then take half of a run's time. These give the
- *  same results to the bit, unless SUNDIALS was compiled to fuse multiplications with additions, which x86-64 does not do by
- *  default. */
+ *  Some distributions ship SUNDIALS without optimisation (such as Debian 12): its loops then take half of a run's time.
+ *  These give bitwise the same results, unless SUNDIALS was compiled with fused multiply-add, which is not the default
+ *  on x86-64. */
 #pragma once
 
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
 
-/** Give a serial vector, and all that are cloned from it, the operations of this file. */
+/** Use the operations of this file for a serial vector and all its clones. */
 void short_vectors_use(N_Vector vector);
 
-/** Let a dense solver solve by the procedure of this file; it goes on factorising by its own. */
+/** Use the solve procedure of this file in a dense solver; its factorisation remains. */
 void short_vectors_solve(SUNLinearSolver solver);

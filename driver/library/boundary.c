@@ -7,18 +7,18 @@
 #include <pthread.h>
 #include <setjmp.h>
 
-/* Bytes without which no call gets far: the tables of the kernel, which are made once and whole. */
+/* Minimum memory of a call, in bytes: the tables of the kernel, which are created once and completely. */
 enum { NEEDED = 8 * 1024 * 1024 };
 
 typedef struct {
     jmp_buf start;
-    size_t count, size; /* of what was asked for */
+    size_t count, size; /* of the failed allocation */
 } boundary;
 
-static _Thread_local boundary *innermost; /* NULL: this thread is in no call */
+static _Thread_local boundary *innermost; /* NULL: this thread is not in a call */
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static locale_t plain; /* 0: there is none, and the caller's stays */
+static locale_t plain; /* 0: not available, and the caller's locale applies */
 
 static void make_locale(void)
 {

@@ -1,13 +1,13 @@
-/** Where a call of the library begins and ends: what its caller has set does not change its numbers, and what runs out of memory ends
- *  the call, not the process. */
+/** Entry and exit of library calls: the caller's settings do not affect the results, and insufficient memory ends the
+ *  call, not the process. */
 #pragma once
 
 #include "base/status.h"
 
 #include <stddef.h>
 
-/** Do something, as if this were a program of its own: locale "C", usual rounding. Where there is no memory it is left in the middle,
- *  with what it has taken, and `error` says so. */
+/** Execute a function as in a program of its own: locale "C", default rounding. On insufficient memory it is abandoned
+ *  without freeing its memory, and `error` reports this. */
 void boundary_call(void (*work)(void *with), void *with, evl_error *error);
-/** Leave the call that this thread is in, for want of so much memory; returns if it is in none. */
+/** Leave the present call of this thread because an allocation of that size failed; returns if there is none. */
 void boundary_leave(size_t count, size_t size);

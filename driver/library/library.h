@@ -1,4 +1,4 @@
-/** What the files of the library share. */
+/** Shared by the files of the library. */
 #pragma once
 
 #include "base/status.h"
@@ -12,11 +12,11 @@ struct evolvent_case {
     prepared_case prepared;
 };
 
-/** What a NULL for `stop` stands for. */
+/** Flag used if `stop` is NULL; never set. */
 extern const volatile sig_atomic_t library_never;
-/** Who sets it. */
+/** Name of its source, for messages. */
 const char *library_who(int stop);
-/** Hand an error over. @return its code */
+/** Copy an error to the caller's struct. @return its code */
 evolvent_code library_tell(const evl_error *from, evolvent_error *to);
-/** What the library hands over of a history, which becomes part of it; NULL of NULL. */
+/** The record of a history, which takes ownership of it; NULL for NULL. */
 evolvent_record *library_record(history *history);

@@ -1,4 +1,4 @@
-/* What else the library is asked of a case. */
+/* Other queries of the library about a case. */
 #include "analyses/modes_find.h"
 #include "analyses/show_json.h"
 #include "analyses/static_analysis.h"
@@ -102,7 +102,7 @@ void evolvent_text_free(char *text)
     free(text);
 }
 
-/* ---- a mesh at rest ---- */
+/* ---- quasi-static analysis of a mesh ---- */
 
 typedef struct {
     static_request request;

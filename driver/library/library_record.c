@@ -7,11 +7,11 @@
 _Static_assert(EVOLVENT_MOST_DIMENSIONS - NETCDF_MAX_RANK == 0, "every variable has room");
 
 struct evolvent_record {
-    history *history; /**< in whose pool the record is */
+    history *history; /**< its pool owns the record */
     evolvent_variable *variables;
     evolvent_attribute *attributes;
     char *layout;
-    size_t n_layout; /**< bytes of it */
+    size_t n_layout; /**< its length in bytes */
 };
 
 static evolvent_variable view(const history_variable *from)
@@ -47,9 +47,9 @@ static evolvent_attribute view_attribute(const history_attribute *from)
                                 is_real ? 0 : from->integer};
 }
 
-/* ---- the layout: numbers and texts with their ends, one behind the other ---- */
+/* ---- the layout: numbers and terminated texts, one after the other ---- */
 
-/** Put bytes at a place, if it is there. @return the place behind them, counted from the first */
+/** Copy bytes to an offset, unless the buffer is NULL. @return the offset behind them */
 static size_t put(char *to, size_t at, const void *bytes, size_t n)
 {
     if (to != NULL) {
@@ -86,7 +86,7 @@ static size_t put_variable(char *to, size_t at, const evolvent_variable *variabl
     return at;
 }
 
-/** Write the layout, or with NULL find how long it is. */
+/** Write the layout, or with NULL compute its length. */
 static size_t write_layout(char *to, int n, const evolvent_variable *variables)
 {
     size_t at = 0;

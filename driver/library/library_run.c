@@ -58,7 +58,7 @@ static void conclude(run *run, const simulate_result *result)
     (void)run_history_close(&run->history, library_who(0), result, "", &run->error);
 }
 
-/** Simulate with outputs that wait for each other; if they show that an event was missed, once more with each in its step. */
+/** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. */
 static void simulate_case(void *with)
 {
     run *run = with;

@@ -1,5 +1,5 @@
-/* Where there is no memory in the library. memory.h says of this that it does not return, which is so in every call; but the kernel may
- * be called past the library, and then goes on as it would without it. */
+/* Failed allocations in the library. By memory.h this function does not return, which is true within every call; but
+ * the kernel may be called without the library, and then continues as it would on its own. */
 #include "library/boundary.h"
 
 void evl_memory_run_out(size_t count, size_t size);

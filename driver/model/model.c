@@ -14,7 +14,7 @@ void model_explain(const model *model, const evl_status *status, model_message *
     (void)snprintf(error->message, sizeof error->message, "%s", status->message);
 }
 
-/** Names of the places for tooth pairs: those of the drive flank come first. */
+/** Names of the tooth pairs in the outputs: those of the drive flank come first. */
 static name_list name_pairs(model *model)
 {
     const int n = model->sizes.n_pair_places, n_drive = model->sizes.n_drive_places;
@@ -25,7 +25,7 @@ static name_list name_pairs(model *model)
     return (name_list){n, pairs};
 }
 
-/** The kernel's description, from that of a model before if there is one that differs in numbers only. */
+/** The kernel's description; taken from an earlier model if that differs only in numbers. */
 static evl_description *describe(const description *description, model *before, evl_status *status)
 {
     evl_description *known = before == NULL ? NULL : before->description;
@@ -137,7 +137,7 @@ void model_explain_start(const model *model, const evl_status *status, model_mes
     }
 }
 
-/** Warnings of the kernel: of the gearbox, then of speeds. */
+/** Warnings of the kernel: first of the gearbox, then of speeds. */
 static int n_kernel_warnings(const model *model)
 {
     evl_status status;

@@ -1,36 +1,37 @@
-/** The gearbox as a dae and as a table of outputs: the driver's only door to the kernel. */
+/** The gearbox as a dae and a table of outputs: the driver's only interface to the kernel. */
 #pragma once
 
 #include "case/case_schema.h"
 #include "case/description.h"
 #include "integrate/dae.h"
 
-/** One variable of the history: constant over time (is_static) or one value, or array of values, a time. */
+/** One variable of the history: constant over time (is_static), or one value or array of values per time. */
 typedef struct {
-    const char *name, *units, *symbol, *long_name; /**< live as long as the program */
-    const char *dims; /**< words of the dimensions besides time: "", "wheel", "mesh axis" and so on */
+    const char *name, *units, *symbol, *long_name; /**< valid as long as the program */
+    const char *dims; /**< names of the dimensions besides time: "", "wheel", "mesh axis" and so on */
     bool is_static, is_integer;
-    int offset, count;   /**< place in the array that model_outputs fills; count 0: the case has no such variable */
-    const char *rate_of; /**< output of which it is the rate, as of evl_output; NULL: none */
+    int offset, count;   /**< position in the array filled by model_outputs; count 0: the case has no such variable */
+    const char *rate_of; /**< output whose rate it is, as in evl_output; NULL: none */
 } model_output;
 
-/** Why a description was refused, or what it is warned of; with what it is about, so that the case file can be shown at the place. */
+/** Reason of a refusal, or a warning; with the location in the case file. */
 typedef struct {
-    char field[192]; /**< path in the case, "" if it is about nothing in particular */
+    char field[192]; /**< path in the case, "" for the case as a whole */
     char message[DAE_MESSAGE_LENGTH];
 } model_message;
 
-/** What a start is about that is about nothing in particular. */
+/** Default field of messages about a start. */
 #define MODEL_START "simulation.initial"
 
 typedef struct model model;
 
-/** The laws of a block: contact, damping or friction; the caller frees the array. */
+/** Available laws of a block: contact, damping or friction; the caller frees the array. */
 evl_kind *model_kinds(const char *block, int *n);
 
-/** Make the gearbox. The description has to outlive it. @return NULL with the reason in `error`.
- *  @param wheels  known ones that give way; NULL: none is
- *  @param[in,out] before  NULL, or a model that is not needed any more, which makes one like it cheap: it can only be deleted then */
+/** Create the gearbox. The description must outlive it. @return NULL with the reason in `error`.
+ *  @param wheels  known compliant wheels; NULL: none
+ *  @param[in,out] before  NULL, or a model that is no longer needed, whose data speed up the creation of a similar one;
+ *                         afterwards it can only be deleted */
 model *model_create(const description *description, const evl_wheel_store *wheels, model *before, model_message *error);
 void model_delete(model **model);
 
@@ -39,26 +40,26 @@ typedef struct {
     const char *const *names; /**< [n] */
 } name_list;
 
-/** The names of what the values of a model belong to. */
+/** Names of the elements to which the values of a model belong. */
 typedef struct {
     name_list wheels, meshes, shafts, accelerometers;
-    name_list pairs; /**< places for the tooth pairs of a mesh: drive_0, drive_1, ..., coast_0, ... */
+    name_list pairs; /**< tooth pairs of a mesh in the outputs: drive_0, drive_1, ..., coast_0, ... */
 } model_names;
 
-/** What is fixed of a model. */
+/** Constant data of a model. */
 typedef struct {
-    dae dae; /**< its stepper is the kernel's integrator radau, if that serves the model */
+    dae dae; /**< its stepper is the kernel's integrator radau, if that supports the model */
     model_names names;
-    int n_outputs, n_values;     /**< n_values: numbers of all outputs at a state */
+    int n_outputs, n_values;     /**< n_values: number of values of all outputs at a state */
     const model_output *outputs; /**< [n_outputs] */
 } model_facts;
 const model_facts *model_about(const model *model);
-/** Why it does not, if so. */
+/** Explain why radau does not support the model, if so. */
 void model_explain_no_stepper(const model *model, model_message *error);
 
-/** Which of the dae's positions are the pitches of a mesh or, if that is -1, the turns of a wheel. */
+/** Index of the dae's position that counts the pitches of a mesh or, if that is -1, the revolutions of a wheel. */
 int model_position_of(const model *model, int wheel, int mesh);
-/** Whether anything turns the wheel by which a position goes, or may. */
+/** Whether the wheel of a position can rotate: something drives it, or may. */
 bool model_can_pass(const model *model, int position_of, const dae_state *start);
 
 int model_n_warnings(const model *model);
@@ -66,54 +67,55 @@ void model_warning(const model *model, int index, model_message *warning);
 
 /** An output by its name; NULL if there is none. */
 const model_output *model_output_named(const model *model, const char *name);
-/** Place of an output, by its name, in the array that model_outputs fills; -1 if there is none. */
+/** Offset of an output, by its name, in the array filled by model_outputs; -1 if there is none. */
 int model_output_offset(const model *model, const char *name);
-/** An element of an output, by its name, among values as of model_outputs; NAN if there is no such output. */
+/** An element of an output, by its name, among values as from model_outputs; NAN if there is no such output. */
 double model_output_value(const model *model, const double *values, const char *name, int index);
-/** The static outputs, where they stand among all [n_values]. */
+/** The static outputs, at their offsets among all [n_values]. */
 void model_constants(const model *model, double *values);
 /** All outputs at a state [n_values]; integers as whole doubles. @return a dae_code */
 int model_outputs(const model *model, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
 
-/** Asks for some outputs at many states. */
+/** Evaluates a selection of outputs at many states. */
 typedef struct model_sampler model_sampler;
-/** @param wanted  [n] indices of outputs. The model has to outlive it */
+/** @param wanted  [n] indices of outputs. The model must outlive the sampler */
 model_sampler *model_sampler_create(const model *model, int n, const int *wanted);
 void model_sampler_delete(model_sampler **sampler);
-/** At n states of one discrete state, as in a step; eight at once are quickest.
- *  @param t, y      [n], [states * n] of each state the n values side by side
- *  @param discrete  where the discrete state is taken from
- *  @param values    one wanted output behind the other, of each value the n states side by side. @return a dae_code */
+/** Evaluate at n states with one discrete state, as in a step; DAE_LANES at once are fastest.
+ *  @param t, y      [n], [states * n] for each state variable its n values
+ *  @param discrete  has the discrete state
+ *  @param values    the requested outputs in order, for each value the n states. @return a dae_code */
 int model_sampler_ask(const model_sampler *sampler, int n, const double *t, const double *y, const dae_state *discrete,
                       double *values, char message[DAE_MESSAGE_LENGTH]);
-/** At one state. @param check  as of model_sampler_lanes */
+/** Evaluate at one state. @param check  as in model_sampler_lanes */
 int model_sampler_at(const model_sampler *sampler, bool check, const dae_state *state, double *values,
                      char message[DAE_MESSAGE_LENGTH]);
-/** As model_sampler_ask at DAE_LANES states, of which the first n count; the others are any that have an answer, as the last one once more.
- *  @param check  whether it is DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed */
+/** As model_sampler_ask at DAE_LANES states, only the first n of which count; the others must be valid states, such as
+ *  repetitions of the last one.
+ *  @param check  return DAE_RECOVERABLE if y does not agree with the discrete state: an event before it was missed */
 int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const double *t, const double *y,
                         const dae_state *discrete, double *values, char message[DAE_MESSAGE_LENGTH]);
-/** Whether so many states cost less than as many times one. */
+/** Whether DAE_LANES states together cost less than one by one. */
 bool model_sampler_in_lanes(const model_sampler *sampler);
 
-/** An extreme over the run of an output of a mesh, or of its tooth pairs, and the time at which it was first reached. */
+/** Extreme over the run of an output of a mesh or of its tooth pairs, and the time of its first occurrence. */
 typedef struct {
-    const char *output;       /**< of which output */
-    model_output value, time; /**< variables of the meshes, static, without places */
-    int watched;              /**< which of the watched outputs */
-    bool is_largest;          /**< else the smallest */
+    const char *output;       /**< name of the output */
+    model_output value, time; /**< variables of the meshes, static, without offsets */
+    int watched;              /**< index among the watched outputs */
+    bool is_largest;          /**< else smallest */
 } model_extreme;
 
-/** What is the same for all models; lives as long as the program. */
+/** Data common to all models; valid as long as the program. */
 struct model_tables {
-    case_schema schema; /**< what a case may say */
+    case_schema schema; /**< permitted keys of a case */
     int n_event_kinds;
     const char *const *event_kinds; /**< their names */
     int n_extremes;
     const model_extreme *extremes;
-    int n_watched;         /**< outputs: channel n_watched * mesh + watched of model_dae is one of a mesh */
-    const char *compiler;  /**< that built the kernel */
-    const char *processor; /**< for which it was compiled, as -march names it; "" if none was named */
+    int n_watched;         /**< outputs: channel n_watched * mesh + watched of model_dae belongs to a mesh */
+    const char *compiler;  /**< that compiled the kernel */
+    const char *processor; /**< target processor of the kernel, in the terms of -march; "" if not specified */
 };
 const struct model_tables *model_tables(void);
 const case_schema *model_schema(void);
@@ -121,28 +123,28 @@ const case_schema *model_schema(void);
 typedef struct {
     char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH];
 } model_state;
-/** What the states are, a new array of as many as its dae has. */
+/** Names and units of the states, a new array with one element for each state of the dae. */
 model_state *model_states(const model *model);
 
-/** The parameters of the damping law of a mesh, with what the case left open filled in. */
+/** Parameters of the damping law of a mesh, with defaults filled in. */
 enum { MODEL_MOST_PARAMETERS = 8 };
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS]);
 
-/** Directions in which the support of a wheel lets its axle move, unit vectors. @return how many */
+/** Unit vectors of the directions in which the support of a wheel allows displacements. @return their number */
 int model_support_directions(const model *model, int wheel, double directions[2][2]);
 
-/** Of a case that model_create refuses: its gears and their meshes, for model_geometry and model_pitch_errors alone.
+/** Gears and meshes of a case refused by model_create, only for model_geometry and model_pitch_errors.
  *  @return NULL if the case has none */
 model *model_sketch(const description *description);
 
-/** The geometry that follows from the case. @return how many quantities there are, 0 where it is not what they are of */
+/** Geometry derived from the case. @return number of quantities, 0 for a model without that kind of element */
 int model_geometry(const model *model, evl_of of, int index, evl_output quantities[EVL_MOST_QUANTITIES]);
-/** One of these by its name, NaN if there is none such. */
+/** One of these quantities by its name, NaN if there is none. */
 double model_quantity(const model *model, evl_of of, int index, const char *name);
-/** Cumulative position deviations of a wheel's teeth [m]. @return how many there are, 0 if it has no pitch errors; `most` of
- *  them are written */
+/** Cumulative pitch deviations of a wheel's teeth [m]. @return their number, 0 if the wheel has no pitch deviations; at
+ *  most `most` of them are written */
 int model_pitch_errors(const model *model, int wheel, int most, double *errors);
 
-/** Parameter `index`, from 0, of the numbers, or lists of them, that the case gives. @return its numbers, to be freed; NULL if there is
- *  no such parameter */
+/** Parameter `index`, from 0, among the numbers and lists of numbers of the case. @return its numbers, to be freed;
+ *  NULL if there is no such parameter */
 double *model_parameter_at(const model *model, int index, evl_parameter *parameter);

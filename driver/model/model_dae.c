@@ -97,7 +97,7 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
     const model *model = self;
     evl_status status;
     OWNED evl_event *happened =
-        xrealloc(NULL, (size_t)model->sizes.n_events, sizeof *happened); /* as many as told are filled */
+        xrealloc(NULL, (size_t)model->sizes.n_events, sizeof *happened); /* filled up to *n_events */
     *n_events = 0;
     const int code = evl_gearbox_apply_event(model->gearbox, state->t, fired, time_event, state->y, state->yp,
                                              state->integers, state->reals, happened, n_events, &status);

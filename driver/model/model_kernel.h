@@ -1,4 +1,4 @@
-/** What the files of the model share: the only include of the kernel's header. Private to model/. */
+/** Shared by the files of the model: the only include of the kernel's header. Private to model/. */
 #pragma once
 
 #include "base/memory.h"
@@ -10,29 +10,30 @@
 struct model {
     evl_description *description;
     evl_gearbox *gearbox;
-    memory_pool pool; /**< of the arrays and names of the facts */
+    memory_pool pool; /**< owns the arrays and names of the facts */
     model_facts about;
     evl_sizes sizes;
-    evl_initial initial; /**< its arrays are those of the case's description */
+    evl_initial initial; /**< its arrays belong to the case's description */
     bool has_orbit;      /**< the last start is on a periodic orbit */
     model_start_orbit orbit;
 };
 
-/** What the kernel says at run time, with the name of the mesh that it is about; a dae_code. */
+/** Convert a run-time status of the kernel to a dae_code and a message with the name of the mesh concerned. */
 int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
-/** Fill the dae; its arrays are owned by the model. */
+/** Fill the dae; the model owns its arrays. */
 void model_describe_dae(model *model, double duration);
-/** The entries of the Jacobian of the model's dae. */
+/** Sparsity pattern of the Jacobian of the model's dae. */
 const dae_pattern *model_pattern(void);
-/** The kernel's integrator for the model's dae; NULL if it does not serve the gearbox. */
+/** The kernel's integrator for the model's dae; NULL if it does not support the gearbox. */
 const dae_stepper *model_radau(const model *model);
-/** What a refusal is about, and why. */
+/** Field and reason of a refusal. */
 void model_explain(const model *model, const evl_status *status, model_message *error);
-/** Why there is no state to start from; what is about nothing else is about the case's initial state. */
+/** Reason why there is no initial state; by default it refers to the case's initial state. */
 void model_explain_start(const model *model, const evl_status *status, model_message *error);
 /** Write a warning of the orbit of the start, by index from 0. @return whether there is one */
 bool model_warns_of_orbit(const model *model, int index, model_message *warning);
-/** The outputs of one of the kernel's tables, without places, and their texts, which have to outlive them: new arrays. @return how many */
+/** Outputs of one of the kernel's tables, without offsets, and their texts, which must outlive them: new arrays.
+ *  @return their number */
 int model_take_outputs(int of, evl_output **texts, model_output **outputs);
 /** Fill the table of outputs. */
 void model_describe_outputs(model *model);

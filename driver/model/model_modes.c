@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Amplitudes that differ by less are equal: which of them is the largest shall not depend on rounding. */
+/* Amplitudes are equal below this relative difference, so that the choice of the largest does not depend on rounding. */
 static const double equal_amplitudes = 1e-9;
 
 static void shape_part(const model *model, const dae_state *state, const double *change, double complex unit,
@@ -18,11 +18,11 @@ static void shape_part(const model *model, const dae_state *state, const double 
     double *displacements = values + n_wheels, *penetrations = values + 3 * n_wheels;
     evl_gearbox_shape(model->gearbox, state->y, change, values, displacements, penetrations, penetrations + n_meshes);
     for (size_t i = 0; i < n; i++) {
-        mode->arcs[i] += unit * values[i]; /* the other parts stand behind the arcs */
+        mode->arcs[i] += unit * values[i]; /* the other parts follow the arcs */
     }
 }
 
-/** The value that everything is divided by: that of the wheel or axle that moves most, with the phase of its larger coordinate. */
+/** Value for the normalisation: of the wheel or axle with the largest motion, with the phase of its larger coordinate. */
 static double complex largest_motion(const model *model, const natural_mode *mode)
 {
     double complex unit = 0.0;
@@ -49,7 +49,7 @@ static void normalise(const model *model, natural_mode *mode)
     }
 }
 
-/** @param vector  [2 n_states] a change of the state, real and imaginary parts by turns */
+/** @param vector  [2 n_states] a change of the state, real and imaginary parts alternating */
 static natural_mode create_mode(memory_pool *pool, const model *model, const dae_state *state,
                                 const double eigenvalue[2], const double *vector)
 {
@@ -71,7 +71,8 @@ static natural_mode create_mode(memory_pool *pool, const model *model, const dae
     return mode;
 }
 
-/** The modes at a state, or, with room for mean outputs, of the mean over steady states: then the state is found. */
+/** Find the modes at a state, or, with an array for mean outputs, of the mean over steady states: then the state is an
+ *  output. */
 static bool find_modes(const model *model, const dae_state *state, double *means, int n_positions, natural_modes *modes,
                        evl_status *status)
 {

@@ -6,8 +6,9 @@
 
 #include <complex.h>
 
-/** One mode, standing for its conjugate too: each coordinate moves as the real part of its value times exp(eigenvalue t).
- *  All values are lengths. The wheel or axle that moves most moves by 1; an axle by the root of |x|^2 + |y|^2. */
+/** One mode, or a conjugate pair: each coordinate is the real part of its value times exp(eigenvalue t). All values are
+ *  lengths. The shape is normalised so that the largest motion of a wheel or axle is 1; that of an axle is sqrt(|x|^2 +
+ *  |y|^2). */
 typedef struct {
     double complex eigenvalue;           /**< [1/s], imaginary part >= 0, never 0 */
     double complex *arcs;                /**< [n_wheels] r_b phi, counterclockwise */
@@ -18,20 +19,21 @@ typedef struct {
 
 typedef struct {
     memory_pool pool;
-    int n_rigid; /**< independent motions that nothing restores, such as turning as a whole; not among the modes */
+    int n_rigid; /**< independent motions without restoring force, such as rotation of the train; not among the modes */
     int n;
-    natural_mode *modes; /**< [n] from slow to fast */
+    natural_mode *modes; /**< [n] in ascending order of frequency */
 } natural_modes;
 
-/** The gearbox linearised at a state. @return false with the reason in `message`; then there is nothing to free */
+/** Modes of the gearbox linearised at a state. @return false with the reason in `message`; then there is nothing to
+ *  free */
 bool model_modes(const model *model, const dae_state *state, natural_modes *modes, char message[DAE_MESSAGE_LENGTH]);
-/** The gearbox linearised at the steady states at all positions of its meshes, with the mean of the matrices.
- *  @param n_positions  over which the mean is taken; 0: 997
- *  @param[out] state   the steady state to which the shapes belong; its arrays belong to the caller
+/** Modes of the gearbox linearised at the steady states at all positions of its meshes, with the mean of the matrices.
+ *  @param n_positions  number of positions for the mean; 0: 997
+ *  @param[out] state   steady state of the mode shapes; its arrays belong to the caller
  *  @param[out] values  [model_n_values] mean outputs
  *  @return false with the reason in `error`; then there is nothing to free */
 bool model_mean_modes(const model *model, int n_positions, dae_state *state, double *values, natural_modes *modes,
                       model_message *error);
 
-/** How a mesh stands at a state. */
+/** State of a mesh at a state of the gearbox. */
 evl_mesh_mode model_mesh_mode(const model *model, const dae_state *state, int mesh);

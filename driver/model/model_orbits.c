@@ -9,8 +9,8 @@
 struct model_orbits {
     evl_orbits *orbits;
     model_orbits_setup setup;
-    const model *model;               /**< the last one that was taken */
-    char refusal[DAE_MESSAGE_LENGTH]; /**< why the last one was not; "" if it was */
+    const model *model;               /**< the last model returned by `take` */
+    char refusal[DAE_MESSAGE_LENGTH]; /**< reason if `take` failed; "" if not */
 };
 
 static int take(void *self, double value, const evl_gearbox **gearbox, const double **scale, evl_status *status)
@@ -34,11 +34,11 @@ static int tell(void *self, int number, int periods, double *period, double t, d
 {
     model_orbits *o = self;
     dae_state state = {.t = t, .y = y, .integers = integers, .reals = reals};
-    (void)status; /* why it does not come round is of no interest: then it is found as others are */
+    (void)status; /* the reason of a failure is not needed: then the orbit is found in the usual way */
     return o->setup.tell(o->setup.self, number - 1, periods, period, &state) ? EVL_OK : EVL_NO_SOLUTION;
 }
 
-/** Whether a call succeeded; what its caller said itself is told in full. */
+/** Whether a call succeeded; a message of the caller's own callback is passed on in full. */
 static bool answered(const model_orbits *o, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
     if (code != EVL_OK) {
@@ -49,7 +49,7 @@ static bool answered(const model_orbits *o, int code, const evl_status *status, 
 
 model_orbits *model_orbits_create(const model_orbits_setup *setup, double value, char message[DAE_MESSAGE_LENGTH])
 {
-    static const double tolerance = 1e-12, residual = 1e-10; /* of the scales */
+    static const double tolerance = 1e-12, residual = 1e-10; /* relative to the scales */
     model_orbits *o = xcalloc(1, sizeof *o);
     o->setup = *setup;
     const evl_orbits_setup to_kernel = {
@@ -65,7 +65,8 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
         .smallest_step = 1e-7,
         .largest_step = 1,
         .straight_step = 8,
-        .largest_change = setup->n_values > 0 ? 0.1 : 0.0125, /* points alone are to look like a curve */
+        .largest_change = setup->n_values > 0 ? 0.1 : 0.0125, /* without requested values the points must be dense
+                                                               * enough for a smooth curve */
         .most_points = 2000,
         .n_values = setup->n_values,
         .values = setup->values,

@@ -1,4 +1,4 @@
-/* The entries of the gearbox's Jacobian that may differ from zero. */
+/* Sparsity pattern of the gearbox's Jacobian. */
 #include "base/memory.h"
 #include "model/model_kernel.h"
 

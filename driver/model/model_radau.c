@@ -9,7 +9,7 @@ typedef struct {
     evl_radau *radau;
 } radau_stepper;
 
-/** To a stepper no failure is recoverable: it has tried smaller steps. */
+/** Failures of a stepper are not recoverable, since it has already tried smaller steps. */
 static int answer(const radau_stepper *s, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
     return model_answer(s->model, code, status, message) == DAE_OK ? DAE_OK : DAE_FATAL;

@@ -94,7 +94,7 @@ bool model_check_start(const model *model, dae_state *state, model_message *erro
     return code == EVL_OK;
 }
 
-/** A state of the kind at a position; NaN: at the position of the case, if it gives one. */
+/** State of the kind at a position; NaN: at the position of the case, if it gives one. */
 static bool find_at(const model *model, evl_initial_kind kind, double mesh_position, dae_state *state,
                     model_message *error)
 {
@@ -110,7 +110,7 @@ bool model_steady_state(const model *model, dae_state *state, model_message *err
     return find_at(model, EVL_INITIAL_STEADY, NAN, state, error);
 }
 
-/** Whether the flanks of some mesh are apart. */
+/** Whether the flanks of any mesh are separated. */
 static bool is_apart(const model *model, const dae_state *state)
 {
     char message[DAE_MESSAGE_LENGTH];
@@ -147,7 +147,8 @@ double model_start_multiplier(const model_start_orbit *orbit)
     return orbit->has_multiplier ? hypot(orbit->multiplier[0], orbit->multiplier[1]) : NAN;
 }
 
-/** A warning of the orbit by its index: an unstable one, and one that the motion does not lead to. @return whether there is one */
+/** A warning of the orbit by its index: it is unstable, or the motion does not converge to it. @return whether there is
+ *  one */
 bool model_warns_of_orbit(const model *model, int index, model_message *warning)
 {
     const model_start_orbit *orbit = model_orbit_of_start(model);
@@ -156,7 +157,7 @@ bool model_warns_of_orbit(const model *model, int index, model_message *warning)
         return false;
     }
     (void)snprintf(warning->field, sizeof warning->field, "%s.kind", MODEL_START);
-    const double size = model_start_multiplier(orbit), border = 1 + 1e-6; /* what a multiplier is known to */
+    const double size = model_start_multiplier(orbit), border = 1 + 1e-6; /* accuracy of a multiplier */
     if (!orbit->is_stable && size > border) {
         (void)snprintf(
             warning->message, sizeof warning->message,

@@ -9,17 +9,17 @@
 
 typedef struct {
     const model *model;
-    dae_state at;        /**< where outputs are linearised */
+    dae_state at;        /**< linearisation point of the outputs */
     double *moved;       /**< [n_states] */
     double *plus, *less; /**< [n_values] */
 } linearisation;
 
-/** Derivative of the outputs by a change of the state, whose entries are scales of the states at most.
- *  @param part  0 or 1: of the numbers of `change`, real and imaginary parts by turns. @return a dae_code */
+/** Derivative of the outputs with respect to a change of the state, whose entries are at most the scales of the states.
+ *  @param part  0 or 1: selects real or imaginary parts of `change`, which alternate. @return a dae_code */
 static int differentiate(linearisation *l, const double *change, int part, double *slopes,
                          char message[DAE_MESSAGE_LENGTH])
 {
-    static const double step = 1e-4; /* central differences: to about 1e-8 */
+    static const double step = 1e-4; /* central differences: accurate to about 1e-8 */
     const model_facts *about = model_about(l->model);
     dae_state state = l->at;
     state.y = l->moved;

@@ -4,11 +4,11 @@
 #include "base/memory.h"
 #include "model/model.h"
 
-/** A mode, standing for its conjugate too. */
+/** A mode, or a conjugate pair. */
 typedef struct {
-    double rate;      /**< at which it decays [1/s]; negative: it grows */
-    double frequency; /**< angular [rad/s]; 0: it does not oscillate */
-    double *left;     /**< [n_values] its amplitude at the start in each output, linearised */
+    double rate;      /**< decay rate [1/s]; negative: it grows */
+    double frequency; /**< angular [rad/s]; 0: not oscillatory */
+    double *left;     /**< [n_values] linearised amplitude at the start in each output */
 } start_mode;
 
 typedef struct {

@@ -11,7 +11,7 @@ bool model_is_of_request(const model_message *message)
     return message->field[0] == '\0';
 }
 
-/** What is told, and where it stands among the values. */
+/** Outputs of the analysis, with their offsets among the values. */
 static void take_outputs(const evl_static_plan *from, static_plan *plan)
 {
     evl_output *texts;
@@ -69,7 +69,7 @@ bool model_static(const model *model, const static_plan *plan, double torque, do
 
 double model_static_pair_force(const model *model, int mesh, double from, double to, double torque)
 {
-    static const double farthest = 1e9; /* of positions: a whole number holds them */
+    static const double farthest = 1e9; /* limit of positions: they must fit into an integer */
     double force;
     if (!(fmax(fabs(from), fabs(to)) < farthest)) {
         return NAN;

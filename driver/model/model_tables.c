@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is the same for all models is copied from the kernel once, whichever thread asks first. */
+/* Data common to all models are copied from the kernel once, by the first thread that needs them. */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static struct model_tables tables;
 static int n_outputs;
 static evl_output *output_texts; /**< [n_outputs] */
-static model_output *outputs;    /**< [n_outputs] without places */
+static model_output *outputs;    /**< [n_outputs] without offsets */
 static int *outputs_by_name;     /**< [n_outputs] in the order of their names */
 
 int model_take_outputs(int of, evl_output **texts, model_output **outputs)
@@ -48,7 +48,7 @@ int model_take_outputs(int of, evl_output **texts, model_output **outputs)
     return n;
 }
 
-/** The extreme of an output, or its time. */
+/** Description of the extreme of an output, or of its time. */
 static model_output describe_extreme(const evl_output *from, bool is_time)
 {
     const char *which = from->is_largest ? "max" : "min";

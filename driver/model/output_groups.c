@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** A group: all outputs with certain dimensions, or those that are named. */
+/** A group: all outputs with certain dimensions, or a list of names. */
 static const struct {
     const char *name;
-    const char *dims;    /**< between bars; NULL: those that are named */
-    const char *outputs; /**< between blanks */
+    const char *dims;    /**< separated by bars; NULL: list of names */
+    const char *outputs; /**< separated by blanks */
 } groups[] = {
     {"gearbox", "||", ""},
     {"wheels", "|wheel|wheel axis|", ""},
@@ -29,7 +29,7 @@ static const struct {
     {"tracking", NULL,
      "gradient_ratio tracking_residual_driving tracking_residual_driven line_distance_driving line_distance_driven "
      "contact_point_driving contact_point_driven"},
-    {"check", NULL, /* what evolvent-post check looks at */
+    {"check", NULL, /* outputs used by evolvent-post check */
      "kinetic_energy potential_energy dissipated_energy load_work load_torque angular_velocity angular_acceleration "
      "angle_deviation centre_displacement housing_angular_acceleration transmission_error gap gap_rate penetration "
      "flank_deviation separation_curvature contact_mode normal_force friction_force friction_arm_driving "
@@ -49,7 +49,7 @@ static bool is_in(int group, const model_output *output)
                                       : strstr(groups[group].dims, dims) != NULL;
 }
 
-/** Whether a word is the name of an output or of a group that has it, or all. */
+/** Whether a word is the name of an output or of a group that contains it, or "all". */
 static bool means(const char *word, const model_output *output)
 {
     if (strcmp(word, "all") == 0 || strcmp(word, output->name) == 0) {
@@ -63,7 +63,7 @@ static bool means(const char *word, const model_output *output)
     return false;
 }
 
-/** Whether a word names anything. */
+/** Whether a word is a known name. */
 static bool is_known(const char *word, int n, const model_output *outputs)
 {
     bool is_group = strcmp(word, "all") == 0;

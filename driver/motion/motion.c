@@ -1,4 +1,4 @@
-/* What a motion is made of, and its beginning. */
+/* Contents of a motion, and its start. */
 #include "motion/motion_parts.h"
 
 #include "base/number.h"
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/** Parameters of a case that a motion does not have: it ends, and is told, as its caller likes. */
+/** Exclude parameters of a case that do not apply to a motion: its end and outputs are determined by the caller. */
 static bool is_parameter(const char *path)
 {
     static const char simulation[] = "simulation.";
@@ -50,7 +50,7 @@ static void find_inputs(motion *m)
     }
 }
 
-/** The outputs that the case chooses and has. */
+/** The outputs selected by the case that exist. */
 static void find_outputs(motion *m)
 {
     const model_facts *facts = model_about(m->prepared.model);
@@ -68,7 +68,7 @@ static void find_outputs(motion *m)
     m->about.outputs = outputs;
 }
 
-/** Of a model that was made: what is asked of it. */
+/** Update the references to a new model. */
 static void take_model(motion *m)
 {
     m->dae = &model_about(m->prepared.model)->dae;
@@ -194,7 +194,7 @@ void motion_set_input(motion *m, int index, bool is_rate, double value)
     }
 }
 
-/** "PATH=VALUE", as an option would set it. */
+/** "PATH=VALUE" in the form of an option. */
 static char *option_of(memory_pool *pool, const motion_parameter *parameter)
 {
     char *text = pool_printf(pool, "%s=%s", parameter->of.path, parameter->of.n == 1 ? "" : "[");
@@ -251,7 +251,7 @@ bool motion_renew(motion *m)
     return good;
 }
 
-/* ---- beginning ---- */
+/* ---- start ---- */
 
 static void feed(const motion *m, bool with_rates)
 {

@@ -1,4 +1,4 @@
-/* A motion whose caller integrates: states, rates, indicators, events. */
+/* Motion with an external integrator: states, rates, indicators, events. */
 #include "motion/motion_parts.h"
 
 #include "integrate/integration.h"
@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-/** How far before its zero an indicator counts as past it: half of what the program keeps between the two, since an importer ends on
- *  either side by rounding. */
+/** Distance before its zero at which an indicator counts as past it: half of the distance that the program keeps after
+ *  an event, since rounding may stop an importer on either side. */
 static const double eager = 0.5e-10;
-/** Of a speed that a caller integrates from its rate. */
+/** Permitted relative error of a speed that a caller integrates from its rate. */
 static const double agreement = 1e-3;
 
 const dae_state *motion_state(const motion *m)
@@ -60,7 +60,7 @@ const double *motion_outputs(motion *m, dae_code *code)
     return answer(m, *code, m->values, code);
 }
 
-/** Which indicators are past zero. @return how many; -1 on failure */
+/** Find the indicators past zero. @return their number; -1 on failure */
 static int find_fired(motion *m)
 {
     dae_code code;
@@ -114,7 +114,7 @@ bool motion_update(motion *m, motion_change *change)
     if (n < 0 || (n == 0 && !time_event)) {
         return n == 0;
     }
-    m->now.t = time_event ? fmax(t, t_event) : t; /* by rounding it may be just before */
+    m->now.t = time_event ? fmax(t, t_event) : t; /* due to rounding it may be just before */
     const bool good = motion_apply(m, &m->now, time_event);
     m->now.t = t;
     change->next = next_time(m);

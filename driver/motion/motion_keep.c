@@ -1,9 +1,9 @@
-/* A motion put away, and taken up again. */
+/* Serialisation of a motion. */
 #include "motion/motion_parts.h"
 
 #include <string.h>
 
-/** Parameters; a motion that reads others makes its model anew. */
+/** Serialise the parameters; after reading different ones the model is created again. */
 static bool keep_parameters(motion *m, archive *archive)
 {
     bool differs = false;

@@ -1,17 +1,17 @@
-/** What the files of the room share. */
+/** Shared by the files of the module. */
 #pragma once
 
 #include "integrate/pace.h"
 #include "motion/motion.h"
 
 struct motion {
-    memory_pool pool;  /**< of all arrays */
-    char *name, *text; /**< of the case, to make it anew with other parameters */
+    memory_pool pool;  /**< owns all arrays */
+    char *name, *text; /**< of the case, to create it again with other parameters */
     prepared_case prepared;
     const dae *dae;
     motion_facts about;
     model_sampler *sampler;
-    dae_state now;                /**< where the motion is told */
+    dae_state now;                /**< the state visible to the caller */
     dae_state reach;              /**< end of the stepper's last step, where its events are not applied yet */
     dae_state old;                /**< before an event */
     void *stepper;                /**< NULL: the caller integrates */
@@ -20,21 +20,21 @@ struct motion {
     int *fired, *directions;
     dae_event *events;
     double *roots, *values;
-    bool has_outputs; /**< `values` are those of now */
+    bool has_outputs; /**< `values` belong to `now` */
     bool is_altered;  /**< the model has other parameters than the text */
     pace pace;
     char message[DAE_MESSAGE_LENGTH];
     evl_error error;
 };
 
-/** Say why a motion failed at its time. @return false */
+/** Report why a motion failed at its time. @return false */
 bool motion_fail(motion *motion, const char *reason);
-/** Say that the speed given to an input has jumped from that of its wheel. @return false */
+/** Report that the speed set for an input has jumped from that of its wheel. @return false */
 bool motion_fail_speed(motion *motion, const motion_input *input, double turns);
-/** Apply what has fired at a state. @return false with the reason */
+/** Apply the fired events at a state. @return false with the reason */
 bool motion_apply(motion *motion, dae_state *state, bool time_event);
-/** Make the model anew if parameters have changed since it was made. */
+/** Create the model again if parameters have changed since. */
 bool motion_renew(motion *motion);
-/** A stepper that has not started. @return false with the reason */
+/** Create a stepper without starting it. @return false with the reason */
 bool motion_make_stepper(motion *motion);
 void motion_stop_stepper(motion *motion);

@@ -1,5 +1,6 @@
-/* A motion by steps. The stepper goes as far as it likes and the motion is told in between, as in a run: as long as no input changes it
- * is that run, whatever the caller's steps. From an input that changes the stepper goes on anew, and its step ends with the caller's. */
+/* Motion by steps. The stepper chooses its steps freely and the motion is interpolated, as in a run. As long as no
+ * input changes it is identical to that run, for any steps of the caller. After a change of an input the stepper
+ * restarts, and its step ends with the caller's. */
 #include "motion/motion_parts.h"
 
 #include "integrate/integration.h"
@@ -8,13 +9,13 @@
 #include <math.h>
 #include <string.h>
 
-/** Of a speed: what rounding leaves between the given one and that of the wheel. */
+/** Relative rounding error between a prescribed speed and that of the wheel. */
 static const double rounding = 1e-12;
-/** And what is no jump: what an importer's signals are apart by themselves. */
+/** Largest relative difference that is not a jump: accuracy of an importer's signals. */
 static const double noise = 1e-6;
 
-/** The rate as which a wheel turns on, so that it has the given speed at the end of the caller's step. A speed that goes with its rate
- *  is apart from the wheel's by what the rate changes in a step; more is a jump. */
+/** Rate of a wheel for which it reaches the prescribed speed at the end of the caller's step. A speed consistent with
+ *  its rate differs from the wheel's at most by the change of the rate in a step; a larger difference is a jump. */
 static bool follow_speed(motion *m, const motion_input *input, double t, double *rate)
 {
     const double h = t - m->now.t, turns = model_wheel_speed(m->prepared.model, input->of.wheel, &m->now);
@@ -27,7 +28,7 @@ static bool follow_speed(motion *m, const motion_input *input, double t, double 
     return true;
 }
 
-/** Give the model the inputs for a step to t. *changes: something is not as before */
+/** Set the model's inputs for a step to t. *changes: an input differs from the previous step */
 static bool feed_step(motion *m, double t, bool *changes)
 {
     *changes = false;
@@ -47,11 +48,11 @@ static bool feed_step(motion *m, double t, bool *changes)
     return true;
 }
 
-/** Go on from now, since an input has changed; what the stepper has seen beyond does not count. */
+/** Restart from the present time, since an input has changed; the stepper's results beyond it are discarded. */
 static void go_on_anew(motion *m)
 {
     if (m->at_event) {
-        m->dae->stepper->redo(m->stepper, &m->reach); /* so that it forgets the event, which lies ahead */
+        m->dae->stepper->redo(m->stepper, &m->reach); /* to discard the event ahead */
     }
     dae_state_copy(m->dae, &m->reach, &m->now);
     m->at_event = m->at_time_event = false;
@@ -69,7 +70,7 @@ static bool apply_pending(motion *m)
     return true;
 }
 
-/** Apply an event that lies where the last step of the caller's ended: an input that changes there finds it done. */
+/** Apply an event at the end of the caller's last step, before an input changes there. */
 static bool happen_now(motion *m)
 {
     if (!(m->at_event || m->at_time_event) || m->reach.t > m->now.t) {
@@ -84,7 +85,7 @@ static bool happen_now(motion *m)
     return true;
 }
 
-/** One step of the stepper, or what happens where the last one ended. */
+/** Make one step, or apply the events at the end of the last one. */
 static bool advance(motion *m, double t_stop)
 {
     const dae *dae = m->dae;
@@ -106,7 +107,8 @@ static bool advance(motion *m, double t_stop)
     return pace_steps(&m->pace, 1, m->reach.t, grain) || motion_fail(m, "the integrator does not get on");
 }
 
-/** What is told at t, within the last step; where that was to stop there, as in a run at its end, the step's own end. */
+/** Set the visible state at t, within the last step; if that was to stop at t, as in a run at its end, the step's own
+ *  end. */
 static void tell(motion *m, double t, bool stops)
 {
     m->now.t = t;
@@ -119,7 +121,7 @@ static void tell(motion *m, double t, bool stops)
     memcpy(m->now.reals, m->reach.reals, (size_t)m->dae->n_reals * sizeof *m->now.reals);
 }
 
-/** Whether the outputs at now agree with the discrete state: else an event was passed unseen. */
+/** Whether the outputs at `now` agree with the discrete state: else an event was missed. */
 static dae_code look(motion *m)
 {
     const int code = model_sampler_at(m->sampler, true, &m->now, m->values, m->message);
@@ -129,7 +131,7 @@ static dae_code look(motion *m)
 
 bool motion_to(motion *m, double t)
 {
-    enum { MOST_TIMES_MISSED = 12 }; /* each time the step is a quarter of what it was */
+    enum { MOST_TIMES_MISSED = 12 }; /* each time the step is reduced to a quarter */
     bool changes;
     m->error = (evl_error){EVL_EXIT_OK, "", ""};
     if (!(t > m->now.t)) {

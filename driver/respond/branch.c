@@ -48,7 +48,7 @@ bool branch_prepare(branch *b, double value, model_period *period, evl_error *er
     return branch_prepare_as(b, &b->prepared, value, period, error);
 }
 
-/** The state with which the motion at a value begins: the case's own, or the one that was carried so far. */
+/** Initial state of the motion at a value: the case's own, or the one transferred from the previous value. */
 static bool start(branch *b, const model_period *period, carried *state, char *message, evl_error *error)
 {
     const dae *dae = &model_about(b->prepared.model)->dae;
@@ -114,15 +114,15 @@ static void add_jump(branch *b, int direction, const double values[2], const res
                                              .deviation_after = deviations(b, &points[1])};
 }
 
-/** Between two values, and the motions there. */
+/** An interval between two values, and the motions at its ends. */
 typedef struct {
     double values[2];
     response_point points[2];
     carried state; /**< of the first */
 } gap;
 
-/** Halve what lies between two values, with the motion of the first carried on, until it shows that there is no jump.
- *  @param size  difference of the motions at first; *jumps: it stays */
+/** Bisect the interval between two values, continuing the motion of the first, until it shows that there is no jump.
+ *  @param size  initial difference of the motions; *jumps: it remains */
 static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error *error)
 {
     const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
@@ -148,8 +148,9 @@ static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error 
     return end;
 }
 
-/** Look between the last value and this one, where the motion differs. If it can be carried over a jump in small steps, it was the step
- *  that threw it out: then it is followed further. @param point, state  of the motion at this value */
+/** Examine the interval between the last value and this one, where the motion differs. If the motion can be continued
+ *  past a jump in small steps, the jump was caused by the step size: then it is continued further. @param point, state
+ *  of the motion at this value */
 static orbit_end look_between(branch *b, double last, const response_point *before, double value, response_point *point,
                               carried *state, evl_error *error)
 {
@@ -218,7 +219,7 @@ orbit_end branch_step(branch *b, evl_error *error)
     return end;
 }
 
-/* ---- what is kept ---- */
+/* ---- serialisation ---- */
 
 static void keep_point(branch *b, response_point *point, archive *archive)
 {

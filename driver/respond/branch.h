@@ -1,4 +1,5 @@
-/** What was found so far, and how it goes on: the values one after the other, up and then down, and the jumps between them. */
+/** Results so far and the next step of a response: the values one after the other, up and then down, and the jumps
+ *  between them. */
 #pragma once
 
 #include "files/response.h"
@@ -14,18 +15,18 @@ typedef struct {
     int n_set;
     const char *const *set;
     int most;
-    const volatile sig_atomic_t *interrupt; /**< as of orbit_find */
+    const volatile sig_atomic_t *interrupt; /**< as in orbit_find */
     wheel_store *wheels;
-    prepared_case prepared; /**< of the value that was looked at last */
-    model_period period;    /**< of that */
+    prepared_case prepared; /**< of the last value evaluated */
+    model_period period;    /**< of the same */
     const model_names *names;
     model_output rows[N_NUMBER_ROWS];
     int n_values;
     bool goes[RESPONSE_DIRECTIONS];
-    /* what is kept */
-    int step, n_steps;                           /**< values that were looked at, of all directions */
+    /* serialised members */
+    int step, n_steps;                           /**< number of values evaluated, of all directions */
     response_point *points[RESPONSE_DIRECTIONS]; /**< [range->n] */
-    carried state;                               /**< of the last value */
+    carried state;                               /**< at the last value */
     int n_jumps;
     response_jump *jumps;
 } branch;
@@ -33,21 +34,21 @@ typedef struct {
 /** The direction and value of a step. */
 typedef struct {
     int direction, index;
-    bool begins; /**< the first one of its direction */
+    bool begins; /**< first step of its direction */
 } branch_place;
 branch_place branch_at(const branch *branch, int step);
 
 /** Prepare the case with a value of the parameter, and find its common period. @return false with the reason in `error` */
 bool branch_prepare(branch *branch, double value, model_period *period, evl_error *error);
-/** The same in another place. */
+/** Same for another prepared case. */
 bool branch_prepare_as(const branch *branch, prepared_case *prepared, double value, model_period *period,
                        evl_error *error);
-/** The motion that is come to at a value. @param state  where it begins, or nothing: then as the case says; becomes that of its end
- *  @param point  with room for its numbers */
+/** Find the settled motion at a value. @param state  initial state, or empty: as in the case; becomes the final state
+ *  @param point  with space for its metrics */
 orbit_end branch_look(branch *branch, double value, carried *state, response_point *point, evl_error *error);
-/** Look at the value of the next step, and at what lies between it and the one before if the motion jumped.
- *  @return ORBIT_FAILED with the reason in `error`; then, and when it was interrupted, the step is still to be done */
+/** Evaluate the value of the next step, and the interval since the previous one if the motion jumped.
+ *  @return ORBIT_FAILED with the reason in `error`; then, and after an interrupt, the step remains to be done */
 orbit_end branch_step(branch *branch, evl_error *error);
-/** Keep all that a later step needs. */
+/** Serialise all that a later step needs. */
 void branch_keep(branch *branch, archive *archive);
 void branch_free(branch *branch);

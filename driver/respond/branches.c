@@ -8,7 +8,7 @@
 
 enum { MOST_BRANCHES = 64 };
 
-/** A model for the kernel. */
+/** Callback of the kernel: the model for a value. */
 static const model *take(void *self, double value, char message[DAE_MESSAGE_LENGTH])
 {
     branches *o = self;
@@ -24,7 +24,7 @@ static const model *take(void *self, double value, char message[DAE_MESSAGE_LENG
     return o->prepared.model;
 }
 
-/** The numbers of what is to be an orbit, for the kernel, which sees where it came. */
+/** Callback of the kernel: metrics of a candidate orbit; the kernel checks the final state. */
 static bool tell(void *self, int number, int periods, double *time, dae_state *state)
 {
     branches *o = self;
@@ -45,7 +45,7 @@ static bool tell(void *self, int number, int periods, double *time, dae_state *s
     return good;
 }
 
-/** Begin the branch of the present orbit. */
+/** Start the branch of the present orbit. */
 static void begin_branch(branches *o, bool rising, int parent)
 {
     char message[DAE_MESSAGE_LENGTH] = "";
@@ -58,7 +58,7 @@ static void begin_branch(branches *o, bool rising, int parent)
     o->progress = model_orbits_walk(o->orbits);
 }
 
-/** The next point of the branch. */
+/** Find the next point of the branch. */
 static void go_on(branches *o)
 {
     char message[DAE_MESSAGE_LENGTH] = "";
@@ -75,7 +75,8 @@ static void go_on(branches *o)
     o->progress = model_orbits_walk(o->orbits);
 }
 
-/** Enter the next branch of twice the period, also at doublings of such ones. When there is none left the value is done. */
+/** Start the next period-doubled branch, also from doublings on such branches. If there is none left, the value is
+ *  complete. */
 static void enter_doubling(branches *o)
 {
     char message[DAE_MESSAGE_LENGTH];
@@ -105,7 +106,7 @@ static void enter_doubling(branches *o)
     }
 }
 
-/** Begin the branch of the motion of a value, unless that is the end of the range to which it would go. */
+/** Start the branch of the motion at a value, unless the value is the end of the range in that direction. */
 static void begin_way(branches *o, double value)
 {
     const value_range *range = o->sweep->range;
@@ -125,7 +126,7 @@ static void begin_way(branches *o, double value)
     }
 }
 
-/** What finds orbits, with the section where the first motion has it. */
+/** Create the kernel's orbit search, with the section of the first motion. */
 static bool create_orbits(branches *o, double value, evl_error *error)
 {
     const value_range *range = o->sweep->range;
@@ -147,7 +148,7 @@ static bool create_orbits(branches *o, double value, evl_error *error)
     return o->orbits != NULL || evl_error_set(error, EVL_EXIT_CASE, "", "%s", message);
 }
 
-/** Take what is needed of the first state for all orbits. @return false with the reason in `error` */
+/** Set the data common to all orbits from the first state. @return false with the reason in `error` */
 static bool begin_orbits(branches *o, double value, const carried *state, evl_error *error)
 {
     if (!o->has_orbits) {
@@ -159,8 +160,9 @@ static bool begin_orbits(branches *o, double value, const carried *state, evl_er
     return o->has_orbits;
 }
 
-/** Where the motion does not repeat: an orbit, stable or not, from the state where the motion ended, or from the quasi-static one.
- *  @param state  becomes that of which it was found */
+/** If the motion does not repeat: find an orbit, stable or not, from the final state of the motion, or from the
+ *  quasi-static one.
+ *  @param state  becomes the state from which it was found */
 static bool find_other_start(branches *o, double value, carried *state, response_point *point, evl_error *error)
 {
     static const char *const origins[] = {"its last state", "the quasi-static state"};
@@ -188,7 +190,7 @@ static bool find_other_start(branches *o, double value, carried *state, response
     return false;
 }
 
-/** Find the motion to which the gearbox comes at a value. */
+/** Find the settled motion at a value. */
 static orbit_end look(branches *o, double value, evl_error *error)
 {
     carried state = {.exists = false};
@@ -226,7 +228,7 @@ bool branches_are_done(const branches *o)
     return o->value == o->sweep->range->n;
 }
 
-/** Put back what a step that was interrupted has changed. What has grown stays as it is: only the counts count. */
+/** Undo the changes of an interrupted step. Enlarged arrays remain; only the counts are restored. */
 static void undo(branches *o, const branches *before, const orbit_branch *last)
 {
     o->value = before->value;

@@ -1,51 +1,52 @@
-/** Branches of periodic orbits: from motions that a gearbox comes to, along the parameter, through folds, and on from doublings. */
+/** Branches of periodic orbits: from settled motions of a gearbox along the parameter, through folds, and onwards from
+ *  period doublings. */
 #pragma once
 
 #include "files/orbits.h"
 #include "respond/branch.h"
 
-/** What is done next. */
+/** Next task. */
 typedef enum { BRANCHES_LOOK, BRANCHES_RISE, BRANCHES_FALL, BRANCHES_DOUBLE } branches_task;
 
 typedef struct {
-    branch *sweep; /**< prepares the case, and finds motions to begin with */
-    int n_values; /**< of the range, evenly from its first to its last, at which there are to be stable orbits too; 0: none */
+    branch *sweep; /**< prepares the case, and finds settled motions to start from */
+    int n_values;  /**< evenly spaced values, from first to last, with stable orbits required, too; 0: none */
     memory_pool pool;
     model_orbits *orbits;
-    prepared_case prepared; /**< what the orbits were asked about last */
-    model_period period;    /**< of that */
-    int longest;            /**< common periods of an orbit at most */
+    prepared_case prepared; /**< for the last call by the kernel */
+    model_period period;    /**< of the same */
+    int longest;            /**< largest length of an orbit in common periods */
     double *values;         /**< [n_values] */
-    int n_told;             /**< orbits that the kernel let be told in the last step of a branch; their */
-    double **told;          /**< [n_told] numbers */
-    /* what is kept */
-    int value;                      /**< place in the range, from which branches are sought now */
+    int n_told;             /**< orbits recorded by the kernel's callback in the last step of a branch; their */
+    double **told;          /**< [n_told] metrics */
+    /* serialised members */
+    int value;                      /**< index in the range of the value at which branches are searched now */
     int task;                       /**< branches_task */
-    int doubling;                   /**< point at which a doubling is looked for next */
-    bool is_under_way;              /**< the last branch is being followed */
-    model_orbits_progress progress; /**< along that */
-    carried motion;                 /**< to which the gearbox comes at the value */
-    response_point at;              /**< of that: its period and time count */
-    bool has_orbits;                /**< there are orbits, whose scales are those of */
+    int doubling;                   /**< point at which a period doubling is checked next */
+    bool is_under_way;              /**< the continuation of the last branch is in progress */
+    model_orbits_progress progress; /**< of that continuation */
+    carried motion;                 /**< settled motion at the value */
+    response_point at;              /**< period and time of that motion */
+    bool has_orbits;                /**< there are orbits; their scales are those at */
     double scaled_at;               /**< this value */
-    double place;                   /**< of the section [pitches] */
-    dae sizes;                      /**< only numbers of states, integers and reals count */
+    double place;                   /**< position of the section [pitches] */
+    dae sizes;                      /**< only the numbers of states, integers and reals are used */
     int n_branches, n_points;
     orbit_branch *branches;
     orbit_point *points;
     int n_kept;
-    double **kept; /**< [n_points][n_kept] what the kernel needs of them */
+    double **kept; /**< [n_points][n_kept] data of the points for the kernel */
     int n_problems;
-    const char **problems; /**< what was tried and did not come to an orbit */
+    const char **problems; /**< attempts that did not converge to an orbit */
 } branches;
 
-/** Whether all is found. */
+/** Whether all branches are complete. */
 bool branches_are_done(const branches *branches);
-/** Do the next thing: look for a motion to begin with, begin a branch, or find its next point.
- *  @return ORBIT_FAILED with the reason in `error`; then, and when it was interrupted, it is still to be done */
+/** Do the next task: search a settled motion, start a branch, or find its next point.
+ *  @return ORBIT_FAILED with the reason in `error`; then, and after an interrupt, the task remains to be done */
 orbit_end branches_step(branches *branches, evl_error *error);
-/** Keep all that a later step needs. */
+/** Serialise all that a later step needs. */
 void branches_keep(branches *branches, archive *archive);
-/** Make what was kept known to the kernel. @return false with the reason in `error` */
+/** Restore the serialised data in the kernel. @return false with the reason in `error` */
 bool branches_resume(branches *branches, evl_error *error);
 void branches_free(branches *branches);

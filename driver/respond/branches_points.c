@@ -11,7 +11,7 @@ void branches_note(branches *o, double value, const char *why)
     o->problems[o->n_problems++] = pool_copy(&o->pool, text);
 }
 
-/** Which of the values that are asked for a parameter is, bit for bit; -1: none. */
+/** Index of a parameter among the requested values, bitwise equal; -1: none. */
 static int place_among(const branches *o, double parameter)
 {
     for (int i = 0; i < o->n_values; i++) {
@@ -28,7 +28,7 @@ static double common_time(const model_orbit *orbit)
     return orbit->time / orbit->periods;
 }
 
-/** The numbers of a point, or of the present orbit if `number` is negative. @return NULL with the reason in `message` */
+/** Metrics of a point, or of the present orbit if `number` is negative. @return NULL with the reason in `message` */
 static double *find_numbers(branches *o, int number, int point, const model_orbit *orbit,
                             char message[DAE_MESSAGE_LENGTH])
 {
@@ -47,7 +47,8 @@ double *branches_numbers(branches *o, const model_orbit *orbit)
     return find_numbers(o, -1, 0, orbit, message);
 }
 
-/** A mesh that has no time without contact on either side of a touch does not part there: one of its tooth pairs does. */
+/** A mesh that is always in contact on both sides of a grazing point does not separate there: one of its tooth pairs
+ *  does. */
 static void check_touches(branches *o, int first, int n)
 {
     const model_output *row = &o->sweep->rows[NUMBER_share_no_contact];
@@ -90,7 +91,7 @@ void branches_take_points(branches *o, int n)
     check_touches(o, o->n_points - n, n);
 }
 
-/** Whether two orbits at one value are the same: their transmission errors are. */
+/** Whether two orbits at one value are the same, judged by their transmission errors. */
 static bool are_alike(const branches *o, const double *a, const double *b)
 {
     static const double near = 1e-4;
@@ -132,7 +133,7 @@ bool branches_pass(branches *o, double value, int periods, const double *values)
 
 bool branches_have_entered(const branches *o, const model_orbit *doubling)
 {
-    static const double near = 1e-3; /* of the range */
+    static const double near = 1e-3; /* relative to the range */
     const double range = fabs(o->sweep->range->to - o->sweep->range->from);
     int first = 0;
     for (int i = 0; i < o->n_branches; first += o->branches[i++].n) {
@@ -146,7 +147,7 @@ bool branches_have_entered(const branches *o, const model_orbit *doubling)
     return false;
 }
 
-/** Whether orbits on one side of a point may be stable: it is itself, or its stability changes there. */
+/** Whether orbits on one side of a point may be stable: it is stable itself, or the stability changes there. */
 static bool may_be_stable(const orbit_point *point)
 {
     return point->orbit.is_stable || point->orbit.kind != MODEL_ORBIT_ORDINARY;

@@ -55,7 +55,7 @@ void carried_keep(carried *c, archive *archive)
         c->exists = exists && !archive->has_failed;
     }
     if (!exists || archive->has_failed) {
-        return; /* a signal came before the first motion: the next run starts as the case says */
+        return; /* interrupted before the first motion: the next run starts as in the case */
     }
     if (archive->is_reading) {
         c->sizes = (dae){.n = sizes[0], .n_integers = sizes[1], .n_reals = sizes[2]};

@@ -60,8 +60,7 @@ bool going_on_take_up(going_on *g, bool *taken_up, evl_error *error)
 
 bool going_on_is_due(const going_on *g)
 {
-    static const double interval = 0.25,
-                        share = 0.1; /* [s] between two states that are kept; of the time that it takes */
+    static const double interval = 0.25, share = 0.1; /* [s] between two checkpoints; share of the total time */
     return clock_seconds() - g->saved > fmax(interval, g->took / share);
 }
 

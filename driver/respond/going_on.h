@@ -1,27 +1,28 @@
-/** How far a response has come, on file, so that the same command goes on from there: a checkpoint in the folder NAME.parts of its
- *  result NAME. What is kept is the caller's. */
+/** Checkpoint of a response, so that the same command resumes it: in the folder NAME.parts of its result NAME. The
+ *  caller defines the content. */
 #pragma once
 
 #include "files/checkpoint.h"
 #include "files/parts.h"
 
 typedef struct {
-    parts parts;   /**< a folder, locked, with what is needed to go on */
-    checkpoint of; /**< what that is of */
+    parts parts;   /**< a locked folder with the checkpoint */
+    checkpoint of; /**< identification of the computation */
     void *self;
-    void (*keep)(void *self, archive *archive); /**< writes it, or reads it */
-    double saved, took;                         /**< clock when it was kept last; how long that took [s] */
+    void (*keep)(void *self, archive *archive); /**< writes or reads the state */
+    double saved, took;                         /**< clock of the last checkpoint; time that it took [s] */
 } going_on;
 
-/** Say what the kept state is of: it fits what is the same in all of it. */
+/** Set the identification of the state: it must be the same when it is resumed. */
 void going_on_identify(going_on *going_on, const char *text);
 /** Lock the folder. @return false with the reason in `error` */
 bool going_on_open(going_on *going_on, const char *path, evl_error *error);
-/** Read what an earlier run left. @param found  whether one did @return false with the reason in `error`: it is of something else */
+/** Read the checkpoint of an earlier run. @param found  whether there is one. @return false with the reason in `error`:
+ *  it belongs to another computation */
 bool going_on_take_up(going_on *going_on, bool *found, evl_error *error);
-/** Whether it is time to keep it: four times a second, and a tenth of all time at most. */
+/** Whether a checkpoint is due: at most four times a second, and a tenth of the total time. */
 bool going_on_is_due(const going_on *going_on);
-/** Keep it. @param t  how much is done */
+/** Write a checkpoint. @param t  amount of work done */
 bool going_on_save(going_on *going_on, double t, evl_error *error);
-/** Let go of the folder; if all is `done`, it goes. */
+/** Release the folder; if all is `done`, delete it. */
 void going_on_close(going_on *going_on, bool done);

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-static const double small = 0.05; /* differences that are no jump worth the name */
+static const double small = 0.05; /* differences below it are not regarded as a jump */
 
 double jump_size(const model_output *row, const response_point *a, const response_point *b)
 {
@@ -17,6 +17,7 @@ double jump_size(const model_output *row, const response_point *a, const respons
 bool jump_is_likely(const model_output *row, const response_point *a, const response_point *b)
 {
     const bool either_repeats = a->period > 0 || b->period > 0;
-    const bool both_are_known = a->period >= 0 && b->period >= 0; /* what still settles is on no motion yet */
+    const bool both_are_known = a->period >= 0 && b->period >= 0; /* a motion that is not settled is not assigned to any
+                                                                   * branch yet */
     return either_repeats && both_are_known && jump_size(row, a, b) > small;
 }

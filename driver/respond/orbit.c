@@ -24,25 +24,25 @@ typedef struct {
     section section;
     const integrate_options *options;
     settling settling;
-    carried orbit;  /**< a stable one that the motion may come to */
+    carried orbit;  /**< a stable orbit to which the motion may converge */
     double apart;   /**< distance from it when it was found */
-    int next_look;  /**< common periods on this section after which it is looked for */
-    double repeats; /**< distance below which states are the same */
+    int next_look;  /**< common periods on this section after which it is searched */
+    double repeats; /**< distance below which states are regarded as equal */
     const volatile sig_atomic_t *interrupt;
-    dae_state seen[KEPT];   /**< on the section, taken back to the same place */
-    double t_seen[KEPT];    /**< when [s] */
-    double far[KEPT][KEPT]; /**< [section][orbit] distance to that many periods before; NAN: not known */
-    int n_seen;             /**< since the section stands where it is */
-    dae_state at;           /**< the last one as it was */
-    numbers *numbers;       /**< of the window, once there is one */
+    dae_state seen[KEPT];   /**< on the section, shifted back to the same position */
+    double t_seen[KEPT];    /**< their times [s] */
+    double far[KEPT][KEPT]; /**< [section][orbit] distance to the state that number of periods before; NAN: unknown */
+    int n_seen;             /**< since the last move of the section */
+    dae_state at;           /**< the last one, not shifted */
+    numbers *numbers;       /**< of the window, if started */
     double t_stop;          /**< end of the window [s] */
-    long enough;            /**< pitches after which it may end sooner; 0: it does not */
+    long enough;            /**< pitches after which it may end earlier; 0: it does not */
     orbit_result *result;
     stop_reason stop;
 } search;
 
-/** Whether the motion repeats after p periods: what is left of the way to that orbit, as a series that shrinks as the last two
- *  distances do, is no more than `repeats`; or all that is left is rounding. */
+/** Whether the motion repeats after p periods: the remaining distance to that orbit, extrapolated as a geometric series
+ *  from the last two distances, is at most `repeats`; or the distances are only rounding. */
 static bool has_come_to(const search *s, int k, int p)
 {
     static const double rounding = 0.01;
@@ -52,8 +52,9 @@ static bool has_come_to(const search *s, int k, int p)
            settling_is_calm(&s->settling, p);
 }
 
-/** The orbit that the motion is on; 0: none yet. A motion that winds itself to an orbit comes back to where it was after several
- *  periods sooner than after one: the shortest that is almost there is it, once it is there. */
+/** Period of the orbit on which the motion is; 0: none yet. A motion that spirals into an orbit approaches its state
+ *  several periods before earlier than its state one period before. So the shortest period that almost repeats is
+ *  taken, once one repeats. */
 static int find_period(const search *s, int k)
 {
     static const double almost = 100;
@@ -68,13 +69,13 @@ static int find_period(const search *s, int k)
     return is_there && settling_is_calm(&s->settling, found) ? found : 0;
 }
 
-/** How long the last common period took [s]. @param k  from 1 */
+/** Duration of the last common period [s]. @param k  from 1 */
 static double common_time(const search *s, int k)
 {
     return s->section.period.by_time ? s->section.period.time : s->at.t - s->t_seen[(k - 1) % KEPT];
 }
 
-/** Find the numbers over whole pitches from now on. @param n  common periods */
+/** Start the evaluation of metrics over whole pitches. @param n  common periods */
 static void open_window(search *s, int n, double pitch)
 {
     bool taken[N_NUMBER_ROWS];
@@ -88,7 +89,7 @@ static void open_window(search *s, int n, double pitch)
     s->numbers = numbers_create(s->prepared->model, &window, taken);
 }
 
-/** The shortest orbit after which the motion is where it was, or else that after which it is nearest. */
+/** Shortest orbit after which the motion repeats, or else the one with the smallest distance. */
 static int nearest_period(const search *s, int k)
 {
     int nearest = 1;
@@ -103,13 +104,14 @@ static int nearest_period(const search *s, int k)
     return nearest;
 }
 
-/** Look for a stable orbit of so many common periods near a state. */
+/** Search a stable orbit of a number of common periods near a state. */
 static bool find_orbit(search *s, int k, const carried *here, int periods)
 {
     return shortcut_find(&s->section, here, periods, common_time(s, k), s->options, s->interrupt, &s->orbit);
 }
 
-/** Look for the orbit to which a motion goes that settles slowly; once it has come nearer by far, it may as well go on from there. */
+/** Search the orbit to which a slowly settling motion converges; once the motion has come much nearer, it can continue
+ *  from the orbit. */
 static void look_ahead(search *s, int k)
 {
     static const double nearer = 0.1;
@@ -134,7 +136,7 @@ static void look_ahead(search *s, int k)
     carried_free(&here);
 }
 
-/** The motion is over without a sign that it repeats: what it is then. */
+/** Classify a motion that ended without repeating. */
 static int judge(search *s, int k, int near)
 {
     if (s->result->distance <= s->repeats) {
@@ -143,7 +145,7 @@ static int judge(search *s, int k, int near)
     return settling_goes_on(&s->settling, s->result->periods * common_time(s, k)) ? RESPONSE_SETTLING : 0;
 }
 
-/** The motion is on the section, at s->at. */
+/** Process a crossing of the section, at s->at. */
 static void on_section(search *s)
 {
     const int k = s->n_seen;
@@ -163,7 +165,7 @@ static void on_section(search *s)
         settling_pass(&s->settling, s->result->periods, common_time(s, k), s->far[k % KEPT]);
         look_ahead(s, k);
     }
-    if (s->stop != STOP_NONE) { /* it goes on on the orbit: a window from here on would have the wrong time */
+    if (s->stop != STOP_NONE) { /* it continues on the orbit: a window from here would have the wrong time */
         return;
     }
     const double length = s->section.period.pitches;
@@ -226,7 +228,7 @@ static int on_step(void *self, double t)
     return s->stop != STOP_NONE;
 }
 
-/** The common periods that a motion is followed at most. @param rate  of pitches, where it begins [1/s] */
+/** Limit of common periods of a motion. @param rate  of pitches, at its start [1/s] */
 static int find_most(search *s, int most, double rate)
 {
     const model_period *period = &s->section.period;
@@ -237,10 +239,10 @@ static int find_most(search *s, int most, double rate)
     return s->settling.last + ORBIT_WINDOW + 2;
 }
 
-/** @return the last time to which the motion is followed [s]; NAN if nothing turns */
+/** @return the time limit of the motion [s]; NAN if nothing rotates */
 static double time_limit(search *s, int most, const dae_state *state)
 {
-    static const double slow = 20; /* a motion that goes slower than this many times what it began with stands still */
+    static const double slow = 20; /* a motion slower by this factor than at its start counts as stopped */
     const double rate = s->section.period.by_time ? 1 : section_pitch_rate(&s->section, state);
     if (!(rate > 0)) {
         return NAN;
@@ -250,7 +252,7 @@ static double time_limit(search *s, int most, const dae_state *state)
                                                  : slow * periods * s->section.period.pitches / rate);
 }
 
-/** Go on on the orbit that was found. */
+/** Continue on the orbit found. */
 static bool go_to_orbit(search *s, memory_pool *pool, dae_state *now, char message[DAE_MESSAGE_LENGTH])
 {
     const model_period period = s->section.period;
@@ -272,7 +274,7 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     POOLED memory_pool pool = {NULL};
     search *s = pool_calloc(&pool, 1, sizeof *s);
     integrate_options options = simulate_options(prepared);
-    static const double smallest = 1e-6, times = 1000; /* of the tolerance, in the same units */
+    static const double smallest = 1e-6, times = 1000; /* relative to the tolerance, in the same units */
     *result = (orbit_result){.pitches = period->pitches, .distance = NAN, .time_constant = NAN};
     s->prepared = prepared;
     s->dae = &model_about(prepared->model)->dae;
@@ -320,11 +322,11 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     return end;
 }
 
-/** Whether a run came back to where it began, after so many common periods; where it did is taken back to there.
- *  @param near  in units of the states; what is grazed may throw it off its orbit */
+/** Whether a run returned to its start after a number of common periods; its final state is shifted back.
+ *  @param near  in units of the states; grazing contact may deflect it from its orbit */
 static bool has_come_back(search *s, const dae_state *start, int periods, double near)
 {
-    enum { OMEGA = 1 }; /* behind the angle, which grows */
+    enum { OMEGA = 1 }; /* skips the angle, which increases */
     if (s->n_seen < periods) {
         return false;
     }
@@ -342,7 +344,7 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
                      double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
                      double *values, char message[DAE_MESSAGE_LENGTH])
 {
-    /* tolerance: numbers and returns are right to 1e-8; what is unstable leaves its orbit slowly enough */
+    /* tolerance: metrics and returns are accurate to 1e-8, and unstable motions depart from their orbit slowly enough */
     const double tight = is_stable ? 1e-9 : 1e-11;
     POOLED memory_pool pool = {NULL};
     search *s = pool_calloc(&pool, 1, sizeof *s);

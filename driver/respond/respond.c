@@ -27,16 +27,16 @@ typedef struct {
     const respond_options *options;
     value_range range;
     branch branch;
-    prepared_case first; /**< at the first value: its text and warnings are the file's */
+    prepared_case first; /**< at the first value: its text and warnings are written to the file */
     going_on going_on;
     const volatile sig_atomic_t *interrupt;
-    double shown;  /**< clock [s] */
-    bool is_shown; /**< something stands on the terminal's line */
+    double shown;  /**< wall clock [s] */
+    bool is_shown; /**< the terminal's line is not empty */
 } response_run;
 
-/* ---- going on ---- */
+/* ---- checkpoints ---- */
 
-/** What the kept state is of. */
+/** Set the identification of the checkpoint. */
 static void identify(response_run *run)
 {
     const respond_options *options = run->options;
@@ -53,7 +53,7 @@ static void keep(void *self, archive *archive)
     branch_keep(self, archive);
 }
 
-/** Go on from what an earlier run left, if it did. */
+/** Resume from the checkpoint of an earlier run, if there is one. */
 static bool take_up(response_run *run, evl_error *error)
 {
     bool found = false;
@@ -132,7 +132,7 @@ static void show(response_run *run, const branch_place *at)
     progress_show(on_terminal, text);
 }
 
-/** All that are left. @return how it ended; the reason of a failure is in `error` */
+/** Compute all remaining values. @return how it ended; the reason of a failure is in `error` */
 static orbit_end go(response_run *run, evl_error *error)
 {
     orbit_end end = ORBIT_FOUND;
@@ -150,7 +150,7 @@ static orbit_end go(response_run *run, evl_error *error)
     return end;
 }
 
-/** What could be wrong with any value is said before the first one; who is interrupted does not wait for that. */
+/** Check all values before the first one is computed; an interrupt ends the check. */
 static bool check_values(response_run *run, evl_error *error)
 {
     model_period period;
@@ -162,7 +162,7 @@ static bool check_values(response_run *run, evl_error *error)
     return true;
 }
 
-/** What is done stays, and how it goes on is told. */
+/** Write the results so far, and report how to resume. */
 static void give_up(response_run *run, bool is_interrupted, evl_error *error)
 {
     evl_error other = {.code = EVL_EXIT_OK};
@@ -184,7 +184,7 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
     }
 }
 
-/** @return whether all is done and written */
+/** @return whether all values are complete and written */
 static bool run_locked(response_run *run, evl_error *error)
 {
     bool done = false;
@@ -222,7 +222,7 @@ static bool prepare(response_run *run, const char *name, int n_set, const char *
                         : prepare_text(&run->first, name, text, n_set, set, error);
 }
 
-/** Orbits instead of motions. @return whether all is done and written */
+/** Find orbits instead of motions. @return whether all are complete and written */
 static bool find_orbits(response_run *run, evl_error *error)
 {
     OWNED char *unit = unit_of_results(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
@@ -235,7 +235,7 @@ static bool find_orbits(response_run *run, evl_error *error)
     return run->options->orbits(&setup, error);
 }
 
-/** The range, whose units are those of the key in the case as --set makes it. */
+/** Read the range; its units are those of the key in the case modified by --set. */
 static bool read_range(response_run *run, const char *case_path, evl_error *error)
 {
     const respond_options *options = run->options;
@@ -247,12 +247,12 @@ static bool read_range(response_run *run, const char *case_path, evl_error *erro
     case_base_delete(&base);
     case_delete(&file);
     if (options->orbits != NULL && !run->range.is_counted) {
-        run->range.n = 2; /* motions to begin with: those at both ends */
+        run->range.n = 2; /* start from the motions at both ends */
     }
     return good;
 }
 
-/** The case at its first value, what the results are of, and all that can be wrong with the other values. */
+/** Prepare the case at its first value, identify the results, and check the other values. */
 static bool begin(response_run *run, const char *case_path, evl_error *error)
 {
     branch *b = &run->branch;
@@ -267,7 +267,7 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     for (int i = 0; i < options->n_set; i++) {
         set[i] = options->set[i];
     }
-    set[options->n_set] = option; /* the last one: without it the case is what it was, if it is one */
+    set[options->n_set] = option; /* the last option: without it the case is the original one */
     evl_error other = {.code = EVL_EXIT_OK};
     if (prepare(run, case_path, options->n_set, set, &other) &&
         !value_range_check(&run->range, run->first.model, false, error)) {
@@ -299,7 +299,7 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     return check_values(run, error);
 }
 
-/** @return false if a text is no whole number from `least` to `most` */
+/** @return false if a text is not an integer from `least` to `most` */
 static bool read_count(const char *text, int least, int most, int *n)
 {
     double value = 0;
@@ -337,7 +337,7 @@ static response_run *run_create(const respond_options *options)
 static void run_delete(response_run *run)
 {
     if (run->options->wheels != NULL) {
-        run->branch.wheels = NULL; /* the caller's */
+        run->branch.wheels = NULL; /* owned by the caller */
     }
     branch_free(&run->branch);
     prepared_case_free(&run->first);

@@ -12,8 +12,8 @@
 typedef struct {
     const respond_orbits_setup *setup;
     branches found;
-    double shown;  /**< clock [s] */
-    bool is_shown; /**< something stands on the terminal's line */
+    double shown;  /**< wall clock [s] */
+    bool is_shown; /**< the terminal's line is not empty */
 } orbits_run;
 
 static void show(orbits_run *run)
@@ -110,7 +110,7 @@ static bool save(orbits_run *run, evl_error *error)
     return going_on_save(run->setup->going_on, run->found.n_points, error);
 }
 
-/** What was found so far stays, and why it is no more is told. */
+/** Write the results so far, and report why they are incomplete. */
 static void give_up(orbits_run *run, bool is_interrupted, evl_error *error)
 {
     evl_error other = {.code = EVL_EXIT_OK};
@@ -135,7 +135,7 @@ static void keep(void *self, archive *archive)
     branches_keep(self, archive);
 }
 
-/** Go on from what an earlier run left, if it did. */
+/** Resume from the checkpoint of an earlier run, if there is one. */
 static bool take_up(orbits_run *run, evl_error *error)
 {
     bool found = false;
@@ -143,7 +143,7 @@ static bool take_up(orbits_run *run, evl_error *error)
         return false;
     }
     if (found && !branches_resume(&run->found, error)) {
-        if (interrupt_signal != 0) { /* what was kept stays as it is */
+        if (interrupt_signal != 0) { /* the checkpoint is not changed */
             error->code = EVL_EXIT_OK;
             evl_error_set(error, EVL_EXIT_INTERRUPTED, case_path(run->setup->first->file),
                           "interrupted by %s; the same command goes on", interrupt_name((int)interrupt_signal));
@@ -156,7 +156,7 @@ static bool take_up(orbits_run *run, evl_error *error)
     return true;
 }
 
-/** All that is left. @return how it ended; the reason of a failure is in `error` */
+/** Do all remaining tasks. @return how it ended; the reason of a failure is in `error` */
 static orbit_end go(orbits_run *run, evl_error *error)
 {
     orbit_end end = ORBIT_FOUND;

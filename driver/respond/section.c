@@ -20,7 +20,7 @@ double section_place(const section *s, const dae_state *state)
     return s->period.by_time ? state->t / pitch_time(s) : dae->position(dae->self, s->position_of, state);
 }
 
-/** The first place of the section behind another place. */
+/** Set the target to the first position of the section behind another position. */
 static void aim(section *s, double place)
 {
     const double length = s->period.pitches;
@@ -62,7 +62,7 @@ typedef struct {
     const integrate_step *step;
 } place;
 
-/** How far a place in a step is past the target. */
+/** Distance of the position at t in a step from the target. */
 static double past(void *of, double t)
 {
     const place *place = of;
@@ -72,7 +72,7 @@ static double past(void *of, double t)
     return place->step->interpolate(place->step->with, t, s->room.y) ? section_place(s, &s->room) - s->target : NAN;
 }
 
-/** When an angle reaches the target, in a step that does. */
+/** Time at which an angle reaches the target, in a step that does. */
 static double time_of(section *s, const integrate_step *step)
 {
     static const double close = 1e-13;
@@ -94,7 +94,7 @@ bool section_reached(section *s, const integrate_step *step, dae_state *state)
     return step->interpolate(step->with, t, state->y);
 }
 
-/** An event is at the section if that is no farther than this. */
+/** An event is at the section if it is at most this far from it. */
 static void look(section *s)
 {
     s->is_crossed = s->is_crossed || fabs(s->here - s->event) <= near;

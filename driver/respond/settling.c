@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double rounding = 0.01; /* of the distance below which states are the same: the error of the integration */
+static const double rounding = 0.01; /* relative to the distance below which states are regarded as equal: the error of
+                                      * the integration */
 
 settling_times settling_of(const model *model)
 {
@@ -35,7 +36,7 @@ settling_times settling_of(const model *model)
 
 int settling_most(const settling_times *times, int pitches, double time)
 {
-    /* from 1000 scales down to 1e-6, and on to the steps that a slow mode makes then; no verdict is worth more pitches */
+    /* from 1000 scales down to 1e-6, and further to the small changes of a slow mode; more pitches are not worthwhile */
     static const double constants = 25, most_pitches = 20000;
     const int usual = ORBIT_USUAL_PERIODS / pitches;
     const int least = usual > ORBIT_LEAST_PERIODS ? usual : ORBIT_LEAST_PERIODS;
@@ -96,7 +97,7 @@ bool settling_is_calm(const settling *s, int orbit)
 
 bool settling_goes_on(const settling *s, double time)
 {
-    static const double few = 3, shrinks = 0.7; /* time constants; e^(-3/4) of a quarter of them is less */
+    static const double few = 3, shrinks = 0.7; /* in time constants; e^(-3/4), for a quarter of them, is smaller */
     int nearest = 1;
     for (int p = 2; p <= ORBIT_LONGEST; p++) {
         nearest = s->largest[1][p] < s->largest[1][nearest] ? p : nearest;

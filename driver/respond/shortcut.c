@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/** All orbits are of one model: no parameter changes. */
+/** All orbits belong to one model: the parameter is constant. */
 static const model *take(void *self, double value, char message[DAE_MESSAGE_LENGTH])
 {
     (void)value;
@@ -14,7 +14,7 @@ static const model *take(void *self, double value, char message[DAE_MESSAGE_LENG
     return self;
 }
 
-/** A run to the next section. */
+/** Integration to the next section. */
 typedef struct {
     section section;
     dae_state at;
@@ -42,7 +42,7 @@ static int on_step(void *self, double t)
     return p->is_there || *p->interrupt != 0;
 }
 
-/** Follow an orbit to the section of a motion: where no speed is prescribed it was found near it, not on it. */
+/** Follow an orbit to the section of a motion: without a prescribed speed it was found near the section, not on it. */
 static bool go_to_section(const section *section, const dae_state *state, double time, const integrate_options *usual,
                           const volatile sig_atomic_t *interrupt, carried *to)
 {

@@ -1,4 +1,4 @@
-/** A stable orbit near a motion that settles slowly, by shooting: the motion can go on from there. docs/response.md. */
+/** Stable orbit near a slowly settling motion, by shooting; the motion can continue from it. docs/response.md. */
 #pragma once
 
 #include "respond/carried.h"
@@ -8,12 +8,12 @@
 
 #include <signal.h>
 
-/** The quasi-static motion at the section: it starts from the steady state at t = 0, and is integrated to there.
+/** Quasi-static motion at the section: integrated to it from the steady state at t = 0.
  *  @param phase  of the section
  *  @return false if there is no steady state, or the integration fails */
 bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
                            const volatile sig_atomic_t *interrupt, carried *to);
-/** Find it.
+/** Find the orbit.
  *  @param near       a state of the motion on the section
  *  @param periods    common periods of the orbit
  *  @param time       of a common period [s]

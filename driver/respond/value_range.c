@@ -26,7 +26,7 @@ static bool read_steps(const char *text, int *n)
     return good;
 }
 
-/** A value in the unit of its key. */
+/** Read a value in the unit of its key. */
 static bool read_value(value_range *range, const char *value, const char *text, const case_base *base, double *number,
                        evl_error *error)
 {
@@ -73,7 +73,7 @@ bool value_range_read(value_range *range, const char *text, const case_base *bas
     return range->from != range->to || refuse(text, "both ends are the same value: give a range", error);
 }
 
-/** Whether a parameter of the case may go from value to value. */
+/** Whether a parameter of the case can be varied continuously. */
 static bool check(const evl_parameter *parameter, evl_error *error)
 {
     static const char simulation[] = "simulation.";

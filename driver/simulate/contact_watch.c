@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Place of a name in a table of the kernel: without it nothing could be watched, and nobody would know. */
+/** Index of a name in a table of the kernel; aborts without it, since the monitor would silently be ineffective. */
 static int required(int index, const char *name)
 {
     if (index < 0) {

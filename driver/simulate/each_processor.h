@@ -1,5 +1,5 @@
-/** A procedure whose loops are compiled for vectors of several lengths: the processor takes its own. The bits are the same, for no sum
- *  changes its order. */
+/** Attribute of a procedure whose loops are compiled for several vector lengths; the version is chosen by processor.
+ *  Results are bitwise the same, since no sum changes its order. */
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/** Vectors of 8 take them all. */
+/** Round up to whole vectors of 8. */
 static int padded(int n)
 {
     return (n + 7) / 8 * 8;
@@ -17,7 +17,7 @@ double *extreme_channels_array(const extreme_channels *channels)
     return pool_calloc(channels->pool, (size_t)channels->n_padded, sizeof(double));
 }
 
-/** Of few groups all are asked for at once: one place is often the extreme of several. */
+/** Few groups are all evaluated together: several often have their extreme at the same time. */
 enum { FEW_GROUPS = 8 };
 
 static void init_groups(extreme_channels *channels)
@@ -80,7 +80,7 @@ void extreme_channels_take(extreme_channels *channels, int channel, double value
     }
 }
 
-/** Whether any channel passes its limits. A loop without a branch, since most often none does. */
+/** Whether any channel exceeds its limits. Branch-free, since in most cases none does. */
 static bool any_passes(int n, const double *restrict values, const double *restrict high, const double *restrict low)
 {
     int64_t any = 0;
@@ -90,7 +90,7 @@ static bool any_passes(int n, const double *restrict values, const double *restr
     return any != 0;
 }
 
-/** The channels at a state. */
+/** Evaluate the channels at a state. */
 static bool ask(extreme_channels *channels, const dae_state *state, const double *known)
 {
     char message[DAE_MESSAGE_LENGTH];
@@ -109,8 +109,8 @@ static bool is_known(const extreme_channels *channels, double t, int group)
 
 bool extreme_channels_know(extreme_channels *channels, const integrate_step *step, double t)
 {
-    const double place = t < step->t_to ? t : step->t_to; /* fmin is a call */
-    if (is_known(channels, place, -1)) {                  /* as where several channels rise */
+    const double place = t < step->t_to ? t : step->t_to; /* fmin is a function call */
+    if (is_known(channels, place, -1)) {                  /* for example if several channels rise */
         return true;
     }
     channels->t_values = NAN;
@@ -130,7 +130,7 @@ bool extreme_channels_know(extreme_channels *channels, const integrate_step *ste
     return good;
 }
 
-/** Take note of what is known of all channels. */
+/** Update the extremes of all channels. */
 static void take_all(extreme_channels *channels)
 {
     channels->has_begun = true;
@@ -141,7 +141,7 @@ static void take_all(extreme_channels *channels)
     }
 }
 
-/** Take note of what is known of a group. */
+/** Update the extremes of a group. */
 static void take_group(extreme_channels *channels, int group)
 {
     channels->has_begun = true;
@@ -159,7 +159,7 @@ bool extreme_channels_see(extreme_channels *channels, const integrate_step *step
     return true;
 }
 
-/** Ask for the channels of a group at a state. */
+/** Evaluate the channels of a group at a state. */
 static bool ask_group(extreme_channels *channels, const dae_state *state, int group)
 {
     char message[DAE_MESSAGE_LENGTH];
@@ -192,7 +192,7 @@ bool extreme_channels_see_state(extreme_channels *channels, const dae_state *sta
     return true;
 }
 
-/** The channels of a group at a place in a step. @return false if they are not known there */
+/** Evaluate the channels of a group at a time in a step. @return false if they are not available there */
 static bool know_group(extreme_channels *channels, const integrate_step *step, double place, int group)
 {
     if (is_known(channels, place, group)) {
@@ -212,7 +212,7 @@ static bool know_group(extreme_channels *channels, const integrate_step *step, d
     return ask_group(channels, &state, group);
 }
 
-/** As extreme_channels_see, of a channel and those that belong together with it. */
+/** As extreme_channels_see, for the group of a channel. */
 static bool see_group_of(extreme_channels *channels, const integrate_step *step, double t, int channel)
 {
     const double place = t < step->t_to ? t : step->t_to;
@@ -232,14 +232,14 @@ double extreme_channels_limit(const extreme_channels *channels, int channel, int
     return sense > 0 ? channels->high[channel] : -channels->low[channel];
 }
 
-/** A channel in a step, looked at in one sense. */
+/** A channel in a step, in the sense of the search. */
 typedef struct {
     extreme_channels *channels;
     const integrate_step *step;
     int channel, sense;
 } view;
 
-/** The larger, the nearer to an extreme. */
+/** Function to maximise: the channel multiplied by the sense. */
 static double height(void *with, double t)
 {
     const view *view = with;

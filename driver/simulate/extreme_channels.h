@@ -1,4 +1,4 @@
-/** The extremes of channels so far, and the channels at single states of a step. Private to the search for extremes. */
+/** Extremes of channels so far, and the channels at single states of a step. Private to the search for extremes. */
 #pragma once
 
 #include "base/memory.h"
@@ -6,49 +6,49 @@
 
 typedef struct {
     const dae *dae;
-    memory_pool *pool;            /**< of all arrays */
-    int n;                        /**< channels */
-    int n_padded;                 /**< the same with idle ones behind them, so that loops over all go in vectors */
-    bool has_begun;               /**< a state was seen */
-    double *high, *low;           /**< [n] so far; +INFINITY and -INFINITY if nobody asks */
+    memory_pool *pool;            /**< owns all arrays */
+    int n;                        /**< number of channels */
+    int n_padded;                 /**< the same padded with unused channels for vectorised loops */
+    bool has_begun;               /**< at least one state was evaluated */
+    double *high, *low;           /**< [n] so far; +INFINITY and -INFINITY if not requested */
     double *high_time, *low_time; /**< [n] */
-    double *values;               /**< [n] at the state last asked */
-    double t_values;              /**< its time, if it is in the present step; else NAN */
+    double *values;               /**< [n] at the last evaluated state */
+    double t_values;              /**< its time, if within the present step; else NAN */
     double *y;                    /**< [states] */
-    int n_in_group;               /**< channels of a group; 0: all channels are asked for at once */
-    int *states, *first_state;    /**< [n_groups + 1] of each group the states that it needs begin at first_state */
-    int group;                    /**< that `values` were last found of; -1: of all */
+    int n_in_group;               /**< channels of a group; 0: all channels are evaluated at once */
+    int *states, *first_state;    /**< [n_groups + 1] states needed by each group, starting at first_state */
+    int group;                    /**< group of the last `values`; -1: all */
 } extreme_channels;
 
-/** Nobody asks for anything yet. @param pool  in which the channels last */
+/** Initialise without requested extremes. @param pool  owns the arrays */
 void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_pool *pool);
 
-/** Keep what was found. */
+/** Serialise the results. */
 void extreme_channels_keep(extreme_channels *channels, archive *archive);
 
-/** Room for a number of each channel, 0 at first. */
+/** An array with one number per channel, initially 0. */
 double *extreme_channels_array(const extreme_channels *channels);
 
-/** Find the channels at t, which lies in the step. @return false if they are not known there */
+/** Evaluate the channels at t in the step. @return false if they are not available there */
 bool extreme_channels_know(extreme_channels *channels, const integrate_step *step, double t);
-/** The same, and take note of them. */
+/** Same, and update the extremes. */
 bool extreme_channels_see(extreme_channels *channels, const integrate_step *step, double t);
-/** The same at a state. @param channel  which those belong together with that are asked for; -1: all */
+/** Same at a given state. @param channel  selects the group to evaluate; -1: all */
 bool extreme_channels_see_state(extreme_channels *channels, const dae_state *state, int channel);
-/** One value of a channel. */
+/** Update the extremes with one value of a channel. */
 void extreme_channels_take(extreme_channels *channels, int channel, double value, double t);
 
-/** What a channel has to exceed, in a sense: 1 a maximum, -1 a minimum. */
+/** Limit that a new extreme of a channel must exceed, in a sense: 1 a maximum, -1 a minimum. */
 double extreme_channels_limit(const extreme_channels *channels, int channel, int sense);
 
-/** Where an extreme of a channel may lie in a step. */
+/** Bracket of a possible extreme of a channel in a step. */
 typedef struct {
     int channel, sense;
     double left, right;
     double start;
-    double width;    /**< as of peak_bracket */
-    double expected; /**< about what the channel is at the start, in the sense; NAN if that is not known */
+    double width;    /**< as in peak_bracket */
+    double expected; /**< approximate value at the start, multiplied by the sense; NAN if unknown */
 } extreme_place;
 
-/** Go there and take note of what is seen on the way. */
+/** Search for the extreme, and update the extremes with every value evaluated. */
 void extreme_channels_climb(extreme_channels *channels, const integrate_step *step, const extreme_place *place);

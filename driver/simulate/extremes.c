@@ -10,10 +10,10 @@
 struct extremes {
     memory_pool pool;
     extreme_channels channels;
-    channel_past past; /**< for an integrator that knows no candidates */
+    channel_past past; /**< for an integrator without candidates */
     double from, to;   /**< window */
     dae_state end;     /**< of the last step */
-    bool rises_on;     /**< an extreme may be there, which was not asked for: where it goes on rising, it never matters */
+    bool rises_on;     /**< a possible extreme at the end was not evaluated: irrelevant while the channel rises */
 };
 
 static int channel_of(int index, int mesh)
@@ -64,7 +64,7 @@ void extremes_keep(extremes *extremes, archive *archive)
     KEEP(archive, extremes->rises_on);
 }
 
-/** Ask for the end of the last step after all, where that was put off. */
+/** Evaluate the end of the last step if that was deferred. */
 static void see_end(extremes *extremes, int channel)
 {
     if (extremes->rises_on) {
@@ -107,12 +107,12 @@ static double within(double t, double from, double to)
     return fmin(fmax(t, from), to);
 }
 
-/** A step of an integrator that knows candidates. One at its end is put off if the next step goes on from there: that has a
- *  candidate at its start, unless the channel rises on. */
+/** Search a step of an integrator with candidates. A candidate at the end is deferred if the next step continues from
+ *  there: that step has a candidate at its start, unless the channel continues to rise. */
 static void take_candidates(extremes *extremes, const integrate_step *step, double from, double to)
 {
     static const double first_width = 0.02; /* of the bracket: a candidate is near the maximum */
-    static const double same = 1e-12;       /* of the step: the same time */
+    static const double same = 1e-12;       /* fraction of the step within which times are equal */
     extreme_channels *channels = &extremes->channels;
     const double a_while = same * (step->t_to - step->t_from);
     const int n = step->look(step->with, channels->high, channels->low);

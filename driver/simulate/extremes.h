@@ -1,5 +1,5 @@
-/** The extremes of the watched outputs over a run, or over a window of it: found between the outputs, from every step of the
- *  integration, on both sides of every event. The kernel's table says which there are. */
+/** Extremes of the watched outputs over a run or a window of it. They are searched between the outputs, in every step
+ *  of the integration, on both sides of every event. The kernel's table lists them. */
 #pragma once
 
 #include "integrate/integrate_types.h"
@@ -11,20 +11,20 @@ typedef struct extremes extremes;
 extremes *extremes_create(const model *model, int n_meshes, double from, double to);
 void extremes_delete(extremes **extremes);
 
-/** What observer.watch hears. */
+/** Implementation of observer.watch. */
 void extremes_watch(extremes *extremes, const integrate_step *step);
 
-/** Keep what was found. */
+/** Serialise the results. */
 void extremes_keep(extremes *extremes, archive *archive);
 
-/** What observer.highest is: [n_watched] the largest of each channel so far; infinite where nobody asks. */
+/** Implementation of observer.highest: [n_watched] largest value of each channel so far; infinite if not requested. */
 const double *extremes_highest(const extremes *extremes);
 
-/** An extreme of a mesh, and when it was first reached [s]; NaN if nothing was seen. */
+/** An extreme of a mesh, and the time of its first occurrence [s]; NaN if no state was evaluated. */
 typedef struct {
     double value, time;
 } extreme_found;
 /** @param index  in the table of extremes */
 extreme_found extremes_found(extremes *extremes, int index, int mesh);
-/** Place of an extreme in the table; -1 if there is none. */
+/** Index of an extreme in the table; -1 if there is none. */
 int extremes_find(const char *output, bool is_largest);

@@ -25,14 +25,14 @@ void channel_past_keep(channel_past *past, const extreme_channels *channels, arc
     KEEP_ARRAY(archive, past->middle, channels->n_padded);
 }
 
-/** How far a channel may go from the mean of both ends of a step, judged by its moves in it and in the step before: as far beyond
- *  the ends as the mean of both moves. */
+/** Largest distance of a channel from the mean of both ends of a step, estimated from its changes in it and in the
+ *  previous step: beyond the ends by the mean of both changes. */
 static double reach_of(double older, double a, double b, double half_ratio)
 {
     return fabs(b - a) + fabs(a - older) * half_ratio;
 }
 
-/** Whether any channel may have exceeded its extremes inside the step. A loop without a branch, since most often none has. */
+/** Whether any channel may have exceeded its extremes inside the step. Branch-free, since in most cases none has. */
 static bool any_may_exceed(int n, const channel_past *past, double ratio, const double *restrict high,
                            const double *restrict low)
 {
@@ -46,39 +46,39 @@ static bool any_may_exceed(int n, const channel_past *past, double ratio, const 
     return any != 0;
 }
 
-/** Whether one of the ends is that of a channel that is only an estimate there, for it is far below its limit. */
+/** Whether a channel is only an estimate at one of the ends, because it is far below its limit. */
 static bool is_estimate(const channel_past *past, int i, double limit)
 {
     const double lowest = fmin(past->older[i], fmin(past->values[i], past->ends[i]));
     return lowest > 0 && lowest <= DAE_NEAR * limit;
 }
 
-/** Of a channel that may have exceeded an extreme: whether its slope, in the sense of the search, falls through zero inside the
- *  step. */
+/** For a channel that may have exceeded an extreme: whether its slope, in the sense of the search, falls through zero
+ *  inside the step. */
 static bool may_turn(const channel_past *past, int i, int sense, double ratio, double limit)
 {
-    static const double margin = 0.5; /* of the change of the slope: the third derivative is not known */
+    static const double margin = 0.5; /* relative to the change of the slope: the third derivative is unknown */
     if (past->n_known < 2 || (sense > 0 && is_estimate(past, i, limit))) {
         return true;
     }
     const double now = sense * (past->ends[i] - past->values[i]);
     const double before = sense * (past->values[i] - past->older[i]) * ratio;
-    const double bend = (now - before) * 2 * ratio / (1 + ratio); /* by which the slope changes in the step */
+    const double bend = (now - before) * 2 * ratio / (1 + ratio); /* change of the slope in the step */
     const double doubt = margin * fabs(bend);
     return now - 0.5 * bend + doubt >= 0 && now + 0.5 * bend - doubt <= 0;
 }
 
-/** The part of a step between two ends that are known: past.t and t[2]. */
+/** The part of a step between two known ends: past.t and t[2]. */
 typedef struct {
     extreme_channels *channels;
     channel_past *past;
     const integrate_step *step;
     double t[3];  /**< both ends and the middle */
-    double ratio; /**< of its length to that of the one before */
+    double ratio; /**< of its length to that of the previous one */
     enum { NOT_ASKED, KNOWN, UNKNOWN } middle;
 } part;
 
-/** The same judged by both ends and the middle, and if so the place is sought. */
+/** Same check with both ends and the middle; if positive, search the extreme. */
 static void take_middle(const part *part, int i, int sense)
 {
     static const double margin = 0.1, first_width = 0.05;
@@ -102,7 +102,7 @@ static void take_middle(const part *part, int i, int sense)
     extreme_channels_climb(part->channels, part->step, &place);
 }
 
-/** Ask for the middle, once. @return whether it is known */
+/** Evaluate the middle, once. @return whether it is available */
 static bool has_middle(part *part)
 {
     if (part->middle == NOT_ASKED) {
@@ -112,7 +112,7 @@ static bool has_middle(part *part)
     return part->middle == KNOWN;
 }
 
-/** A channel that may have exceeded an extreme: its end counts, and a turn is looked for. */
+/** Process a channel that may have exceeded an extreme: update with its end, and search for a turning point. */
 static void take_channel(part *part, int i)
 {
     extreme_channels *channels = part->channels;
@@ -136,7 +136,7 @@ static void take_channel(part *part, int i)
 static void take_ends(extreme_channels *channels, channel_past *past, const integrate_step *step, double to)
 {
     const double ratio = past->n_known > 1 ? (to - past->t) / (past->t - past->t_older) : 1;
-    if (past->n_known == 1) { /* as if the step before had moved as little, or as much */
+    if (past->n_known == 1) { /* assume the same change in the previous step */
         for (int i = 0; i < channels->n; i++) {
             past->older[i] = 2 * past->values[i] - past->ends[i];
         }
@@ -150,7 +150,7 @@ static void take_ends(extreme_channels *channels, channel_past *past, const inte
     }
 }
 
-/** The end of the present step is where the next one goes on. */
+/** The end of the present step is the start of the next one. */
 static void remember(channel_past *past, double t)
 {
     double *free_values = past->older;

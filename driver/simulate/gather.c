@@ -19,7 +19,7 @@ void gather_free(gather *gather)
     pool_free(&gather->pool);
 }
 
-/** The discrete state of all. */
+/** Store the common discrete state. */
 static void take_discrete(gather *gather, const dae_state *discrete)
 {
     const dae *dae = &model_about(gather->wanted->model)->dae;

@@ -14,7 +14,7 @@ enum { GRADIENT_RATIO, TRANSMISSION_ERROR, POINTS_ON_FLANKS, POINTS_ON_LINE, RIG
 /** As in postprocess/evolvent/physics/invariants.py; tests/system/test_run_invariants.py compares. */
 static const struct {
     const char *name;
-    double least_bound, tolerances; /**< the bound is at least so many times the tolerance */
+    double least_bound, tolerances; /**< the bound is at least this multiple of the tolerance */
 } invariants[N_INVARIANTS] = {
     [GRADIENT_RATIO] = {"gradient ratio", 1e-12, 1e-3},
     [TRANSMISSION_ERROR] = {"transmission error", 1e-10, 1},
@@ -25,7 +25,7 @@ static const struct {
 };
 static const double least_depth_bound = 1e-10, rounding = 4 * DBL_EPSILON;
 
-/** Outputs that are looked at. */
+/** Outputs to check. */
 #define OUTPUTS(X)                                                                                                     \
     X(KINETIC, "kinetic_energy")                                                                                       \
     X(POTENTIAL, "potential_energy")                                                                                   \
@@ -60,31 +60,31 @@ enum { OUTPUTS(OUTPUT_PLACE) N_OUTPUTS };
 #define OUTPUT_NAME(place, name) name,
 static const char *const names[N_OUTPUTS] = {OUTPUTS(OUTPUT_NAME)};
 #undef OUTPUT_NAME
-static const double mode_loaded = 1, mode_apart = 3; /**< apart: the flanks are too far apart to track points on them */
+static const double mode_loaded = 1, mode_apart = 3; /**< apart: flanks too far apart to track points on them */
 
 struct invariant_watch {
     int n_wheels, n_meshes;
     double tolerance;
-    bool is_tracked;       /**< points are, in any mesh */
-    int places[N_OUTPUTS]; /**< of static ones among the constants; -1: the model has no such output */
+    bool is_tracked;       /**< points are tracked in at least one mesh */
+    int places[N_OUTPUTS]; /**< index of the first value; of static outputs among the constants; -1: no such output */
     double *constants;     /**< [n_values] of the model */
     bool has_begun;
-    double t, power;                    /**< of the outputs before */
+    double t, power;                    /**< of the previous outputs */
     double start, stored;               /**< balance and stored energy at the start */
     double drift, gross, largest, unit; /**< of the energy [J] */
     double ratio;                       /**< largest error */
     struct of_wheel {
-        double arc, moved[2]; /**< largest ones [m] */
+        double arc, moved[2]; /**< largest values [m] */
         double base_radius;
     } *wheels;
     struct of_mesh {
         int driving, driven;
-        double depth, on_flanks, on_line, identity, closed_gap; /**< largest ones [m] */
+        double depth, on_flanks, on_line, identity, closed_gap; /**< largest values [m] */
         bool was_pressed;
     } *meshes;
 };
 
-/** A static output. */
+/** Value of a static output. */
 static double constant(const invariant_watch *watch, int output, int element)
 {
     return watch->constants[watch->places[output] + element];
@@ -141,19 +141,19 @@ void invariant_watch_delete(invariant_watch **watch)
 
 static inline double larger(double largest, double value)
 {
-    return isnan(largest) || fabs(value) <= largest ? largest : fabs(value); /* what is no number stays */
+    return isnan(largest) || fabs(value) <= largest ? largest : fabs(value); /* a NaN is retained */
 }
 
-/** The larger one of two, of which the first is a number: fmax is a call. */
+/** The larger of two, the first of which is not NaN: fmax is a function call. */
 static inline double largest_of(double largest, double value)
 {
     return value > largest ? value : largest;
 }
 
-/** Largest of DAE_LANES numbers and what was largest before. */
+/** Largest of DAE_LANES numbers and the previous largest value. */
 static inline double largest_of_lanes(double largest, const double values[DAE_LANES])
 {
-    double two[2] = {largest, largest}; /* which processors compare at once */
+    double two[2] = {largest, largest}; /* compared in parallel by the processor */
     for (int k = 0; k < DAE_LANES; k += 2) {
         two[0] = values[k] > two[0] ? values[k] : two[0];
         two[1] = values[k + 1] > two[1] ? values[k + 1] : two[1];
@@ -161,7 +161,7 @@ static inline double largest_of_lanes(double largest, const double values[DAE_LA
     return largest_of(two[0], two[1]);
 }
 
-/** Largest factor*value, whatever its sign, at all times of a block. */
+/** Largest |factor*value| at all times of a block. */
 static inline double largest_in(const output_block *block, int place, double factor, double largest)
 {
     const double *values = output_values(block, place);
@@ -172,7 +172,7 @@ static inline double largest_in(const output_block *block, int place, double fac
     return largest_of_lanes(largest, sizes);
 }
 
-/** As `larger` of the first n of some numbers, one after the other. */
+/** As `larger`, applied to the first n of the numbers in turn. */
 static inline double larger_of(double largest, int n, const double values[DAE_LANES])
 {
     double sizes[DAE_LANES];
@@ -234,7 +234,7 @@ static inline void look_at_wheel(invariant_watch *watch, int i, const output_blo
     }
 }
 
-/** A mesh whose points are tracked, at one time. */
+/** Check a mesh with tracked points, at one time. */
 static void look_at_points(invariant_watch *watch, int i, const double *const of[N_OUTPUTS], int k)
 {
     struct of_mesh *mesh = &watch->meshes[i];
@@ -286,7 +286,7 @@ FOR_EACH_PROCESSOR void invariant_watch_outputs(invariant_watch *watch, const ou
 {
     for (int i = 0; i < N_OUTPUTS; i++) {
         if (watch->places[i] < 0) {
-            return; /* a model without gears, as tests have */
+            return; /* a model without gears, as in tests */
         }
     }
     look_at_energy(watch, block);
@@ -299,7 +299,7 @@ FOR_EACH_PROCESSOR void invariant_watch_outputs(invariant_watch *watch, const ou
     }
 }
 
-/** What lengths in a mesh are measured by: the penetration, but no less than what rounding leaves of the lengths around it. */
+/** Reference length of a mesh: the penetration, but at least the rounding error of the lengths involved. */
 static double depth_of(const invariant_watch *watch, const struct of_mesh *mesh)
 {
     const struct of_wheel *a = &watch->wheels[mesh->driving], *b = &watch->wheels[mesh->driven];

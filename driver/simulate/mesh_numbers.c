@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/** How a period counts in a total, or a part of a step in a period. */
+/** How a period is added to a total, or a part of a step to a period. */
 #define SUM(a, b) ((a) + (b))
 #define HIGHEST(a, b) fmax(a, b)
 #define LOWER_END(a, b) (is_new ? (b) : fmin(a, b))
@@ -13,11 +13,11 @@
 /** A part of a step. */
 typedef struct {
     const step_nodes *nodes;
-    const double *speed; /**< of the wheel that drives the mesh, at the nodes [rad/s] */
+    const double *speed; /**< of the driving wheel of the mesh, at the nodes [rad/s] */
     double time;         /**< [s] */
 } mesh_part;
 
-/* ---- sums: `x` is an output at the nodes ---- */
+/* ---- sums; `x` is an output at the nodes ---- */
 
 static void add_torque(mesh_numbers *mesh, const mesh_part *part, const double *x)
 {
@@ -34,7 +34,7 @@ static void add_pairs(mesh_numbers *mesh, const mesh_part *part, const double *x
 {
     mesh_sums *sums = &mesh->period;
     double *const shares[] = {&sums->no_contact, &sums->one_pair, &sums->two_pairs, &sums->more_pairs};
-    bool is_one = true; /* as always, but where pairs without an event of their own lose their force */
+    bool is_one = true; /* the usual case, unless pairs lose their force without an event of their own */
     for (int k = 1; k < part->nodes->n; k++) {
         is_one = is_one && !(fabs(x[k] - x[0]) > 0);
     }
@@ -48,7 +48,7 @@ static void add_coast(mesh_numbers *mesh, const mesh_part *part, const double *x
 {
     double time = 0;
     for (int k = 0; k < part->nodes->n; k++) {
-        time += isnan(x[k]) ? NAN : x[k] > 0 ? part->nodes->weight[k] : 0; /* NaN: it has no coast flanks */
+        time += isnan(x[k]) ? NAN : x[k] > 0 ? part->nodes->weight[k] : 0; /* NaN: no coast flanks */
     }
     mesh->period.coast += time;
 }
@@ -141,7 +141,7 @@ void mesh_numbers_complete(mesh_numbers *mesh)
 
 double mesh_numbers_force_at_rest(const mesh_numbers *mesh, int m, const model *model)
 {
-    static const double margin = 2; /* coast flanks have an own start of contact, and a loaded mesh lags */
+    static const double margin = 2; /* coast flanks have a separate start of contact, and a loaded mesh lags */
     const mesh_sums *sums = &mesh->total;
     const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
     return model_static_pair_force(model, m, sums->first - margin, sums->last + margin, mean);

@@ -1,11 +1,11 @@
-/** What is counted of the contact of a mesh over a window of whole pitches: shares of time, energy, impacts, the largest force of a
- *  tooth pair. Sums are taken over the present period and count when it is complete. */
+/** Contact metrics of a mesh over a window of whole pitches: shares of time, energy, impacts, the largest force of a
+ *  tooth pair. Sums are taken over the present period and added to the total when it is complete. */
 #pragma once
 
 #include "simulate/number_channel.h"
 #include "simulate/step_nodes.h"
 
-/** OUTPUT(key, output, whether each tooth pair has one, what adds it to the accumulators; NULL: always requested) */
+/** OUTPUT(key, output, whether there is one per tooth pair, accumulation function; NULL: always requested) */
 #define MESH_OUTPUTS(OUTPUT)                                                                                           \
     OUTPUT(ANGLE, "angle", false, NULL)                                                                                \
     OUTPUT(SPEED, "angular_velocity", false, NULL)                                                                     \
@@ -18,7 +18,7 @@ enum {
 #define OUTPUT(key, ...) AT_##key,
     MESH_OUTPUTS(OUTPUT) N_AT_MESH,
 #undef OUTPUT
-/** Which of them a number needs. */
+/** Bits for the outputs that a metric needs. */
 #define OUTPUT(key, ...) NEEDS_##key = 1 << AT_##key,
     MESH_OUTPUTS(OUTPUT) NEEDS_NOTHING = 0
 #undef OUTPUT
@@ -27,9 +27,9 @@ typedef struct {
     int at[N_AT_MESH]; /**< index of the first value; -1: not requested */
 } mesh_places;
 
-/** ACCUMULATOR(type, name, how a period counts in the total), in the order of checkpoints */
+/** ACCUMULATOR(type, name, how a period is added to the total), in the order of checkpoints */
 #define MESH_ACCUMULATORS(ACCUMULATOR)                                                                                 \
-    ACCUMULATOR(double, time, SUM) /* [s], as the shares are */                                                        \
+    ACCUMULATOR(double, time, SUM) /* [s], as for the shares */                                                        \
     ACCUMULATOR(double, pitches, SUM)                                                                                  \
     ACCUMULATOR(double, torque, SUM)                                                                                   \
     ACCUMULATOR(double, energy, SUM)                                                                                   \
@@ -42,7 +42,7 @@ typedef struct {
     ACCUMULATOR(long, impacts, SUM)                                                                                    \
     ACCUMULATOR(double, impact_speed, HIGHEST)                                                                         \
     ACCUMULATOR(double, pair_force, HIGHEST)                                                                           \
-    ACCUMULATOR(double, first, LOWER_END) /* positions between which the mesh was [pitches], if time is not 0 */       \
+    ACCUMULATOR(double, first, LOWER_END) /* range of positions of the mesh [pitches], if time is not 0 */             \
     ACCUMULATOR(double, last, UPPER_END)
 
 typedef struct {
@@ -52,11 +52,11 @@ typedef struct {
 } mesh_sums;
 
 typedef struct {
-    int wheel;       /**< that drives it */
-    double xi_0;     /**< position where angles are 0 [pitches] */
-    double per_turn; /**< pitches a radian of that wheel, with the sign of its nominal sense */
-    double mass;     /**< of both wheels along the line of action [kg] */
-    double t_impact; /**< of the last one [s]: pairs that meet at once are one */
+    int wheel;       /**< driving wheel */
+    double xi_0;     /**< position at zero angles [pitches] */
+    double per_turn; /**< pitches per radian of that wheel, with the sign of its nominal sense */
+    double mass;     /**< reduced mass of both wheels along the line of action [kg] */
+    double t_impact; /**< time of the last impact [s]; simultaneous contacts of several pairs are one impact */
     mesh_sums period, total;
 } mesh_numbers;
 
@@ -64,12 +64,13 @@ typedef struct {
 void mesh_numbers_want(unsigned needs, step_nodes *nodes, mesh_places *places);
 /** Whether the model has all of these outputs. */
 bool mesh_numbers_have(const mesh_places *places, unsigned needs);
-/** Add what is known at the nodes, and find the waves of the mesh order there.
- *  @param m, n_pairs  index of the mesh; places of tooth pairs that a mesh has */
+/** Accumulate the values at the nodes, and compute the harmonics of the mesh order there.
+ *  @param m, n_pairs  index of the mesh; number of tooth pairs in the outputs of a mesh */
 void mesh_numbers_add(mesh_numbers *mesh, int m, int n_pairs, const mesh_places *places, const step_nodes *nodes,
                       number_waves *waves);
-/** Flanks meet, at a speed [m/s], where no pair touched. */
+/** Count an impact: contact closes at a speed [m/s] while no tooth pair is in contact. */
 void mesh_numbers_impact(mesh_numbers *mesh, double t, double speed);
 void mesh_numbers_complete(mesh_numbers *mesh);
-/** Largest force of a tooth pair in static equilibrium under the mean torque of the window [N]; NaN where that does not apply. */
+/** Largest force of a tooth pair in static equilibrium under the mean torque of the window [N]; NaN where not
+ *  applicable. */
 double mesh_numbers_force_at_rest(const mesh_numbers *mesh, int m, const model *model);

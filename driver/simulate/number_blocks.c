@@ -49,7 +49,7 @@ void number_blocks_add(number_blocks *blocks, int channel, double integral)
     blocks->integrals[channel * NUMBER_BLOCKS + blocks->n - 1] += integral;
 }
 
-/** Mean over n blocks from the first on, and the sum of squares of the blocks' distances from it. */
+/** Mean over n blocks from the first on; adds the squares of the blocks' deviations from it. */
 static double mean_of(const number_blocks *blocks, const double *integrals, int first, int n, double *squares)
 {
     double integral = 0, time = 0;

@@ -5,11 +5,11 @@
 #include <math.h>
 #include <string.h>
 
-/* The loops here are a third of what the numbers cost. */
+/* These loops take a third of the time spent on metrics. */
 
 static const double two_pi = 6.283185307179586;
 
-/** Cosine and sine of a small angle [rad], |x| < 0.3: exact to rounding, and no call. */
+/** Cosine and sine of a small angle [rad], |x| < 0.3: exact to rounding, without a function call. */
 static inline void small_turn(double x, double *cosine, double *sine)
 {
     const double q = x * x;
@@ -17,7 +17,7 @@ static inline void small_turn(double x, double *cosine, double *sine)
     *sine = x * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110)))));
 }
 
-/** Cosines and sines of the first wave at the nodes, on from a place that is near. */
+/** Cosines and sines of the first harmonic at the nodes, from a nearby position. */
 static inline void find_first_wave(number_waves *waves, int n_nodes, const double *xi, double *cosines, double *sines)
 {
     static const double small = 0.04; /* pitches */
@@ -61,7 +61,7 @@ FOR_EACH_PROCESSOR void number_waves_find(number_waves *waves, int n_nodes, cons
         waves->wave[N][k] = s[k];
         waves->rate[k] = rate[k];
     }
-    for (int n = 1; n < N; n++) { /* each is a turn of the half before it: few wait for each other */
+    for (int n = 1; n < N; n++) { /* computed from the harmonics of half its order, for short dependency chains */
         const double *c_1 = waves->wave[n / 2], *s_1 = waves->wave[N + n / 2];
         const double *c_2 = waves->wave[(n - 1) / 2], *s_2 = waves->wave[N + (n - 1) / 2];
         double c_n[STEP_NODES_MOST], s_n[STEP_NODES_MOST];
@@ -81,7 +81,7 @@ void number_channel_init(number_channel *channel)
     *channel = (number_channel){.period = nothing, .total = nothing};
 }
 
-/** Add to each node's own sums: no sum changes its order, however long the vectors are. */
+/** Add to the sums of each node separately: no sum changes its order, whatever the vector length. */
 FOR_EACH_PROCESSOR static void add_at_nodes(channel_sums *restrict sums, double shift, const double *restrict weight,
                                             const number_waves *restrict waves, const double *restrict x)
 {
@@ -107,7 +107,7 @@ void number_channel_add(number_channel *channel, const step_nodes *nodes, const 
     const channel_sums *total = &channel->total;
     double padded[STEP_NODES_MOST];
     for (int k = 0; k < STEP_NODES_MOST && nodes->n < STEP_NODES_MOST; k++) {
-        padded[k] = x[k < nodes->n ? k : 0]; /* without weight */
+        padded[k] = x[k < nodes->n ? k : 0]; /* with zero weight */
     }
     if (!channel->has_begun) {
         channel->has_begun = true;
@@ -125,7 +125,7 @@ void number_channel_add(number_channel *channel, const step_nodes *nodes, const 
     }
 }
 
-/** Add what one sum has to another. */
+/** Add one set of sums to another. */
 static void add_sums(channel_sums *sums, const channel_sums *more)
 {
     for (int k = 0; k < STEP_NODES_MOST; k++) {
@@ -165,7 +165,7 @@ channel_window number_channel_conclude(const number_channel *channel, double tim
         m[i] = sum_of(sums->power[i]) / time;
     }
     const double variance = fmax(m[1] - m[0] * m[0], 0), mean = channel->shift + m[0];
-    const bool has_values = sums->high >= sums->low; /* of a quantity that is NaN there are none */
+    const bool has_values = sums->high >= sums->low; /* there are none if the quantity is NaN */
     channel_window window = {.mean = mean,
                              .variance = variance,
                              .rms = sqrt(variance + mean * mean),

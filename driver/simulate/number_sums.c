@@ -10,11 +10,11 @@ static const double two_pi = 6.283185307179586;
 struct sums_channel {
     int quantity, element;
     int value; /**< index at the nodes */
-    int mesh;  /**< whose pitches its harmonics are of */
+    int mesh;  /**< whose pitch defines its harmonics */
     number_channel sums;
 };
 
-/** A channel for each element of the quantities that the rows read. */
+/** Create a channel for each element of the quantities that the rows evaluate. */
 static void open_channels(number_sums *sums, memory_pool *pool)
 {
     const model_names *names = &model_about(sums->model)->names;
@@ -25,7 +25,7 @@ static void open_channels(number_sums *sums, memory_pool *pool)
             n += counts[quantity] = number_count(number_quantities[quantity].dims, names);
         }
     }
-    if (n == 0) { /* whether the motion has settled is judged by a quantity */
+    if (n == 0) { /* the check for settled motion needs a quantity */
         n = counts[QUANTITY_transmission_error] = names->meshes.n;
     }
     sums->channels = pool_calloc(pool, (size_t)n, sizeof *sums->channels);
@@ -79,7 +79,8 @@ void number_sums_keep(number_sums *self, archive *archive)
     number_blocks_keep(&self->blocks, archive);
 }
 
-/** The mesh whose pitches the harmonics of a wheel are of: the window's, `preferred`, if it is one of its, else its first. */
+/** The mesh whose pitch defines the harmonics of a wheel: that of the window, `preferred`, if it belongs to the wheel,
+ *  else the wheel's first. */
 static int mesh_of_wheel(const number_sums *self, const double *values, int wheel, int preferred)
 {
     int found = -1;

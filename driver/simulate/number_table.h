@@ -1,8 +1,9 @@
-/** The table of the metrics of a case. A metric is one row here and one line in docs/numbers.md, and so is a quantity. Names, offsets,
- *  lists and the outputs to evaluate are derived from the rows.
+/** The table of the metrics of a case. A metric is one row here and one line in docs/numbers.md, and so is a quantity.
+ *  Names, offsets, lists and the outputs to evaluate are derived from the rows.
  *
- *  A formula reads the accumulators: `w`, the window of a quantity (channel_window); `s`, the sums of a mesh (mesh_sums); `n`, the
- *  index of a harmonic; `from`, a number_source. Without the quantity or the outputs of its row a metric is NaN. */
+ *  A formula reads the accumulators: `w`, the window of a quantity (channel_window); `s`, the sums of a mesh
+ *  (mesh_sums); `n`, the index of a harmonic; `from`, a number_source. Without the quantity or the outputs of its row a
+ *  metric is NaN. */
 #pragma once
 
 /** QUANTITY(output, units, text, dimensions, least value): outputs */

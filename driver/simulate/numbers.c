@@ -19,13 +19,13 @@ struct numbers {
     model_sampler *angles;  /**< of all wheels, at one state */
     double *y, *values;     /**< of one state */
     int closed, impact;     /**< event kinds */
-    bool is_set_up;         /**< constants are known */
-    bool has_started;       /**< the window has begun */
-    double sense;           /**< of the window's wheel, pitches or turns a radian */
+    bool is_set_up;         /**< constants are set */
+    bool has_started;       /**< the window has started */
+    double sense;           /**< of the window's wheel: pitches or revolutions per radian, with sign */
     double start_position;  /**< position at the angle 0 */
-    double first, next;     /**< position where the window began; of the end of the present period */
-    double t_first, t_last; /**< of the complete periods */
-    double position;        /**< furthest that was reached */
+    double first, next;     /**< position at the start of the window; at the end of the present period */
+    double t_first, t_last; /**< start and end of the complete periods */
+    double position;        /**< largest position reached */
     double first_seen;      /**< first position in the window */
     long periods;
     dae_state start; /**< of the run */
@@ -95,7 +95,7 @@ void numbers_keep(numbers *self, archive *archive)
 
 /* ---- positions ---- */
 
-/** What never changes, from any state. */
+/** Set the constants, from any state. */
 static bool set_up(numbers *self, const integrate_step *step)
 {
     char message[DAE_MESSAGE_LENGTH];
@@ -114,7 +114,7 @@ static bool set_up(numbers *self, const integrate_step *step)
             ? mesh->per_turn
             : (model_output_value(self->model, self->values, "angular_velocity", wheel) < 0 ? -1 / two_pi : 1 / two_pi);
     self->start_position = mesh->xi_0;
-    if (wheel >= 0) { /* a steady start is inside a pitch: turns count from where the wheel starts */
+    if (wheel >= 0) { /* a steady start is inside a pitch: revolutions are counted from the start of the wheel */
         if (!self->has_start || model_outputs(self->model, &self->start, self->values, message) != DAE_OK) {
             return false;
         }
@@ -124,7 +124,7 @@ static bool set_up(numbers *self, const integrate_step *step)
     return true;
 }
 
-/** Position of the window's mesh or wheel. @return NAN if it is not known */
+/** Position of the window's mesh or wheel. @return NAN if not available */
 static double position_at(numbers *self, const integrate_step *step, double t)
 {
     char message[DAE_MESSAGE_LENGTH];
@@ -148,7 +148,7 @@ static double past(void *of, double t)
     return position_at(aim->self, aim->step, t) - aim->target;
 }
 
-/** When a position is reached between two times around it. */
+/** Time at which a position between two bracketing times is reached. */
 static double time_of(numbers *self, const integrate_step *step, double target, double t_a, double f_a, double t_b,
                       double f_b)
 {
@@ -158,7 +158,7 @@ static double time_of(numbers *self, const integrate_step *step, double target, 
 
 /* ---- parts of steps ---- */
 
-/** A part of a step in which less than the reach of the nodes passes. */
+/** Add a part of a step that is short enough for the nodes. */
 static void add_part(numbers *self, const integrate_step *step, double from, double to)
 {
     if (step_nodes_look(&self->sums.nodes, step, from, to)) {
@@ -185,7 +185,7 @@ static void complete_period(numbers *self, double t)
 
 /* ---- whole steps ---- */
 
-/** A beginning of a period: the window starts, or one is complete. */
+/** Start of a period: the window starts, or a period is complete. */
 static void pass_border(numbers *self, double t)
 {
     if (self->has_started) {
@@ -200,12 +200,13 @@ static void pass_border(numbers *self, double t)
 
 static double pitches_of(const numbers *self, double from, double to)
 {
-    /* a turn has as many pitches as the wheel that drives the first mesh has teeth, or about so many */
+    /* a revolution has about as many pitches as the driving wheel of the first mesh has teeth */
     return self->window.wheel < 0 ? to - from
                                   : (to - from) * fabs(self->sums.meshes[self->window.mesh].per_turn) * two_pi;
 }
 
-/** Most steps: all of it lies in one period, far from its end, and within the reach of the nodes. @return whether it was that */
+/** Usual case: the whole step lies in one period, far from its end, and is short enough for the nodes. @return whether
+ *  this applied */
 static bool add_plain(numbers *self, const integrate_step *step, double from, double to)
 {
     static const double margin = 0.01, rounding = 1e-9;
@@ -230,7 +231,7 @@ static bool add_plain(numbers *self, const integrate_step *step, double from, do
 
 void numbers_watch(numbers *self, const integrate_step *step)
 {
-    static const double rounding = 1e-10; /* periods: a start as near to a border as that is on it */
+    static const double rounding = 1e-10; /* [periods] a start this close to the start of a period is on it */
     double t = fmax(step->t_from, self->window.from);
     const double t_end = fmin(step->t_to, self->window.to);
     if (!(t_end > t) || (!self->is_set_up && !set_up(self, step))) {
@@ -284,7 +285,7 @@ void numbers_event(numbers *self, const event_record *record)
 
 void numbers_start(numbers *self, const dae_state *start, bool is_periodic)
 {
-    if (self->has_start) { /* a run that goes on has that of its beginning */
+    if (self->has_start) { /* a resumed run has its original start */
         return;
     }
     dae_state_copy(&model_about(self->model)->dae, &self->start, start);

@@ -60,7 +60,8 @@ char *prepare_own_warnings(const prepared_case *prepared, const char *separator)
     return join_warnings(prepared, false, separator);
 }
 
-/** The case's integrator, or the one that suits the model, and its tolerance. @return false if it asks for one that does not serve */
+/** Set the case's integrator, or the one suitable for the model, and its tolerance. @return false if the requested one
+ *  does not support the model */
 static bool settle_integrator(const prepared_case *prepared, model_message *refusal)
 {
     const simulation_description *simulation = &case_description(prepared->file)->simulation;
@@ -79,7 +80,7 @@ static bool settle_integrator(const prepared_case *prepared, model_message *refu
     return true;
 }
 
-/** What the damping laws leave to the mesh. */
+/** Set the damping parameters that are left to the model. */
 static void settle_damping(const prepared_case *prepared)
 {
     for (int i = 0; i < case_description(prepared->file)->n_meshes; i++) {
@@ -89,7 +90,7 @@ static void settle_damping(const prepared_case *prepared)
     }
 }
 
-/** Whether the outputs that the case names are there. */
+/** Whether the outputs named in the case exist. */
 static bool check_outputs(const prepared_case *prepared, model_message *refusal)
 {
     const char *words = case_description(prepared->file)->simulation.outputs;
@@ -103,7 +104,7 @@ static bool check_outputs(const prepared_case *prepared, model_message *refusal)
     return why == NULL;
 }
 
-/** The model of a case that was read. @param before  as for model_create */
+/** Create the model of a case that was read. @param before  as in model_create */
 static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, model *before, evl_error *error)
 {
     model_message refusal;
@@ -134,7 +135,7 @@ bool prepare_text(prepared_case *prepared, const char *name, const char *text, i
     return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
 }
 
-/** A state that the case's outputs allow. @return false with the reason in `error`; then it is freed */
+/** Check that a state is allowed by the case's outputs. @return false with the reason in `error`; then it is freed */
 static bool accept_start(const prepared_case *prepared, dae_state *state, evl_error *error)
 {
     const bool good = positions_check_start(prepared, state, error);

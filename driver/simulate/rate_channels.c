@@ -9,7 +9,8 @@ static int count_of(const model *model, const char *name)
     return output == NULL ? 0 : output->count;
 }
 
-/** Whether an output is a rate in this run. The pose of a housing that moves as prescribed is no state: nothing integrates it. */
+/** Whether an output is a rate in this run. The pose of a housing with prescribed motion is not a state and is not
+ *  integrated. */
 static bool is_rate(const model *model, const model_output *output)
 {
     static const char prefix[] = "housing_";
@@ -70,7 +71,7 @@ rate_channels rate_channels_open(const model *model, memory_pool *pool)
     }
     these.sampler = model_sampler_create(model, these.values.n, these.values.outputs);
     these.in_lanes = model_sampler_in_lanes(these.sampler);
-    if (these.in_lanes && work >= 0) { /* else a housing that moves, or gravity, may add to it */
+    if (these.in_lanes && work >= 0) { /* else a moving housing, or gravity, may contribute */
         const int channel = channel_at(&these, model_output_named(model, "load_work"), 0);
         these.channels[channel].is_power = true;
     }

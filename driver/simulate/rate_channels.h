@@ -1,4 +1,4 @@
-/** Which reported values are rates of which others: the table of outputs says so. */
+/** Pairs of reported values and their rates, according to the table of outputs. */
 #pragma once
 
 #include "base/memory.h"
@@ -9,25 +9,25 @@
 
 /** One value and its rate, or the sum of all its rates. */
 typedef struct {
-    int place;                /**< of the value */
-    const model_output *rate; /**< NULL if several add up to it */
+    int place;                /**< index of the value */
+    const model_output *rate; /**< NULL if it is a sum of several */
     bool is_power;            /**< the work of the loads: its rate is the sum of torques times speeds */
 } rate_channel;
 
-/** The rates of a run, and what is evaluated for them. */
+/** The rates of a run, and the outputs evaluated for them. */
 typedef struct {
     wanted_outputs values;
     int n;
     rate_channel *channels;
-    int *channel_of;        /**< [n_values] to which channel a rate belongs; -1: to none */
-    int torque, speed;      /**< first values of the wheels */
+    int *channel_of;        /**< [n_values] channel to which a rate belongs; -1: none */
+    int torque, speed;      /**< indices of the first values of the wheels */
     model_sampler *sampler; /**< of the values */
-    bool in_lanes;          /**< it evaluates eight states at once */
+    bool in_lanes;          /**< evaluates DAE_LANES states at once */
 } rate_channels;
 
 rate_channels rate_channels_open(const model *model, memory_pool *pool);
 void rate_channels_close(rate_channels *these);
-/** Rates of all channels [n] from the values of one of DAE_LANES states that stand side by side. */
+/** Rates of all channels [n] from the values of one of DAE_LANES interleaved states. */
 void rate_channels_rates(const rate_channels *these, const double *values, int lane, double *rates);
-/** The output that a value belongs to, and of what it is: " of wheel 'gear', x", or nothing. */
+/** The output of a value, and its element: " of wheel 'gear', x", or "". */
 const model_output *rate_channels_output(const rate_channels *these, int place, char element[96]);

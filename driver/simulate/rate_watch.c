@@ -9,8 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The start of a step and the nodes of Radau's quadrature of order 13, the last of which is its end, in units of the step. A step of
- * radau has its stages there: then the sum of the rates is the change up to the error of Newton's iteration, whatever the step. */
+/* The start of a step and the nodes of Radau quadrature of order 13, in units of the step; the last node is its end.
+ * They are the stages of a radau step: then the sum of the rates equals the change up to the error of Newton's
+ * iteration, for any step size. */
 static const double nodes[DAE_LANES] = {0,
                                         0.02931642715978489197,
                                         0.1480785996684842918,
@@ -29,21 +30,22 @@ static const double weights[DAE_LANES] = {0,
                                           0.02040816326530612245};
 enum { START = 0, END = DAE_LANES - 1 };
 
-static const double part = 1e-8; /* of the largest value or change: what two formulas may differ by */
-/* By how many tolerances a state between the ends of a step may be wrong; what that makes of an integral is found by changing the
- * states. Radau's steps are collocations: only Newton's iteration is left, by 0.3 tolerances at most in 400 random cases. IDA's
- * polynomials meet no equation but at their ends: 7.8 in the same cases, in the short steps after an event. */
+static const double part = 1e-8; /* permitted difference of two formulas, relative to the largest value or change */
+/* Permitted error, in tolerances, of a state between the ends of a step; its effect on an integral is computed by
+ * perturbing the states. Radau's steps are collocations: only Newton's iteration contributes, by at most 0.3 tolerances
+ * in 400 random cases. IDA's polynomials satisfy the equations only at their ends: 7.8 in the same cases, in the short
+ * steps after an event. */
 static const double tolerances_of_collocation = 10, tolerances_of_polynomials = 100;
-static const double roundings = 64 * DBL_EPSILON; /* of values that are subtracted, and of the time */
+static const double roundings = 64 * DBL_EPSILON; /* of subtracted values, and of the time */
 
-/* The first step is looked at, then one of 32, of 64, ... and one of 512 for the rest of the run: later by up to an eighth of that
- * where it is the first after an event then. */
+/* The first step is checked, then one of 32, of 64, ... and one of 512 for the rest of the run. A check is delayed by
+ * up to an eighth of the interval until the first step after an event. */
 enum { FIRST_INTERVAL = 32, LAST_INTERVAL = 512, PATIENCE = 8 };
 
-/** The step in which an integral differs most from the change. */
+/** The step with the largest difference of an integral from the change. */
 typedef struct {
     double most;   /**< largest change in a step */
-    double excess; /**< largest difference beyond what rounding and the tolerance make, and where that was: */
+    double excess; /**< largest difference beyond rounding and tolerance, and its step: */
     double from, to, integral, change;
 } rate_difference;
 
@@ -56,11 +58,11 @@ struct rate_watch {
     double *y, *one;              /**< [states * DAE_LANES], [states] */
     double *values, *alone;       /**< [n_values * DAE_LANES], [n_values] */
     double *largest;              /**< [n_values] so far */
-    double *rates, *near, *sums;  /**< [n of channels] at a state, at one near it; integrals over a step */
-    double *allowed;              /**< [n of channels] what errors of the states make of the integrals */
+    double *rates, *near, *sums;  /**< [n of channels] at a state, at a perturbed one; integrals over a step */
+    double *allowed;              /**< [n of channels] effect of the state errors on the integrals */
     rate_difference *differences; /**< [n of channels] */
-    long steps;                   /**< since the last that was looked at; before the first one, enough */
-    long interval;                /**< of those that are looked at, at present */
+    long steps;                   /**< since the last checked one; initially large enough for a check */
+    long interval;                /**< present interval between checks */
     int node;                     /**< at which the outputs of one state are evaluated next */
     bool after_event;
     bool has_conflict;
@@ -118,11 +120,11 @@ void rate_watch_keep(rate_watch *watch, archive *archive)
     KEEP(archive, watch->after_event);
 }
 
-/* ---- what is said of a difference ---- */
+/* ---- messages ---- */
 
 static const char defect[] = "this is a defect of the program, not of the case: please report it with the case";
 
-/** Two evaluations of an output that differ. */
+/** Report two evaluations of an output that differ. */
 static void note_difference(rate_watch *watch, int place, double lanes, double alone)
 {
     char element[96];
@@ -194,8 +196,8 @@ static void integrate_rates(rate_watch *watch, double step)
     }
 }
 
-/** By how much integrals, and what they are compared with, change if one state after the other is wrong by the tolerance.
- *  @return false if the rates there are not known */
+/** Permitted differences of the integrals: sum of the effects of perturbing each state by the tolerance.
+ *  @return false if the rates there are not available */
 static bool find_allowed(rate_watch *watch, const integrate_step *step)
 {
     const rate_channels *channels = &watch->channels;
@@ -232,7 +234,7 @@ static bool find_allowed(rate_watch *watch, const integrate_step *step)
     return true;
 }
 
-/** Compare them with the changes. */
+/** Compare the integrals with the changes. */
 static void compare_changes(rate_watch *watch)
 {
     const double step = watch->t[END] - watch->t[START];

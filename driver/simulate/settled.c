@@ -9,19 +9,19 @@
 static const double two_pi = 6.283185307179586;
 
 static const double of_mean =
-    0.01; /* of the root mean square: what may be left in a mean, and between the halves' means */
-static const double of_range = 0.05; /* of the peak to peak: what may be left of the transient */
-static const double least = 1e-4;    /* of the quantity's largest root mean square: less does not count */
-static const double of_start = 1e-6; /* of the start's distance: less is rounding */
+    0.01; /* permitted remainder in a mean, and difference of the halves' means, relative to the root mean square */
+static const double of_range = 0.05; /* permitted remainder of the transient, relative to the peak to peak */
+static const double least = 1e-4;    /* negligible, relative to the quantity's largest root mean square */
+static const double of_start = 1e-6; /* rounding, relative to the distance of the start */
 static const double undamped = 1e-6; /* damping ratio below which a mode does not decay */
-static const double of_scatter = 2;  /* standard deviations between blocks by which the halves' means may differ */
+static const double of_scatter = 2;  /* permitted difference of the halves' means, in standard deviations of blocks */
 
-/** What is worst so far: more than 1 is too much. */
+/** Worst result so far: above 1 is not settled. */
 typedef struct {
-    double excess; /**< over what is allowed */
+    double excess; /**< relative to the permitted value */
     number_followed of;
-    const start_mode *mode; /**< the one with the largest part; NULL: the halves of the window differ */
-    double left;            /**< over the mean or the peak to peak */
+    const start_mode *mode; /**< the one with the largest contribution; NULL: the halves of the window differ */
+    double left;            /**< relative to the mean or the peak to peak */
     bool is_of_mean;
 } worst_case;
 
@@ -31,7 +31,7 @@ typedef struct {
     double age, span; /**< from the start to the window, of the window [s] */
 } judgement;
 
-/** Part of a mode that is left in a mean over the window, over its amplitude where the window begins. */
+/** Remainder of a mode in a mean over the window, relative to its amplitude at the start of the window. */
 static double left_in_mean(const start_mode *mode, double span)
 {
     const double complex turn = (-mode->rate + mode->frequency * I) * span;
@@ -47,7 +47,7 @@ static void note(worst_case *worst, double left, double allowed, bool is_of_mean
     }
 }
 
-/** What is left of the start's distance in a quantity.
+/** Check the remainder of the start's distance in a quantity.
  *  @param size  largest root mean square of the quantity, of all wheels or meshes */
 static void judge_start(const judgement *j, const number_followed *of, double size, worst_case *worst)
 {
@@ -73,7 +73,7 @@ static void judge_start(const judgement *j, const number_followed *of, double si
     note(worst, in_mean, fmax(of_mean * window->rms, floor), true, of, most[1], window->rms);
 }
 
-/** The means of both halves. @param size  as above */
+/** Check the means of both halves. @param size  as above */
 static void judge_halves(const number_followed *of, double size, worst_case *worst)
 {
     const double apart = fabs(of->halves.second - of->halves.first), rms = of->window.rms;

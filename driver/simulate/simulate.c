@@ -35,14 +35,14 @@ typedef struct {
     invariant_watch *invariants;
     rate_watch *rates;
     positions_watch positions;
-    gather outputs; /**< those that are due */
-    char *reason;   /**< [DAE_MESSAGE_LENGTH] why it ends, of the result */
-    double t_given; /**< model time of the last outputs that the sink got */
+    gather outputs; /**< buffer of due outputs */
+    char *reason;   /**< [DAE_MESSAGE_LENGTH] reason of the end, part of the result */
+    double t_given; /**< model time of the last outputs passed to the sink */
     stop_reason stop;
-    bool is_cut; /**< it was interrupted, and what came after the last outputs is not to be trusted */
+    bool is_cut; /**< it was interrupted, and states after the last outputs are not reliable */
 } simulation;
 
-/** Outputs, to whoever hears them. @return whether the sink took them */
+/** Pass outputs to the consumers. @return whether the sink accepted them */
 static bool give(simulation *s, const output_block *block)
 {
     for (int k = 0; k < block->n && block->marks != NULL; k++) {
@@ -56,20 +56,21 @@ static bool give(simulation *s, const output_block *block)
     return good;
 }
 
-/** Give outputs that were found, or not. @return as of integrate_observer.output */
+/** Pass outputs on after their evaluation. @return as integrate_observer.output */
 static int give_found(simulation *s, int code, const output_block *block)
 {
     if (code == DAE_RECOVERABLE && s->outputs.capacity == 1) {
         return INTEGRATE_ANEW;
     }
     if (code != DAE_OK) {
-        s->stop = s->outputs.capacity > 1 ? STOP_MISSED : STOP_MODEL; /* one by one it shows at which */
+        s->stop = s->outputs.capacity > 1 ? STOP_MISSED : STOP_MODEL; /* repeated one by one, the run shows which output
+                                                                       * it is */
         return 1;
     }
     return give(s, block) ? 0 : 1;
 }
 
-/** Find and give the outputs that were gathered. @return as of integrate_observer.output */
+/** Evaluate the buffered outputs and pass them on. @return as integrate_observer.output */
 static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
 {
     output_block block;
@@ -155,7 +156,7 @@ static bool is_due(void *self, double t)
     return s->sink->is_due(s->sink->self, t);
 }
 
-/** Of the outputs none are left then. */
+/** Serialise the simulation; the buffer of outputs is emptied before. */
 static void keep(void *self, archive *archive)
 {
     simulation *s = self;
@@ -185,7 +186,7 @@ static int kept(void *self, double t, const archive *archive)
     return s->stop != STOP_NONE;
 }
 
-/** A run that ends early ends with its last good state, if its outputs exist and were not given yet. */
+/** Pass on the last valid state of a run that ends early, if its outputs exist and were not passed on yet. */
 static void give_last(simulation *s, const integrate_options *options, const dae_state *state)
 {
     char message[DAE_MESSAGE_LENGTH];
@@ -203,7 +204,7 @@ static void give_last(simulation *s, const integrate_options *options, const dae
     }
 }
 
-/** What is left when the integration has ended. @return how that did */
+/** Pass on the remaining outputs at the end of the integration. @return how it ended */
 static integrate_code give_rest(simulation *s, integrate_code code, char message[DAE_MESSAGE_LENGTH])
 {
     char reason[DAE_MESSAGE_LENGTH];
@@ -212,14 +213,14 @@ static integrate_code give_rest(simulation *s, integrate_code code, char message
     }
     const bool was_interrupted = s->stop == STOP_INTERRUPTED;
     const int answer = give_gathered(s, code == INTEGRATE_DONE ? message : reason);
-    if (was_interrupted && s->stop == STOP_MISSED) { /* nobody waits for the simulation to be made again */
+    if (was_interrupted && s->stop == STOP_MISSED) { /* an interrupted simulation is not repeated */
         s->stop = STOP_INTERRUPTED;
         s->is_cut = true;
     }
     return answer != 0 && code == INTEGRATE_DONE ? INTEGRATE_STOPPED : code;
 }
 
-/** A run whose rates are not those of what it reports fails, also at its end. @return how it ends */
+/** Fail a run in which rates conflict with the reported quantities, also at its end. @return how it ends */
 static integrate_code judge_rates(simulation *s, integrate_code code)
 {
     const char *conflict = code == INTEGRATE_DONE ? rate_watch_conclude(s->rates) : rate_watch_conflict(s->rates);
@@ -231,7 +232,7 @@ static integrate_code judge_rates(simulation *s, integrate_code code)
     return INTEGRATE_STOPPED;
 }
 
-/** Only a run that came to its end tells whether contact was lost for good. */
+/** Permanent loss of contact is reported only for a complete run. */
 static void remark_contact(const simulation *s, simulate_result *result)
 {
     (void)contact_watch_lost(&s->contact, s->t_given, case_description(s->prepared->file)->meshes, result->remark,
@@ -246,7 +247,7 @@ static void add_remark(const char *text, simulate_result *result)
     }
 }
 
-/** A vibration that feeds itself begins with what the tolerance leaves of it: the user has to know. */
+/** Warn of a self-excited vibration: it starts from an amplitude determined by the tolerance. */
 static void remark_growth(const dae_growth *growth, simulate_result *result)
 {
     const double size = hypot(growth->rate, growth->frequency);
@@ -267,7 +268,7 @@ static void remark_growth(const dae_growth *growth, simulate_result *result)
     add_remark(text, result);
 }
 
-/** A run that came less far than its outputs are made for. */
+/** Warn if a run covered less than a period of its outputs by position. */
 static void remark_positions(const positions_watch *positions, simulate_result *result)
 {
     char text[DAE_MESSAGE_LENGTH];
@@ -343,7 +344,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     integrate_code code =
         integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
     result->can_go_on = code == INTEGRATE_SPENT && sink->keeps_spent;
-    s.stop = result->can_go_on ? STOP_SPENT : s.stop; /* its outputs were given then */
+    s.stop = result->can_go_on ? STOP_SPENT : s.stop; /* its outputs were already passed on */
     code = give_rest(&s, code, result->message);
     code = judge_rates(&s, code);
     result->end = end_of(&s, code);

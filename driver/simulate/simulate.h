@@ -1,4 +1,4 @@
-/** The integration of a prepared case, its outputs handed to whoever wants them: a history, statistics. */
+/** Integration of a prepared case; outputs are passed to consumers such as a history or statistics. */
 #pragma once
 
 #include "integrate/integrate_types.h"
@@ -9,55 +9,58 @@
 
 #include <signal.h>
 
-/** What is to come after a simulation was kept: SIMULATE_INTERRUPTED, or SIMULATE_SINK_FAILED. */
+/** Continuation after a checkpoint was written: SIMULATE_STOPS ends with SIMULATE_INTERRUPTED, SIMULATE_FAILS with
+ *  SIMULATE_SINK_FAILED. */
 typedef enum { SIMULATE_GOES_ON, SIMULATE_STOPS, SIMULATE_FAILS } simulate_kept;
 
-/** Where the outputs of a simulation go. A procedure that returns false ends the simulation with SIMULATE_SINK_FAILED. */
+/** Consumer of the outputs of a simulation. A procedure that returns false ends the simulation with
+ *  SIMULATE_SINK_FAILED. */
 typedef struct {
     void *self;
-    wanted_outputs *wanted; /**< of those that are told; the simulation adds what it looks at itself */
-    bool waits;             /**< outputs may come late, and the simulation may end with SIMULATE_MISSED */
-    bool (*outputs)(void *self, const output_block *block); /**< in order of time; events come in between */
+    wanted_outputs *wanted; /**< requested outputs; the simulation adds those of its own monitors */
+    bool waits;             /**< outputs may be delayed, and the simulation may end with SIMULATE_MISSED */
+    bool (*outputs)(void *self, const output_block *block); /**< in order of time, interleaved with events */
     bool (*event)(void *self, const event_record *record);
-    void (*step)(void *self, double t); /**< now and then, between steps: how far it is; NULL: nobody asks */
+    void (*step)(void *self, double t); /**< called occasionally between steps, for progress; NULL: not called */
     const volatile sig_atomic_t
         *interrupt;     /**< ends it when it is not 0; NULL: the number of a signal to the process */
-    extremes *extremes; /**< to be found between the outputs; NULL: none */
-    numbers *numbers;   /**< the same; NULL: none. With them there are extremes */
-    /** As of integrate_observer: a simulation that can go on later. NULL: it cannot. Then a signal does not end it: it makes it due */
+    extremes *extremes; /**< extremes to search between the outputs; NULL: none */
+    numbers *numbers;   /**< metrics to compute; NULL: none. They require extremes */
+    /** As in integrate_observer: checkpoints of a simulation that can be resumed. NULL: none. With them a signal does
+     *  not end the simulation but makes a checkpoint due */
     bool (*is_due)(void *self, double t);
     void (*keep)(void *self, archive *archive);
     simulate_kept (*kept)(void *self, double t, const archive *archive);
-    bool keeps_spent; /**< with these, also where its steps are over */
+    bool keeps_spent; /**< with these: also at the step limit */
     archive *resume;
 } simulate_sink;
 
 typedef enum {
     SIMULATE_DONE,
-    SIMULATE_FAILED,      /**< the integration, the model, or a window without a whole period; the message says why */
-    SIMULATE_INTERRUPTED, /**< by a signal, or by a sink that kept it */
-    SIMULATE_MISSED, /**< an output that came late shows that an event was missed: simulate again without waiting */
+    SIMULATE_FAILED,      /**< the integration, the model, or a window without a whole period; see `message` */
+    SIMULATE_INTERRUPTED, /**< by a signal, or by a sink after a checkpoint */
+    SIMULATE_MISSED,      /**< a delayed output shows that an event was missed: repeat the simulation without delay */
     SIMULATE_SINK_FAILED
 } simulate_end;
 
 typedef struct {
     simulate_end end;
-    double t; /**< where it ended [s] */
+    double t; /**< time of the end [s] */
     integrate_counts counts;
     char message[DAE_MESSAGE_LENGTH]; /**< of SIMULATE_FAILED */
-    bool can_go_on;                   /**< of SIMULATE_FAILED: it was kept where its steps were over */
-    /** What deserves a word at the end: contact lost for good, a vibration that feeds itself, a motion too short for its outputs
-     *  by position; "" if nothing does. */
+    bool can_go_on;                   /**< of SIMULATE_FAILED: a checkpoint was written at the step limit */
+    /** Warning at the end: contact permanently lost, a self-excited vibration, a motion too short for its outputs by
+     *  position; "" if there is none. */
     char remark[DAE_MESSAGE_LENGTH];
-    /** Energy that appeared or got lost, over what was put in or is there; NaN if that is nothing. */
+    /** Error of the energy balance, relative to the energy put in or stored; NaN if that is zero. */
     double energy_residual;
-    bool held;                           /**< whether it kept its invariants at all its outputs */
-    char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and which ones by how much */
+    bool held;                           /**< whether the invariants hold at all outputs */
+    char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and the broken invariants with their errors */
 } simulate_result;
 
-/** The integrator's options that a case asks for. */
+/** Integrator options of a case. */
 integrate_options simulate_options(const prepared_case *prepared);
 
-/** Integrate from `state`, which is that of the end afterwards. A simulation that ends early hands over its last good state too,
- *  if its outputs exist. */
+/** Integrate from `state`, which becomes the final state. A simulation that ends early also passes on its last valid
+ *  state if its outputs exist. */
 void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result);

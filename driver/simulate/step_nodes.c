@@ -6,8 +6,8 @@
 #include <pthread.h>
 #include <string.h>
 
-/* Gauss and Legendre: eight nodes where the kernel takes eight states at once, three where it takes one after the other, in
- * steps of IDA that are short. */
+/* Gauss-Legendre: eight nodes where the kernel evaluates eight states together, three where it evaluates them one by
+ * one, in the short steps of IDA. */
 static const double places_of_8[] = {-0.9602898564975363, -0.7966664774136267, -0.5255324099163290, -0.1834346424956498,
                                      0.1834346424956498,  0.5255324099163290,  0.7966664774136267,  0.9602898564975363};
 static const double weights_of_8[] = {0.1012285362903763, 0.2223810344533745, 0.3137066458778873, 0.3626837833783620,
@@ -25,17 +25,17 @@ static double lagrange(int n, const double *x_nodes, int k, double x)
     return value;
 }
 
-/* ---- evenly spaced places, the ends among them: at most STEP_NODES_SAMPLES ---- */
+/* ---- evenly spaced points, including the ends: at most STEP_NODES_SAMPLES ---- */
 
-enum { ROOM = (STEP_NODES_SAMPLES + 7) / 8 * 8 }; /* whole vectors */
+enum { ROOM = (STEP_NODES_SAMPLES + 7) / 8 * 8 }; /* multiple of the vector length */
 
 static double samples_of_8[8 * ROOM], samples_of_3[3 * ROOM];
 
-/** What belongs to so many nodes. */
+/** Data of a rule with n nodes. */
 typedef struct {
     int n;
     const double *places, *weights;
-    double *samples; /**< [n * ROOM] from values at the nodes to those at the evenly spaced places, node after node */
+    double *samples; /**< [n * ROOM] weights of the nodes for the values at the evenly spaced points, node by node */
 } node_rule;
 
 static const node_rule rule_of_8 = {8, places_of_8, weights_of_8, samples_of_8};
@@ -160,7 +160,7 @@ bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from,
                                                          nodes->values, message) == DAE_OK;
 }
 
-/** The polynomial at x in -1..1. */
+/** Interpolation polynomial at x in -1..1. */
 static double value_at(const node_rule *rule, const double *values, double x)
 {
     double value = 0;
@@ -190,7 +190,7 @@ double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
     for (int i = 1; i <= last; i++) {
         place = at[i] > at[place] ? i : place;
     }
-    /* it may lie between the first two, or the last two: the next step begins behind it */
+    /* the maximum may lie between the first two, or the last two points */
     const int middle = place == 0 ? 1 : place == last ? last - 1 : place;
     const double bend = at[middle - 1] - 2 * at[middle] + at[middle + 1];
     if (!(bend < 0)) {

@@ -1,4 +1,4 @@
-/** The outputs that a simulation finds: those that somebody wants. */
+/** Outputs requested of a simulation. */
 #pragma once
 
 #include "base/memory.h"
@@ -9,27 +9,27 @@
 
 typedef struct {
     const model *model;
-    int n;        /**< how many */
+    int n;        /**< their number */
     int *outputs; /**< [n] their indices */
-    int *places;  /**< [n_outputs] before the values of each output, -1 where nobody wants it */
-    int n_values; /**< of all that are found */
+    int *places;  /**< [n_outputs] number of values before those of each output, -1 if not requested */
+    int n_values; /**< number of all requested values */
 } wanted_outputs;
 
-/** Nobody wants anything yet. @param pool  in which the arrays last */
+/** Initialise without requested outputs. @param pool  owns the arrays */
 void wanted_init(wanted_outputs *wanted, const model *model, memory_pool *pool);
-/** Want an output. @return the place of its first value; -1 if the model does not have it */
+/** Request an output. @return the index of its first value; -1 if the model does not have it */
 int wanted_add(wanted_outputs *wanted, const char *name);
 
-/** Whether somebody wants an output. @param index  of the model's */
+/** Whether an output is requested. @param index  among the model's outputs */
 bool wanted_has(const wanted_outputs *wanted, int index);
 
 /** Values at up to DAE_LANES times of one discrete state. */
 typedef struct {
-    int n; /**< times */
+    int n; /**< number of times */
     const double *t,
-        *values; /**< t: [n]; value `place` at time k is values[place * DAE_LANES + k]; behind the n there are others
-                                 once more, or zeros */
-    const output_mark *marks; /**< [n] of outputs by position; NULL by time */
+        *values; /**< t: [n]; value `place` at time k is values[place * DAE_LANES + k]; elements behind n are
+                  *   repetitions or zeros */
+    const output_mark *marks; /**< [n] for outputs by position; NULL for outputs by time */
 } output_block;
 
 /** A value at all times of a block. @return [DAE_LANES] */
