@@ -52,9 +52,7 @@ DRAWN = (
     ORDER_MAP,
     CAMPBELL,
 )  # by evolvent-post plot, besides histories
-EVENTS = (
-    "events"  # group of a file; without a file, key in `encoding` of the function that makes it
-)
+EVENTS = "events"  # group of a file; else key in `encoding` of the function that makes it
 EVENT = "event"  # dimension of events, and the variable of their numbers
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
