@@ -374,7 +374,7 @@ def _profile(
 def _even_tooth_angle(history: xr.Dataset, mesh: DrawnMesh, number: int, wheel: int) -> float:
     """Angle of a tooth on the base circle if both wheels have equally thick teeth [rad].
 
-    The thickness is the space width on the operating pitch circle, less half of the backlash.
+    The thickness is half the pitch on the operating pitch circle, less half of the backlash.
     """
     base = mesh.base_radii[mesh.wheels.index(wheel)]
     alpha = float(require(history, "working_pressure_angle")[number])
