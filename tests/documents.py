@@ -99,7 +99,7 @@ def agrees(quoted: str, printed: str) -> bool:
 def missing_line(quote: str, output: str) -> str | None:
     """Return the first line of a quote that is missing in the output; None if all are found.
 
-    Lines must be consecutive in the output; a line `...` stands for any omitted lines. Empty lines
+    Lines must be consecutive in the output; a line `...` matches any omitted lines. Empty lines
     are ignored.
     """
     printed = [line for line in output.splitlines() if line.strip()]

@@ -66,7 +66,7 @@ def check(path: Path) -> str:
 
 
 def _line(file: BinaryIO, covered: int, of: str = "of") -> bytes:
-    """Checksum line of so many bytes from the current position."""
+    """Checksum line of the next `covered` bytes."""
     checked, rest = 0, covered
     while rest > 0 and (piece := file.read(min(PIECE, rest))):
         checked = zlib.crc32(piece, checked)

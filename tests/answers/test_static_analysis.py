@@ -199,7 +199,7 @@ def test_harmonics_are_those_of_the_curve(spur: Gearbox):
 
 
 def test_pair_moves_on_from_place_to_place(fifty: Gearbox):
-    """A pair one pitch ahead continues forces and positions of the pair behind it."""
+    """Forces and positions of a pair are continuous into its slot one pitch ahead."""
     curve = curve_of(fifty, 150e3, points=400)
     step = fifty.mesh_geometry().base_pitch / 400
     for name, most in (("pair_normal_force", 200.0), ("pair_position", 1.05 * step)):

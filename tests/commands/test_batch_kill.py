@@ -88,7 +88,7 @@ def test_killed_workers_leave_no_trace(
     undisturbed: tuple[Path, dict[int, dict[str, object]], np.ndarray],
     seed: int,
 ) -> None:
-    """A case whose process is killed twice has failed, and the next process continues.
+    """A killed case continues in the next process; a case that is killed twice has failed.
 
     Only workers started with the batch are killed: their cases were never handed out before.
     """

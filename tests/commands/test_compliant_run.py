@@ -100,7 +100,7 @@ def test_every_model_runs(evolvent: Evolvent, examples: Path, options: tuple[str
     assert result.returncode == 0, result.stderr
 
 
-# an example with changes; the mesh whose wheels are reported as rigid by default
+# an example with changes; the note on a mesh whose wheels could be compliant; "": no note
 STIFF = {
     "real gears": ("spur-pair.yaml", (), "mesh pinion-gear: only the contact gives way"),
     "several meshes": ("two-stage-gears.yaml", (), "mesh first and 1 more: only the contact"),

@@ -1,4 +1,4 @@
-"""evolvent-post and evolvent-sweep import only what they need, and parse like typer."""
+"""evolvent-post and evolvent-sweep import only required modules, and parse like typer."""
 
 from __future__ import annotations
 

@@ -193,7 +193,7 @@ def test_contacts_that_close_at_once_are_solved_together(
 
 @TRACKINGS
 def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kernel, tracking: str):
-    """The momentum passes through it: its own impulse keeps kappa' = 0."""
+    """The momentum passes through it: its own impulse maintains kappa' = 0."""
     random = np.random.default_rng(4)
     gearbox = rigid_train(kernel, 3, tracking, 1, (0.0, 0.6))
     bodies = Bodies(gearbox, [2.0, 3.0, 4.0])

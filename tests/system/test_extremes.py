@@ -1,4 +1,4 @@
-"""Extremes over a run include what the outputs miss, and do not depend on the outputs."""
+"""Extremes over a run include values between outputs, and do not depend on the outputs."""
 
 from __future__ import annotations
 

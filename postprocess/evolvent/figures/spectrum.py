@@ -16,7 +16,7 @@ from evolvent.errors import USAGE, HistoryError
 from evolvent.figures.style import ABOVE, MARKERS, STYLE, legend, line_style, log_ticks
 from evolvent.units import axis_label, engineering
 
-FEW = 60  # up to so many lines are stems; more are a curve
+FEW = 60  # maximum number of lines drawn as stems; more are a curve
 MARKED = 12  # peaks of a curve
 DEPTH = 1e-4  # of the largest line: smaller lines are not shown
 HEIGHT = 1e-3  # of the largest line: the axis ends at the last line above it

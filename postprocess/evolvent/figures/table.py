@@ -56,7 +56,7 @@ class Drawing:
     needs: tuple[str, ...]  # required variables of the histories
     title: str  # in a report; not in the report if empty
     together: bool  # several histories share one figure
-    by_default: bool  # drawn if nothing is requested
+    by_default: bool  # drawn without a request
     function: Callable[..., Figure]
     of: str = HISTORY  # kind of the files
     many: str = ""  # dimension that must be longer than 1

@@ -46,7 +46,7 @@ def closed_parts(folder: Path) -> list[Path]:
 
 
 class _Files:
-    """Files of which one is open at a time: sequential reading opens each once."""
+    """Files, one open at a time: sequential reading opens each once."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self.paths = paths

@@ -47,7 +47,7 @@ class _Values:
         self.__array_interface__: dict[str, Any] = {"version": 3}
 
     def array(self, address: int, shape: tuple[int, ...], kind: str) -> np.ndarray:
-        """Array at an address; it keeps a reference to the record."""
+        """Array at an address, with a reference to the record."""
         told = self.__array_interface__
         told["data"], told["shape"], told["typestr"] = (address, False), shape, kind
         return np.asarray(self)

@@ -200,7 +200,7 @@ def _have_events(part: Part) -> NDArray[np.bool_]:
 
 
 def _integrals(time: Values, rate: Values, first: Values, rows: int) -> Values:
-    """Integrals from each row to the next by the polynomial through so many rows around them."""
+    """Integrals from each row to the next by the polynomial through `rows` rows around them."""
     around = np.arange(rows) - (rows // 2 - 1)
     step = time[first + 1] - time[first]
     places = (time[first[:, np.newaxis] + around] - time[first, np.newaxis]) / step[:, np.newaxis]

@@ -20,7 +20,7 @@ Numbers = NDArray[np.float64]
 
 FLANK_POINTS = 48  # of an involute: the chord error is less than 1e-6 of the base radius
 ARC_POINTS = 7
-# Assumptions for wheels defined by their pitch radius, whose histories lack these values:
+# Assumptions for wheels defined by their pitch radius, for values missing in the history:
 LOOSE = 0.06  # normal backlash over base pitch: a visible gap at the coast flanks
 CLEARANCE = 0.25  # between a tip and the other wheel's root circle, over the tip's addendum
 

@@ -73,7 +73,7 @@ def thinned_lines(run: Recording, name: str, most: int) -> list[Rows]:
 
 
 def _stretch(n: int, most: int, is_whole: bool) -> int:
-    """Rows of an interval, of which two remain, or three if there are gaps."""
+    """Rows of an interval; two of them remain, or three if there are gaps."""
     return -(-n // ((most - 2) // (2 if is_whole else 3)))
 
 

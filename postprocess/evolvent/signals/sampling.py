@@ -136,7 +136,7 @@ def last_periods(record: Record, label: str, count: int | None = None) -> Record
     Raises
     ------
     HistoryError
-        There are not so many, or not a single one.
+        There are fewer whole periods, or none.
     """
     assert record.per_period is not None
     assert record.of is not None

@@ -218,7 +218,7 @@ def _read(file: h5py.File) -> tuple[Design, str]:
         units = str(column.attrs.get("units", ""))
         derived = bool(column.attrs.get("derived", 0))
         parameters.append(Parameter(name, path, units, values, derived))
-    # Designs of other programs contain only what a batch needs.
+    # Designs of other programs contain only the data for a batch.
     absent = {"hash": "", "plan": "", "method": "list", "seed": 0, "sampling": "{}", "numbers": ""}
     attrs = {**absent, "history_rows": 0, **file.attrs}
     begin, end = (float(t) for t in attrs["window"])

@@ -14,7 +14,7 @@ from evolvent.sweep.design import Design
 from evolvent.sweep.folder import Shard, is_locked
 from evolvent.sweep.journal import Counts, read_records
 
-RECENT = 600.0  # the rate is averaged over the last so many seconds
+RECENT = 600.0  # averaging time of the rate [s]
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 MOST_LISTED = 20  # case numbers in a message
 

@@ -81,7 +81,7 @@ _Dumper.add_representer(str, _one_line)
 
 
 def _is_larger(value: Any, most: int) -> bool:
-    """Whether a value contains more than so many values, with aliases expanded."""
+    """Whether a value contains more than `most` values, with aliases expanded."""
     rest, n = [value], 0
     while rest and n <= most:
         one = rest.pop()
