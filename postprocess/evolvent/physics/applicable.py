@@ -58,8 +58,8 @@ def depth_scale(run: Recording) -> Values:
     """Reference depth for lengths in a mesh [m], dim (mesh).
 
     The largest penetration, or the reference penetration if it is larger (teeth hardly touch or are
-    rigid): the unit of the integrator's errors. Its lower limit bounds the rounding error of a gap, which
-    is a sum of lengths.
+    rigid): the unit of the integrator's errors. Its lower limit bounds the rounding error of a gap,
+    which is a sum of lengths.
     """
     return np.asarray(run.once(_depth_scale))
 

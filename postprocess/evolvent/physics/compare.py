@@ -25,9 +25,10 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     Histories are compared at their common times. If these are fewer than half of the coarser grid,
     the second is interpolated linearly to the times of the first (integers: the last value before).
     If outputs of both are by the same pitches or turns, the common positions are compared, at
-    whatever times: all of them if both passed the same ones in the same order, else those passed
-    forwards. A value missing in only one history is an infinite difference; a quantity missing at
-    all times, such as tracked points in closed form, is omitted. `tracking` is not compared.
+    whatever times: all of them if both passed the same ones in the same order, else the first
+    passage forwards. A value missing in only one history is an infinite difference; a quantity that
+    is missing in one at all times, such as tracked points in closed form, is omitted. `tracking` is
+    not compared.
 
     Parameters
     ----------
