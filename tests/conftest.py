@@ -1,4 +1,4 @@
-"""What every test may use: the program, the libraries, the examples."""
+"""Fixtures of all tests: the program, the libraries, the examples."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from kernel.kernel import Kernel
 pytest_plugins = ("leftovers", "helper_programs")
 
 ROOT = Path(__file__).resolve().parents[1]
-os.environ["EVOLVENT_CACHE"] = "off"  # the elements of wheels are computed in every test
-BUILDS = ("ci", "release", "debug")  # in order of preference, if the environment names none
+os.environ["EVOLVENT_CACHE"] = "off"  # the compliance of wheels is computed in every test
+BUILDS = ("ci", "release", "debug")  # in order of preference, without an environment variable
 
-# A shell that starts the tests in the background has them ignore SIGINT, and all that they start
-# inherits that: the programs that tests interrupt would never end. What has a handler here is at
-# its default in them.
+# A shell that starts the tests in the background makes them ignore SIGINT, and all child processes
+# inherit that: programs interrupted by tests would never end. With a handler here, child processes
+# have the default action.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _built(variable: str, name: str) -> Path:
-    """Path of a built file: that of the environment variable, else the first in build/."""
+    """Path of a built file: from the environment variable, else the first in build/."""
     named = os.environ.get(variable)
     candidates = [Path(named)] if named else [ROOT / "build" / build / name for build in BUILDS]
     for candidate in candidates:
@@ -40,17 +40,17 @@ def _built(variable: str, name: str) -> Path:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Offer the tests that take minutes."""
+    """Add the option for the tests that take minutes."""
     parser.addoption("--long", action="store_true", help="run the tests marked `long`, too")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the mark of the tests that only --long runs."""
+    """Declare the marker of the tests that only --long runs."""
     config.addinivalue_line("markers", "long: part of a set that takes many minutes, see --long")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out the tests marked `long` unless they are asked for."""
+    """Deselect the tests marked `long` unless they are requested."""
     if config.getoption("--long"):
         return
     left_out = [item for item in items if item.get_closest_marker("long")]
@@ -61,13 +61,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.fixture(scope="session")
 def kernel(kernel_test_library: Path) -> Kernel:
-    """Binding of the kernel, with the calls of the tests."""
+    """Binding of the kernel, with the procedures for tests."""
     return Kernel(kernel_test_library)
 
 
 @pytest.fixture(scope="session")
 def kernel_test_library() -> Path:
-    """Library of the tests: the kernel with calls of what it does not export."""
+    """Test library: the kernel with entry points of procedures that it does not export."""
     return _built("EVOLVENT_TEST_LIBRARY", "tests/libkernel_test.so")
 
 
@@ -91,7 +91,7 @@ def executable() -> Path:
 
 @pytest.fixture(scope="session")
 def kernel_library() -> Path:
-    """Path of the kernel's shared library as others link it."""
+    """Path of the kernel's shared library for linking."""
     return _built("EVOLVENT_KERNEL_LIBRARY", "libevolvent_kernel.so")
 
 
@@ -106,13 +106,13 @@ def _layer(executable: Path, name: str) -> Path:
 
 @pytest.fixture(scope="session")
 def faults_layer(executable: Path) -> Path:
-    """What makes the k-th call of a program fail, to be preloaded."""
+    """Preload library that makes the k-th call of a program fail."""
     return _layer(executable, "libfaults.so")
 
 
 @pytest.fixture(scope="session")
 def power_layer(executable: Path) -> Path:
-    """What keeps only that which a program has synced, to be preloaded."""
+    """Preload library that preserves only data that a program has synced."""
     return _layer(executable, "libpower_loss.so")
 
 

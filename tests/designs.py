@@ -1,4 +1,4 @@
-"""Designs for `evolvent batch`, and what it leaves in a folder."""
+"""Designs for `evolvent batch`, and its results in a folder."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = h5py.string_dtype()
 SEAL = b"evolvent-seal"
-TIMINGS = ("cpu_time", "at", "check")  # what differs between two runs of one case
+TIMINGS = ("cpu_time", "at", "check")  # fields that differ between two runs of one case
 
 
 def paper_case(duration: float = 0.02, name: str = "paper-friction.yaml") -> str:
-    """The paper's case, made short."""
+    """The paper's case with a short duration."""
     text = (ROOT / "examples" / name).read_text(encoding="utf-8")
     return re.sub(r"duration: [\d.e+-]+( m?s\b)?", f"duration: {duration!r}", text)
 
 
 def version() -> str:
-    """Version of the program, as CMakeLists.txt has it."""
+    """Version of the program in CMakeLists.txt."""
     text = (ROOT / "CMakeLists.txt").read_text()
     found = re.search(r"project\(\s*evolvent\s+VERSION\s+([\d.]+)", text)
     assert found
@@ -42,7 +42,7 @@ def write_design(
     every: int = 1,
     **attributes: object,
 ) -> Path:
-    """Write a design as another program does; `attributes` replace its own, None: none."""
+    """Write a design as another program does; `attributes` replace its own, None removes one."""
     n = len(next(iter(columns.values())))
     case = paper_case() if case is None else case
     all_attributes: dict[str, object] = {
@@ -74,7 +74,7 @@ def write_design(
 
 
 def seal(path: Path, at_end: bool = False) -> None:
-    """Write the check sum of a file as docs/result_format.md describes it, anew if it has one."""
+    """Write the checksum of a file by docs/result_format.md; an existing one is replaced."""
     content = path.read_bytes()
     if at_end:
         content = content[:-64] if content[-64:].startswith(SEAL) else content
@@ -87,20 +87,20 @@ def seal(path: Path, at_end: bool = False) -> None:
 
 @dataclass(frozen=True)
 class Journal:
-    """A journal, read as whoever collects it does."""
+    """A journal, read as `evolvent-sweep collect` does."""
 
     head: dict[str, Any]
-    rows: list[dict[str, Any]]  # complete lines, in their order
+    rows: list[dict[str, Any]]  # complete lines, in order
     torn: int
 
     @property
     def cases(self) -> dict[int, dict[str, Any]]:
-        """The later row of each case."""
+        """The latest row of each case."""
         return {row["case"]: row for row in self.rows}
 
     @property
     def results(self) -> dict[int, dict[str, Any]]:
-        """The same without timings, which no two runs have in common."""
+        """Rows without timings, which differ between runs."""
         return {
             case: {name: value for name, value in row.items() if name not in TIMINGS}
             for case, row in self.cases.items()

@@ -1,4 +1,4 @@
-"""Documents as tests read them: their fenced blocks, run as a reader would, and what they quote."""
+"""Documents in tests: their fenced blocks, executed as by a reader, and the quoted outputs."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NOT_RUN = "# not run:"  # at the start of a block, or after a command; the reason follows
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 TOKEN = re.compile(rf"{NUMBER.pattern}|\.\.\.|[^\s\d+-]+|[-+]")
-LEFT_OUT = "..."  # in a quote: a line, or the rest of one
+LEFT_OUT = "..."  # in a quote: an omitted line, or the rest of one
 
 
 def blocks(page: Path, *languages: str) -> list[str]:
-    """Fenced blocks of these languages, in their order."""
+    """Fenced blocks of these languages, in order."""
     text = page.read_text(encoding="utf-8")
     return [body for language, body in FENCE.findall(text) if language in languages]
 
 
 @dataclass(frozen=True)
 class Step:
-    """A block of commands or of Python, and what the page says that it prints."""
+    """A block of commands or of Python, and its quoted output."""
 
     language: str
     text: str
@@ -34,7 +34,7 @@ class Step:
 
 
 def steps(page: Path) -> list[Step]:
-    """Blocks that a reader runs, in their order; a text block behind one is what comes out."""
+    """Blocks that a reader runs, in order; a text block after one is its output."""
     text = page.read_text(encoding="utf-8")
     found = list(FENCE.finditer(text))
     listed = []
@@ -47,7 +47,7 @@ def steps(page: Path) -> list[Step]:
 
 
 def run_as_reader(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run a command with those of `folder/bin` in the path: both outputs as one, as on a screen."""
+    """Run a command with `folder/bin` in the path; stdout and stderr are combined."""
     path = os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])
     python_path = os.pathsep.join([str(ROOT / "postprocess"), os.environ.get("PYTHONPATH", "")])
     return subprocess.run(
@@ -57,7 +57,7 @@ def run_as_reader(words: list[str], folder: Path) -> subprocess.CompletedProcess
             **os.environ,
             "PATH": path,
             "PYTHONPATH": python_path.rstrip(os.pathsep),
-            "EVOLVENT_PROGRESS_INTERVAL": "3600",  # no progress, however busy the machine
+            "EVOLVENT_PROGRESS_INTERVAL": "3600",  # no progress output, also on a busy machine
         },
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -68,14 +68,14 @@ def run_as_reader(words: list[str], folder: Path) -> subprocess.CompletedProcess
 
 
 def tokens(line: str) -> list[str]:
-    """Numbers and what is between them; blanks do not count."""
+    """Numbers and the texts between them; blanks are ignored."""
     return TOKEN.findall(line)
 
 
 def same(quoted: str, printed: str) -> bool:
-    """Whether a token is the quoted one: words are, numbers agree to the digits shown.
+    """Whether a token agrees with the quoted one: equal words, numbers to the digits shown.
 
-    Numbers with a decimal point, and whole ones from 1000 on, may differ by one in the last digit.
+    Numbers with a decimal point, and integers from 1000 on, may differ by one in the last digit.
     """
     if not NUMBER.fullmatch(quoted) or not NUMBER.fullmatch(printed):
         return quoted == printed
@@ -88,7 +88,7 @@ def same(quoted: str, printed: str) -> bool:
 
 
 def agrees(quoted: str, printed: str) -> bool:
-    """Whether a printed line is the quoted one, which may leave out the rest of it."""
+    """Whether a printed line agrees with the quoted one, which may omit its end."""
     here, there = tokens(quoted), tokens(printed)
     if here and here[-1] == LEFT_OUT:
         here.pop()
@@ -97,10 +97,10 @@ def agrees(quoted: str, printed: str) -> bool:
 
 
 def missing_line(quote: str, output: str) -> str | None:
-    """The first line of a quote that is not where it has to be in the output; None if all are.
+    """Return the first line of a quote that is missing in the output; None if all are found.
 
-    Lines follow each other as in the output; a line `...` stands for any lines that are left out.
-    Empty lines do not count.
+    Lines must be consecutive in the output; a line `...` matches any omitted lines. Empty lines
+    are ignored.
     """
     printed = [line for line in output.splitlines() if line.strip()]
     place, free = 0, False

@@ -1,4 +1,4 @@
-"""The examples: cases, and plans of sweeps, which name the case that they vary."""
+"""Example cases, and plans of sweeps, which refer to the case that they vary."""
 
 from __future__ import annotations
 

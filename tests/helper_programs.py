@@ -1,4 +1,4 @@
-"""Programs that tests start: machine.txt lists them, and their failures are shown.
+"""Programs started by tests: they must be listed in machine.txt; their failures are reported.
 
 pytest hooks, a plugin of conftest.py.
 """
@@ -21,12 +21,12 @@ import machine
 ROOT = Path(__file__).resolve().parents[1]
 SYSTEM = ("/usr", "/bin", "/sbin")  # builds, environments and scripts of tests are elsewhere
 STARTERS = (subprocess.__file__, os.__file__)
-SKIPS = "EVOLVENT_SKIPS"  # names the file for the list of skipped tests
-LAST_LINES = 40  # of what a failed program printed
+SKIPS = "EVOLVENT_SKIPS"  # variable with the path of the file for the list of skipped tests
+LAST_LINES = 40  # of the output of a failed program
 
 
 def is_listed(name: str) -> bool:
-    """Whether a test may start a program of this name or path: one of the list, or made for it."""
+    """Whether a test may start a program of this name or path: listed, or created by tests."""
     if name in ("sh", "/bin/sh", sys.executable) or Path(name).name in machine.LISTED:
         return True
     found = name if os.sep in name else shutil.which(name)
@@ -35,7 +35,7 @@ def is_listed(name: str) -> bool:
 
 
 def _is_ours() -> bool:
-    """Whether code of the project, and no library, starts the program."""
+    """Whether code of the project, not of a library, starts the program."""
     frame = sys._getframe(2)
     while frame is not None and frame.f_code.co_filename in STARTERS:
         frame = frame.f_back
@@ -51,7 +51,7 @@ def _check(event: str, arguments: tuple[Any, ...]) -> None:
 
 
 def pytest_sessionstart() -> None:
-    """Refuse programs of ours that no row of machine.txt names."""
+    """Reject programs started by the project's code that are not in machine.txt."""
     sys.addaudithook(_check)
 
 
@@ -67,7 +67,7 @@ def _failures(error: BaseException | None) -> Generator[Any]:
 def pytest_runtest_makereport(
     call: pytest.CallInfo[None],
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Show what a program printed whose failure ended the test."""
+    """Report the output of a program whose failure ended the test."""
     report = yield
     for error in _failures(call.excinfo.value if call.excinfo else None):
         for stream, printed in (("stdout", error.stdout), ("stderr", error.stderr)):
@@ -79,7 +79,7 @@ def pytest_runtest_makereport(
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Write the number of skipped tests with each reason to the file that the environment names."""
+    """Write the number of skipped tests by reason to the file named in the environment."""
     path = os.environ.get(SKIPS)
     if path is None:
         return

@@ -1,4 +1,4 @@
-"""Histories as tests compare them."""
+"""Comparison of histories in tests."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-PLACES = {"DIMENSION_LIST", "REFERENCE_LIST"}  # where things lie in the file
+PLACES = {"DIMENSION_LIST", "REFERENCE_LIST"}  # offsets of objects in the file
 
 
 def contents(path: Path) -> tuple[tuple[str, str, bytes], ...]:
-    """All values and attributes to the bit, by name: equal also where a slow run was flushed.
+    """All values and attributes to the bit, by name; independent of flushes during a slow run.
 
-    What is written on the way of a run of more than a few seconds makes its file another one, byte
-    by byte, with the same contents.
+    Data flushed during a run of more than a few seconds change the bytes of its file, but not the
+    contents.
     """
     found: list[tuple[str, str, bytes]] = []
 

@@ -1,7 +1,7 @@
-"""No test leaves a process behind: one that does fails, and the process is ended.
+"""Processes left behind by a test: the test fails, and the process is terminated.
 
-A process whose parent has ended becomes a child of the tests, so that nothing escapes. What a
-fixture starts is its own business: it may last longer than a test.
+A process whose parent has ended becomes a child of the tests, so that none escapes. Processes
+started by fixtures are excluded: they may last longer than a test.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import pytest
 from processes import is_alive
 
 PR_SET_CHILD_SUBREAPER = 36
-SECONDS = 5.0  # that what was told to end may take
+SECONDS = 5.0  # time limit for the end of a terminated process
 OF_PYTHON = "multiprocessing.resource_tracker"  # lasts as long as the process that uses it
 STARTED = pytest.StashKey[set[int]]()
 
@@ -36,13 +36,13 @@ def _command(pid: int) -> str:
 
 
 def pytest_sessionstart() -> None:
-    """Become the parent of orphans."""
+    """Become the parent of orphaned processes."""
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
-    """Note what the test itself starts."""
+    """Record the processes that the test itself starts."""
     before = _children()
     try:
         return (yield)
@@ -52,7 +52,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
-    """Fail if any of it is still there after the test."""
+    """Fail if any of them is still running after the test."""
     yield
     started = item.stash.get(STARTED, set())
     end = time.monotonic() + SECONDS

@@ -1,7 +1,7 @@
-"""Samples of every kind of load and support in the words of the case file, for tests over them.
+"""Samples of every kind of load and support with the keys of the case file, for tests.
 
-A kind in a table of the kernel that has none here fails `test_every_kind_of_load_has_a_sample`, or
-that of the supports.
+A kind in a table of the kernel without a sample here fails `test_every_kind_of_load_has_a_sample`,
+or that of the supports.
 """
 
 from __future__ import annotations

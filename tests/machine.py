@@ -1,7 +1,7 @@
-"""Programs that the tests need of the machine: machine.txt lists them, ./runtests installs them.
+"""Programs that the tests require: machine.txt lists them, ./runtests installs them.
 
-Where ./runtests could install packages it sets EVOLVENT_TESTS_COMPLETE=1, and a missing program or
-Python package fails its test. Elsewhere the test is skipped and names the package.
+If ./runtests could install packages it sets EVOLVENT_TESTS_COMPLETE=1, and a missing program or
+Python package fails its test. Otherwise the test is skipped with the name of the package.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SYSTEM_FOLDERS = ("/usr/sbin", "/usr/local/sbin", "/sbin")  # not in the PATH of
 
 @dataclass(frozen=True)
 class Need:
-    """A row of the list: alternative programs, the Debian packages that have them, the purpose."""
+    """A row of the list: alternative programs, the Debian packages with them, the purpose."""
 
     programs: tuple[str, ...]
     packages: tuple[str, ...]
@@ -39,7 +39,7 @@ class Need:
 
 
 def needs(text: str) -> tuple[Need, ...]:
-    """Rows of a list. Raises ValueError at one that is malformed."""
+    """Parse the rows of a list. Raises ValueError for a malformed row."""
     rows = []
     for line in text.splitlines():
         if not line.strip() or line.startswith("#"):
@@ -54,7 +54,7 @@ LISTED = {name: need for need in NEEDS for name in need.programs}
 
 
 def program(name: str) -> str:
-    """Path of a program of the list; the test is skipped, or fails, where it is missing.
+    """Path of a program of the list; the test is skipped, or fails, if it is missing.
 
     Raises KeyError if the list has no such program.
     """
@@ -66,7 +66,7 @@ def program(name: str) -> str:
 
 
 def module(name: str) -> ModuleType:
-    """Import a Python package that requirements-dev.lock has."""
+    """Import a Python package of requirements-dev.lock."""
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError:
@@ -74,7 +74,7 @@ def module(name: str) -> ModuleType:
 
 
 def missing(what: str, remedy: str) -> NoReturn:
-    """Skip a test for what can be installed; where everything is installed, fail it."""
+    """Skip a test that needs a missing package; fail it if all packages should be installed."""
     if os.environ.get(COMPLETE) == "1":
         pytest.fail(f"{what}, though ./runtests installs it: {remedy}", pytrace=False)
     pytest.skip(f"{what}: {remedy}")
@@ -86,9 +86,9 @@ def unavailable(reason: str) -> NoReturn:
 
 
 def with_mounts(words: Sequence[str | Path], folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run a shell script with its arguments where it may mount file systems that nobody else sees.
+    """Run a shell script with its arguments in a private mount namespace.
 
-    The script ends with 99 if a mount fails; the test is skipped then, as in most containers.
+    The script ends with 99 if a mount fails; the test is then skipped, as in most containers.
     """
     program("mount")
     as_root = [] if os.geteuid() == 0 else ["--map-root-user"]

@@ -1,4 +1,4 @@
-"""What a picture must not have: clipped or colliding texts and marks, a style twice, bare axes."""
+"""Layout errors of figures: clipped or overlapping texts and marks, duplicate styles, bare axes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
-PIXEL = 1.0  # texts are placed on whole pixels
+PIXEL = 1.0  # texts are positioned at whole pixels
 
 
 def faults(figure: Figure) -> list[str]:
-    """Everything that is wrong with a figure as it is drawn, in words."""
+    """Describe all layout errors of a figure."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     texts = _texts(figure, canvas.get_renderer())
@@ -33,7 +33,7 @@ def faults(figure: Figure) -> list[str]:
 
 
 def _texts(figure: Figure, renderer: Any) -> list[tuple[str, Bbox]]:
-    """Names and places of all texts: of legends as a whole, and ticks of an axis that are seen."""
+    """Names and boxes of all texts: legends as a whole, and visible ticks of axes."""
     artists: list[Any] = [*figure.texts, figure._suptitle, figure._supxlabel]
     for axes in filter(Axes.get_visible, figure.axes):
         artists += [axes.title, axes._left_title, axes.xaxis.label, axes.yaxis.label, *axes.texts]
@@ -70,7 +70,7 @@ def _overlap(a: Bbox, b: Bbox) -> bool:
 
 
 def _clipped_marks(figure: Figure, axes: Axes) -> list[str]:
-    """Marks that the edge of a panel or of the figure cuts."""
+    """Marks clipped by the edge of a panel or of the figure."""
     found = []
     for line in axes.lines:
         if line.get_marker() in ("None", "", " ", None) or line.get_linestyle() != "None":
@@ -85,7 +85,7 @@ def _clipped_marks(figure: Figure, axes: Axes) -> list[str]:
 
 
 def _same_styles(axes: Axes) -> list[str]:
-    """Labels of lines that look alike; those that begin with _ are in no legend."""
+    """Labels of lines with equal style; labels starting with _ are in no legend."""
     looks: dict[Any, set[str]] = {}
     for line in axes.lines:
         if not str(line.get_label()).startswith("_") and len(line.get_xdata()):
@@ -94,7 +94,7 @@ def _same_styles(axes: Axes) -> list[str]:
 
 
 def style_of(line: Line2D) -> tuple[Any, ...]:
-    """What tells a line from others."""
+    """Properties that distinguish a line from others."""
     return (
         line.get_color(),
         str(line._unscaled_dash_pattern),

@@ -1,4 +1,4 @@
-"""Programs that a test starts and waits for, and what Linux tells of their processes."""
+"""Start of programs in tests, and state of their processes in Linux."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 
 def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
-    """Wait until something is the case; fail if it never is."""
+    """Wait until a condition is true; fail after a timeout."""
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "waited in vain"
@@ -23,7 +23,7 @@ def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
 def running(
     command: Sequence[str | Path], folder: Path, **options: Any
 ) -> Iterator[subprocess.Popen[Any]]:
-    """Run a command in a folder; wait for its end, but not after a test that has failed."""
+    """Run a command in a folder; wait for its end, or kill it if the test fails."""
     with subprocess.Popen(command, cwd=folder, **options) as process:
         try:
             yield process
@@ -49,7 +49,7 @@ def children(pid: int) -> list[int]:
 
 
 def is_alive(pid: int) -> bool:
-    """Whether a process runs, or is stopped."""
+    """Whether a process is running or stopped."""
     known = _state_and_parent(pid)
     return known is not None and known[0] != "Z"
 
@@ -75,5 +75,5 @@ def ignores(pid: int, number: signal.Signals) -> bool:
 
 
 def awaits(pid: int, number: signal.Signals) -> bool:
-    """Whether a signal was sent to a process that has not taken it yet."""
+    """Whether a signal is pending for a process."""
     return _has(pid, ("SigPnd", "ShdPnd"), number)

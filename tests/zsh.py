@@ -1,4 +1,4 @@
-"""zsh as somebody types at it: what it offers for a line, and what it makes of the line."""
+"""Interactive zsh in tests: completions of a line, and the resulting line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 SECONDS = 30.0
-TELL = b"\x14"  # the key that completes the line, tells what comes of it, and wipes it
+TELL = b"\x14"  # key that completes the line, reports the result, and clears the line
 SETUP = r"""
 fpath=(.. $fpath); autoload -U compinit; compinit -u -d ../dump; PROMPT= ; unsetopt beep
 compadd() {
@@ -29,13 +29,13 @@ zle -N tell; bindkey '^T' tell
 
 
 class Zsh:
-    """One that runs in a folder; beside it lies what it has told."""
+    """A shell in a folder; its reports are files in the folder above."""
 
     def __init__(self, terminal: int, place: Path) -> None:
         self.terminal, self.place = terminal, place
 
     def wait_for(self, name: str) -> None:
-        """Read what it shows until it has made a file."""
+        """Read its output until it has created a file."""
         end = time.monotonic() + SECONDS
         while not (self.place / name).exists():
             assert time.monotonic() < end, f"zsh made no {name}"
@@ -44,7 +44,7 @@ class Zsh:
         (self.place / name).unlink()
 
     def complete(self, line: str) -> tuple[list[str], str]:
-        """Return what is offered for the last word of a line, quoted, and the line then."""
+        """Return the completions of the last word of a line, quoted, and the resulting line."""
         os.write(self.terminal, line.encode() + TELL)
         self.wait_for("told")
         offered = (self.place / "offered").read_text().split("\0")
@@ -53,7 +53,7 @@ class Zsh:
 
 @contextmanager
 def zsh(folder: Path, path: str) -> Iterator[Zsh]:
-    """Start one that has the functions of the folder above, and end it."""
+    """Start a shell with the functions of the folder above, and end it."""
     place = folder.parent
     (place / "setup").write_text(SETUP)
     pid, terminal = pty.fork()

@@ -30,7 +30,7 @@ __all__ = [
     "show",
     "static",
 ]
-# Where the names are. They are imported when they are first used: a command needs few of them.
+# Module of each name. Modules are imported on first use: a command needs only a few of them.
 _HOMES = {
     "AnalysisError": "errors",
     "CaseWarning": "errors",

@@ -1,4 +1,4 @@
-"""What cannot be done, and files that are written whole or not at all."""
+"""Exceptions, and files that are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 if TYPE_CHECKING:
     import xarray as xr
 
-OF_SYSTEM = re.compile(r"errno = \d+, error message = '([^']*)'")  # in what HDF5 says
+OF_SYSTEM = re.compile(r"errno = \d+, error message = '([^']*)'")  # in messages of HDF5
 OF_FILE = re.compile(r"filename = '([^']*)'")
 FAILED_CASES, USAGE, BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 1, 2, 3, 74, 75
 
 
 class EvolventError(Exception):
-    """What cannot be done; the message names the thing, the value, the place and the remedy.
+    """Base class of errors; the message gives object, value, location and remedy.
 
     Parameters
     ----------
     message : one line.
-    code : exit code of the program that meets it.
+    code : exit code of a program that ends with it.
     """
 
     def __init__(self, message: str, code: int = BAD_INPUT) -> None:
@@ -35,50 +35,56 @@ class EvolventError(Exception):
 
 
 class HistoryError(EvolventError):
-    """A file that cannot be used as a history; the message names it and says why."""
+    """A file that cannot be used as a history; the message names the file and the reason.
+
+    Parameters
+    ----------
+    message : one line.
+    code : exit code of a program that ends with it.
+    """
 
 
 class AnalysisError(EvolventError):
-    """What the library cannot do; as a text it is the line that the program would end with.
+    """Failure of a library function; `str` gives the line that the program would end with.
 
     Parameters
     ----------
     code : exit code of the program.
-    place : "CASE.yaml:12:5", or what was set or asked for; "" if there is none.
-    reason : what is wrong and what to do.
+    place : location such as "CASE.yaml:12:5", or the setting or argument; "" if there is none.
+    reason : error and remedy.
     """
 
     def __init__(self, code: int, place: str, reason: str) -> None:
         super().__init__(f"{place or 'evolvent'}: {reason}", code)
         self.place, self.reason = place, reason
-        self.history: xr.Dataset | None = None  # of a run or analysis that began: what there is
+        self.history: xr.Dataset | None = None  # results before the failure
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """As another process gets it: without its history."""
+        """Pickle the error without its history."""
         return type(self), (self.code, self.place, self.reason)
 
 
 class CaseWarning(UserWarning):
-    """What the program accepts in a case but warns of, such as a number of an implausible size."""
+    """Warning of the program about an accepted case, such as a value of an implausible size."""
 
 
 class SweepError(EvolventError):
-    """What evolvent-sweep cannot do."""
+    """Failure of evolvent-sweep."""
 
     def at(self, place: str) -> SweepError:
-        """The same error with a place in front, unless it begins with that place."""
+        """Return the same error with a location in front, unless it starts with that location."""
         message = str(self)
         return SweepError(
             message if message.startswith(place) else f"{place}: {message}", self.code
         )
 
 
-# What h5py, h5netcdf and xarray raise over a file; the last where a dimension has lost its name.
+# Raised by h5py, h5netcdf and xarray for a file; the last if a dimension has lost its name.
 UNREADABLE = (OSError, KeyError, ValueError, RuntimeError, AttributeError)
 
 
 def reason_of(error: Exception) -> str:
-    """What an error of the system or a library says, in one line."""
+    """Message of an error of the system or a library, in one line."""
     if isinstance(error, AttributeError):
         return "a name in it cannot be read"
     text = str(getattr(error, "strerror", None) or error)
@@ -87,26 +93,26 @@ def reason_of(error: Exception) -> str:
 
 
 def is_of_system(error: Exception) -> bool:
-    """Whether the system refused something; HDF5 tells it in errors of all kinds."""
+    """Whether an error comes from the operating system; HDF5 reports it in errors of all types."""
     return isinstance(error, OSError) or OF_SYSTEM.search(str(error)) is not None
 
 
 def tells_of_system(error: BaseException) -> bool:
-    """Whether HDF5 tells what the system refused it."""
+    """Whether an error of HDF5 contains an error of the operating system."""
     return OF_SYSTEM.search(str(error)) is not None
 
 
 def is_hdf5_broken(error: BaseException) -> bool:
-    """Whether the system refused HDF5 something: it may crash over that as the program ends.
+    """Whether an operation of HDF5 failed in the operating system: HDF5 may then crash at exit.
 
-    So it does after a file that could not be closed, in C as in Python, up to HDF5 2.0 at least.
+    It does so after a file that could not be closed, in C as in Python, up to HDF5 2.0 at least.
     """
     cause = error.__cause__ or error.__context__
     return tells_of_system(error) or (cause is not None and is_hdf5_broken(cause))
 
 
 def file_of(error: Exception) -> str:
-    """Which file it is about, with a colon behind; "" if it does not say."""
+    """Name of the file in an error, followed by a colon; "" if the error gives none."""
     by_hdf5 = OF_FILE.search(str(error))
     name = by_hdf5[1] if by_hdf5 else getattr(error, "filename", None)
     return f"{name}: " if name else ""
@@ -114,7 +120,7 @@ def file_of(error: Exception) -> str:
 
 @contextmanager
 def needing(extra: str, what: str, code: int = BAD_INPUT) -> Iterator[None]:
-    """Say what needs a library that is not there, and how to get it.
+    """Report which feature needs a missing library, and how to install it.
 
     Raises
     ------
@@ -131,7 +137,7 @@ def needing(extra: str, what: str, code: int = BAD_INPUT) -> Iterator[None]:
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Say which file or folder it is that cannot be written.
+    """Report which file or folder cannot be written.
 
     Raises
     ------
@@ -150,10 +156,10 @@ def writing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give the name of a file that replaces an older one when it is whole, and on the disk.
+    """Yield a temporary file that replaces an older one when it is complete and on disk.
 
-    Nobody can know the name before, and a symbolic link of the older one's name is replaced, not
-    followed. What is no regular file, such as a pipe, is written as it is.
+    The temporary name is unpredictable. A symbolic link of the older one's name is replaced, not
+    followed. Special files, such as pipes, are written directly.
 
     Raises
     ------
@@ -179,33 +185,33 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def _sync(path: Path) -> None:
-    """Bring a file, or the names in a folder, to the disk."""
+    """Flush a file, or the entries of a folder, to disk."""
     try:
         descriptor = os.open(path, os.O_RDONLY)
-    except PermissionError:  # a folder that may only be written
+    except PermissionError:  # a folder with write permission only
         return
     try:
         os.fsync(descriptor)
     except OSError as error:
-        if error.errno != errno.EINVAL:  # not all file systems can do that
+        if error.errno != errno.EINVAL:  # not all file systems support it
             raise
     finally:
         os.close(descriptor)
 
 
-HALF_WRITTEN: list[io.FileIO] = []  # files of HDF5 that the disk did not take
+HALF_WRITTEN: list[io.FileIO] = []  # HDF5 files whose data could not all be written
 
 
 class _Patient(io.FileIO):
-    """A file for HDF5, which may crash, or leave data out, over what it could not write.
+    """File object for HDF5, which may crash or omit data after a failed write.
 
-    It is told that all is well, and the first error is kept; but of what cannot be read back.
+    The first error is stored, and success is reported to HDF5; only failed reads are raised.
     """
 
     error: OSError | None = None
 
     def write(self, data: Any) -> int:
-        """Write all of it, or keep the error."""
+        """Write all data, or store the error."""
         rest = memoryview(data).cast("B")
         size = len(rest)
         try:
@@ -216,7 +222,7 @@ class _Patient(io.FileIO):
         return size
 
     def readinto(self, buffer: Any) -> int | None:
-        """Read, and keep the error, which HDF5 may not survive either."""
+        """Read; store and raise an error, which HDF5 may not survive either."""
         try:
             return super().readinto(buffer)
         except OSError as error:
@@ -224,7 +230,7 @@ class _Patient(io.FileIO):
             raise
 
     def truncate(self, size: int | None = None) -> int:
-        """Set the length, or keep the error."""
+        """Set the length, or store the error."""
         try:
             return super().truncate(size)
         except OSError as error:
@@ -234,12 +240,12 @@ class _Patient(io.FileIO):
 
 @contextmanager
 def replacing_hdf5(path: Path, finish: Callable[[Path], None] | None = None) -> Iterator[BinaryIO]:
-    """Give an empty file for h5py, in place of a name; it replaces an older one when it is whole.
+    """Yield an empty file for h5py that replaces an older one when it is complete.
 
     Parameters
     ----------
     finish
-        What is done to it then, before it gets its name.
+        Called with the complete file before it gets its final name.
 
     Raises
     ------
@@ -253,7 +259,7 @@ def replacing_hdf5(path: Path, finish: Callable[[Path], None] | None = None) -> 
             file.close()
             if finish is not None and file.error is None:
                 finish(temporary)
-        except Exception as error:  # what follows a failure may be anything
+        except Exception as error:  # any exception may follow a failed write
             if file.error is None:
                 raise
             HALF_WRITTEN.append(file)  # it stays open: h5py may still write

@@ -1,9 +1,9 @@
-"""Seals of files: a line that tells the check sum of all other bytes.
+"""Checksums of files: a line with the checksum of all other bytes.
 
-So damage is noticed before a library reads the file. docs/result_format.md describes the line; the
-program's driver/files/seal.c writes and reads the same. It stands at the front, where HDF5 leaves
-room for its user (plans), or at the end, behind what HDF5 reads (histories, summaries). That of
-stacked histories is of the file's first bytes: rows have their checks in the journal.
+They reveal damage before a library reads the file. docs/result_format.md describes the line;
+driver/files/seal.c of the program writes and reads the same. The line is at the front, in the user
+block of HDF5 (plans), or at the end, after the data of HDF5 (histories, summaries). In stacked
+histories it covers the first bytes of the file: the checksums of the rows are in the journal.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import zlib
 from pathlib import Path
 from typing import BinaryIO
 
-ROOM = 512  # bytes at the front, the least that HDF5 leaves
+ROOM = 512  # bytes at the front, the smallest user block of HDF5
 LENGTH = 64
 MARK = b"evolvent-seal 1 crc32 "
-FIRST = re.compile(rb".{8} of the first (\d{1,15}) ", re.DOTALL)  # behind the mark
-PIECE = 2**20  # bytes that are read at a time
-HOLDS, NONE, BROKEN = "holds", "none", "broken"  # what `check` answers
+FIRST = re.compile(rb".{8} of the first (\d{1,15}) ", re.DOTALL)  # after the mark
+PIECE = 2**20  # bytes per read
+HOLDS, NONE, BROKEN = "holds", "none", "broken"  # results of `check`
 
 
 def seal_front(path: Path) -> None:
-    """Seal a file that has `ROOM` bytes for it at its front."""
+    """Write the checksum of a file that has a user block of `ROOM` bytes at its front."""
     with path.open("r+b") as file:
         file.seek(LENGTH)
         line = _line(file, path.stat().st_size - LENGTH)
@@ -31,7 +31,7 @@ def seal_front(path: Path) -> None:
 
 
 def seal_end(path: Path) -> None:
-    """Seal a file at its end."""
+    """Append the checksum to a file."""
     size = path.stat().st_size
     with path.open("r+b") as file:
         line = _line(file, size)
@@ -40,7 +40,7 @@ def seal_end(path: Path) -> None:
 
 
 def check(path: Path) -> str:
-    """Read all of a file and hold it against its seal, if it has one.
+    """Read a whole file and verify its checksum, if it has one.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def check(path: Path) -> str:
 
 
 def _line(file: BinaryIO, covered: int, of: str = "of") -> bytes:
-    """The seal of so many bytes from here on."""
+    """Checksum line of the next `covered` bytes."""
     checked, rest = 0, covered
     while rest > 0 and (piece := file.read(min(PIECE, rest))):
         checked = zlib.crc32(piece, checked)

@@ -13,20 +13,20 @@ SUPERSCRIPTS = {2: "²", 3: "³", 4: "⁴"}
 PREFIXES = {"f": 1e-15, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 PREFIXES |= {"G": 1e9, "T": 1e12}
 MICRO = re.compile("^u(?=[A-Za-z])")  # as it is typed
-PLAIN = 1e7  # numbers below it have no exponent: 10990 rpm, not 1.099e+04 rpm
-SLACK = 1e-9  # 999.9999999 of one unit is better shown as 1 of the next
+PLAIN = 1e7  # smaller numbers have no exponent: 10990 rpm, not 1.099e+04 rpm
+SLACK = 1e-9  # 999.9999999 of one unit is shown as 1 of the next
 
 
 class Unit(NamedTuple):
-    """One unit that values may be shown in."""
+    """One unit for the display of values."""
 
     name: str  # as it is printed
     factor: float  # from SI to it
-    least: float = 1.0  # it is taken if the largest value is at least so many of it
+    least: float = 1.0  # smallest value for which it is used, in this unit
 
 
 def _with(prefixes: str, rest: str, **least: float) -> list[Unit]:
-    """Units that differ by their prefixes; a dot stands for none."""
+    """Units that differ by their prefixes; a dot denotes no prefix."""
     names = [prefix.replace(".", "") for prefix in prefixes]
     return [Unit(p + rest, 1.0 / PREFIXES[p], least.get(p or "none", 1.0)) for p in names]
 
@@ -56,18 +56,17 @@ UNITS: dict[str, list[Unit]] = {
 
 
 def engineering(values: ArrayLike, units: str) -> tuple[float, str]:
-    """Choose the unit that values are shown in: the largest in which they are not below 1.
+    """Choose the unit for the display of values: the largest in which they are not below 1.
 
     Parameters
     ----------
-    values : what is to be shown together, in SI; the largest absolute value counts.
+    values : displayed together, in SI; the largest absolute value counts.
     units : as the attribute `units` of a variable has it, such as "m", "rad s-1"; "1" if without.
 
     Returns
     -------
-    The factor that values are to be multiplied by, and the unit; empty for "1". For values that
-    are 0, or no finite numbers, the SI unit if it is among those of the table, else the largest.
-    Units that the table does not have are left as they are.
+    The factor for the values, and the unit; empty for "1". If all values are 0 or not finite, the
+    SI unit if it is in the table, else the largest. Units that are not in the table are unchanged.
     """
     import numpy as np
 
@@ -85,7 +84,7 @@ def engineering(values: ArrayLike, units: str) -> tuple[float, str]:
 
 
 def displayed(units: str) -> str:
-    """Write a UDUNITS string as print has it: "kg m2 s-1" as kg m²/s, "1" as nothing."""
+    """Format a UDUNITS string for print: "kg m2 s-1" as kg m²/s, "1" as an empty string."""
     above: list[str] = []
     below: list[str] = []
     for factor in units.split():
@@ -103,7 +102,7 @@ def displayed(units: str) -> str:
 
 
 def quantity(value: float, units: str, digits: int = 6) -> str:
-    """Write a value in its engineering unit, such as "65.4406 mm", "45°", "1500 rpm"."""
+    """Format a value in its engineering unit, such as "65.4406 mm", "45°", "1500 rpm"."""
     factor, shown = engineering(value, units)
     text = f"{value * factor:.{digits}g}"
     if "e+" in text and abs(value * factor) < PLAIN:
@@ -112,5 +111,5 @@ def quantity(value: float, units: str, digits: int = 6) -> str:
 
 
 def axis_label(text: str, unit: str) -> str:
-    """Label of an axis or column: what, and its unit if it has one."""
+    """Label of an axis or column: text, and unit if there is one."""
     return f"{text} [{unit}]" if unit else text

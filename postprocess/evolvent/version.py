@@ -1,4 +1,4 @@
-"""The version of this package, which is that of the program it came with."""
+"""Version of this package, equal to that of the program it is installed with."""
 
 from importlib.metadata import PackageNotFoundError, version
 

@@ -1,4 +1,4 @@
-!> Flows of a gearbox as a system of orbits, as C functions for tests; no part of the kernel's interface.
+!> Flows of a gearbox as a dynamical system, as C functions for tests; not part of the kernel's interface.
 module gearbox_orbit_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
    use evl_capi_types, only: gearbox_of
@@ -12,7 +12,7 @@ module gearbox_orbit_calls
 
    public :: test_orbit_flow, test_orbit_size
 
-   !> One gearbox, whatever the parameter.
+   !> One gearbox, independent of the parameter.
    type, extends(gearbox_family) :: one_gearbox
       type(gearbox_t), pointer :: gearbox => null()
       real(wp), allocatable :: scale(:)
@@ -45,7 +45,7 @@ contains
       call gearbox_orbits_create(model, family, 0.0_wp, place, status)
    end subroutine make
 
-   !> States of the system; -1 if it is none.
+   !> Number of states of the system; -1 if it is not supported.
    integer(c_int) function test_orbit_size(handle, scale) result(n) bind(c)
       type(c_ptr), value :: handle
       real(c_double), intent(in) :: scale(*)
@@ -57,7 +57,7 @@ contains
       n = merge(-1, model%n, has_failed(status))
    end function test_orbit_size
 
-   !> Where a flow ends that begins at y, or where y is NaN at a state of the gearbox, and its derivative.
+   !> End of a flow that starts at y (where y is NaN, at the state of the gearbox), and its derivative.
    integer(c_int) function test_orbit_flow(handle, scale, place, y_gears, turns, reals, change, periods, duration, end, &
                                            derivative, units, numbers) result(code) bind(c)
       type(c_ptr), value :: handle
@@ -65,8 +65,8 @@ contains
       real(c_double), value :: place, duration           !! duration 0: the common periods
       integer(c_int), value :: turns, periods
       real(c_double), intent(in) :: change(*)            !! added to the start, in units of the scales
-      real(c_double), intent(out) :: end(*), derivative(*), units(*) !! of the system; the states that repeat have a unit above 0
-      integer(c_int), intent(out) :: numbers(3)          !! whether the modes are the same, ties, crossings
+      real(c_double), intent(out) :: end(*), derivative(*), units(*) !! of the system; units of periodic states are positive
+      integer(c_int), intent(out) :: numbers(3)          !! whether the modes are equal, ties, crossings
       type(one_gearbox), target :: family
       type(gearbox_orbits) :: model
       type(flow_t) :: flow

@@ -1,5 +1,5 @@
-/* lanes_of_case CASE...: all outputs over the steps of each case, of eight states at once and of each alone, which have to be the same
- * to the bit; and which outputs had a value. */
+/* lanes_of_case CASE...: compares all outputs at eight states in lanes with those at each state, bit by bit, over the steps of each
+ * case; reports which outputs had a value. */
 #include "base/memory.h"
 #include "integrate/integrate.h"
 #include "simulate/prepare.h"
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { EVERY = 7, MOST_LOOKS = 60, MOST_DIFFERENCES = 20 }; /* steps from look to look; a case */
+enum { EVERY = 7, MOST_LOOKS = 60, MOST_DIFFERENCES = 20 }; /* steps between comparisons; per case */
 
 typedef struct {
     const char *file;
@@ -97,7 +97,7 @@ static int on_event(void *self, const event_record *event)
     return 0;
 }
 
-/* Until enough was looked at. */
+/* Stop after enough comparisons. */
 static int on_step(void *self, double t)
 {
     (void)t;
@@ -135,7 +135,7 @@ static int compare(const char *file)
     c.wanted = wanted, c.y = y, c.one = one, c.lanes = lanes, c.told = told;
     OWNED double *highest = xcalloc((size_t)c.about->dae.n_watched, sizeof *highest);
     for (int i = 0; i < c.about->dae.n_watched; i++) {
-        highest[i] = INFINITY; /* nobody asks for extremes */
+        highest[i] = INFINITY; /* extremes are not requested */
     }
     c.sampler = model_sampler_create(c.model, c.n_wanted, c.wanted);
     const integrate_options options = simulate_options(&prepared);

@@ -1,4 +1,4 @@
-"""What a gearbox tells of its geometry, row by row, is what its parts have."""
+"""Reported geometry of a gearbox, row by row, against the data of its components."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from kernel.gears import gear_of, mesh_of
 from kernel.kernel import Kernel
 from kernel.real_cases import PAIRS, made
 
-#: Rows that are no field of the part: the field that they tell, and by which factor.
+#: Rows that are no field of the component: the corresponding field, and the factor.
 FIELDS = {
     "flank": ("sigma", 1),
     "bore": ("bore_radius", 2),
@@ -30,7 +30,7 @@ OF_TEETH = ("reference", "base", "tip", "tip_form", "root", "form")
 
 
 def check(told: dict[str, Any], part: Any, left_out: set[str]) -> None:
-    """Every row is a field, to the bit, and every field is a row."""
+    """Check that every row is a field, to the bit, and every field is a row."""
     by_radius = {f"{name}_diameter": (f"{name}_radius", 2) for name in OF_TEETH}
     seen = set()
     for name, value in told.items():
@@ -50,7 +50,7 @@ def check_wheels_and_meshes(gearbox: Gearbox, gives_way: float) -> None:
         check(told, gearbox.wheel_geometry(i), {"is_reference"})
     for i in range(gearbox.sizes.n_meshes):
         told = gearbox.quantities(OF_MESH, i)
-        # no field: 0 where real gears have Johnson's contact alone, and nothing of others
+        # no field: 0 for gears with Johnson's contact alone; not reported for others
         assert told.pop("gives_way") == pytest.approx(gives_way, rel=0, abs=0, nan_ok=True)
         check(told, gearbox.mesh_geometry(i), set())
 

@@ -1,4 +1,4 @@
-"""The watched outputs: one table, and the same values wherever they come from."""
+"""Monitored outputs: one table, and the same values from all sources."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ MAKERS: dict[str, Callable[[Kernel], Gearbox]] = {
 }
 
 
-NEAR = 0.98  # as the driver asks
+NEAR = 0.98  # as requested by the driver
 
 
 class Candidate(ctypes.Structure):
@@ -68,12 +68,12 @@ def table(kernel: Kernel) -> list[Output]:
 
 
 def names(kernel: Kernel) -> dict[str, int]:
-    """Name of each watched output, and its number."""
+    """Names of the monitored outputs, and their indices."""
     return {entry.name.decode(): entry.watched for entry in table(kernel)}
 
 
 def n_watched(library: ctypes.CDLL) -> int:
-    """How many outputs are watched."""
+    """Number of monitored outputs."""
     return 1 + max(entry.watched for entry in output_table(library, OUTPUTS_OF_EXTREMES))
 
 
@@ -104,7 +104,7 @@ def roots_and_watched(
 
 
 def walk(gearbox: Gearbox, duration: float, n: int) -> Iterator[tuple[State, Floats]]:
-    """States of a motion, and what is kept of flanks: empty after each event."""
+    """States of a motion, and the cached quantities of flanks: empty after each event."""
     state = gearbox.start(SPEEDS, [10.0, -10.0 * 20 / 35], gaps=[-3e-6])
     radau, kept, t = Radau(gearbox), room(gearbox), 0.0
     radau.start(state)
@@ -122,7 +122,7 @@ def walk(gearbox: Gearbox, duration: float, n: int) -> Iterator[tuple[State, Flo
 
 
 def relieved(kernel: Kernel, shape: int) -> Gearbox:
-    """Real gears with reliefs at tip and root, and crowned."""
+    """Gears defined by a basic rack with reliefs at tip and root, and crowning."""
     wheels = [
         wheel(
             teeth=z,
@@ -164,7 +164,7 @@ def test_watched_outputs_are_the_outputs(kernel, make, mode):
     for name, number in names(kernel).items():
         expected = told[name].reshape(n_meshes, -1).max(axis=1)
         mine = values.reshape(n_meshes, -1)[:, number]
-        # the same formulas; the force's sums may be ordered otherwise
+        # the same formulas; the order of the force's sums may differ
         np.testing.assert_allclose(mine, expected, rtol=1e-13, err_msg=name)
 
 
@@ -173,7 +173,7 @@ def test_watched_outputs_are_the_outputs(kernel, make, mode):
 def test_with_the_roots_come_the_same_roots_and_watched_outputs_to_the_bit(kernel, make, mode):
     gearbox = make(kernel)
     state = in_mode(gearbox, np.random.default_rng(7), mode)
-    highest = np.full(n_channels(gearbox), np.inf)  # estimates are of flanks that deviate
+    highest = np.full(n_channels(gearbox), np.inf)  # flanks with deviations have estimates
     roots, values = roots_and_watched(gearbox, state, highest, room(gearbox))
     np.testing.assert_array_equal(roots, gearbox.roots(state))
     np.testing.assert_array_equal(values, watched(gearbox, state))
@@ -181,7 +181,7 @@ def test_with_the_roots_come_the_same_roots_and_watched_outputs_to_the_bit(kerne
 
 @pytest.mark.parametrize("shape", [LINEAR, PARABOLIC], ids=["linear", "parabolic"])
 def test_pressures_are_estimated_only_where_far_below_what_is_known(kernel, shape):
-    """In states as dense as IDA's, over a pitch and its events: all but the estimates is exact."""
+    """At states as dense as IDA's, over a pitch and its events: all but the estimates are exact."""
     gearbox = relieved(kernel, shape)
     number, ratios = names(kernel)["pair_contact_pressure"], []
     for state, kept in walk(gearbox, 2 * np.pi / 20 / 10.0, 600):
@@ -197,8 +197,8 @@ def test_pressures_are_estimated_only_where_far_below_what_is_known(kernel, shap
         values = roots_and_watched(gearbox, state, limits, kept)[1]
         ratios.append(values[number] / exact[number])
         np.testing.assert_array_equal(np.delete(values, number), np.delete(exact, number))
-    assert np.max(np.abs(np.array(ratios) - 1)) <= 5e-3  # as the header says
-    assert np.mean(np.array(ratios) != 1) > 0.5  # the others are those found anew, or in flat parts
+    assert np.max(np.abs(np.array(ratios) - 1)) <= 5e-3  # as stated in the header
+    assert np.mean(np.array(ratios) != 1) > 0.5  # the others are recomputed, or in flat parts
 
 
 def candidates(radau: Radau, high: Floats, low: Floats) -> list[Candidate]:
@@ -211,7 +211,7 @@ def candidates(radau: Radau, high: Floats, low: Floats) -> list[Candidate]:
 
 
 def check_look(radau: Radau, before: float, state: State) -> int:
-    """Compare the candidates of a step with the channels at its states; how many there are."""
+    """Compare the candidates of a step with the channels at its states; return their number."""
     gearbox = radau.gearbox
     grid = [state.copy() for _ in range(41)]
     for one, t in zip(grid, np.linspace(before, state.t, 41), strict=True):

@@ -1,4 +1,4 @@
-"""The state at the start: rest, speeds, gaps, steady; and starts that cannot be."""
+"""State at the start: rest, speeds, gaps, steady; and invalid starts."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ FLANKS = pytest.mark.parametrize("sigma", [1, -1])
 
 
 def two_wheels(kernel: Kernel, *loads: Block, **fields) -> Gearbox:
-    """Pair on a slider whose loads are the test's."""
+    """Pair on a slider with the loads of the test."""
     support = {"support_kind": SLIDER, "support_stiffness": (1e9, 0), "support_damping": (1e5, 0)}
     wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=30, **support)]
     return Gearbox(kernel, wheels, loads, [mesh(kernel, **fields)])
 
 
 def accelerations(gearbox: Gearbox, state: State) -> np.ndarray:
-    """Rates of all speeds, beside those that the loads alone would give."""
+    """Rates of all speeds, relative to those of the loads alone."""
     places = [i for i, n in enumerate(gearbox.names) if "speed" in n or "rate" in n]
     o = gearbox.outputs(state)
     largest = abs(o["load_torque"]).max() / o["inertia"].min()
@@ -118,11 +118,11 @@ def test_given_speeds_and_gaps_are_those_of_the_state(kernel: Kernel, tracking: 
 def test_gaps_leave_every_pair_of_a_mesh_that_hands_over_within_its_pitch(
     kernel: Kernel, rotation: int, parts: tuple[float, float]
 ):
-    """Coast flanks begin where their path ends: a wheel that a gap has turned puts them past it,
-    and the next pair there. `parts`: of the backlash.
+    """Coast flanks start at the end of their path: after a rotation by a gap they are beyond it,
+    and the next pair is used. `parts`: of the backlash.
     """
     backlash = 7.17e-5
-    # of these teeth coast flanks begin 0.9993 pitches from where theirs begins
+    # with these teeth, coast flanks start 0.9993 pitches from the start of their path
     wheels = [wheel(teeth=20, pitch_radius=0.043), wheel(teeth=25), wheel(teeth=55)]
     meshes = [
         mesh(
@@ -188,10 +188,10 @@ def test_the_paper_s_steady_state(kernel: Kernel, tracking: str, friction: float
         force = 1 / gearbox.wheel_geometry(0).base_radius
         assert o["normal_force"][0] == pytest.approx(force, rel=1e-12)
         assert o["angular_velocity"][1] == pytest.approx(0.15, rel=1e-12)
-        # the numbers of the paper's Figures, as far as its inputs are known
+        # the values of the paper's figures, as far as its inputs are known
         assert o["penetration"][0] == pytest.approx(2.96653e-9, rel=1e-5)
         assert o["normal_force"][0] == pytest.approx(5.0434, rel=1e-5)
-        # the axle gives way along the centre line
+        # the axis yields along the centre line
         pushed = force * np.sin(geometry.working_pressure_angle) / 1e9
         assert o["centre_displacement"][1, 0] == pytest.approx(pushed, rel=1e-6)
     else:
@@ -240,16 +240,16 @@ def test_in_the_steady_state_of_a_train_nothing_accelerates_and_every_flank_push
     o = gearbox.outputs(state)
     assert (o["penetration"] > 0).all()
     assert (o["normal_force"] > 0).all()
-    # what the loads bring in, friction and damping take
+    # power of the loads equals the losses by friction and damping
     power = o["load_torque"] @ o["angular_velocity"]
     lost = state.yp[gearbox.place("dissipated_energy")]
     assert power == pytest.approx(lost, rel=1e-9, abs=1e-9 * 7 * abs(o["angular_velocity"][0]))
 
 
 def test_friction_alone_settles_the_steady_speed_of_torques_that_hardly_balance(kernel: Kernel):
-    """By hand: the two moments give F_t/F_n, and the law mu tanh(v/delta) the sliding velocity.
+    """By hand calculation: the two moments give F_t/F_n, the law mu tanh(v/delta) the speed.
 
-    The search begins where the law is flat, and its whole corrections would run away.
+    The search starts in a flat part of the law, where full corrections would diverge.
     """
     mu, delta = 0.2, 0.07
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
@@ -267,10 +267,10 @@ def test_friction_alone_settles_the_steady_speed_of_torques_that_hardly_balance(
 
 @pytest.mark.parametrize("name", ["tanh", "coulomb", "stribeck"])
 def test_light_torques_that_balance_press_the_flanks_with_their_force(kernel: Kernel, name: str):
-    """In the ratio of the teeth nothing slides, and F_n = M_A/r_A.
+    """In the ratio of the teeth there is no sliding, and F_n = M_A/r_A.
 
-    The rounding of the torques moves the speed by more than a billionth of what they would give in
-    a second, and corrections do not end there.
+    The rounding of the torques changes the speed by more than a billionth of the speed that they
+    would reach in a second, so corrections do not converge to that.
     """
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
     terms = {"kinetic_coefficient": 0.1, "static_coefficient": 0.12, "stribeck_velocity": 0.01}
@@ -289,7 +289,7 @@ def test_light_torques_that_balance_press_the_flanks_with_their_force(kernel: Ke
 def test_torques_in_the_ratio_of_the_teeth_rest_in_every_friction(
     kernel: Kernel, teeth: tuple[int, int], name: str
 ):
-    """At the speed that they would give in a second friction does not depend on it any more."""
+    """At the speed that they would reach in a second friction no longer depends on the speed."""
     wheels = [wheel(teeth=teeth[0], pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=teeth[1])]
     terms = {"kinetic_coefficient": 0.1, "static_coefficient": 0.12, "stribeck_velocity": 0.01}
     terms = terms if name == "stribeck" else {"coefficient": 0.1}
@@ -324,7 +324,7 @@ def test_a_table_enters_the_steady_state_with_its_torque_at_the_start(kernel: Ke
 def test_a_prescribed_speed_in_a_housing_that_turns_is_seen_from_where_it_says(
     kernel: Kernel, against_housing: bool, speed: float
 ):
-    """Wheels' speeds are those in the housing, which turns at 3 rad/s."""
+    """Speeds of wheels are relative to the housing, which rotates at 3 rad/s."""
     wheels = [wheel(teeth=20, pitch_radius=0.2), wheel(teeth=30)]
     loads = [load(1, SPEED, 2.0, against_housing=against_housing)]
     turning = housing(PRESCRIBED, terms=[term(TURN_Z, RATE, 3.0)])
@@ -335,7 +335,7 @@ def test_a_prescribed_speed_in_a_housing_that_turns_is_seen_from_where_it_says(
         gearbox.start(SPEEDS, speeds=[-1.5 * (1 - speed), 1 - speed])
 
 
-# ---- starts that cannot be
+# ---- invalid starts
 
 Refusal = tuple[Callable[[Kernel], Gearbox], dict, int, int, int, str, str]
 

@@ -1,4 +1,4 @@
-"""Gearboxes as systems of orbits: the derivative of their flow, events and memory included."""
+"""Gearboxes as dynamical systems: derivative of their flow, with events and discrete state."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PLACE = 0.5  # of the section, pitches after t = 0
 
 
 class Flow(NamedTuple):
-    """Where a flow ends, its derivative, the units of the states: 0 of one that need not repeat."""
+    """End of a flow, its derivative, units of the states (0: need not repeat)."""
 
     end: Floats
     derivative: Floats
@@ -41,7 +41,7 @@ class Flow(NamedTuple):
 
 
 def flow(gearbox: Gearbox, state: State, change: Floats, periods: int, duration: float) -> Flow:
-    """Follow a gearbox from a state, changed by so many units."""
+    """Integrate a gearbox from a state, changed by some units."""
     n = size(gearbox)
     end, derivative, units = np.empty(n), np.empty(n * n), np.empty(n)
     numbers = np.empty(3, np.int32)
@@ -67,7 +67,7 @@ def size(gearbox: Gearbox) -> int:
 
 
 def pair(kernel: Kernel, torque: float, speed: float = -300.0, **fields: object) -> Gearbox:
-    """A real pair at a prescribed speed under a torque."""
+    """A pair of gears defined by a basic rack at a prescribed speed under a torque."""
     return RealPair(fixed=True).gearbox(
         kernel, (load(0, SPEED, speed), load(1, TORQUE, torque)), **fields
     )
@@ -81,7 +81,7 @@ def yielding(kernel: Kernel) -> Gearbox:
 
 
 def free(kernel: Kernel) -> Gearbox:
-    """A pair that torques drive: its period is unknown."""
+    """A pair driven by torques: its period is unknown."""
     return RealPair(fixed=True).gearbox(
         kernel, (load(0, TORQUE, -20.0), load(1, VISCOUS, 0.2)), damping=2e3
     )
@@ -120,12 +120,12 @@ CASES: dict[str, Callable[[Kernel], Gearbox]] = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_derivative_of_the_flow_is_that_of_differences(kernel: Kernel, name: str) -> None:
-    """Fourth-order differences over 2e-5 of the units, where no event comes or goes."""
+    """Fourth-order differences over 2e-5 of the units, without a change of the events."""
     gearbox = CASES[name](kernel)
     state = gearbox.start(STEADY, mesh_position=PLACE)
     n = size(gearbox)
     start = np.zeros(n)
-    start[2:4] = 0.3  # off the steady state: it vibrates
+    start[2:4] = 0.3  # off the steady state: vibration
     duration = 0.0 if name != "torques" else 0.004
     whole = flow(gearbox, state, start, 2, duration)
     repeats = whole.units > 0
@@ -146,7 +146,7 @@ def test_derivative_of_the_flow_is_that_of_differences(kernel: Kernel, name: str
 
 
 def _ends(gearbox: Gearbox, state: State) -> Callable[[float], tuple[int, Floats]]:
-    """Crossings in a period, and its end in units of the states, by the vibration at its start."""
+    """Crossings in a period, and its end in units of the states, by the initial vibration."""
 
     def follow(vibration: float) -> tuple[int, Floats]:
         change = np.zeros(size(gearbox))
@@ -171,9 +171,9 @@ PARTING: dict[str, dict[str, Any]] = {  # at damping ratios of about 0.02, 0.1 a
 def test_where_an_event_comes_or_goes_the_flow_is_continuous(
     kernel: Kernel, fields: dict[str, Any]
 ) -> None:
-    """A force that just vanishes, a gap that just opens: no matter how near to that a motion is.
+    """Vanishing force or opening gap: continuity at any distance from the change of events.
 
-    From far to near: within a thousand times the distance from where the number of events changes.
+    The distances are within a thousand times that from the change of the number of events.
     """
     gearbox = pair(kernel, -1.0, **fields)
     follow = _ends(gearbox, gearbox.start(STEADY, mesh_position=PLACE))

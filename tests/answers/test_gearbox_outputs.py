@@ -1,4 +1,4 @@
-"""The table of outputs and their values; names of states; geometry."""
+"""Table of outputs and their values; names of states; geometry."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from kernel.housing import Housing, Pair
 from kernel.kernel import CONTACT, Kernel
 
 TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
-# what docs/result_format.md promises beside the time
+# documented in docs/result_format.md, besides the time
 PROMISED = {
     *("teeth", "base_radius", "inertia", "working_pressure_angle", "base_pitch", "flank"),
     *("reference_angle", "reference_turns", "kinetic_energy", "potential_energy"),
@@ -42,12 +42,12 @@ UNITS = {
 def test_the_table_covers_the_values_without_gap_or_overlap(kernel: Kernel, n: int):
     gearbox = chain(kernel, n, DIFFERENTIAL)
     counts = {0: 1, 1: n, 2: n - 1, 3: 2 * n, 4: 2 * (n - 1), 5: 0, 6: 0, 7: 3 * n}
-    counts |= {8: n - 1, 9: 0, 13: 0}  # one place for a tooth pair, no shafts, no accelerometers
+    counts |= {8: n - 1, 9: 0, 13: 0}  # one tooth pair slot, no shafts, no accelerometers
     assert gearbox.sizes.n_pair_places == gearbox.sizes.n_drive_places == 1
     offset = 0
     for entry in gearbox.table:
         assert entry.offset == offset, entry.name
-        # those flanks never touch, and the housing is at rest
+        # these flanks are never in contact, and the housing is at rest
         there = not entry.name.startswith((b"coast_", b"mount_"))
         assert entry.count == there * counts[entry.dims], entry.name
         offset += entry.count
@@ -108,7 +108,7 @@ def test_what_is_not_computed_is_nan_and_never_zero(kernel: Kernel):
 def test_a_mesh_reports_nothing_of_its_neighbour_s_tracking(
     kernel: Kernel, tracked: str, first: bool
 ):
-    """A mesh in closed form before or behind a tracked one has no tracked point."""
+    """A mesh in closed form before or after a tracked one has no tracked point."""
     gearbox = chain(kernel, 3, *((tracked, CLOSED_FORM) if first else (CLOSED_FORM, tracked)))
     values = gearbox.outputs(in_mode(gearbox, np.random.default_rng(4), (LOADED, 1)))
     ends = ("driving", "driven")
@@ -121,7 +121,7 @@ def test_a_mesh_reports_nothing_of_its_neighbour_s_tracking(
 
 @TRACKINGS
 def test_the_paper_s_start(kernel: Kernel, tracking: str):
-    """Section 7.1 of the paper: at rest, the teeth touch at a, the start of contact."""
+    """Section 7.1 of the paper: at rest, contact of the teeth at a, the start of contact."""
     gearbox = paper_gearbox(kernel, tracking=tracking)
     o = gearbox.outputs(gearbox.start())
     alpha = 1.05 * np.arctan(2 * np.pi / 50)
@@ -166,7 +166,7 @@ def test_the_paper_s_start(kernel: Kernel, tracking: str):
         np.testing.assert_allclose(o[name], values, rtol=4e-15, atol=1e-16, err_msg=name)
     for name in zeros:
         np.testing.assert_array_equal(o[name], 0, err_msg=name)
-    # as printed in the paper, or computed from what it prints
+    # as printed in the paper, or computed from its printed values
     assert np.degrees(o["working_pressure_angle"][0]) == pytest.approx(7.52058, abs=5e-6)
     assert o["line_of_action_length"][0] == pytest.approx(0.065441, abs=5e-7)
     assert o["base_pitch"][0] == pytest.approx(0.062291, abs=5e-7)
@@ -192,7 +192,7 @@ def test_transmission_error_is_the_lag_of_the_driven_wheel(kernel: Kernel, pair:
     o = gearbox.outputs(state)
     delta, h = o["transmission_error"][0], -o["gap"][0]
     assert o["penetration"][0] == max(h, 0)
-    # both are 1e-6 m; difference formulas keep 1e-15 of what enters them
+    # both are 1e-6 m; difference formulas are accurate to 1e-15 of their operands
     assert delta == pytest.approx(h + o["separation_curvature"][0], abs=1e-19)
     c = at.centre_line
     chi = np.arctan2(float(c[1]), float(c[0])) - pair.chi
@@ -212,7 +212,7 @@ def test_potential_energy_is_that_of_contacts_and_springs(kernel: Kernel):
     contact = gearbox.outputs(state)["potential_energy"][0]
     h = gearbox.outputs(state)["penetration"][0]
     geometry = gearbox.mesh_geometry()
-    rho = (geometry.line_of_action_length + h) / 2  # of either wheel: their sum counts
+    rho = (geometry.line_of_action_length + h) / 2  # of either wheel: only their sum is relevant
     place = {"rho_a": rho, "rho_b": rho, "width": geometry.common_width}
     law = kernel.law(CONTACT, "johnson")
     of_law = kernel.law_elastic_potential(law, h=h, e_star=geometry.effective_modulus, **place)

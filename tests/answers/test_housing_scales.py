@@ -1,4 +1,4 @@
-"""The energy of a mounted housing is measured by how long the run is."""
+"""Energy scale of a mounted housing, which depends on the duration of the run."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_short_run_changes_the_scales_of_the_energies_alone(kernel: Kernel) ->
 def test_the_energy_that_a_load_gives_a_still_housing_grows_with_the_square_of_the_time(
     kernel: Kernel,
 ) -> None:
-    gearbox = mounted(kernel, force=[1e9, 0.0, 0.0])  # far more than the meshes' own
+    gearbox = mounted(kernel, force=[1e9, 0.0, 0.0])  # far more than the energy of the meshes
     np.testing.assert_allclose(energy_of(gearbox, 2e-4), 4 * energy_of(gearbox, 1e-4), rtol=1e-14)
 
 

@@ -1,7 +1,7 @@
-"""Eight states at once are told what each of them is told alone, over the steps of wide gearboxes.
+"""Outputs at eight states in lanes equal those at each state, over the steps of wide gearboxes.
 
-`tests/gearbox/lanes` asks it of every law and part by itself; here whole cases meet: meshes with
-and without coast flanks, prescribed speeds, housings, tooth pairs off their path.
+`tests/gearbox/lanes` tests every law and component separately; here whole cases combine them:
+meshes with and without coast flanks, prescribed speeds, housings, tooth pairs off their path.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ import machine
 from system.wide_gearboxes import wide_case
 
 CASES = 120
-# Runs end before a turn; tests/gearbox/lanes asks for it.
+# Runs end before a full revolution, which tests/gearbox/lanes covers.
 NEVER = {"reference_turns"}
 
 
 @pytest.fixture(scope="module")
 def compared(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
-    """What the comparison says of all cases."""
+    """Output of the comparison of all cases."""
     program = executable.resolve().parent / "tests" / "lanes_of_case"
     if not program.is_file():
         machine.unavailable("this build has no tests")
@@ -47,7 +47,7 @@ def test_eight_states_at_once_are_told_what_each_is_told_alone(compared: str) ->
 
 
 def test_all_variables_over_time_have_a_value_somewhere(compared: str) -> None:
-    """Each that a history may have over time: else it was not compared at all."""
+    """Each variable that a history may have over time: otherwise it was not compared."""
     told = set(" ".join(re.findall("told: (.*)", compared)).split())
     known = set(" ".join(re.findall("outputs: (.*)", compared)).split())
     assert known - told == NEVER

@@ -1,6 +1,6 @@
-"""Powers lost, one by one: together the rate of the energy that is dissipated.
+"""Power losses: their sum is the rate of the dissipated energy.
 
-Every output in watts is a loss, so that a table that gets a damper nobody tells of fails here.
+Every output in watts is a loss, so that a new damper without an output fails here.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def pair_with(kernel: Kernel, tracking: str, laws: tuple[str, str, str]) -> Gear
 
 def test_every_law_is_asked(kernel: Kernel):
     for place, family in enumerate((CONTACT, DAMPING, FRICTION)):
-        names = {law.name for law in kernel.laws(family)} - {"rigid"}  # which CASES have
+        names = {law.name for law in kernel.laws(family)} - {"rigid"}  # those in CASES
         assert names == {laws[place] for laws in LAWS}
 
 

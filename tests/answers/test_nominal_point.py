@@ -1,8 +1,8 @@
-"""The nominal operating point against an independent solution of the torque balance.
+"""Nominal operating point, against an independent solution of the torque balance.
 
-The reference sums the torques of all loads as docs/case_format.md defines them, finds the speed by
+The reference sums the torques of all loads as defined in docs/case_format.md, finds the speed by
 `scipy.optimize.brentq`, and takes the load of a mesh from the torques on one side of it. `show
---json` and `static` have to agree to 1e-9.
+--json` and `static` must agree to 1e-9.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ AGREEMENT = 1e-9  # relative, of speeds and forces
 MODULE, WIDTH = 4e-3, 0.02
 BASE = MODULE / 2 * np.cos(np.radians(20))  # base radius over the number of teeth
 STEEL = {"youngs_modulus": 206e9, "poisson_ratio": 0.3, "density": 7830.0}
-SPIN_UP = 1.0  # s, after which the speed of an unbalanced gearbox is taken
+SPIN_UP = 1.0  # s, after which the speed of an unbalanced gearbox is evaluated
 
 
 def drawn_torque(rng: np.random.Generator) -> Block:
@@ -80,7 +80,7 @@ def table_at(load: Block, key: str, t: float) -> float:
     return float(np.interp(t, load["time"], load[key]))
 
 
-# Mean torque [N m] of each kind at a time and a speed of its wheel; None: it prescribes the speed.
+# Mean torque [N m] of each kind at a time and a speed of its wheel; None: a prescribed speed.
 TORQUES: dict[str, Callable[[Block, float, float], float] | None] = {
     "torque": lambda load, _t, _omega: load["value"],
     "viscous": lambda load, _t, omega: -load["coefficient"] * omega,
@@ -126,7 +126,7 @@ class Train:
         return {"format": 1, **parts, "simulation": simulation}
 
     def times(self) -> list[float]:
-        """Before the first knot of any table, and every knot."""
+        """A time before the first knot of all tables, and all knots."""
         knots = {t for loads in self.loads for load in loads for t in load.get("time", [])}
         return [min(knots, default=0.0) - 1.0, *sorted(knots)]
 
@@ -186,14 +186,14 @@ class Train:
         return acceleration * SPIN_UP, forces
 
     def forces(self, torques: np.ndarray, driver: int | None, gross: float) -> np.ndarray:
-        """Normal forces from the torques before each mesh, and from those behind it.
+        """Normal forces from the torques before each mesh, and from those after it.
 
-        The drive flanks press the driving wheel against its sense of rotation, and so does a
-        torque in that sense hold them: F r_b g_A = sense sum of g M over the wheels before it.
+        The force of the drive flanks and an opposing torque on the driving wheel are in
+        equilibrium: F r_b g_A = sense sum of g M over the wheels before the mesh.
         """
         forces = np.empty(len(self.teeth) - 1)
         for mesh in range(len(forces)):
-            arm = BASE * self.teeth[0] * self.sense  # |g| r_b, alike for all wheels
+            arm = BASE * self.teeth[0] * self.sense  # |g| r_b, equal for all wheels
             before = self.ratios[: mesh + 1] @ torques[: mesh + 1] / arm
             behind = -self.ratios[mesh + 1 :] @ torques[mesh + 1 :] / arm
             if driver is None:
@@ -246,7 +246,7 @@ def check(evolvent: Evolvent, train: Train, tmp_path: Path) -> None:
 
 
 def draw(rng: np.random.Generator, names: tuple[str, ...], wheels: int) -> list[list[Block]]:
-    """One load of each kind, anywhere, but at most one prescribed speed."""
+    """One load of each kind, on any wheel, with at most one prescribed speed."""
     loads: list[list[Block]] = [[] for _ in range(wheels)]
     for place, name in enumerate(dict.fromkeys(names) if names.count("speed") > 1 else names):
         wheel = place if place < wheels and rng.random() < 0.7 else int(rng.integers(wheels))
@@ -301,13 +301,13 @@ def test_the_other_sense_of_rotation_is_the_mirror_image(
 
 @pytest.mark.parametrize("brakes", [False, True], ids=["drive flanks", "coast flanks"])
 def test_static_takes_the_nominal_torque(evolvent: Evolvent, tmp_path: Path, brakes: bool):
-    """A motor against a load and a drag, as an engine or as a brake on the coast flanks."""
+    """A motor against a load and a drag, driving or braking on the coast flanks."""
     sign = -1 if brakes else 1
     loads = [
         [{"kind": "torque", "value": 51.0}],
         [{"kind": "torque", "value": 120.0}, {"kind": "viscous", "coefficient": 0.1875}],
     ]
-    if brakes:  # torques against the sense of rotation, a drag that pulls: the balance is mirrored
+    if brakes:  # torques against the direction of rotation, a driving drag: the balance is mirrored
         for load in (loads[0][0], loads[1][0]):
             load["value"] *= -1
     train = Train([20, 50], loads)
@@ -324,7 +324,7 @@ def test_static_takes_the_nominal_torque(evolvent: Evolvent, tmp_path: Path, bra
 def test_an_unloaded_mesh_has_no_nominal_force_but_a_reference_force(
     evolvent: Evolvent, tmp_path: Path
 ):
-    """The last wheel turns idle: scales of the errors are those of the loaded mesh."""
+    """The last wheel is idle: error scales are those of the loaded mesh."""
     loads = [[{"kind": "speed", "value": 100.0}], [{"kind": "torque", "value": 30.0}], []]
     told = shown(evolvent, Train([20, 30, 25], loads).case(), tmp_path)
     loaded, idle = find(told, "m0"), find(told, "m1")
@@ -340,7 +340,7 @@ def test_an_unloaded_mesh_has_no_nominal_force_but_a_reference_force(
 def test_a_power_split_has_the_least_complementary_energy(
     evolvent: Evolvent, tmp_path: Path, stiffness: float
 ):
-    """Two meshes side by side between two shafts; a KKT system of all unknowns is the reference."""
+    """Two parallel meshes between two shafts; the reference is a KKT system of all unknowns."""
     wheels = [
         *({"name": name, "teeth": 20, "loads": []} for name in ("a1", "a2")),
         *({"name": name, "teeth": 50, "loads": []} for name in ("b1", "b2")),
@@ -375,7 +375,7 @@ def test_a_power_split_has_the_least_complementary_energy(
     r_a, r_b = 20 * BASE, 50 * BASE
     e_star = 206e9 / (2 * (1 - 0.3**2))
     compliance = [4 / (np.pi * e_star * b) for b in (0.02, 0.03)] + [1 / stiffness] * 2
-    # rows: a2, b1, b2 in balance; columns: forces of the meshes, torques of the shafts
+    # rows: equilibrium of a2, b1, b2; columns: forces of the meshes, torques of the shafts
     balance = np.array([[0, -r_a, 1, 0], [-r_b, 0, 0, -1], [0, -r_b, 0, 1]])
     system = np.block([[np.diag(compliance), balance.T], [balance, np.zeros((3, 3))]])
     unknowns = np.linalg.solve(system, [0, 0, 0, 0, 0, -120.0, 0])
@@ -398,6 +398,6 @@ def test_a_balance_at_a_low_speed_is_not_called_a_runaway(evolvent: Evolvent, tm
 
 
 def test_a_runaway_is_named_with_its_speed(evolvent: Evolvent, tmp_path: Path):
-    """The load of the machine is missing: the drive balances itself at 100 + 150/0.001 rad/s."""
+    """The load of the machine is missing: the drive is in equilibrium at 100 + 150/0.001 rad/s."""
     drive = {"kind": "drive", "speed": 100.0, "torque": 150.0, "slope": -0.001}
     assert "it turns at 150100 rad/s" in warned_speed(evolvent, [[drive], []], tmp_path)

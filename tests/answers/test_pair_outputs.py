@@ -1,4 +1,4 @@
-"""What tooth pairs tell one by one: how fast they slide."""
+"""Sliding velocity of each tooth pair."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PERFECT = [name for name, pair in PAIRS.items() if not pair.deviates]
 @pytest.mark.parametrize("gap", GAPS)
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_pair_longest_on_the_path_slides_as_its_mesh(kernel: Kernel, name: str, gap: str):
-    """To the bit; off the path no pair does."""
+    """To the bit; pairs off the path have no value."""
     gearbox, teeth = made(kernel, PAIRS[name], GAPS[gap], seed=3)
     values = gearbox.outputs(teeth.state)
     sliding, on_path = values["pair_sliding_velocity"][0], values["pair_on_path"][0] == 1
@@ -32,7 +32,7 @@ def test_the_pair_longest_on_the_path_slides_as_its_mesh(kernel: Kernel, name: s
 def test_every_pair_slides_as_its_place_on_the_line_of_action_and_the_speeds_say(
     kernel: Kernel, name: str, gap: str
 ):
-    """On axles that rest: sigma (omega_A l_A + omega_B l_B), l the distances from the base circles.
+    """With fixed axes: sigma (omega_A l_A + omega_B l_B), l the distances from the base circles.
 
     The coast flank is the mirror image, with the opposite sigma.
     """

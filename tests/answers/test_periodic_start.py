@@ -1,4 +1,4 @@
-"""The search for a periodic start: its limit, its interruption, what it says of the orbit."""
+"""Search for a periodic start: its limit, its interruption, its report of the orbit."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Periodic(ctypes.Structure):
 def search(
     gearbox: Gearbox, most_flows: int = 200, stop_after: int = 10**9
 ) -> tuple[int, Periodic, str, State]:
-    """Search for the orbit of a gearbox; `stop_after` flows it is interrupted."""
+    """Search for the orbit of a gearbox; it is interrupted after `stop_after` flows."""
     sizes = gearbox.sizes
     state = State(
         0.0,
@@ -102,7 +102,7 @@ def test_an_orbit_is_found(kernel: Kernel, make: Any) -> None:
 
 @pytest.mark.parametrize("most", [1, 2, 5])
 def test_more_flows_than_the_limit_are_refused(kernel: Kernel, most: int) -> None:
-    """The number stands in the message, with the residual if there is one."""
+    """The message contains the number, and the residual if there is one."""
     code, found, message, _ = search(pair(kernel), most_flows=most)
     assert code == INVALID_INPUT
     assert f"the search needs more than {most} flows over the common period" in message

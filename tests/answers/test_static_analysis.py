@@ -1,4 +1,4 @@
-"""The static analysis of a mesh of a gearbox: figures of another program, closed forms."""
+"""Static analysis of a mesh of a gearbox: results of another program, closed forms."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def pair(
     gear: dict[str, Any] | None = None,
     **fields: Any,
 ) -> Gearbox:
-    """Two real gears without backlash, wheel 0 driving clockwise."""
+    """Two gears defined by a basic rack without backlash, wheel 0 driving clockwise."""
     wheels = [
         wheel(
             teeth=teeth[i],
@@ -65,13 +65,13 @@ def pair(
 
 
 class Known(NamedTuple):
-    """Figures of the other program: um, N/(mm um), base pitches."""
+    """Results of the other program: um, N/(mm um), base pitches."""
 
     mean: float
     peak_to_peak: float
     secant: tuple[float, float, float]  # of the mesh: least, mean, largest
     tangent: tuple[float, float, float]
-    at_start: tuple[float, float]  # h and the share of the younger pair
+    at_start: tuple[float, float]  # h and the share of the later pair
     halfway: tuple[float, float]
 
 
@@ -112,7 +112,7 @@ def spur(kernel: Kernel) -> Gearbox:
 
 
 def torque_of(gearbox: Gearbox, line_load: float) -> float:
-    """Of the driving wheel [N m], for a line load [N/m]."""
+    """Torque of the driving wheel [N m] for a line load [N/m]."""
     geometry = gearbox.mesh_geometry()
     return line_load * geometry.common_width * gearbox.wheel_geometry(0).base_radius
 
@@ -125,7 +125,7 @@ def curve_of(gearbox: Gearbox, line_load: float, points: int = 200) -> Curve:
 def test_curve_is_that_of_the_other_program(
     fields: dict, load: float, ratio: float, known: Known, fifty: Gearbox, spur: Gearbox
 ):
-    """Built from a description; its digits of c are good to 1e-4, at the tips to 1e-3."""
+    """Built from a description; the other program's c is accurate to 1e-4, at the tips to 1e-3."""
     gearbox = fifty if fields else spur
     assert gearbox.mesh_geometry().contact_ratio == pytest.approx(ratio, rel=1e-12)
     curve = curve_of(gearbox, load * 1e3, points=720)
@@ -145,7 +145,7 @@ def test_curve_is_that_of_the_other_program(
 
 
 def exceeds(extreme: float, of_positions: float, by: float = 0.02) -> bool:
-    """Whether an extreme, found between positions too, is a little beyond that of the positions."""
+    """Whether an extreme, located between positions too, slightly exceeds theirs."""
     rounding = 1e-9 * abs(of_positions)
     return -rounding <= extreme - of_positions <= by * abs(of_positions)
 
@@ -183,8 +183,8 @@ def test_numbers_of_a_torque_are_those_of_its_curve(fifty: Gearbox):
     assert exceeds(curve.largest_tangent_stiffness, curve.tangent_stiffness.max())
     np.testing.assert_array_equal(curve.force_share, curve.pair_normal_force / force)
     total = curve.pair_normal_force.sum(1)
-    # but for the work of loads that move over teeth that yield, 1e-4 of it, and the shorter arm of
-    # an edge of the driving wheel
+    # except for the work of loads that move over compliant teeth, 1e-4 of it, and the shorter lever
+    # arm of an edge of the driving wheel
     with_edge = (curve.pair_contact_kind == EDGE_DRIVING).any(1)
     np.testing.assert_allclose(total[~with_edge], force, rtol=3e-4)
     np.testing.assert_allclose(total[with_edge], force, rtol=5e-3)
@@ -199,7 +199,7 @@ def test_harmonics_are_those_of_the_curve(spur: Gearbox):
 
 
 def test_pair_moves_on_from_place_to_place(fifty: Gearbox):
-    """A pair ahead by one more pitch a pitch later: forces and places go on where they ended."""
+    """Forces and positions of a pair are continuous into its slot one pitch ahead."""
     curve = curve_of(fifty, 150e3, points=400)
     step = fifty.mesh_geometry().base_pitch / 400
     for name, most in (("pair_normal_force", 200.0), ("pair_position", 1.05 * step)):
@@ -242,7 +242,7 @@ def test_pressure_is_hertzs_and_unknown_on_sharp_edges(spur: Gearbox):
 
 
 def test_rounded_edges_have_the_pressure_of_their_rounding(kernel: Kernel):
-    """Hertz's with 1/r_t and the curvature of the mate where the edge touches it."""
+    """Hertzian pressure with 1/r_t and the curvature of the mate at the contact of the edge."""
     rounding = 2e-4
     gearbox = pair(kernel, gear={"tip_rounding": rounding})
     curve = curve_of(gearbox, 150e3)
@@ -276,7 +276,7 @@ def johnson(h: np.ndarray, length: float, e_star: float) -> np.ndarray:
 
 @pytest.mark.parametrize("unequal", [False, True], ids=["one material", "two"])
 def test_contact_alone_shares_alike(kernel: Kernel, unequal: bool):
-    """Johnson's law knows no place: pairs on the path share alike, no edge counts."""
+    """Johnson's law is independent of position: pairs on the path share equally, without edges."""
     given = {"youngs": (E, 0.7e11), "poisson": (0.3, 0.34)} if unequal else {}
     gearbox = pair(kernel, compliance={}, **given)
     geometry = gearbox.mesh_geometry()
@@ -290,7 +290,7 @@ def test_contact_alone_shares_alike(kernel: Kernel, unequal: bool):
     np.testing.assert_allclose(load * n, 150e3, rtol=1e-12)
     carries = curve.pair_normal_force > 0
     np.testing.assert_allclose(curve.force_share, carries / n[:, np.newaxis], rtol=1e-12)
-    # two pairs from the path's length less what it loses to the deflection
+    # two pairs from the path length less its reduction by the deflection
     assert curve.loaded_contact_ratio == pytest.approx(geometry.contact_ratio, abs=0.011)
 
 
@@ -298,9 +298,9 @@ def test_contact_alone_shares_alike(kernel: Kernel, unequal: bool):
 def test_one_pair_of_two_materials_at_the_pitch_point_is_as_stiff_as_told(
     kernel: Kernel, soft: str
 ):
-    """C_kk has (K_A - K_B)/2 ln(rho_A/rho_B): `pair_stiffness_per_width` by itself, and the flank.
+    """C_kk has (K_A - K_B)/2 ln(rho_A/rho_B): `pair_stiffness_per_width` alone, and the flank.
 
-    Of steel and aluminium that term is 2 % of the compliance; the wrong way round, twice as far.
+    For steel and aluminium that term is 2 % of the compliance; a wrong sign doubles the error.
     """
     youngs, poisson = (0.7e11, E), (0.34, NU)
     order = slice(None, None, 1 if soft == "driving" else -1)
@@ -323,7 +323,7 @@ BENDING = {"contact alone": {}, "alone": {"tooth_coupling": "false"}, "coupled":
 @pytest.mark.parametrize("eased", [False, True], ids=["perfect", "eased"])
 @pytest.mark.parametrize("bending", BENDING)
 def test_mesh_rests_where_the_dynamics_do(kernel: Kernel, bending: str, eased: bool, place: float):
-    """The steady state under the same torques, edges and all."""
+    """The steady state under the same torques, with corner contact."""
     loads = (load(0, TORQUE, -50.0), load(1, VISCOUS, 1.0))
     ease = deviations(tip_relief=relief(6e-6, diameter=0.0608), profile_crowning=2e-6)
     compliance = {} if bending == "contact alone" else ELEMENTS
@@ -347,7 +347,7 @@ def test_mesh_rests_where_the_dynamics_do(kernel: Kernel, bending: str, eased: b
 
 
 def test_teeth_alone_are_stiffer_than_coupled_ones(kernel: Kernel):
-    """Two bodies in parallel where there is one: 18.75 and 19.56 instead of 13.81 and 17.12."""
+    """Two bodies in parallel instead of one: 18.75 and 19.56 instead of 13.81 and 17.12."""
     for fields, known in ((FIFTY, 18.75), ({}, 19.56)):
         gearbox = pair(kernel, tooth_coupling="false", **fields)
         assert curve_of(gearbox, 150e3).mesh_stiffness_per_width / 1e9 == pytest.approx(
@@ -364,9 +364,9 @@ def test_formulas_of_single_teeth_come_with_no_coupling(kernel: Kernel):
 
 
 def test_crowning_is_the_transmission_error_without_load(kernel: Kernel):
-    """Without load h is what the best of the pairs lacks; light load follows it.
+    """Without load h is the smallest deviation of all pairs; light load approaches it.
 
-    That is the least of the crown and how far the mate has turned away from it beside the line.
+    It is the minimum of the crowning and, beside the line, of the rotation away from the mate.
     """
     crowning = 8e-6
     gearbox = pair(kernel, deviation=(deviations(profile_crowning=crowning), None))
@@ -389,7 +389,7 @@ def test_crowning_is_the_transmission_error_without_load(kernel: Kernel):
 
 
 def test_stiffness_goes_by_the_deflection_that_load_adds(kernel: Kernel):
-    """Crowned flanks are apart beside the middle before there is a load."""
+    """Crowned flanks have gaps away from the middle before there is a load."""
     curve = curve_of(pair(kernel, deviation=(deviations(profile_crowning=8e-6), None)), 50e3)
     added = curve.transmission_error - curve.free_transmission_error
     assert curve.mean_secant_stiffness == pytest.approx(
@@ -409,7 +409,7 @@ def test_mesh_of_iso_6336_has_three_quarters_of_its_contact_ratio_in_pairs(spur:
 
 
 def test_relief_lowers_the_peaks_at_its_load(kernel: Kernel):
-    """Linear relief of what teeth yield by, from where one pair carries alone: a calm mesh."""
+    """Linear relief equal to the tooth deflection, up to single contact: low transmission error."""
     ease = [deviations(tip_relief=relief(8e-6, diameter=d)) for d in (0.0608, 0.1048)]
     plain = curve_of(pair(kernel), 150e3)
     eased = curve_of(pair(kernel, deviation=tuple(ease)), 150e3)
@@ -478,7 +478,7 @@ WAVY = deviations(pitch_errors=[2e-7 * ((7 * k * k + k) % 13) for k in range(38)
 def test_largest_force_of_a_pair_is_that_of_the_curve(
     kernel: Kernel, fields: dict[str, Any], share: float, sense: int
 ):
-    """Of some pitches that of their part of it, which comes again with the teeth."""
+    """For some pitches it is that of their part, which repeats with the teeth."""
     gearbox = pair(kernel, **fields)
     torque = sense * 100.0
     curve = static_curve(gearbox, torque, points=100)
@@ -494,7 +494,7 @@ def test_largest_force_of_a_pair_is_that_of_the_curve(
 
 
 def test_largest_force_is_known_however_many_pairs_meet(kernel: Kernel):
-    """Its curve would have more positions than can be looked at: 9797 pitches of 100."""
+    """Its curve would have too many positions: 9797 pitches of 100."""
     errors = [1e-6 * ((5 * k * k + 3 * k) % 17) for k in range(97)]
     gearbox = pair(
         kernel,
@@ -557,7 +557,7 @@ def test_torque_that_presses_nothing_is_refused(spur: Gearbox, torque: float):
 
 
 def test_coast_flanks_are_the_mirror_image_of_the_drive_flanks(kernel: Kernel):
-    """Backlash and all: pairs come from the other end, and the driven wheel leads."""
+    """With backlash: pairs enter at the other end, and the driven wheel leads."""
     gearbox = pair(kernel, backlash=5e-5)
     torque = torque_of(gearbox, 150e3)
     drive, coast = (static_curve(gearbox, t, points=1000) for t in (torque, -torque))
@@ -569,7 +569,7 @@ def test_coast_flanks_are_the_mirror_image_of_the_drive_flanks(kernel: Kernel):
         -backlash - drive.mean_transmission_error, rel=1e-7
     )
     np.testing.assert_allclose(coast.harmonic_amplitude, drive.harmonic_amplitude, rtol=2e-3)
-    # x pitches after it began on the one side, a pair is as far from its end on the other
+    # x pitches after its start on one side, a pair is as far from its end on the other
     at = (gearbox.mesh_geometry().contact_ratio - coast.position) % 1
     mirrored = np.interp(at, drive.position, drive.transmission_error, period=1)
     smooth = np.abs(np.diff(mirrored, append=mirrored[0])) < 1e-8
@@ -580,7 +580,7 @@ def test_coast_flanks_are_the_mirror_image_of_the_drive_flanks(kernel: Kernel):
     edges = np.bincount(coast.pair_contact_kind.astype(int).ravel(), minlength=4)
     others = np.bincount(drive.pair_contact_kind.astype(int).ravel(), minlength=4)
     assert edges[EDGE_DRIVING] == pytest.approx(others[EDGE_DRIVING], abs=2)
-    # a pair that comes is on the driving wheel's edge, not on the driven wheel's
+    # an entering pair is on the driving wheel's edge, not on the driven wheel's
     assert (coast.of_pair(-1, "pair_contact_kind") == EDGE_DRIVING).any()
     assert (drive.of_pair(-1, "pair_contact_kind") == EDGE_DRIVEN).any()
 
@@ -588,14 +588,14 @@ def test_coast_flanks_are_the_mirror_image_of_the_drive_flanks(kernel: Kernel):
 @pytest.mark.parametrize("sense", [1, -1])
 @pytest.mark.parametrize("flank", [1, -1], ids=["drive", "coast"])
 def test_torque_is_balanced_with_friction_in_closed_form(kernel: Kernel, flank: int, sense: int):
-    """Contacts alone give way: T = sum F_n (r_b - phi l_A), phi of either sign, none at rest."""
+    """Only contacts yield: T = sum F_n (r_b - phi l_A), phi of either sign, 0 at standstill."""
     gearbox = pair(kernel, compliance={}, backlash=2e-5, friction=(0.07, 1e-6))
     torque = torque_of(gearbox, 150e3)
     curve = static_curve(gearbox, flank * torque, speed=sense * 10.0)
     r_a, r_b = curve.base_radius_driving, curve.base_radius_driven
     carries = curve.pair_normal_force > 0
     depth = flank * curve.transmission_error - (flank < 0) * curve.normal_backlash
-    # the contact lies in the middle of what both flanks overlap, which are of one material
+    # the contact point is in the middle of the overlap of both flanks, which have one material
     arm = curve.pair_position - depth[:, None] / 2
     arm_b = curve.pair_position_driven - depth[:, None] / 2
     slides = flank * sense * (arm_b * r_a / r_b - arm)
@@ -670,4 +670,4 @@ def test_mesh_whose_pairs_do_not_reach_each_other_is_refused_with_its_place(kern
 def test_rows_are_told_once(spur: Gearbox):
     names = [row.name for row in table(spur)]
     assert len(set(names)) == len(names)
-    assert max(len(row.long_name) for row in table(spur)) < 95  # else they may be cut
+    assert max(len(row.long_name) for row in table(spur)) < 95  # else they may be truncated

@@ -1,4 +1,4 @@
-"""Equilibria of flanks that deviate: forces in balance, speeds that follow the slopes."""
+"""Equilibria of flanks with deviations: force balance, speeds that follow the slopes."""
 
 from __future__ import annotations
 
@@ -109,12 +109,12 @@ SENSES = pytest.mark.parametrize("sigma", [1, -1])
 
 
 def pair_of(kind: str, sigma: int, *, fixed: bool) -> RealPair:
-    """Backlash enough for the errors of the coarse classes: none of the coast flanks touches."""
+    """Backlash large enough for the coarse classes: no contact on the coast flanks."""
     return RealPair(deviations=KINDS[kind], sigma=sigma, chi=0.4, fixed=fixed, backlash=4e-4)
 
 
 def loads_of(sigma: int, torque: float = 50.0, speed: float = 100.0) -> tuple[Any, Any]:
-    """Torque on the pinion, which turns at about a speed."""
+    """Torque on the pinion, with approximate speed."""
     ratio = 34 / 19
     return (
         load(0, TORQUE, -sigma * torque),
@@ -135,7 +135,7 @@ def rates_of_speeds(gearbox: Gearbox, y: np.ndarray, state: State) -> np.ndarray
 
 
 def unit(gearbox: Gearbox, state: State) -> np.ndarray:
-    """What the loads alone would accelerate each speed by."""
+    """Accelerations of each speed by the loads alone."""
     o = gearbox.outputs(state)
     torque = abs(o["load_torque"]).max()
     units = [torque / o["inertia"].min()]  # of the reference speed
@@ -176,7 +176,7 @@ def test_nothing_accelerates_at_the_start(kernel: Kernel, kind: str, sigma: int,
 def test_the_forces_of_the_start_balance_the_loads_by_the_formulas(
     kernel: Kernel, kind: str, sigma: int
 ):
-    """Tooth pairs, gaps, forces and arms in fifty digits, from the gap alone."""
+    """Tooth pairs, gaps, forces and lever arms with fifty digits, from the gap alone."""
     pair = pair_of(kind, sigma, fixed=True)
     gearbox = pair.gearbox(kernel, loads_of(sigma), damping=800.0)
     state = gearbox.start(EQUILIBRIUM)
@@ -189,15 +189,15 @@ def test_the_forces_of_the_start_balance_the_loads_by_the_formulas(
         for i in (0, 1):
             torque[i] += force.torques[i]
     for i, applied in enumerate(gearbox.outputs(state)["load_torque"]):
-        # the kernel's contact point is exact to 1e-11 of the penetration
+        # the kernel's contact point is accurate to 1e-11 of the penetration
         assert float(torque[i]) == pytest.approx(-applied, rel=1e-9)
 
 
 def equilibrium(pair: RealPair, gearbox: Gearbox, state: State, theta: float) -> mp.mpf:
-    """Change of the gear's angle at which it accelerates as the pinion does, elastic forces alone.
+    """Change of the gear's angle for equal acceleration of gear and pinion, elastic forces alone.
 
-    At another angle the loads are out of balance by the slopes in the arms of the forces: then the
-    train as a whole accelerates.
+    At another angle the slopes in the lever arms unbalance the loads: the train as a whole
+    accelerates.
     """
     at = state.copy()
     at.y[gearbox.place("reference_angle")] = theta
@@ -221,7 +221,7 @@ def equilibrium(pair: RealPair, gearbox: Gearbox, state: State, theta: float) ->
 @pytest.mark.parametrize("kind", ["deep linear tip relief", "crowning", "everything, parabolic"])
 @SENSES
 def test_speeds_follow_the_static_equilibrium(kernel: Kernel, kind: str, sigma: int):
-    """The slope of psi(theta) by differences of equilibria that are found in fifty digits."""
+    """The slope of psi(theta) by differences of equilibria found with fifty digits."""
     pair = pair_of(kind, sigma, fixed=True)
     gearbox = pair.gearbox(kernel, loads_of(sigma), damping=None)
     state = gearbox.start(EQUILIBRIUM)
@@ -240,9 +240,9 @@ def test_speeds_follow_the_static_equilibrium(kernel: Kernel, kind: str, sigma: 
 def test_nothing_accelerates_a_moment_later_either(
     kernel: Kernel, kind: str, sigma: int, fixed: bool
 ):
-    """Along the start's own speeds the accelerations change by nothing but second order.
+    """Along the start's own speeds the accelerations change only in second order.
 
-    Without damping: its forces have no part in the static equilibrium that the speeds follow.
+    Without damping: its forces are not part of the static equilibrium that the speeds follow.
     """
     pair = pair_of(kind, sigma, fixed=fixed)
     gearbox = pair.gearbox(kernel, loads_of(sigma), friction=0.0, damping=None)
@@ -253,13 +253,13 @@ def test_nothing_accelerates_a_moment_later_either(
     still = np.zeros_like(velocity)
     still[0] = velocity[0]
     step = 1e-9  # [s], 1e-7 rad
-    keep = slice(1, None)  # the speed of the whole train is the loads' business
+    keep = slice(1, None)  # the loads determine the speed of the whole train
 
     def change(rates: np.ndarray) -> float:
         ends = [rates_of_speeds(gearbox, state.y + s * step * rates, state) for s in (1, -1)]
         return float((abs(ends[0] - ends[1])[keep] / unit(gearbox, state)[keep]).max())
 
-    # the remaining part: supports' dampers, which act at their speeds but not on the way there
+    # the remainder: dampers of the supports, which act at their speeds but not on the path there
     assert change(velocity) < 1e-3 * change(still) + 1e-12
 
 
@@ -337,7 +337,7 @@ def test_trains_on_moving_axles_have_a_steady_start(
     fields = {"damping": LAWS[law], "friction": (0.06, 5e-3)}
     gearbox = train(kernel, stages, sigma, seed, elastic, **fields)
     state = gearbox.start(EQUILIBRIUM)
-    assert worst_acceleration(gearbox, state) < 1e-9  # soft axles: the residual's rounding
+    assert worst_acceleration(gearbox, state) < 1e-9  # soft supports: rounding of the residual
     assert (gearbox.outputs(state)["normal_force"] > 0).all()
 
 
@@ -351,12 +351,12 @@ def test_every_seed_of_a_class_has_a_steady_start(kernel: Kernel, seed: int, sig
     assert worst_acceleration(gearbox, gearbox.start(EQUILIBRIUM)) < 1e-10
 
 
-# two pairs at the start: the gear's speed is given, so that it stands exactly where pair 0 enters
+# two pairs at the start: the gear's speed is prescribed, so it is exactly at the entry of pair 0
 WIDE = {"teeth": (31, 40), "fixed": True, "backlash": 4e-4, "reference": 1}
 
 
 def pressed(pair: RealPair, gearbox: Gearbox, state: State) -> list[int]:
-    """Numbers of the tooth pairs that overlap, by the formulas."""
+    """Numbers of the overlapping tooth pairs, by the formulas."""
     return [c.number for c in Teeth(pair, gearbox, state).contacts if c.gap < 0]
 
 
@@ -364,7 +364,7 @@ def pressed(pair: RealPair, gearbox: Gearbox, state: State) -> list[int]:
 def test_pairs_that_pitch_errors_hold_open_stay_open(
     kernel: Kernel, error: float, numbers: list[int]
 ):
-    """An error of the gear's tooth 0: that of the pair that enters."""
+    """An error of the gear's tooth 0: that of the entering pair."""
     pair = RealPair(**WIDE, deviations=(None, deviations(pitch_errors=[error] + 39 * [0.0])))
     gearbox = pair.gearbox(kernel, (load(0, TORQUE, -50.0),))
     state = gearbox.start(EQUILIBRIUM, mesh_position=0.005)
@@ -373,7 +373,7 @@ def test_pairs_that_pitch_errors_hold_open_stay_open(
 
 
 def test_a_pair_whose_damper_would_pull_carries_nothing(kernel: Kernel):
-    """Of two pairs one parts, and its damper is stronger than its flank."""
+    """One of two pairs separates, and its damper is stronger than its flank."""
     given = (deviations(tip_relief=relief(30e-6, diameter=0.0915, shape=LINEAR)), None)
     pair = RealPair(**WIDE, deviations=given)
     modes = []
@@ -388,7 +388,7 @@ def test_a_pair_whose_damper_would_pull_carries_nothing(kernel: Kernel):
     assert (modes[1][-1], modes[1][0]) == (UNLOADED, LOADED)
 
 
-# ---- refusals
+# ---- rejected input
 
 
 def refusal(gearbox: Gearbox) -> GearboxError:
@@ -400,7 +400,7 @@ def refusal(gearbox: Gearbox) -> GearboxError:
 
 
 def test_a_damper_that_carries_more_than_the_load_leaves_the_static_positions(kernel: Kernel):
-    """A damper of 1e12 N s/m leaves no balance: positions and speeds are those without it."""
+    """A damper of 1e12 N s/m leaves no equilibrium: positions and speeds are those without it."""
     pair = pair_of("everything, parabolic", 1, fixed=True)
     strong, none = (
         pair.gearbox(kernel, loads_of(1), damping=damping).start(EQUILIBRIUM)
@@ -458,7 +458,7 @@ def test_a_load_of_the_wrong_sense_is_named(kernel: Kernel, kind: str, case: str
 
 
 def test_a_wrong_sense_is_found_through_a_train(kernel: Kernel):
-    """The second stage is driven by a torque on its own shaft that is turned around."""
+    """The second stage is driven by a reversed torque on its own shaft."""
     gearbox = train(kernel, 2, 1, 0, elastic=True)
     assert gearbox.start(EQUILIBRIUM)
     wheels = [
@@ -495,7 +495,7 @@ def test_idle_flanks_that_deviate_have_no_slope_to_follow(kernel: Kernel):
 
 
 def test_crowned_flanks_that_part_have_a_steady_start(kernel: Kernel):
-    """Past their middle crowned flanks would part at 10 mm/s, if the wheels did not follow."""
+    """Beyond the middle crowned flanks would separate at 10 mm/s, if wheels did not follow."""
     for restitution in (0.3, 0.8):
         law = kernel.law(DAMPING, "hunt_crossley", restitution=restitution, v0_min=1e-3)
         wheels = [

@@ -1,4 +1,4 @@
-"""How far wheels have turned: pitches and turns, by which outputs may go."""
+"""Rotation of wheels in pitches and revolutions, the positions of outputs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SENSES = pytest.mark.parametrize("sigma", [1, -1])
 
 
 def trains(kernel: Kernel, sigma: int) -> list[Gearbox]:
-    """Trains whose reference wheel is the first and, of a prescribed speed, the driven one."""
+    """Trains whose reference wheel is the first and, with a prescribed speed, the driven one."""
     return [chain(kernel, 3, CLOSED_FORM, sigma=sigma), prescribed(kernel, CLOSED_FORM, sigma)]
 
 
@@ -31,7 +31,7 @@ def test_pitches_are_those_of_the_driving_wheels_angle_from_the_start_of_contact
             for m, driving in enumerate(wheels_of_meshes(gearbox, state, "driving")):
                 angle = values["angle"][driving] / (2 * np.pi)
                 sense = -gearbox.mesh_geometry(m).sigma  # +1 of A is clockwise
-                # pairs stated by a pressure angle begin at the start of contact in every mesh
+                # pairs defined by a pressure angle start at the start of contact in every mesh
                 expected = sense * values["teeth"][driving] * angle
                 assert gearbox.pitches(state, m) == pytest.approx(expected, rel=1e-13, abs=1e-13)
                 assert gearbox.turns(state, driving) == pytest.approx(
@@ -41,7 +41,7 @@ def test_pitches_are_those_of_the_driving_wheels_angle_from_the_start_of_contact
 
 @SENSES
 def test_whole_turns_of_the_reference_wheel_keep_their_digits(kernel: Kernel, sigma: int):
-    """Ten million turns are a fraction times a whole number; no step where turns are taken off."""
+    """Ten million revolutions are an exact integer part; no step when they are subtracted."""
     random = np.random.default_rng(2)
     for gearbox in trains(kernel, sigma):
         state = scatter(gearbox, random)
@@ -61,7 +61,7 @@ def test_whole_turns_of_the_reference_wheel_keep_their_digits(kernel: Kernel, si
 
 
 def test_they_are_linear_in_the_state(kernel: Kernel):
-    """As a step's dense output of them is a polynomial only then."""
+    """Linearity makes a step's dense output of them a polynomial."""
     random = np.random.default_rng(3)
     for gearbox in trains(kernel, 1):
         one, two = scatter(gearbox, random), scatter(gearbox, random)

@@ -1,4 +1,4 @@
-"""Outputs that are asked for one by one, at one state or at eight: those of the whole table."""
+"""Outputs requested one by one, at one state or at eight, equal those of the whole table."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def names(gearbox: Gearbox) -> list[str]:
 
 
 def near(gearbox: Gearbox, state: State, n: int) -> list[State]:
-    """States of one discrete state, as at places in a step."""
+    """States with one discrete state, as within a step."""
     random = np.random.default_rng(SEED)
     states = []
     for i in range(n):
@@ -109,7 +109,7 @@ def test_each_output_asked_for_alone_is_that_of_the_whole_table_to_the_bit(kerne
 
 @EVERY_CASE
 def test_some_states_are_each_state_to_the_bit(kernel, make):
-    """Five do not fill the lanes; an output may be asked for twice."""
+    """Five do not fill the lanes; an output may be requested twice."""
     gearbox, state = make(kernel)
     states = near(gearbox, state, 5)
     told = np.array([gearbox.values(one) for one in states])
@@ -119,7 +119,7 @@ def test_some_states_are_each_state_to_the_bit(kernel, make):
 
 @EVERY_CASE
 def test_eight_states_at_once_tell_what_one_tells_to_the_bit(kernel, make):
-    """Each output by itself, and all together; `tests/gearbox/lanes` asks of every law and part."""
+    """Each output separately, and all together; `tests/gearbox/lanes` covers all laws."""
     gearbox, state = make(kernel)
     states = near(gearbox, state, 8)
     told = np.array([gearbox.values(one) for one in states])
@@ -132,7 +132,7 @@ def test_eight_states_at_once_tell_what_one_tells_to_the_bit(kernel, make):
 
 @EVERY_CASE
 def test_of_eight_states_those_that_fill_the_room_change_nothing(kernel, make):
-    """The first three are told as with others behind them."""
+    """The first three have the same values as with other states after them."""
     gearbox, state = make(kernel)
     states = near(gearbox, state, 8)
     filled = [*states[:3], *[states[2]] * 5]
@@ -150,7 +150,7 @@ def test_the_cases_tell_every_output_of_the_table(kernel):
 
 
 def test_what_only_other_outputs_need_is_not_computed(kernel):
-    """Where the law has no force the angles are known all the same, the forces are not."""
+    """Outside the domain of the law the angles are available, the forces are not."""
     gearbox = paper_gearbox(kernel)
     state = in_mode(gearbox, np.random.default_rng(SEED), (LOADED, 1))
     set_gap(gearbox, state, 0, -0.2)

@@ -1,7 +1,8 @@
-"""The table of keys as `evolvent show --keys` prints it, and cases made from nothing else.
+"""Table of keys as printed by `evolvent show --keys`, and cases built from it.
 
-A case of `Table.case` has what the table requires and two wheels of one name. The program finds
-them after all that the table decides: what it says of such a case tells whether the table takes it.
+A case of `Table.case` has the required keys of the table and two wheels with the same name. The
+program detects the latter after all checks of the table: its message shows whether the table
+accepts a case.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 TAKEN_BY_THE_TABLE = "the name 'a' is given to two wheels"
 ROW = re.compile(r"^\| `(\w+)` \|(.*?)\| (.*?) \| (.*?) \| (.*?) \| (.*?) \| (.*?) \| (.*) \|$")
 LENGTHS = {"[x, y]": 2, "[x, y, z]": 3, "[w, x, y, z]": 4}
-ABSENT = object()  # a value: the key is left out
+ABSENT = object()  # a value: the key is omitted
 
 
 @dataclass(frozen=True)
@@ -26,20 +27,20 @@ class Row:
     key: str
     only_with: tuple[str, ...]
     not_with: tuple[str, ...]
-    type: str  # what it is, without its words
+    type: str  # type without its alternatives
     words: tuple[str, ...]
     unit: str
     low: float
     high: float
     is_low_open: bool
     is_high_open: bool
-    plausible: str  # the range of magnitudes as it is printed; empty if none is stated
+    plausible: str  # range of magnitudes as printed; empty if none is given
     default: str
     is_required: bool
 
     @classmethod
     def read(cls, block: str, line: str) -> Row:
-        """Read a line of the table."""
+        """Parse a line of the table."""
         match = ROW.match(line)
         assert match, line
         key, only_with, kind, unit, limits, plausible, default, _ = match.groups()
@@ -70,7 +71,7 @@ class Row:
 
     @property
     def number(self) -> float | int:
-        """One in the range."""
+        """A number in the range."""
         if self.is_whole:
             return int(self.low if math.isfinite(self.low) else 1)
         if math.isfinite(self.low) and math.isfinite(self.high):
@@ -78,7 +79,7 @@ class Row:
         return self.low + 1.0 if math.isfinite(self.low) else min(1.0, self.high - 1.0)
 
     def with_number(self, number: Any) -> Any:
-        """A value of which one number is this."""
+        """A value that contains this number."""
         if self.type in LENGTHS:
             return [number, *[self.number] * (LENGTHS[self.type] - 1)]
         if self.type == "list of numbers":
@@ -92,7 +93,7 @@ class Row:
 
 
 def limits_of(text: str) -> dict[str, Any]:
-    """Read a range as it is told in words."""
+    """Parse a range given in words."""
     found: dict[str, Any] = {"low": -math.inf, "high": math.inf}
     found |= {"is_low_open": "greater than" in text, "is_high_open": "less than" in text}
     if match := re.search(r"from (\S+) to (\S+)", text):
@@ -108,7 +109,7 @@ class Table:
     """All rows."""
 
     def __init__(self, markdown: str, units: str) -> None:
-        """Read what `show --keys` and `show --units` print."""
+        """Parse the output of `show --keys` and `show --units`."""
         told = [line.split(" | ") for line in units.splitlines()[2:]]
         self.units = {key.strip("` "): re.findall("`([^`]+)`", names) for _, key, names in told}
         self.rows: list[Row] = []
@@ -126,12 +127,12 @@ class Table:
         return [row for row in self.rows if row.block == block]
 
     def selector(self, block: str) -> Row | None:
-        """The row that says which kind a block is of."""
+        """The row that selects the kind of a block."""
         first = self.of(block)[0]
         return first if first.key in ("kind", "law", "model") and first.words else None
 
     def needs(self, row: Row) -> str:
-        """The key that this one needs beside it."""
+        """The key that this one requires."""
         chooser = self.selector(row.block)
         is_of_kinds = chooser is not None and set(row.only_with) <= set(chooser.words)
         return row.only_with[0] if row.only_with and not is_of_kinds else ""
@@ -144,7 +145,7 @@ class Table:
         return row.only_with or chooser.words
 
     def good(self, row: Row) -> Any:
-        """A value that the table takes."""
+        """A value that the table accepts."""
         if row.block == "case" and row.key == "format":
             return 1
         if row.has_numbers:
@@ -165,7 +166,7 @@ class Table:
         return ["a", "b"] if row.type == "[name, name]" else "a"
 
     def block(self, name: str, variant: str = "", /, **given: Any) -> dict[str, Any]:
-        """A block of a kind, the first one if none is said, with all that it requires."""
+        """A block of a kind, by default the first one, with all required keys."""
         chooser = self.selector(name)
         made: dict[str, Any] = {}
         if chooser is not None:
@@ -198,7 +199,7 @@ class Table:
         return block
 
     def changes(self, row: Row) -> Iterator[tuple[str, bool, dict[str, Any]]]:
-        """Blocks with this row: what is said of it, whether the table takes it, the block."""
+        """Blocks with this row: description, whether the table accepts it, the block."""
         for variant in self.variants(row):
             yield "a good value", True, self.block(row.block, variant, **{row.key: self.good(row)})
         variant = self.variants(row)[0]
@@ -281,11 +282,11 @@ class Table:
             if unit == row.unit or (row.low <= 0.0 and math.isinf(row.high)):
                 number = row.number if unit == row.unit else 1
                 yield f"{number} {unit}", True, row.with_number(f"{number} {unit}")
-                joined = not unit[0].isdigit()  # 11/min has no beginning
+                joined = not unit[0].isdigit()  # 11/min cannot be joined
                 yield f"{number}{unit}", joined, row.with_number(f"{number}{unit}")
 
     def elsewhere(self, row: Row) -> Iterator[tuple[str, bool, dict[str, Any]]]:
-        """The row where it has no meaning."""
+        """The row in blocks where it has no meaning."""
         chooser = self.selector(row.block)
         for other in row.not_with:
             of_other = next(r for r in self.of(row.block) if r.key == other)

@@ -1,4 +1,4 @@
-"""Cases that several tests of the command line use."""
+"""Cases shared by several tests of the command line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ REFUSALS = (2, 3)
 
 
 def without_output(words: tuple[str | Path, ...]) -> Iterator[str | Path]:
-    """The words of a `run` that `validate` takes, too."""
+    """The words of a `run` that are valid for `validate`, too."""
     rest = iter(words)
     for word in rest:
         if word in ("-o", "--output"):
@@ -26,7 +26,7 @@ def without_output(words: tuple[str | Path, ...]) -> Iterator[str | Path]:
 
 @pytest.fixture
 def evolvent(evolvent: Evolvent) -> Evolvent:
-    """Run the program; what `run` refuses, whatever the test, `validate` refuses alike."""
+    """Run the program; `validate` must reject whatever `run` rejects, in every test."""
 
     def run(*words: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
         done = evolvent(*words, **options)
@@ -42,7 +42,7 @@ def evolvent(evolvent: Evolvent) -> Evolvent:
 
 @pytest.fixture
 def reference_case() -> dict[str, Any]:
-    """Make the pair 12/40 of module 2 mm, whose values the program was given to meet."""
+    """Create the pair 12/40 of module 2 mm with known reference values."""
     gears = (("pinion", 12, 0.3, 0.028), ("gear", 40, -0.1, 0.0832))
     return {
         "format": 1,

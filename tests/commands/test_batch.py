@@ -1,4 +1,4 @@
-"""`evolvent batch`: what it records of each case, and that nothing of it is ever lost."""
+"""`evolvent batch`: records of each case, without loss of data."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def design(tmp_path: Path) -> Path:
     return write_design(tmp_path / "design.h5", TORQUES)
 
 
-# ---- which cases would be refused ----------------------------------------------------------------
+# ---- check of the cases --------------------------------------------------------------------------
 
 
 def test_a_check_tells_what_a_run_would_refuse_in_its_words_and_writes_nothing(
@@ -79,7 +79,7 @@ def test_a_check_has_no_options_of_a_run(
     assert "'--check' runs nothing" in result.stderr
 
 
-# ---- what is recorded ----------------------------------------------------------------------------
+# ---- records -------------------------------------------------------------------------------------
 
 
 def test_each_case_is_a_line_with_its_status_and_reason(evolvent: Evolvent, tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_a_case_without_results_has_nulls_for_numbers(evolvent: Evolvent, tmp_pa
     rows = read_journal(tmp_path / JOURNAL).cases
     assert [rows[i]["status"] for i in range(3)] == ["failed", "refused", "refused"]
     assert all(rows[i]["transmission_error_mean"] is None for i in range(3))
-    assert rows[0]["steps"] > 0  # of what was done before it failed
+    assert rows[0]["steps"] > 0  # of the work before the failure
     assert rows[1]["steps"] is None
 
 
@@ -189,7 +189,7 @@ def test_numbers_are_those_of_the_case_s_history(evolvent: Evolvent, tmp_path: P
             "message",
             *TIMINGS,
         }
-        # found between the outputs, of which a vibration has hardly one
+        # located between the outputs, of which a vibration has hardly one
         for name, sampled in between.items():
             assert sampled <= row[name] <= 2 * sampled, name
 
@@ -198,7 +198,7 @@ def test_extremes_are_those_of_the_window_and_do_not_depend_on_the_outputs(
     evolvent: Evolvent, tmp_path: Path
 ) -> None:
     base = paper_case(0.02).replace("tracking: differential", "tracking: closed_form")
-    window = (0.0101, 0.0173)  # no edge on either grid
+    window = (0.0101, 0.0173)  # no limit on either grid
     intervals = {"simulation.output_interval": [1e-3, 1e-6]}
     design = write_design(tmp_path / "design.h5", intervals, base, window)
     assert evolvent("batch", design, "-o", "r").returncode == 0
@@ -218,7 +218,7 @@ def test_extremes_are_those_of_the_window_and_do_not_depend_on_the_outputs(
         assert float(history.normal_force.max()) > 1.05 * brute["normal_force_max"]
     for name, sampled in brute.items():
         assert coarse[name] == pytest.approx(fine[name], rel=1e-9), name
-        # 1.2 kHz: a microsecond misses at most (2 pi 1.2e3 * 5e-7)**2/2 at a peak; at an edge of
+        # 1.2 kHz: a microsecond misses at most (2 pi 1.2e3 * 5e-7)**2/2 at a peak; at a limit of
         # the window the curve may have moved for a microsecond
         assert coarse[name] == pytest.approx(sampled, rel=1e-4), name
 
@@ -227,7 +227,7 @@ def test_extremes_are_those_of_the_window_and_do_not_depend_on_the_outputs(
 def test_damping_by_the_mesh_is_found_anew_for_every_case(
     evolvent: Evolvent, tmp_path: Path, damping: str
 ) -> None:
-    """Cases that differ in numbers are made in place, also after one whose mesh has no load."""
+    """Cases that differ in values are modified in place, also after one whose mesh has no load."""
     base = re.sub("damping: {.*?}", f"damping: {{{damping}}}", paper_case(0.02))
     (tmp_path / "case.yaml").write_text(base)
     torques = [-1.0, 0.0, -200.0, -3.0]
@@ -245,7 +245,7 @@ def test_damping_by_the_mesh_is_found_anew_for_every_case(
 
 
 def energy_residual(history: xr.Dataset) -> float:
-    """Largest error of the energy balance, as docs/batch.md defines it, computed anew."""
+    """Largest error of the energy balance by docs/batch.md, computed independently."""
     stored = history.kinetic_energy + history.potential_energy
     balance = stored + history.dissipated_energy - history.load_work
     power = (history.load_torque * history.angular_velocity).clip(min=0.0).sum("wheel")
@@ -364,14 +364,14 @@ def test_histories_are_those_of_single_runs_in_single_precision(
 def test_a_batch_does_not_go_on_with_histories_of_which_one_bit_turned(
     evolvent: Evolvent, tmp_path: Path
 ) -> None:
-    """Of what says where their values are; the library would take it at its word."""
+    """A changed bit in the location of their values, which HDF5 does not detect."""
     design = write_design(tmp_path / "design.h5", TORQUES, histories="normal_force")
     assert evolvent("batch", design, "-o", "r").returncode == 0
     stack = tmp_path / "r/shard-1-of-1.h5"
     content = bytearray(stack.read_bytes())
     journal = tmp_path / JOURNAL
     rows = journal.read_bytes().splitlines(keepends=True)
-    journal.write_bytes(b"".join(rows[:4]))  # some cases are to do
+    journal.write_bytes(b"".join(rows[:4]))  # some cases remain
     content[100] ^= 1
     stack.write_bytes(content)
     done = evolvent("batch", design, "-o", "r", "--resume")
@@ -406,7 +406,7 @@ def test_cases_of_other_times_are_refused_if_histories_are_stacked(
     assert "its history has other times" in rows[1]["message"]
 
 
-# ---- the same whoever runs it --------------------------------------------------------------------
+# ---- independence of workers and shards ----------------------------------------------------------
 
 
 def test_neither_workers_nor_shards_change_a_bit(evolvent: Evolvent, design: Path) -> None:
@@ -427,7 +427,7 @@ def test_a_shard_beyond_the_last_case_has_nothing_to_do(evolvent: Evolvent, desi
     assert read_journal(design.parent / "r/shard-8-of-9.jsonl").rows == []
 
 
-# ---- going on ------------------------------------------------------------------------------------
+# ---- resume --------------------------------------------------------------------------------------
 
 
 def test_recorded_cases_are_not_run_again(evolvent: Evolvent, design: Path) -> None:
@@ -458,7 +458,7 @@ def test_without_resume_recorded_cases_are_left_alone(evolvent: Evolvent, design
 def test_a_torn_last_line_is_closed_and_its_case_run_again(
     evolvent: Evolvent, tmp_path: Path, cut: int | str
 ) -> None:
-    # the message of the last case ends in a bracket, which could be taken for the end of the line
+    # the message of the last case ends in a bracket, which could be taken for the end of line
     columns = {"meshes.0.contact": ["{law: johnson}", "{law: {a: 1}}"]}
     design = write_design(tmp_path / "design.h5", columns)
     journal = tmp_path / JOURNAL
@@ -522,7 +522,7 @@ def test_named_cases_are_run_again_and_the_later_line_counts(
 def test_a_list_leaves_out_what_was_recorded_since_it_was_written(
     evolvent: Evolvent, design: Path
 ) -> None:
-    """A job that is requeued goes on with what is left of its list."""
+    """A requeued job continues with the remainder of its list."""
     assert evolvent("batch", design, "-o", "r").returncode == 0
     cases = design.parent / "cases.txt"
 
@@ -582,7 +582,7 @@ def test_numbers_of_no_case_are_refused(evolvent: Evolvent, design: Path, line: 
     assert result.stderr == f"{said}\n"
 
 
-# ---- what is refused -----------------------------------------------------------------------------
+# ---- rejected input ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -748,7 +748,7 @@ def test_a_second_run_of_a_shard_is_refused_and_told_who_is_first(
     finally:
         first.kill()
         first.wait()
-    # its lock file is still there, but holds nobody off
+    # its lock file remains, but is not locked
     command = [executable, "batch", design, "-o", "r", "--resume"]
     with running(command, tmp_path, stderr=subprocess.PIPE, text=True) as ended:
         wait_for(lambda: f"pid {ended.pid} " in (tmp_path / "r/shard-1-of-1.lock").read_text())
@@ -772,11 +772,11 @@ def test_a_terminal_shows_each_second_how_far_a_batch_is(executable: Path, tmp_p
             shown = os.read(ours, 4096).decode()
         process.terminate()
     end = ""
-    while not end.endswith("\n"):  # between both the journal goes to the disk
+    while not end.endswith("\n"):  # in between the journal is written to disk
         end += os.read(ours, 4096).decode()
     os.close(ours)
     assert re.match(r"\r2 of 3 done, 1 of them did not finish, \S+ a second, \d+:\d\d left", shown)
-    assert end.startswith("\r\x1b[K")  # the line is wiped before the message
+    assert end.startswith("\r\x1b[K")  # the line is cleared before the message
     assert "interrupted by SIGTERM; 2 of 3 cases were finished, --resume runs the others" in end
 
 

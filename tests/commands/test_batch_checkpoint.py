@@ -1,4 +1,4 @@
-"""A case of a batch that was stopped goes on where it was, and has the row of one that was not."""
+"""A stopped case of a batch resumes at its checkpoint, and has the row of an undisturbed one."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ Undisturbed = tuple[Path, dict[int, dict[str, object]], np.ndarray]
 TORQUE = "wheels.pinion.loads.0.value"
 JOURNAL, HISTORIES = "r/shard-1-of-1.jsonl", "r/shard-1-of-1.h5"
 FOLDER = Path("r/shard-1-of-1.checkpoints")
-SOON = "0.0005"  # minutes, of cases that take ten times that
+SOON = "0.0005"  # minutes, for cases that take ten times that
 GOES_ON = re.compile(r"case (\d+) goes on from its checkpoint at t = (\S+) s")
-STOPS = 8  # of a batch at most
+STOPS = 8  # maximum stops of a batch
 N_SEEDS = 25  # 200 stops
 
 
 @pytest.fixture(scope="module")
 def undisturbed(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> Undisturbed:
-    """Cases of some tenths of a second, one of them by IDA, with what they come to."""
+    """Cases of some tenths of a second, one of them by IDA, with their results."""
     folder = tmp_path_factory.mktemp("undisturbed")
     columns = {
         TORQUE: [-50.0, -40.0, -60.0, -5.0],
@@ -78,12 +78,12 @@ def read_histories(folder: Path) -> np.ndarray:
 
 
 def batch(executable: Path, design: Path, *more: str | Path) -> list[str | Path]:
-    """The command that begins a batch, or goes on."""
+    """Command that starts or resumes a batch."""
     return [executable, "batch", design, "-o", "r", "--resume", "--checkpoint", SOON, *more]
 
 
 def run(command: list[str | Path], folder: Path) -> str:
-    """Run it to its end; what it says."""
+    """Run the command to its end; return its messages."""
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stderr
@@ -92,7 +92,7 @@ def run(command: list[str | Path], folder: Path) -> str:
 def stop(
     command: list[str | Path], folder: Path, number: signal.Signals = signal.SIGKILL
 ) -> tuple[int, str]:
-    """Stop it when there is a checkpoint before the last one; the exit code and what it says."""
+    """Stop it when a checkpoint before the last one exists; return exit code and messages."""
     with running(command, folder, stderr=subprocess.PIPE, text=True) as parent:
         wait_for(lambda: any((folder / FOLDER).glob("*/checkpoint-before.h5")))
         workers = children(parent.pid)
@@ -104,7 +104,7 @@ def stop(
 
 
 def assert_undisturbed(folder: Path, design: Undisturbed) -> None:
-    """Each case is recorded once, with the bits of an undisturbed run; no checkpoint is left."""
+    """Each case is recorded once, with the bits of an undisturbed run; no checkpoint remains."""
     rows = read_journal(folder / JOURNAL).rows
     assert sorted(row["case"] for row in rows) == sorted(design[1])
     assert read_folder(folder / "r") == design[1]
@@ -121,7 +121,7 @@ def test_a_batch_stopped_at_random_records_what_one_does_that_was_not(
     seed: int,
     record_property: Callable[[str, object], None],
 ) -> None:
-    """Stopped are batch and workers, of which a case may lose one."""
+    """Batch and workers are stopped; a case may lose one process."""
     rng = random.Random(seed)
     command = batch(executable, undisturbed[0], "--jobs", "2")
     stops = 0
@@ -162,7 +162,7 @@ def test_a_case_goes_on_where_it_was(
     found = GOES_ON.search(run(command, tmp_path))
     assert found
     assert found[1] == "0"
-    assert float(found[2]) == pytest.approx(kept, rel=1e-8)  # nine digits are told
+    assert float(found[2]) == pytest.approx(kept, rel=1e-8)  # nine digits are printed
     assert kept > 0
     assert_undisturbed(tmp_path, long_case)
 
@@ -186,7 +186,7 @@ def reach(folder: Path) -> float:
     try:
         with h5py.File(folder / FOLDER / "0" / "checkpoint.h5") as file:
             return float(np.frombuffer(bytes(file["time"][:]))[0])
-    except OSError:  # none, or the next one takes its place
+    except OSError:  # none, or it is being replaced
         return 0.0
 
 
@@ -199,7 +199,7 @@ def test_a_case_whose_workers_die_is_not_given_up_as_long_as_it_gets_on(
             wait_for(lambda: not killed.issuperset(children(parent.pid)))
             wait_for(lambda reached=last: reach(tmp_path) > reached)
             (worker,) = children(parent.pid)
-            os.kill(worker, signal.SIGSTOP)  # so that nothing comes between both
+            os.kill(worker, signal.SIGSTOP)  # so that nothing happens in between
             last = reach(tmp_path)
             os.kill(worker, signal.SIGKILL)
             killed.add(worker)
@@ -244,12 +244,12 @@ def test_the_processor_time_of_a_case_is_that_of_all_its_pieces(
     stop(command, tmp_path)
     assert GOES_ON.search(run(command, tmp_path))
     (row,) = read_journal(tmp_path / JOURNAL).rows
-    # A piece is some hundredths of it at least; the machine may be twice as slow, or fast.
+    # A piece is at least some hundredths of it; the machine may be twice as slow, or fast.
     assert 0.5 < row["cpu_time"] / whole["cpu_time"] < 3
 
 
 def damage(path: Path) -> None:
-    """Cut off the last byte."""
+    """Truncate the last byte."""
     path.write_bytes(path.read_bytes()[:-1])
 
 
@@ -301,7 +301,7 @@ def test_a_checkpoint_of_another_case_does_not_count(
 def test_checkpoints_of_recorded_cases_go_when_the_batch_begins(
     executable: Path, tmp_path: Path, long_case: Undisturbed
 ) -> None:
-    """They are left where the batch was killed between both."""
+    """They remain if the batch was killed in between."""
     command = batch(executable, long_case[0])
     stop(command, tmp_path)
     shutil.copytree(tmp_path / FOLDER, tmp_path / "copy")

@@ -1,4 +1,4 @@
-"""A batch of wheels that give way: each is computed once for the folder, whoever does it."""
+"""A batch with compliant wheels: each wheel is computed once for the folder, by any process."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ JOURNAL = "r/shard-1-of-1.jsonl"
 
 
 def compliant_case() -> str:
-    """The spur pair, made short."""
+    """The spur pair with a short duration."""
     return paper_case(0.002, "spur-pair.yaml")
 
 
 def columns(hubs: Sequence[float], n: int = N_CASES) -> dict[str, list[Any]]:
-    """Cases of as many geometries as there are hubs, by turns; elements of order 5 are cheap."""
+    """Cases with as many geometries as hubs, in turns; elements of order 5 are fast."""
     return {
         "wheels.pinion.compliance": [
             f"{{hub_diameter: {hubs[i % len(hubs)]!r}, order: 5}}" for i in range(n)
@@ -49,7 +49,7 @@ def design(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def alone(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[int, dict[str, Any]]:
-    """Results of the cases, each from a folder and a process of its own."""
+    """Results of the cases, each from its own folder and process."""
     folder = tmp_path_factory.mktemp("alone")
     results = {}
     all_columns = columns(HUBS)
@@ -64,18 +64,18 @@ def alone(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[in
 
 
 def files(folder: Path) -> list[Path]:
-    """What the folder has of wheels."""
+    """Files of wheels in the folder."""
     return sorted(folder.glob("compliance-*"))
 
 
 def n_computed(told: str) -> int:
-    """Wheels that a batch says it has computed."""
+    """Number of computed wheels reported by a batch."""
     found = re.search(r"compliances of wheels computed: (\d+)", told)
     return int(found[1]) if found else 0
 
 
 def assert_alone(folder: Path, alone: dict[int, dict[str, Any]]) -> None:
-    """All cases are done, with the bits of those that were run by themselves."""
+    """Check that all cases are done, with the bits of separate runs."""
     results = read_folder(folder)
     assert sorted(results) == list(range(N_CASES))
     assert {case: results[case] for case in alone} == alone
@@ -97,7 +97,7 @@ def test_a_worker_computes_each_geometry_once_and_the_folder_has_a_file_of_each(
 def test_four_workers_of_each_of_two_batches_share_the_files_of_one_folder(
     executable: Path, design: Path, tmp_path: Path, alone: dict[int, dict[str, Any]]
 ) -> None:
-    """Who needs a wheel that others are just computing does so too, but the first file counts."""
+    """A worker computes a wheel even while others compute it, but the first file counts."""
     command = [executable, "batch", design, "-o", "r", "--jobs", "4", "--shard"]
     with (
         running([*command, "1/2"], tmp_path, stderr=subprocess.PIPE, text=True) as first,
@@ -113,7 +113,7 @@ def test_four_workers_of_each_of_two_batches_share_the_files_of_one_folder(
 def test_the_order_of_the_cases_and_who_computed_before_change_no_bit(
     evolvent: Evolvent, design: Path, tmp_path: Path, alone: dict[int, dict[str, Any]]
 ) -> None:
-    """From the last case to the first; then the others, which find all wheels there."""
+    """From the last case to the first; then the others, which find all wheels."""
     last = N_CASES - len(HUBS)
     (tmp_path / "some").write_text("".join(f"{i}\n" for i in range(N_CASES - 1, last - 1, -1)))
     result = evolvent("batch", design, "-o", "r", "--cases", "some")
@@ -128,7 +128,7 @@ def test_the_order_of_the_cases_and_who_computed_before_change_no_bit(
 def test_a_sweep_of_loads_with_histories_computes_its_one_wheel_once(
     evolvent: Evolvent, tmp_path: Path
 ) -> None:
-    """The parent makes the first case to lay out the histories: its wheel goes to the workers."""
+    """The parent creates the first case to lay out the histories; workers get its wheel."""
     write_design(
         tmp_path / "design.h5", columns(HUBS[:1]), compliant_case(), histories="normal_force"
     )
@@ -173,7 +173,7 @@ def test_a_check_of_many_cases_writes_no_file(
 
 
 def fnv(*arrays: np.ndarray) -> int:
-    """FNV-1a of 64 bits, as docs/result_format.md has it."""
+    """FNV-1a of 64 bits, as in docs/result_format.md."""
     value = 0xCBF29CE484222325
     for byte in b"".join(array.tobytes() for array in arrays):
         value = (value ^ byte) * 0x100000001B3 % 2**64
@@ -205,14 +205,14 @@ def test_the_file_is_what_the_documentation_says(
 
 
 def current_umask() -> int:
-    """Permissions that new files do not get."""
+    """Permission bits that new files do not get."""
     mask = os.umask(0)
     os.umask(mask)
     return mask
 
 
 def soften(path: Path) -> None:
-    """Put other numbers into a file, as another machine might have computed."""
+    """Write other values into a file, as if computed on another machine."""
     with h5py.File(path, "r+") as file:
         numbers = file["numbers"][:]
         numbers[17:34] *= 1.1
@@ -263,7 +263,7 @@ def test_a_damaged_file_ends_the_batch_with_its_name_and_nothing_false_is_record
 def test_a_batch_killed_again_and_again_leaves_only_files_that_count(
     executable: Path, evolvent: Evolvent, tmp_path: Path, jobs: str
 ) -> None:
-    """One geometry a case, so that workers write all the time."""
+    """One geometry per case, so that workers write all the time."""
     n = 16
     hubs = np.linspace(0.0255, 0.032, n).tolist()
     design = write_design(tmp_path / "design.h5", columns(hubs, n), compliant_case())
@@ -290,11 +290,11 @@ def test_a_batch_killed_again_and_again_leaves_only_files_that_count(
 def test_what_a_killed_writer_left_is_removed_by_the_next_batch(
     evolvent: Evolvent, design: Path, tmp_path: Path
 ) -> None:
-    """Ten minutes after it was written; a younger one may have its writer yet."""
+    """Ten minutes after it was written; a younger one may still have a writer."""
     folder = tmp_path / "r"
     folder.mkdir()
     names = {
-        "compliance-0123456789abcdef.h5.aB3xY9": 700,  # how old [s]
+        "compliance-0123456789abcdef.h5.aB3xY9": 700,  # age [s]
         "compliance-0123456789abcdee.h5.aB3xY9": 60,
         "compliance-0123456789abcdef.h5.aB3xY9.kept": 700,
         "compliance-mine.h5.aB3xY9": 700,

@@ -1,4 +1,4 @@
-"""A batch that is killed, interrupted, or out of room: nothing recorded is lost, and it goes on."""
+"""A batch that is killed, interrupted, or without disk space: no record is lost, and it resumes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SEEDS = (20110, *(pytest.param(i, marks=pytest.mark.long) for i in range(34)))  
 def undisturbed(
     executable: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, dict[int, dict[str, object]], np.ndarray]:
-    """A design of some 20 ms a case, with its results and histories when nothing disturbs it."""
+    """A design of some 20 ms per case, with the results and histories of an undisturbed run."""
     folder = tmp_path_factory.mktemp("undisturbed")
     torques = list(-np.linspace(1.0, 3.0, N_CASES))
     design = write_design(
@@ -63,14 +63,14 @@ def n_lines(folder: Path) -> int:
 
 
 def wait_for_lines(folder: Path, number: int, process: subprocess.Popen[bytes]) -> None:
-    """Wait until the journal has so many lines, or the process has ended."""
+    """Wait until the journal has this number of lines, or the process has ended."""
     wait_for(lambda: n_lines(folder) >= number or process.poll() is not None)
 
 
 def assert_undisturbed(
     folder: Path, undisturbed: tuple[Path, dict[int, dict[str, object]], np.ndarray]
 ) -> None:
-    """Each case is recorded once, with the bits of the run that nothing disturbed."""
+    """Check that each case is recorded once, with the bits of the undisturbed run."""
     _, results, histories = undisturbed
     rows = read_journal(folder / JOURNAL).rows
     assert sorted(row["case"] for row in rows) == list(range(N_CASES))
@@ -88,9 +88,9 @@ def test_killed_workers_leave_no_trace(
     undisturbed: tuple[Path, dict[int, dict[str, object]], np.ndarray],
     seed: int,
 ) -> None:
-    """A case whose process is killed twice has failed, and goes on in the process that follows.
+    """A killed case continues in the next process; a case that is killed twice has failed.
 
-    So only those die that began with the batch: what they run was never handed out before.
+    Only workers started with the batch are killed: their cases were never handed out before.
     """
     when = random.Random(seed)
     killed, run = 0, 0
@@ -151,7 +151,7 @@ def test_a_case_that_ends_its_process_twice_has_failed(
     assert row["steps"] is None
 
 
-# ---- signals that ask --------------------------------------------------------------------------
+# ---- signals that request a stop ---------------------------------------------------------------
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGUSR1, signal.SIGINT])
@@ -193,7 +193,7 @@ def test_workers_leave_signals_to_their_parent(
     assert parent.returncode == 75
 
 
-# ---- no room -------------------------------------------------------------------------------------
+# ---- no disk space -------------------------------------------------------------------------------
 
 
 def test_a_journal_that_may_not_grow_ends_the_batch_and_keeps_what_it_has(

@@ -36,14 +36,14 @@ def endless(tmp_path: Path) -> Path:
 def batch_at_work(
     executable: Path, design: Path, folder: Path, jobs: int = N_WORKERS
 ) -> Iterator[tuple[subprocess.Popen[bytes], list[int]]]:
-    """A batch all of whose workers are in the midst of a case; none is left behind."""
+    """A batch with all workers inside a case; none remains afterwards."""
     command = [executable, "batch", design, "-o", "r", "--jobs", str(jobs), "-q"]
     workers: list[int] = []
     with running(command, folder, stdin=subprocess.DEVNULL) as parent:
         try:
             wait_for(lambda: len(children(parent.pid)) == jobs)
             workers = children(parent.pid)
-            wait_for(lambda: all(spent(pid) > 0.02 for pid in workers))  # long past their start
+            wait_for(lambda: all(spent(pid) > 0.02 for pid in workers))  # long after their start
             yield parent, workers
         finally:
             parent.kill()
@@ -61,7 +61,7 @@ def spent(pid: int) -> float:
 def test_workers_in_the_midst_of_a_case_die_with_their_parent(
     executable: Path, tmp_path: Path, endless: Path
 ) -> None:
-    """At once: the case would never come to the answer that cannot be sent."""
+    """Immediately: the case would never reach the failing send of its result."""
     with batch_at_work(executable, endless, tmp_path) as (parent, workers):
         parent.kill()
         wait_for(lambda: not any(map(is_alive, workers)), seconds=10.0)
@@ -70,7 +70,7 @@ def test_workers_in_the_midst_of_a_case_die_with_their_parent(
 def test_a_worker_holds_the_socket_of_no_other(
     executable: Path, tmp_path: Path, endless: Path
 ) -> None:
-    """Through it a worker that outlives its parent would seem to have one."""
+    """Through it a worker that outlives its parent would appear to have one."""
     with batch_at_work(executable, endless, tmp_path) as (_, workers):
         for worker in workers:
             open_files = [str(file.readlink()) for file in Path(f"/proc/{worker}/fd").iterdir()]
@@ -80,7 +80,7 @@ def test_a_worker_holds_the_socket_of_no_other(
 def test_a_worker_whose_parent_died_before_it_could_notice_runs_nothing(
     executable: Path, faults_layer: Path, tmp_path: Path
 ) -> None:
-    """The layer ends the parent just before the worker asks to die with it."""
+    """The preloaded library ends the parent just before the worker requests to die with it."""
     design = write_design(tmp_path / "design.h5", {TORQUE: [-1.0]}, histories="normal_force")
     state = tmp_path / "state"
     state.write_bytes(bytes(65536))

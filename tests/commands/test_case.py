@@ -1,4 +1,4 @@
-"""Bad cases through the program: exit code, place, reason, and nothing written."""
+"""Invalid cases: exit code, location, reason, and no output."""
 
 from __future__ import annotations
 
@@ -307,7 +307,7 @@ BAD_OPTIONS = {
     "half a list": ("wheels.pinion.centre=[0, 0", "not valid YAML"),
 }
 
-# the kernel's own words are its own: here the thing, the value and the limit have to be named
+# the wording of the kernel is free: object, value and limit must be named
 BAD_GEOMETRY = {
     # tan(alpha_inf) = 2 pi/(20 + 30): 7.1625 deg
     "pressure angle below the limit": (
@@ -318,7 +318,7 @@ BAD_GEOMETRY = {
     "centre against the radii": ("wheels.gear.centre=[0.6, 0]", r"0\.6"),
 }
 
-# old text, new text with a mark before the place that has to be named, reason
+# old text, new text with a mark before the expected location, reason
 BAD_TEXTS = {
     "unknown key": ("title:", "§titel:", "unknown key 'titel' (did you mean 'title'?)"),
     "unknown key in a block": ("stiffness: 1", "§stifness: 1", "unknown key 'stifness' (did you"),
@@ -350,7 +350,7 @@ def paper(examples: Path) -> str:
 
 
 def refused(result: subprocess.CompletedProcess[str], code: int, folder: Path) -> str:
-    """The one line of a refused run; nothing but the case may be in its folder."""
+    """Return the one line of a rejected run; its folder may contain only the case."""
     assert result.returncode == code, result.stderr
     assert result.stdout == ""
     assert result.stderr.count("\n") == 1
@@ -499,7 +499,7 @@ def test_show_gives_the_geometry_of_the_papers_pair(evolvent: Evolvent, examples
     alpha = 1.05 * np.arctan(2 * np.pi / 50)
     base_radius = 0.2 * np.cos(alpha)
     mass = 7800 * np.pi * 0.3**2 * 0.1
-    # closed forms in double precision: a few roundings
+    # closed forms in double precision: a few rounding errors
     tolerance = {"rel": 1e-14}
     assert mesh["working_pressure_angle"] == pytest.approx(alpha, **tolerance)
     assert pinion["base_radius"] == pytest.approx(base_radius, **tolerance)
@@ -533,7 +533,7 @@ def test_show_for_reading_has_defaults_and_engineering_units(
 def test_a_disc_shows_a_radius_only_if_it_has_one(
     evolvent: Evolvent, examples: Path, tmp_path: Path, given: str, radius: float | None
 ) -> None:
-    """A disc has no teeth: nothing of them is shown, and no zeros."""
+    """A disc has no teeth: no tooth data are shown, and no zeros."""
     case = tmp_path / "disc.yaml"
     text = (examples / "spur-pair.yaml").read_text()
     disc = f"wheels:\n- {{name: disc, width: 0.01, material: steel, {given}}}\n"
@@ -549,7 +549,7 @@ def test_a_disc_shows_a_radius_only_if_it_has_one(
 def test_show_cuts_lists_of_more_than_1000_numbers(
     evolvent: Evolvent, examples: Path, tmp_path: Path, n: int
 ) -> None:
-    """For reading: in JSON all of them are there."""
+    """For reading; the JSON output contains all of them."""
     table = {"kind": "table", "time": list(range(n)), "torque": [-1.0] * n}
     text = f"\n  - {json.dumps(table)}"
     case = tmp_path / "long.yaml"

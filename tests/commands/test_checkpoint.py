@@ -1,4 +1,4 @@
-"""`evolvent run --checkpoint`: parts, checkpoints, what goes on from them and what is refused."""
+"""`evolvent run --checkpoint`: parts, checkpoints, resumption and rejected checkpoints."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from processes import running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
-BLOCK = 512  # bytes in front of a checkpoint's HDF5 file
+BLOCK = 512  # bytes before a checkpoint's HDF5 file
 SOON = "0.002"  # minutes, of a run that takes longer
 RADAU = ["--set", "simulation.integrator=radau"]
 
 
 @pytest.fixture
 def case(examples: Path, tmp_path: Path) -> Path:
-    """A case of half a second, or more, of work, in the folder of the runs."""
+    """A case with at least half a second of work, in the folder of the runs."""
     text = (examples / "spur-pair.yaml").read_text()
     path = tmp_path / "case.yaml"
     path.write_text(text.replace("duration: 50 ms", "duration: 3 s"))
@@ -51,7 +51,7 @@ def stopped(evolvent: Evolvent, case: Path, tmp_path: Path) -> Path:
 
 
 def go_on(evolvent: Evolvent, case: Path, *more: str) -> subprocess.CompletedProcess[str]:
-    """Go on with the stopped run."""
+    """Resume the stopped run."""
     return evolvent("run", case, "-o", "a.h5", "-q", "--continue", *more)
 
 
@@ -64,7 +64,7 @@ def check_sum(data: bytes) -> int:
 
 
 def check_anew(path: Path) -> None:
-    """Give a checkpoint that was changed its check."""
+    """Update the checksum of a modified checkpoint."""
     data = path.read_bytes()[BLOCK:]
     line = f"evolvent checkpoint 1, FNV-1a {check_sum(data):016x} of the {len(data)} bytes"
     path.write_bytes(f"{line} behind byte 512\n".encode().ljust(BLOCK, b"\0") + data)
@@ -88,7 +88,7 @@ def test_checkpoints_of_ida_are_at_the_first_step_from_the_times_that_are_asked_
     assert result.returncode == 0, result.stderr
     with h5py.File(tmp_path / "a.h5") as file:
         times = [float(time) for time in file.attrs["checkpoints"].split(",")]
-    interval = 0.01  # an output each, and a step is no longer
+    interval = 0.01  # an output at each, and a step is no longer
     for time, asked in zip(times, (0.5, 1.25), strict=True):
         assert 0 <= time - asked < interval
     assert evolvent(*words, "-o", "plain.h5").returncode == 0
@@ -365,7 +365,7 @@ SPENT = re.compile(r"(\d+) steps are over and the run is not; .*goes on from her
 
 
 def spend(evolvent: Evolvent, words: list[str | Path], most: int, *more: str) -> tuple[int, str]:
-    """Run out of steps: how many were made, and the command by which it goes on."""
+    """Exceed the step limit; return the number of steps, and the command to resume."""
     limit = f"simulation.max_steps={most}"
     result = evolvent(*words, "-o", "a.h5", "-q", "--set", limit, *more)
     assert result.returncode == 4, result.stderr
@@ -381,12 +381,12 @@ def test_a_run_whose_steps_are_over_goes_on_with_more_of_them(
 ) -> None:
     words: list[str | Path] = ["run", examples / "rattle.yaml"]
     words += ["--set", f"simulation.integrator={integrator}", "--set", "simulation.duration=0.3"]
-    at_once = 1000  # steps that IDA may make before it looks
+    at_once = 1000  # steps of IDA between two checks
     made, command = spend(evolvent, words, 2000, "--checkpoint", "60")
     assert 2000 <= made <= 2000 + at_once
     assert command.endswith("--set simulation.max_steps=2000 --continue")
-    assert list(tmp_path.rglob("*.partial")) == []  # what there is stands before the checkpoint
-    # with none it stops where it stands; the steps until there count
+    assert list(tmp_path.rglob("*.partial")) == []  # all outputs are before the checkpoint
+    # without checkpoint it stops at once; the steps so far count
     made_since, _ = spend(evolvent, words, 2000, "--continue")
     assert made <= made_since <= made + at_once
     made_in_all, _ = spend(evolvent, words, 4000, "--continue", "--set", "title=any other")
@@ -402,7 +402,7 @@ def test_a_run_whose_steps_are_over_goes_on_with_more_of_them(
 
 
 def entries(state: bytes) -> list[tuple[int, int]]:
-    """Where the things that were kept lie, and their bytes: a length stands before each."""
+    """Offsets and lengths of the saved entries: a length precedes each."""
     found, at = [], 0
     while at < len(state):
         (length,) = struct.unpack_from("<Q", state, at)
@@ -414,10 +414,10 @@ def entries(state: bytes) -> list[tuple[int, int]]:
 def test_where_outputs_show_a_missed_event_the_run_begins_anew_at_its_checkpoint(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
-    """A checkpoint says that a pair that is pressed were apart: no run comes to that by itself.
+    """A checkpoint in which a pressed pair is marked as separated: no run reaches such a state.
 
-    The outputs show it eight at a time, and once more one by one: that it is found again in the
-    same words means that the run was put back where the checkpoint was.
+    The outputs detect it eight at a time, and then one by one: the same message the second time
+    shows that the run was reset to the checkpoint.
     """
     words: list[str | Path] = ["run", examples / "paper-friction.yaml", "-q"]
     for given in ("tracking=closed_form", "integrator=radau", "duration=400"):
@@ -428,7 +428,7 @@ def test_where_outputs_show_a_missed_event_the_run_begins_anew_at_its_checkpoint
     with h5py.File(path, "r+") as file:
         state = bytearray(file["state"][:].tobytes())
         t = float(np.frombuffer(file["time"][:].tobytes())[0])
-        integers, length = entries(bytes(state))[7]  # behind the head, t, y and y'
+        integers, length = entries(bytes(state))[7]  # after the head, t, y and y'
         modes = list(struct.unpack_from(f"<{length // 4}i", state, integers))
         assert (len(modes), modes[2]) == (4, 1)  # pressed
         modes[2] = 0
@@ -440,7 +440,7 @@ def test_where_outputs_show_a_missed_event_the_run_begins_anew_at_its_checkpoint
     assert "counts as open: an event was missed" in result.stderr
     with h5py.File(tmp_path / "a.h5.partial") as part, h5py.File(tmp_path / "plain.h5") as whole:
         n = len(part["time"])
-        assert t - 0.02 < part["time"][-1] <= t + 0.02  # an output each 0.01 s
+        assert t - 0.02 < part["time"][-1] <= t + 0.02  # one output per 0.01 s
         for name in ("time", "normal_force", "penetration"):
             assert np.array_equal(part[name][: n - 1], whole[name][: n - 1])
     assert not (tmp_path / "a.h5.parts").exists()

@@ -1,4 +1,4 @@
-"""Histories of some variables: those that the case names, with the values of the whole history."""
+"""Histories of selected variables: those named in the case, with unchanged values."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from commands.conftest import Evolvent
 from evolvent import check_history, open_history
 
 SHORT = ("--set", "simulation.duration=0.05")
-# Closed form by radau, in lanes; tracked points by IDA, one state after the other.
+# Closed form by radau, in lanes; tracked points by IDA, state by state.
 CASES = {
     "closed form": ("paper-friction.yaml", "--set", "meshes.0.tracking=closed_form"),
     "tracked": ("paper.yaml", "--set", "meshes.0.tracking=differential"),
@@ -56,7 +56,7 @@ def test_a_history_has_what_the_case_names_and_all_that_is_constant(
     assert over_time(some) == named | bearings | grid
     assert set(whole.data_vars) - over_time(whole) == set(some.data_vars) - over_time(some)
     for name in some.data_vars:
-        # told in lanes they may differ by rounding: sums of energies and forces that cancel
+        # in lanes they may differ by rounding: sums of energies and forces that cancel
         scale = float(abs(whole[name]).max()) if whole[name].dtype.kind == "f" else 0.0
         np.testing.assert_allclose(
             some[name], whole[name], rtol=1e-12, atol=1e-12 * scale, err_msg=str(name)

@@ -1,4 +1,4 @@
-"""The command line: what it accepts, what it says, how it ends."""
+"""Command line: accepted input, messages, exit codes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
-SHORT = ("--set", "simulation.duration=0.01")  # a run that takes no time
+SHORT = ("--set", "simulation.duration=0.01")  # a very short run
 
 
 def assert_misuse(result: subprocess.CompletedProcess[str], complaint: str) -> None:
-    """Exit code 2, the complaint in the first line of stderr, a short help after it, no stdout."""
+    """Exit code 2, the error in the first line of stderr, then a short help, no stdout."""
     first, *rest = result.stderr.splitlines()
     assert result.returncode == 2
     assert complaint in first

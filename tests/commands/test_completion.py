@@ -1,4 +1,4 @@
-"""Completion: what bash, zsh and fish make of their scripts."""
+"""Shell completion: results of the scripts in bash, zsh and fish."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from zsh import zsh
 
 SHELLS = ("bash", "zsh", "fish")
 Complete = Callable[..., list[str]]
-# What the values of options and the files of commands are, by what their help calls them.
+# Values of options and files of commands, by their names in the help.
 FILES = ["a b.yaml", "case.yaml", "design.h5", "folder", "notes.txt", "other.yml"]
 CASES = ["a b.yaml", "case.yaml", "folder", "other.yml"]
 OFFERED = {
@@ -43,7 +43,7 @@ ODD_FILES = ("$(touch PWNED).yaml", "-x.yaml", "'\".yaml", "%s.yaml")
 
 
 def write_odd_cases(folder: Path, examples: Path) -> None:
-    """A case whose names are commands, in files whose names are."""
+    """A case with shell commands as names, in files with such names."""
     quoted = f"'{ODD.replace(chr(39), 2 * chr(39))}'"
     case = (examples / "paper.yaml").read_text().replace("pinion", quoted)
     case = case.replace(f"name: {quoted}-gear", f"name: {ODD_MESH}")
@@ -52,7 +52,7 @@ def write_odd_cases(folder: Path, examples: Path) -> None:
 
 
 def unquoted(shell: str, word: str, folder: Path) -> str:
-    """What a shell takes a word for."""
+    """A word as interpreted by a shell."""
     told = [shell, "-c", f"printf %s {word}"]
     if word.startswith("-"):
         told = [shell, "-c", f"printf -- '%s' {word}"]
@@ -60,14 +60,14 @@ def unquoted(shell: str, word: str, folder: Path) -> str:
 
 
 def script(executable: Path, shell: str) -> str:
-    """What makes a shell complete."""
+    """Completion script of a shell."""
     command = [executable, "completion", shell]
     return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout
 
 
 @pytest.fixture
 def complete(executable: Path, examples: Path, tmp_path: Path) -> Complete:
-    """What bash offers for the last of the words, in a folder with a case and other files."""
+    """Completions of bash for the last word, in a folder with a case and other files."""
     (tmp_path / "complete.sh").write_text(script(executable, "bash"))
     folder = tmp_path / "work"
     (folder / "folder").mkdir(parents=True)
@@ -106,7 +106,7 @@ def helps(executable: Path) -> dict[str, str]:
 
 
 def options_of(text: str) -> dict[str, str]:
-    """Options with what their values are called, or "", in a help."""
+    """Options of a help text with the names of their values, or ""."""
     described = text.partition("\nOptions:\n")[2].partition("\n\n")[0]
     rows = re.findall(r"^ +(?:(-\w), )?(--[\w-]+)(?: ([A-Z]\S*))? ", described, re.MULTILINE)
     return {name: value for letter, long, value in rows for name in (letter, long) if name}
@@ -144,7 +144,7 @@ def test_bash_offers_what_fits_for_every_value_and_every_file(
             if value and value != "PATH=VALUE":
                 offered = sorted(OFFERED[value])
                 assert complete(name, "case.yaml", option, "") == offered, (name, option)
-                if option.startswith("--"):  # bash makes three words of --option=value
+                if option.startswith("--"):  # bash splits --option=value into three words
                     assert complete(name, "case.yaml", option, "=") == offered
 
 
@@ -158,7 +158,7 @@ def test_bash_offers_the_paths_of_the_case_for_settings(
         assert all(re.fullmatch(r"wheels\.pinion\.t\w+=", path) for path in found)
         assert complete(name, "case.yaml", "--set", "=", "wheels.pinion.te")  # --set=...
         assert complete(name, "case.yaml", "--set", "wheels.pinion.teeth", "=") == []
-        assert complete(name, "--set", "wheels.") == []  # of no case
+        assert complete(name, "--set", "wheels.") == []  # without a case
 
 
 def test_a_word_that_begins_a_name_with_a_blank_is_one_word(complete: Complete) -> None:

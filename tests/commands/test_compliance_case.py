@@ -1,4 +1,4 @@
-"""Compliance of wheels through the program: what is refused, and what show prints."""
+"""Compliance of wheels: rejected input, and the output of show."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CASE = 3
 BLOCK = "wheels.pinion.compliance"
 ELEMENTS = f"{BLOCK}={{}}"
 
-# options; what is said of the first
+# options; part of the message for the first
 BAD_OPTIONS = {
     "no hub": (
         [ELEMENTS, "wheels.pinion.bore=0"],
@@ -123,7 +123,7 @@ def test_wheels_that_are_stated_by_their_pitch_radius_have_none(
 
 
 def shown(evolvent: Evolvent, examples: Path, *options: str) -> dict:
-    """What show says of the spur pair as JSON."""
+    """JSON output of show for the spur pair."""
     given = [word for option in options for word in ("--set", option)]
     result = evolvent("show", examples / "spur-pair.yaml", "--json", *given)
     return json.loads(result.stdout)
@@ -144,9 +144,9 @@ def test_show_prints_compliance_and_stiffness_beside_those_of_the_standard(
     assert told["driving_at_start"] < told["driving_at_pitch_point"] < told["driving_at_end"]
     assert told["driven_at_start"] > told["driven_at_pitch_point"] > told["driven_at_end"]
     assert 0 < told["driving_next"] < told["driving_at_pitch_point"]
-    # over a pitch at 150 N/mm the secant goes from 13.56 to 19.83 N/(mm um); here the load is half
+    # over a pitch at 150 N/mm the secant is 13.56 to 19.83 N/(mm um); here the load is half
     assert 12.5e9 < told["single_pair"] < told["double_pair"] < 19.9e9
-    # q' of ISO 6336-1, 9.3.1.1 by hand, rack 1.25, 20 degrees
+    # q' of ISO 6336-1, 9.3.1.1 by manual calculation, rack 1.25, 20 degrees
     z, x = (19, 34), (0.4, 0.1)
     q = 0.04723 + 0.15551 / z[0] + 0.25791 / z[1] - 0.00635 * x[0] - 0.11654 * x[0] / z[0]
     q += -0.00193 * x[1] - 0.24188 * x[1] / z[1] + 0.00529 * x[0] ** 2 + 0.00182 * x[1] ** 2
@@ -167,7 +167,7 @@ def test_one_pair_goes_together_by_its_wheels_and_by_johnsons_contact(
     load = told["line_load"]
     contact = (np.log(4 * np.pi * modulus * rho / load) - 1) / (np.pi * modulus)
     bending = told["driving_at_pitch_point"] + told["driven_at_pitch_point"]
-    assert 0.1 < contact / bending < 1  # neither hides the other
+    assert 0.1 < contact / bending < 1  # neither dominates the other
     assert 1 / told["single_pair"] == pytest.approx(bending + contact, rel=1e-12)
 
 
@@ -183,7 +183,7 @@ def test_equal_wheels_give_way_alike_and_a_wheel_without_the_block_not_at_all(
 
 
 def test_table_gives_its_numbers(evolvent: Evolvent, examples: Path) -> None:
-    """A straight line of c, met at every place."""
+    """A linear c, reproduced at every position."""
     table = "{model: table, rho: [0.001, 0.03], c: [2e-12, 6e-11], c_1: [5e-12, 5e-12]}"
     told = shown(evolvent, examples, f"{BLOCK}={table}")["compliance"]["pinion-gear"]
     places = [told[f"driving_at_{place}"] for place in ("start", "pitch_point", "end")]

@@ -1,4 +1,4 @@
-"""Runs of wheels that bend: what their meshes cannot have, and that every model runs."""
+"""Runs of compliant wheels: invalid combinations, and every model runs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LAWS = {
     "rigid": "rigid",
 }
 
-# options; what is said
+# options; part of the message
 BAD_OPTIONS = {
     **{
         law: (
@@ -100,7 +100,7 @@ def test_every_model_runs(evolvent: Evolvent, examples: Path, options: tuple[str
     assert result.returncode == 0, result.stderr
 
 
-# an example with changes; the mesh of which it is said that its wheels could give way
+# an example with changes; the note on a mesh whose wheels could be compliant; "": no note
 STIFF = {
     "real gears": ("spur-pair.yaml", (), "mesh pinion-gear: only the contact gives way"),
     "several meshes": ("two-stage-gears.yaml", (), "mesh first and 1 more: only the contact"),
@@ -126,7 +126,7 @@ def test_real_gears_that_do_not_bend_are_told_once_how_they_could(
 
 
 def test_more_pairs_than_can_be_coupled_are_refused(evolvent: Evolvent, examples: Path) -> None:
-    """Slender teeth of a contact ratio of 4.6: six pairs with their edges, and one that waits."""
+    """Slender teeth of a contact ratio of 4.6: six pairs with their edges, and one in reserve."""
     rack = "{addendum: 2.2, dedendum: 2.45, root_radius: 0.05}"
     slender = [
         f"wheels.{wheel}.{key}={value}"

@@ -1,4 +1,4 @@
-"""Deviations of flanks through the program: what is refused, where, and in which words."""
+"""Deviations of flanks: rejected input, locations and messages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 CASE = 3
 RELIEF = "wheels.pinion.tip_relief"
 
-# option; what is said
+# option; part of the message
 BAD_OPTIONS = {
     "negative amount": (
         f"{RELIEF}.amount=-1e-6",
@@ -64,7 +64,7 @@ BAD_OPTIONS = {
 
 
 def refused(result: subprocess.CompletedProcess[str], folder: Path) -> str:
-    """Return the one line of a refused run that wrote nothing."""
+    """Return the one line of a rejected run without output."""
     assert result.returncode == CASE, result.stderr
     assert result.stdout == ""
     assert result.stderr.count("\n") == 1
@@ -82,7 +82,7 @@ def test_a_senseless_deviation_is_refused_at_its_option(
 
 
 def line_of(path: Path, text: str, after: str = "") -> int:
-    """Line in which `text` stands first, from the line with `after` on."""
+    """Line with the first `text`, from the line with `after` on."""
     lines = path.read_text().splitlines()
     start = next(i for i, line in enumerate(lines) if after in line)
     return next(i for i, line in enumerate(lines) if i >= start and text in line) + 1

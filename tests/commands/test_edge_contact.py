@@ -1,4 +1,4 @@
-"""Meshes whose tip edges touch: what they cannot have, and that they need no compliance."""
+"""Meshes with tip-edge (corner) contact: invalid combinations; no compliance is required."""
 
 from __future__ import annotations
 

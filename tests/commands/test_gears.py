@@ -1,4 +1,4 @@
-"""Real gears in a case: what `show` prints of them, and what is refused at which place."""
+"""Gears defined by a basic rack: output of `show`, and rejected input with locations."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def refused(evolvent: Evolvent, case: Path, *options: str) -> str:
 def test_show_gives_the_reference_values_in_si(evolvent: Evolvent, reference: Path) -> None:
     case = shown(evolvent, reference)
     mesh = case["meshes"]["pinion-gear"]["gear"]
-    tolerance = {"rel": 1e-12}  # as the values were given
+    tolerance = {"rel": 1e-12}  # accuracy of the given values
     expected = {
         "centre_distance": 52.38927831334764e-3,
         "working_pressure_angle": np.radians(21.13868827687391),
@@ -126,7 +126,7 @@ def test_the_example_has_contact_ratio_one_and_a_half_and_backlash(
 ) -> None:
     case = shown(evolvent, examples / "spur-pair.yaml")
     mesh = case["meshes"]["pinion-gear"]["gear"]
-    # the numbers of its comments
+    # the values in its comments
     assert mesh["contact_ratio"] == pytest.approx(1.496, abs=5e-4)
     assert mesh["backlash"] == pytest.approx(66.8e-6, abs=5e-8)
     assert case["warnings"] == []
@@ -243,7 +243,7 @@ def test_what_is_allowed_but_unwise_is_a_warning(
 def test_a_wheel_that_gave_way_is_shown_and_recorded_as_it_is(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
-    """Rounded data: the driven wheel's allowance is the given one less what overlapped."""
+    """Rounded data: the driven wheel's allowance is the given one less the overlap."""
     options = ("meshes.0.centre_distance=0.0808122", "simulation.duration=1e-4")
     rounded = shown(evolvent, examples / "spur-pair.yaml", *options)
     (warning,) = rounded["warnings"]
@@ -251,7 +251,7 @@ def test_a_wheel_that_gave_way_is_shown_and_recorded_as_it_is(
     assert overlap
     gear = rounded["wheels"]["gear"]["gear"]
     allowance = -5e-5 - float(overlap[1]) / np.cos(np.radians(20))
-    # the warning tells six digits of a third of a micrometre
+    # the warning prints six digits of a third of a micrometre
     assert gear["thickness_allowance"] == pytest.approx(allowance, abs=1e-12)
     words = [word for option in options for word in ("--set", option)]
     assert evolvent("run", examples / "spur-pair.yaml", *words, "-o", "x.h5").returncode == 0

@@ -1,7 +1,7 @@
-"""Case files that cost more than they say: each ends soon, within bounded memory, with one line.
+"""Case files of excessive cost: each ends soon, within bounded memory, with one line.
 
-The bounds are for files of a few MB, far below what the process is given here: a reader whose time
-or memory grows as the square of its input, or as its nesting, meets the limit of the kernel.
+The bounds are for files of a few MB, far below the limits of the process here. A reader whose time
+or memory grows with the square of its input, or with its nesting, reaches the limit of the kernel.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 
-SIZE = 2_000_000  # about as many bytes [B]
+SIZE = 2_000_000  # approximate size [B]
 MEMORY = 500_000_000  # address space [B]
-SECONDS = 20  # of processor time: 2 are asked for 10 MB; machines are shared
+SECONDS = 20  # of processor time: 2 are required for 10 MB; machines are shared
 
 
 def listed(item: str) -> str:
-    """As many items of a list as fit."""
+    """A list with as many items as fit."""
     return "format: 1\nx: [" + item * (SIZE // len(item)) + "1]\n"
 
 
@@ -34,7 +34,7 @@ def wheels(n: int) -> str:
     )
 
 
-# Of each text what the one line says.
+# Part of the message for each text.
 TEXTS = {
     "lists in lists": ("a: " + "[" * SIZE, "nested too deeply"),
     "blocks in blocks": ("a: " + "{a: " * (SIZE // 4), "nested too deeply"),
@@ -75,7 +75,7 @@ def limited() -> None:
 
 
 def validate(program: Path, text: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    """What the program says of a text."""
+    """Result of the program for a text."""
     path = folder / "case.yaml"
     path.write_text(text, encoding="utf-8")
     return subprocess.run(

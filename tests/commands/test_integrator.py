@@ -1,4 +1,4 @@
-"""The choice of the integrator, and runs by radau that do not come to their end."""
+"""Choice of the integrator, and incomplete runs by radau."""
 
 from __future__ import annotations
 

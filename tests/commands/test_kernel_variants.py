@@ -1,4 +1,4 @@
-"""The kernels for newer processors: the loader takes one of them, and none changes a result."""
+"""Kernels for newer processors: the loader selects one of them, with identical results."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from histories import contents
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 LIBRARY = "libevolvent_kernel.so.0"
 BASELINE = "x86-64"
-PROCESSORS = {"x86-64-v3": "avx2", "x86-64-v4": "avx512vl"}  # and a flag that tells them
+PROCESSORS = {"x86-64-v3": "avx2", "x86-64-v4": "avx512vl"}  # with a flag that identifies them
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASES = sorted(
     path.name for path in EXAMPLES.glob("*.yaml") if "meshes" in yaml.safe_load(path.read_text())
@@ -26,7 +26,7 @@ CASES = sorted(
 
 
 def has_flag(flag: str) -> bool:
-    """Whether the processor, as Linux tells, has this feature."""
+    """Whether the processor has this feature, according to Linux."""
     cpuinfo = Path("/proc/cpuinfo")
     return (
         cpuinfo.is_file()
@@ -36,7 +36,7 @@ def has_flag(flag: str) -> bool:
 
 @pytest.fixture
 def with_kernel(executable: Path, tmp_path: Path) -> Callable[[str], dict[str, str]]:
-    """Environment in which the program finds the kernel of one processor, and no other."""
+    """Environment in which the program finds only the kernel of one processor."""
     folder = executable.resolve().parent
     if not (folder / "glibc-hwcaps").is_dir():
         machine.unavailable("this build has one kernel only (EVOLVENT_VARIANTS=OFF)")
@@ -54,7 +54,7 @@ def with_kernel(executable: Path, tmp_path: Path) -> Callable[[str], dict[str, s
 
 
 def kernel_processor(evolvent: Evolvent, **options: object) -> str:
-    """The processor for which the kernel that starts was compiled."""
+    """The processor for which the loaded kernel was compiled."""
     result = evolvent("--version", **options)
     assert result.returncode == 0, result.stderr
     return result.stdout.splitlines()[-1].removeprefix("kernel compiled for ")
@@ -99,7 +99,7 @@ def test_the_kernel_of_a_newer_processor_writes_the_same_history_to_the_bit(
 
 
 def test_no_kernel_holds_a_fused_product_and_sum(executable: Path) -> None:
-    """Also where no example comes by: what the compiler fused would have other bits elsewhere."""
+    """Also for code that no example covers: fused operations would give other bits elsewhere."""
     kernels = [*executable.resolve().parent.glob(f"**/{LIBRARY}")]
     assert kernels
     for kernel in kernels:
@@ -115,7 +115,7 @@ def test_no_kernel_holds_a_fused_product_and_sum(executable: Path) -> None:
 def test_a_processor_with_avx512_gets_its_kernel_unasked_also_through_a_link(
     executable: Path, with_kernel: Callable[[str], dict[str, str]], tmp_path: Path
 ) -> None:
-    with_kernel("x86-64-v4")  # skips where it cannot run
+    with_kernel("x86-64-v4")  # skips if it cannot run
     link = tmp_path / "evolvent"
     link.symlink_to(executable.resolve())
     for program in (executable, link):
@@ -126,7 +126,7 @@ def test_a_processor_with_avx512_gets_its_kernel_unasked_also_through_a_link(
 def test_a_program_moved_with_its_baseline_kernel_alone_runs_with_that(
     executable: Path, with_kernel: Callable[[str], dict[str, str]], tmp_path: Path
 ) -> None:
-    with_kernel(BASELINE)  # skips where there is one kernel only
+    with_kernel(BASELINE)  # skips if there is one kernel only
     program = Path(shutil.copy2(executable, tmp_path / "evolvent"))
     shutil.copy2(executable.resolve().parent / LIBRARY, tmp_path)
     text = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)

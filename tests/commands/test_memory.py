@@ -1,4 +1,4 @@
-"""Lack of memory: one line and one exit code, wherever it comes."""
+"""Out of memory: one line and one exit code at any point."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RUN = ("--set", "simulation.duration=0.002", "-o", "m.h5", "-q")
 
 @pytest.fixture
 def ended(executable: Path, tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Run the program with so many bytes of address space."""
+    """Run the program with this number of bytes of address space."""
 
     def run(limit: int, *words: object) -> subprocess.CompletedProcess[str]:
         def limited() -> None:
@@ -45,7 +45,7 @@ def test_a_table_of_a_million_knots_is_shown_in_500_megabytes(
     table = f"loads:\n  - {{kind: table, time: [{times}], torque: [{torques}]}}"
     text = (examples / "spur-pair.yaml").read_text().replace("loads:", table, 1)
     (tmp_path / "million.yaml").write_text(text)
-    # a process of its own asks: what a child is before it becomes the program counts, too
+    # a separate process measures: the child before exec counts, too
     ask = (
         "import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True); "
         "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr)"
@@ -78,7 +78,7 @@ def test_whatever_memory_there_is_a_command_is_done_or_says_so(
     write_design(
         tmp_path / "design.h5", {"wheels.pinion.loads.0.value": [-1.0]}, histories="normal_force"
     )
-    low, high = 2**22, PLENTY  # where the program is loaded: 27 halvings, to a few bytes
+    low, high = 2**22, PLENTY  # loading limit of the program: 27 halvings, to a few bytes
     while high - low > 2**16:
         middle = (low + high) // 2
         low, high = (
@@ -87,7 +87,7 @@ def test_whatever_memory_there_is_a_command_is_done_or_says_so(
             else (low, middle)
         )
     codes = set()
-    for more in range(0, 2**25, 2**20 + 7919):  # 32 steps of a megabyte and a bit
+    for more in range(0, 2**25, 2**20 + 7919):  # 32 steps of slightly more than a megabyte
         done = ended(high + more, *words)
         codes.add(done.returncode)
         assert done.returncode in (0, NO_MEMORY), (more, done)

@@ -1,4 +1,4 @@
-"""`evolvent modes`: what it prints, and how it ends when it cannot."""
+"""`evolvent modes`: its output, and its errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def case(examples: Path) -> Path:
 
 
 def assert_refused(result: subprocess.CompletedProcess[str], code: int, *parts: str) -> None:
-    """One line on stderr that holds all of this, nothing on stdout."""
+    """One line on stderr that contains all parts, nothing on stdout."""
     (line,) = result.stderr.splitlines()
     assert result.returncode == code
     assert result.stdout == ""
@@ -39,7 +39,7 @@ def test_text_and_json_tell_the_same_numbers(evolvent: Evolvent, case: Path) -> 
     assert len(rows) == len(modes) == 3
     for (frequency, ratio, time, real, imaginary), mode in zip(rows, modes, strict=True):
         shown = [
-            (frequency, mode["natural_frequency"], 1e-5),  # as many digits as are printed
+            (frequency, mode["natural_frequency"], 1e-5),  # number of printed digits
             (ratio, mode["damping_ratio"], 1e-3),
             (time, mode["time_constant"], 1e-3),
             (real, mode["eigenvalue"][0], 1e-5),
@@ -93,7 +93,7 @@ def test_the_motion_settles_into_the_steady_state(evolvent: Evolvent, case: Path
     def slowest(*words: str) -> dict[str, float]:
         return json.loads(evolvent("modes", case, "--json", *words).stdout)["modes"][0]
 
-    # After 20 time constants 2e-9 of the start are left.
+    # After 20 time constants 2e-9 of the start remain.
     late = slowest("--at", "30", "--set", "simulation.duration=30")
     assert late["time_constant"] == pytest.approx(slowest()["time_constant"], rel=1e-7)
 
@@ -152,7 +152,7 @@ def test_an_interrupt_while_integrating_exits_with_75(executable: Path, case: Pa
     ) as process:
         wait_for(lambda: catches(process.pid, signal.SIGINT))
         with pytest.raises(subprocess.TimeoutExpired):
-            process.wait(1)  # it is far from done
+            process.wait(1)  # it is far from finished
         process.send_signal(signal.SIGINT)
         output, complaint = process.communicate(timeout=60)
     assert (process.returncode, output) == (75, "")
@@ -160,8 +160,8 @@ def test_an_interrupt_while_integrating_exits_with_75(executable: Path, case: Pa
 
 
 def test_a_state_that_grows_is_called_unstable(evolvent: Evolvent, case: Path) -> None:
-    # In y nothing holds the gear; the contact pushes it off as a compressed strut does, since the
-    # line of action turns with the axle.
+    # In y the gear has no support; the contact pushes it away like a compressed strut, since the
+    # line of action turns with the axis.
     loose = "wheels.gear.support={kind: bearing, stiffness: [1.0e+9, 0], damping: [1.0e+5, 0]}"
     words = ("modes", case, "--at", "0.001", "--set", loose)
     modes = json.loads(evolvent(*words, "--json").stdout)["modes"]
@@ -170,7 +170,7 @@ def test_a_state_that_grows_is_called_unstable(evolvent: Evolvent, case: Path) -
     assert "unstable" not in evolvent("modes", case).stdout
 
 
-# ---- which state of the mesh
+# ---- state of the mesh
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""`simulation.numbers` and a design's `numbers`: what is refused, and what ends up where."""
+"""`simulation.numbers` and a design's `numbers`: rejected input, and output locations."""
 
 from __future__ import annotations
 
@@ -235,7 +235,7 @@ def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: 
 
 
 def documented_metrics() -> dict[str, tuple[tuple[str, ...], str]]:
-    """Dimensions and unit of each metric, by the tables of its page."""
+    """Dimensions and unit of each metric, from the tables of its page."""
     page = (Path(__file__).parents[2] / "docs" / "numbers.md").read_text(encoding="utf-8")
     lines = [line for line in page.splitlines() if line.startswith("| `")]
     cells = [[cell.strip(" `") for cell in line.split("|")[1:-1]] for line in lines]

@@ -1,4 +1,4 @@
-"""Outputs at positions: what is refused and where, what a case keeps of them, and in batches."""
+"""Outputs at positions: rejected input with locations, contents of histories, and batches."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def test_modes_at_a_time_do_not_ask_for_outputs(evolvent: Evolvent, case: Path) 
 def test_histories_of_a_batch_stand_at_the_positions_of_single_runs(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    """Every second one of the grid; a case that gets less far leaves NaN, and times of its own."""
+    """Every second position of the grid; a shorter case has NaN, and its own times."""
     torques = [-50.0, -100.0, -10.0]
     design = write_design(
         tmp_path / "design.h5",

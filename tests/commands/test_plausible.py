@@ -1,4 +1,4 @@
-"""Plausible ranges: every key with a unit states one, and numbers outside it cause one warning."""
+"""Plausible ranges: every key with a unit has one, and values outside it cause one warning."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def dimensional(table: Table) -> list[Row]:
     return [row for row in table.rows if row.unit]
 
 
-# Powers of ten of the units in which ranges are printed, beside a key's own unit.
+# Powers of ten of the units of printed ranges, besides a key's own unit.
 POWERS = {"mm": -3, "um": -6, "g": -3, "kg mm2": -6, "GPa": 9, "um mm/N": -9, "ms": -3, "us": -6}
 POWERS |= {"N/um": 6, "N/mm": 3, "mm/s": -3, "um/s": -6}
 
 
 def in_unit(text: str, unit: str) -> float:
-    """Read an end of a range in the unit of the key."""
+    """Convert a limit of a range to the unit of the key."""
     number, _, name = text.partition(" ")
     return float(number) * (1.0 if name == unit else 10.0 ** POWERS[name])
 
@@ -71,7 +71,7 @@ def test_every_default_is_plausible(table: Table) -> None:
 
 
 def named_apart(case: dict[str, Any]) -> dict[str, Any]:
-    """Give the two wheels of a case of the table their own names, which are asked for elsewhere."""
+    """Give the two wheels of a case of the table distinct names."""
     wheels = case["wheels"] = [dict(wheel) for wheel in case["wheels"]]
     wheels[1]["name"] = "b"
     for mesh in case["meshes"]:
@@ -83,7 +83,7 @@ def named_apart(case: dict[str, Any]) -> dict[str, Any]:
 
 
 def time_for(case: dict[str, Any], row: Row, number: float) -> None:
-    """Make the case long enough for a time of it."""
+    """Make the case long enough for a time value."""
     simulation = case["simulation"]
     if not simulation.keys() & {"output", "output_interval"}:
         simulation["output_interval"] = simulation["duration"]
@@ -101,7 +101,7 @@ def time_for(case: dict[str, Any], row: Row, number: float) -> None:
 
 
 def outside(row: Row) -> list[float]:
-    """Numbers that the table takes, beside the plausible range."""
+    """Numbers that the table accepts, outside the plausible range."""
     least, most = span_of(row)
     sign = -1.0 if row.high <= 0.0 else 1.0
     found = [sign * number for number in (0.9 * least, 1.1 * most) if number > 0.0]
@@ -109,7 +109,7 @@ def outside(row: Row) -> list[float]:
 
 
 def with_value(table: Table, row: Row, number: float) -> dict[str, Any]:
-    """A case in which the key has the number."""
+    """A case with this value of the key."""
     value = row.with_number(number)
     if row.type == "list of numbers":
         value = [number, 2 * number]
@@ -130,7 +130,7 @@ def with_value(table: Table, row: Row, number: float) -> dict[str, Any]:
 def test_every_key_with_a_unit_warns_of_numbers_outside_with_the_location(
     evolvent: Evolvent, tmp_path: Path, table: Table
 ) -> None:
-    """Also of a case that is refused later: the unit may be the reason."""
+    """Also for a case that is rejected later: the unit may be the reason."""
     warned = 0
     for row in dimensional(table):
         for number in outside(row):
@@ -152,7 +152,7 @@ def test_no_example_has_an_implausible_number(evolvent: Evolvent) -> None:
     assert OUTSIDE not in done.stderr
 
 
-# An option, what it is said to be, and what was likely meant.
+# An option, its value in the warning, and the probable intention.
 SLIPS = {
     "metres for millimetres": ("wheels.pinion.width=14", "14 m", "14 mm"),
     "a module": ("wheels.pinion.module=3000 mm", "3000 mm (3 m)", "3000 um"),
@@ -191,7 +191,7 @@ def changed(examples: Path, folder: Path) -> Path:
 
 
 def location_of(case: Path, words: str) -> str:
-    """Line and column of the first number behind some words."""
+    """Line and column of the first number after some words."""
     lines = case.read_text().splitlines()
     line = next(i for i, line in enumerate(lines) if words in line)
     return f"{case}:{line + 1}:{lines[line].index(words) + len(words) + 1}"
@@ -235,7 +235,7 @@ def test_several_cases_have_their_names_in_front(
 def test_a_warning_does_not_change_results(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
-    """A speed of which a warning is given in one unit and the same speed written otherwise."""
+    """A value with a warning in one unit, and the same value in another unit."""
     h5py = machine.module("h5py")
     short = [word for option in SHORT for word in ("--set", option)]
     files = []

@@ -1,4 +1,4 @@
-"""evolvent-post and evolvent-sweep: help by its letter, and completion in a real bash."""
+"""evolvent-post and evolvent-sweep: exact help texts, and completion in an actual bash."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_h_and_help_are_the_same_for_every_command(
 
 @pytest.fixture
 def in_bash(tmp_path: Path) -> Callable[[str, str], str]:
-    """Run lines in a bash that finds one of the programs, on its own: what they print."""
+    """Run lines in a bash that finds only one of the programs; return their output."""
 
     def run(program: str, lines: str) -> str:
         folder = PROGRAMS[program][2]

@@ -1,4 +1,4 @@
-"""evolvent-post and evolvent-sweep start with what they need, and read what typer would read."""
+"""evolvent-post and evolvent-sweep import only required modules, and parse like typer."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ FILES = {"numpy", "h5py", "rich", "yaml"}
 DATASETS = {*FILES, "xarray", "pandas"}
 SIGNALS = {*DATASETS, "scipy"}
 FIGURES = {*DATASETS, "matplotlib", "PIL"}
-OF_DASK = {"distributed", "scipy", "jinja2"}  # where it is there: xarray imports it
-# What each command may import when it does what it is asked for; for its help it imports none.
+OF_DASK = {"distributed", "scipy", "jinja2"}  # if installed: xarray imports it
+# Permitted imports of each command during its work; for its help it imports none.
 MAY_IMPORT = {
     "evolvent-post": {
         "animate": FIGURES,
@@ -62,7 +62,7 @@ def command_of(program: str, name: str) -> Callable[..., Any]:
 
 
 def imported(lines: str, *words: object, folder: Path | None = None) -> set[str]:
-    """Which of the heavy modules a Python of its own has after these lines."""
+    """Heavy modules imported by a separate Python after these lines."""
     told = f"import sys\nfrom pathlib import Path\n{lines}\n"
     told += f"Path('imported').write_text(' '.join(sorted({HEAVY!r} & set(sys.modules))))"
     done = subprocess.run(
@@ -86,7 +86,7 @@ def test_no_command_imports_what_is_heavy_before_it_is_run(tmp_path: Path) -> No
 
 @pytest.fixture(scope="module")
 def history(executable: Path, examples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A history of a few outputs, of a pair whose speed hardly changes."""
+    """A history of a few outputs, of a pair with nearly constant speed."""
     path = tmp_path_factory.mktemp("start") / "run.h5"
     short = ("--set", "simulation.duration=0.02", "--set", "simulation.output_interval=0.0001")
     case = examples / "spur-pair.yaml"
@@ -185,7 +185,7 @@ SAMPLES = {int: "30", float: "1.5", str: "a,b", Path: "a b.h5"}
 
 
 def words_of(command: Callable[..., Any]) -> list[str]:
-    """A command line with every option and argument, those that may be repeated twice."""
+    """A command line with every option and argument, repeatable ones twice."""
     words: list[str] = []
     for one in parameters(command):
         is_flag = one.kind is bool

@@ -1,4 +1,4 @@
-"""What `run` refuses, `show` and `modes` refuse in the same words: the whole table of refusals."""
+"""`show` and `modes` reject with the same message whatever `run` rejects: the whole table."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FIRST = "wheels.pinion.loads=[{kind: speed, value: -3}]"
 BODY = "housing={kind: mounted, mass: 20, inertia: [1, 1, 1]"
 MOTOR = "motor: 0, pinion-1: 0, gear-1: 1, pinion-2: 2, gear-2: 0, drum: 0"
 
-# By the values of one option, from the tests that say how each is worded.
+# By the values of one option, from the tests of their wording.
 OPTIONS = {
     "paper.yaml": paper_cases.BAD_OPTIONS | paper_cases.BAD_GEOMETRY,
     "tip-relief.yaml": deviations.BAD_OPTIONS,
@@ -29,7 +29,7 @@ OPTIONS = {
 }
 TABLE = [(case, name, (row[0],)) for case, rows in OPTIONS.items() for name, row in rows.items()]
 
-# Gearboxes that no state at the start fits to: an example, options, the end of the line.
+# Gearboxes without a valid start: an example, options, the end of the line.
 STARTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "a load that pulls": (
         "spur-pair.yaml",
@@ -134,7 +134,7 @@ def refused_alike(
     options: tuple[str, ...],
     commands: Sequence[tuple[str, ...]] = ALL,
 ) -> tuple[str, dict[str, Any]]:
-    """Return the one line that all commands say, and what `show --json` has all the same."""
+    """Return the one line of all commands, and the output of `show --json`, if any."""
     settings = [word for option in options for word in ("--set", option)]
     before = sorted(folder.iterdir())
     ran = evolvent("run", case, *settings, "-o", "refused.h5")
@@ -161,7 +161,7 @@ def test_a_value_that_run_refuses_is_refused_by_show_and_modes_in_the_same_words
 ) -> None:
     path = reference if case == "reference" else examples / case
     line, shown = refused_alike(evolvent, tmp_path, path, options, (("modes",), ("show", "--json")))
-    if shown:  # the case has all its keys: only its geometry cannot be
+    if shown:  # the case has all its keys: only its geometry is invalid
         assert shown["case"]["format"] == 1
         assert shown["refusal"] == line
 

@@ -1,4 +1,4 @@
-"""What a history holds, as the readers of netCDF see it, and as docs/result_format.md tells it."""
+"""Contents of a history, as netCDF readers see it, and as documented in docs/result_format.md."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def test_the_grid_of_outputs_starts_at_0_and_ends_at_the_end(
     evolvent("run", case, *grid)
     with xr.open_dataset(tmp_path / "paper.h5") as history:
         expected = [*(step * k for k in range(17)), end]
-        # the grid is start + k * interval in floating point: at most one rounding apart
+        # the grid is start + k * interval in floating point: at most one rounding error
         np.testing.assert_allclose(history.time, expected, rtol=1e-15, atol=0.0)
 
 
@@ -230,4 +230,4 @@ def test_the_documentation_lists_the_attributes_that_a_history_has(
         for names in re.findall(r"^\| (`[^|]*) \|", table, re.MULTILINE)
         for name in re.findall(r"`(\w+)`", names)
     }
-    assert listed == found | {"checkpoints"}  # of runs by IDA that were checkpointed alone
+    assert listed == found | {"checkpoints"}  # of runs by IDA with checkpoints only

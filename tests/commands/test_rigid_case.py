@@ -1,4 +1,4 @@
-"""Cases with rigid contact that are refused: exit code 3, one line, place, reason and remedy."""
+"""Rejected cases with rigid contact: exit code 3, one line, location, reason and remedy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RIGID = ("--set", "meshes.0.contact={law: rigid}", "--set", "meshes.0.damping={l
 
 
 def refused(evolvent: Evolvent, *arguments: str | Path) -> str:
-    """Return the one line that is said; nothing is left behind."""
+    """Return the message; no file remains."""
     result = evolvent("run", *arguments, "-o", "refused.h5")
     assert result.returncode == 3
     assert result.stderr.count("\n") == 1

@@ -1,4 +1,4 @@
-"""A run from its case to its history: what is written, and what is left when it goes wrong."""
+"""A run from case to history: its files, also after a failure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def case(examples: Path) -> Path:
 
 
 def names(folder: Path) -> list[str]:
-    """What a folder holds."""
+    """Contents of a folder."""
     return sorted(path.name for path in folder.iterdir())
 
 
@@ -42,7 +42,7 @@ def attributes(path: Path) -> dict[str, object]:
         return dict(history.attrs)
 
 
-# ---- what a complete run leaves ------------------------------------------------------------------
+# ---- files of a complete run ---------------------------------------------------------------------
 
 
 def test_a_history_is_named_after_its_case_and_nothing_else_is_left(
@@ -135,7 +135,7 @@ LINE = re.compile(
 def lines_of_an_interrupted_run(
     executable: Path, case: Path, folder: Path, *words: str
 ) -> list[str]:
-    """What an endless run says to a log to which it writes often."""
+    """Lines of an endless run in a log with frequent output."""
     log = folder / "log"
     often = {**os.environ, "EVOLVENT_PROGRESS_INTERVAL": "0.01"}
     command = [executable, "run", case, *ENDLESS, *words]
@@ -156,7 +156,7 @@ def test_a_log_gets_lines_with_the_time_of_how_far_a_run_is(
     assert len(found) == sum(" % " in line for line in lines)
     times = [float(match[3]) for match in found]
     assert times == sorted(times)
-    for match in found:  # the share is printed with one digit behind the point
+    for match in found:  # the share is printed with one decimal
         assert float(match[2]) == pytest.approx(1e-3 * float(match[3]), abs=0.05)
         time.strptime(match[1], "%Y-%m-%d %H:%M:%S")
     assert not any("\r" in line or "\x1b" in line for line in lines)
@@ -171,14 +171,14 @@ def test_a_quiet_run_keeps_the_log_empty(executable: Path, case: Path, tmp_path:
 def test_a_run_below_a_minute_says_nothing_of_how_far_it_is(
     evolvent: Evolvent, case: Path, interval: str | None
 ) -> None:
-    """Also where the variable says no number of seconds."""
+    """Also if the variable is not a number of seconds."""
     more = {} if interval is None else {"EVOLVENT_PROGRESS_INTERVAL": interval}
     result = evolvent("run", case, "--set", "simulation.duration=20", env={**os.environ, **more})
     assert result.returncode == 0
     assert " % " not in result.stderr
 
 
-# ---- what is refused leaves no trace -------------------------------------------------------------
+# ---- rejected runs leave no file -----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -200,7 +200,7 @@ def test_an_impossible_output_is_refused_with_its_reason(
     assert result.returncode == 74
     last = result.stderr.splitlines()[-1]
     assert last.startswith("evolvent: cannot write '")
-    assert target[-50:] in last  # the beginning of a long path is left out
+    assert target[-50:] in last  # the start of a long path is omitted
     assert reason in last
     assert names(tmp_path) == ["file", "folder"]
 
@@ -243,7 +243,7 @@ def test_two_runs_do_not_write_the_same_file(
     assert attributes(partial)["status"] == "interrupted"
 
 
-# ---- what ends early stays readable under another name -------------------------------------------
+# ---- incomplete runs stay readable under another name --------------------------------------------
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
@@ -318,7 +318,7 @@ def test_a_failed_run_names_time_value_and_limit_and_keeps_the_history_up_to_the
 def test_a_contact_that_is_thrown_below_a_base_circle_is_named_though_no_step_is_left(
     evolvent: Evolvent, examples: Path
 ) -> None:
-    """The trial states come so near to the last good one that no time lies between."""
+    """The trial states approach the last valid one until no time step remains."""
     start = "{kind: speeds, speeds: {pinion: -1, gear: 0.6667}, gaps: {pinion-gear: -0.01}}"
     run = evolvent("run", examples / "paper.yaml", "--set", f"simulation.initial={start}")
     assert run.returncode == 4
@@ -359,7 +359,7 @@ def test_a_write_that_fails_exits_with_74_and_keeps_the_older_history(
 
 
 def in_own_mount(options: str, folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
-    """Run a command where `folder` is a file system of its own, and list that folder."""
+    """Run a command with `folder` as a separate file system, and list that folder."""
     script = f'mount -t tmpfs -o {options} none "$0" || exit 99; "$@"; code=$?; ls "$0"; exit $code'
     return machine.with_mounts([script, folder, *command], folder)
 

@@ -1,4 +1,4 @@
-"""evolvent show --schema: what the table of keys decides, a public validator decides alike."""
+"""evolvent show --schema: a public validator decides as the table of keys does."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def both(
     schema: Draft202012Validator,
     cases: list[tuple[str, bool, Any]],
 ) -> list[str]:
-    """Ask the program and the schema whether they take cases; say where that is not as expected."""
+    """Validate cases by the program and by the schema; return the unexpected results."""
     names = []
     for number, (_, _, case) in enumerate(cases):
         names.append(f"{number}.yaml")
@@ -77,7 +77,7 @@ def both(
 def test_what_the_table_decides_the_program_and_the_schema_decide_alike(
     evolvent: Evolvent, tmp_path: Path, schema: Draft202012Validator, table: Table, block: str
 ) -> None:
-    """Of every key: good values, the limits, wrong types and words, where it does not belong."""
+    """Of every key: valid values, the limits, wrong types and words, blocks without it."""
     cases = [
         (f"{row.key} ({', '.join(row.only_with)}): {what}", good, table.case(block, made))
         for row in table.of(block)

@@ -1,4 +1,4 @@
-"""`simulation.accuracy` in place of `simulation.tolerance`: what it comes to, where it is told."""
+"""`simulation.accuracy` instead of `simulation.tolerance`: resulting tolerance, and its outputs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PLACES = {"radau": "meshes.0.tracking=closed_form", "ida": "meshes.0.tracking=di
 
 @pytest.fixture
 def case(examples: Path, tmp_path: Path) -> Path:
-    """A pair of real gears, 2 ms long, that says neither."""
+    """A pair of gears, 2 ms long, without both keys."""
     text = yaml.safe_load((examples / "spur-pair.yaml").read_text())
     text["simulation"] = {**SHORT, "initial": text["simulation"]["initial"]}
     path = tmp_path / "case.yaml"
@@ -34,7 +34,7 @@ def sets(*settings: str) -> list[str]:
 
 
 def tolerance(evolvent: Evolvent, case: Path, *settings: str) -> float:
-    """Tolerance that `show` tells."""
+    """Tolerance in the output of `show`."""
     done = evolvent("show", case, "--json", *sets(*settings))
     assert done.returncode == 0, done.stderr
     return float(json.loads(done.stdout)["integration"]["tolerance"])
@@ -87,7 +87,7 @@ def test_a_smaller_accuracy_is_a_smaller_tolerance(
     ]
     assert found == sorted(set(found))
     assert found[0] >= {"radau": 1e-13, "ida": 1e-14}[integrator]
-    assert found[-1] <= 1e-3  # what a case may state
+    assert found[-1] <= 1e-3  # limit for a case
 
 
 @pytest.mark.parametrize(
@@ -97,9 +97,9 @@ def test_a_smaller_accuracy_is_a_smaller_tolerance(
 def test_the_tolerance_is_where_the_law_of_the_measured_errors_meets_the_accuracy(
     evolvent: Evolvent, case: Path, integrator: str, factor: float, power: float, accuracy: float
 ) -> None:
-    """The laws of docs/integrators.md: none of the gears that were measured errs by more."""
+    """The laws of docs/integrators.md: no measured gearbox has a larger error."""
     told = tolerance(evolvent, case, PLACES[integrator], f"simulation.accuracy={accuracy}")
-    assert factor * told**power == pytest.approx(accuracy, rel=0.03)  # it is told in two digits
+    assert factor * told**power == pytest.approx(accuracy, rel=0.03)  # printed with two digits
 
 
 def test_a_case_that_says_neither_has_a_tolerance_of_1e_9(evolvent: Evolvent, case: Path) -> None:

@@ -1,4 +1,4 @@
-"""`evolvent static`: what it writes and prints, and how it ends when it cannot."""
+"""`evolvent static`: its files and output, and its errors."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def curves(evolvent: Evolvent, case: Path, tmp_path: Path) -> xr.Dataset:
 
 
 def assert_refused(result: subprocess.CompletedProcess[str], code: int, *parts: str) -> None:
-    """One line on stderr that holds all of this, nothing on stdout."""
+    """One line on stderr that contains all parts, nothing on stdout."""
     assert result.returncode == code, result.stderr
     line = result.stderr.splitlines()[-1]
     assert result.stdout == ""
@@ -99,12 +99,12 @@ def test_histories_and_stacks_tell_what_they_are(
 def test_values_are_those_of_the_summary(curves: xr.Dataset) -> None:
     h = curves["transmission_error"]
     np.testing.assert_allclose(curves["mean_transmission_error"], h.mean("position"), rtol=1e-12)
-    spread = h.max("position") - h.min("position")  # extremes lie between positions
+    spread = h.max("position") - h.min("position")  # extremes are between positions
     np.testing.assert_allclose(curves["peak_to_peak_transmission_error"], spread, rtol=1e-2)
     assert (curves["peak_to_peak_transmission_error"] >= spread * (1 - 1e-9)).all()
     spectrum = 2 * np.abs(np.fft.rfft(h, axis=1))[:, 1:11] / 200
     np.testing.assert_allclose(curves["harmonic_amplitude"], spectrum, rtol=1e-6)
-    # an edge of the driving wheel has a shorter arm than its base radius
+    # an edge of the driving wheel has a shorter lever arm than its base radius
     np.testing.assert_allclose(curves["force_share"].sum("pair"), 1, atol=1e-2)
     force = curves["torque"] / curves["base_radius_driving"]
     np.testing.assert_allclose(curves["tooth_force"], force, rtol=1e-13)
@@ -150,7 +150,7 @@ def test_text_and_json_tell_the_same_numbers(
 def test_a_largest_pressure_without_sharp_edges_says_so(
     evolvent: Evolvent, case: Path, tmp_path: Path, rounding: str, *, is_said: bool
 ) -> None:
-    """Teeth bend onto each other's tip edges: only rounded ones have a pressure."""
+    """Compliant teeth contact each other's tip edges: only rounded ones have a pressure."""
     rounded = [
         *("--set", f"wheels.0.tip_rounding={rounding}"),
         *("--set", f"wheels.1.tip_rounding={rounding}"),
@@ -167,7 +167,7 @@ def test_a_largest_pressure_without_sharp_edges_says_so(
 def test_a_damping_ratio_without_a_load_is_no_matter_at_rest(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    """A damping ratio refers to the load of the case; `--torque` gives one. A motion is refused."""
+    """A damping ratio refers to the case's load; `--torque` gives one. A motion is rejected."""
     unloaded = ("--set", "wheels.0.loads=[]", "--set", "wheels.1.loads=[]")
     shown = []
     for law in ("{law: ratio, value: 0.05}", "{law: linear, coefficient: 1000}"):
@@ -321,7 +321,7 @@ def test_cases_without_an_answer_exit_with_3(
 def test_load_beyond_the_model_leaves_what_was_found(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    """Contact alone: the teeth yield by more than the path is long under 1e9 N m."""
+    """Contact alone: under 1e9 N m the deflection of the teeth exceeds the path length."""
     result = evolvent("static", case, "--torque", "100:1e9:3", "-o", tmp_path / "x.h5")
     assert_refused(result, 3, "under 5E+08 N m", "the torques before it are in", "x.h5.partial")
     partial = opened(tmp_path / "x.h5.partial")
@@ -376,7 +376,7 @@ def test_same_case_gives_the_same_file(evolvent: Evolvent, case: Path, tmp_path:
 def test_mean_modes_have_the_mean_tangent_stiffness(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    """But for the slope of what a pair yields, and for the viscous load: 1e-3 of it."""
+    """Except for the slope of the pair compliance, and for the viscous load: 1e-3 of it."""
     soft = ("--set", "wheels.0.compliance={}", "--set", "wheels.1.compliance={}")
     words = (case, *soft, "--set", "meshes.0.friction={law: none}", "--json")
     told = json.loads(evolvent("static", *words, "-o", tmp_path / "x.h5").stdout)
@@ -387,9 +387,9 @@ def test_mean_modes_have_the_mean_tangent_stiffness(
 
 
 def test_mean_modes_pass_places_without_a_balance(evolvent: Evolvent, case: Path) -> None:
-    """A damper's force jumps as flanks close: at one of 997 places here neither mode balances.
+    """A damper's force jumps as flanks close: at one of 997 positions neither mode is balanced.
 
-    There the contacts' damping is left out.
+    There the damping of the contacts is omitted.
     """
     model = "{model: analytic}"
     words = (case, "--set", f"wheels.0.compliance={model}", "--set", f"wheels.1.compliance={model}")
@@ -422,7 +422,7 @@ def test_iso_stiffness_at_low_load_goes_by_the_tangential_load(
 def test_a_mesh_far_softer_than_iso_says_why(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    """Below 0.8 of c_gamma: the bodies yield down to the bore where no hub is given."""
+    """Below 0.8 of c_gamma: the bodies are compliant down to the bore if no hub is given."""
 
     def text(hub: str) -> str:
         soft = [("--set", f"wheels.{i}.compliance={{{hub}}}") for i in (0, 1)]

@@ -1,4 +1,4 @@
-"""A steady start behind a soft shaft: it has the requested position of the mesh."""
+"""Steady start behind a soft shaft: it has the requested position of the mesh."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
-RELIEF = 8.0e-6  # m: what the teeth yield at the start is more, so that tip edges carry there
+RELIEF = 8.0e-6  # m: the initial deflection of the teeth is larger, so that tip edges carry load
 POSITIONS = (0.05, 0.3, 0.62, 0.85)
 
 
@@ -28,13 +28,13 @@ def test_a_slow_steady_start_is_the_static_mesh_at_its_position(
         "meshes.0.friction": "{law: none}",
         "shafts.coupling.stiffness": stiffness,
         "simulation.duration": 1e-4,
-        # so slow that all modes follow the mesh and the dampers take nothing
+        # so slow that all modes follow the mesh and the dampers have no effect
         "wheels.motor.loads.0": "{kind: drive, speed: 1.0e-3, torque: 150, slope: -48}",
         "simulation.numbers": "{from: 0}",
     }
     words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
     case = examples / "tutorial-pair.yaml"
-    # 371.7 N m at the machine and nothing lost: 149.984 N m at the pinion
+    # 371.7 N m at the machine without losses: 149.984 N m at the pinion
     torque = 371.7 * 23 / 57
     static = evolvent(
         "static", case, "--torque", repr(torque), "--points", "2000", "-o", "rest.h5", *words
@@ -49,5 +49,5 @@ def test_a_slow_steady_start_is_the_static_mesh_at_its_position(
         assert done.returncode == 4, done.stderr
         with h5py.File(tmp_path / "start.h5.partial") as history:
             error = history["transmission_error"][0, 0]
-        # the error changes by up to 30 um a pitch; positions of the curve are 1/2000 apart
+        # the error changes by up to 30 um per pitch; positions of the curve are 1/2000 apart
         assert error == pytest.approx(np.interp(position, places, errors, period=1), abs=5e-8)

@@ -1,4 +1,4 @@
-"""Undercut gears from case to history: a shortened path of contact, and what stays refused."""
+"""Undercut gears from case to history: a shortened path of contact, and rejected cases."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_mirror_order_and_integrator_do_not_matter(evolvent: Evolvent, tmp_path:
 
 
 def test_the_driven_wheel_may_be_the_undercut_one(evolvent: Evolvent, tmp_path: Path) -> None:
-    """In a pair at rest it does not matter which wheel is called driving."""
+    """In static equilibrium the choice of the driving wheel is irrelevant."""
     results = []
     for number, (za, zb) in enumerate(((12, 30), (30, 12))):
         path = write(tmp_path, case_of(za, zb), f"{number}.yaml")

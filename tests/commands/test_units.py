@@ -1,4 +1,4 @@
-"""Numbers with units, in files and options: the same doubles; what is no unit of the key."""
+"""Numbers with units, in files and options: the same doubles; invalid units of a key."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from example_cases import CASES
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
 CASE = 3
-# By the unit of a key: units of it with their powers of ten.
+# By the unit of a key: its units with their powers of ten.
 POWERS: dict[str, dict[str, int]] = {
     "m": {"m": 0, "mm": -3, "um": -6, "µm": -6, "nm": -9, "cm": -2},
     "s": {"s": 0, "ms": -3, "us": -6, "µs": -6},
@@ -45,7 +45,7 @@ POWERS: dict[str, dict[str, int]] = {
 }  # fmt: skip
 
 
-# Others whose wheels are computed for long have the same keys as compliant-pair.
+# Cases with long computations of wheels have the same keys as compliant-pair.
 CHEAP = [c for c in CASES if "compliance: {" not in c.read_text() or c.stem == "compliant-pair"]
 
 
@@ -72,7 +72,7 @@ def test_every_number_of_the_examples_is_the_same_double_in_another_unit(
             values = parameter["value"]
             all_values = values if isinstance(values, list) else [values]
             if not parameter["unit"] and any(value == round(value) for value in all_values):
-                continue  # it may be a whole number, which takes no unit
+                continue  # it may be an integer, which has no unit
             texts = [f"{Decimal(repr(value)).scaleb(-power)} {unit}" for value in all_values]
             options.append(f"{path}={texts if isinstance(values, list) else texts[0]}")
         bare, with_units = shown(evolvent, case), shown(evolvent, case, *options)
@@ -104,7 +104,7 @@ def test_units_stand_in_scalars_lists_tables_names_and_beside_anchors(
     load = told["wheels"][0]["loads"][0]
     assert (load["time"], load["torque"]) == ([0, 0.01], [-50, -50])
     initial = told["simulation"]["initial"]
-    ulp = 3e-16  # one rounding here, three there
+    ulp = 3e-16  # one rounding error here, three there
     assert initial["speeds"] == pytest.approx(
         {"pinion": -50 * math.pi, "gear": 30 * math.pi}, rel=ulp
     )
@@ -196,11 +196,11 @@ def test_a_history_holds_the_case_in_the_keys_units(
         assert (first["normal_force"][...] == second["normal_force"][...]).all()
 
 
-# ---- what `show` prints
+# ---- output of `show`
 
 
 def printed_case(evolvent: Evolvent, case: Path, *words: str) -> str:
-    """The case as `show` prints it, as a case file."""
+    """The case as printed by `show`, as a case file."""
     lines = evolvent("show", case, *words).stdout.split("\n\n")[1].splitlines()
     assert all(line.startswith("  ") for line in lines)
     return "\n".join(line[2:] for line in lines) + "\n"
@@ -263,7 +263,7 @@ def test_parameters_stay_in_the_units_of_their_keys(evolvent: Evolvent, examples
     assert "wheels.pinion.module = 0.003 m\n" in text
 
 
-# ---- the table, and what values are
+# ---- the table, and values
 
 
 def test_show_lists_the_units_that_numbers_take(evolvent: Evolvent) -> None:
@@ -304,7 +304,7 @@ def test_convert_tells_values_in_the_units_of_their_keys(
         "wheels.pinion.name=3 mm": ("", None, "text"),
         "wheels.pinion.teeth=3 mm": ("", None, "text"),
         "title=3 mm": ("", None, "text"),
-        # Of two laws, neither of which the case has, with different units.
+        # Of two laws with different units, neither of which is in the case.
         "meshes.0.damping.coefficient=3 N s/m": ("", None, "text"),
     }
     words = [word for option in options for word in ("--convert", option)]

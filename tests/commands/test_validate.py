@@ -1,6 +1,6 @@
-"""evolvent validate: what `run` would say, of several cases, without a file.
+"""evolvent validate: the messages of `run`, for several cases, without output files.
 
-That it refuses what `run` refuses, every test of this folder asks: see the fixture `evolvent`.
+Every test of this folder checks that it rejects what `run` rejects: see the fixture `evolvent`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def test_every_example_passes_and_nothing_is_written(evolvent: Evolvent, tmp_pat
     assert len(CASES) > 10
     done = evolvent("validate", *CASES)
     assert done.returncode == 0
-    (warning,) = done.stderr.splitlines()  # the one that docs/deviations.md explains
+    (warning,) = done.stderr.splitlines()  # the one explained in docs/deviations.md
     assert warning.startswith(f"evolvent: warning: {CASES[0].parent / 'tip-relief.yaml'}: meshes.")
     assert done.stdout.splitlines() == [f"{path}: ok" for path in CASES]
     assert not list(tmp_path.iterdir())

@@ -1,4 +1,4 @@
-"""What is allowed but worth knowing: every warning names its part, wherever it is told."""
+"""Warnings about valid input: every warning names its component, in all outputs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 SHORT = ("simulation.duration=1e-4", "simulation.output_interval=1e-4")
 AGAINST = "its driving wheel turns against driving_rotation"
 
-# Each warning of the kernel: an example, what is changed in it, the part, how it begins.
+# Each warning of the kernel: an example, its changes, the component, the start of the message.
 WARNINGS = {
     "a thin tip": (
         "spur-pair.yaml",

@@ -1,4 +1,4 @@
-"""The user's cache of wheels with compliance: the same results, whatever is in it."""
+"""The user's cache of compliant wheels: the same results for any contents."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def show(executable: Path, examples: Path, folder: Path) -> Show:
-    """What `evolvent show` prints of the pair with compliant teeth."""
+    """Output of `evolvent show` for the pair with compliant teeth."""
 
     def show(**environment: str) -> str:
         done = subprocess.run(
@@ -47,7 +47,7 @@ def wheels(folder: Path) -> list[Path]:
 
 
 def rewritten(path: Path, at: int, value: bytes) -> None:
-    """Put other bytes into a file, with the check sum of all."""
+    """Overwrite bytes of a file, and update the checksum."""
     data = bytearray(path.read_bytes()[:-4])
     data[at : at + len(value)] = value
     path.write_bytes(bytes(data) + struct.pack("<I", zlib.crc32(bytes(data))))
@@ -65,7 +65,7 @@ def test_a_second_run_reads_what_the_first_one_wrote(show: Show, folder: Path) -
     written = [path.stat().st_ino for path in wheels(folder)]
     assert show() == first == show(EVOLVENT_CACHE="off")
     assert [path.stat().st_ino for path in wheels(folder)] == written
-    for path in wheels(folder):  # other numbers under the same key are believed: they are read
+    for path in wheels(folder):  # other values under the same key are used: the file is read
         rewritten(path, numbers_at(path), bytes(8 * 4))
     assert show() != first
 

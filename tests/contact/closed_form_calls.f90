@@ -1,4 +1,4 @@
-!> The contact in closed form for its tests: a C interface that the kernel does not have.
+!> Closed form of the contact, for its tests: a C interface that the kernel does not export.
 module closed_form_calls
    use, intrinsic :: iso_c_binding, only: c_double
    use evl_closed_form, only: gradient_closed_form, track_closed_form
@@ -12,7 +12,7 @@ module closed_form_calls
 
 contains
 
-   !> Penetration, its rate, radii of curvature and sliding velocity of a pair, with their derivatives by the local variables.
+   !> Penetration, its rate, radii of curvature and sliding velocity of a pair, with their derivatives to the local variables.
    subroutine closed_form_contact(constants, q, values, gradients) bind(c)
       real(c_double), intent(in) :: constants(7) !! sigma, r_bA, r_bB, rho_0, g_A, g_B, rho_A0
       real(c_double), intent(in) :: q(n_local)

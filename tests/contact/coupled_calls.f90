@@ -1,4 +1,4 @@
-!> Tooth pairs that yield together, for the tests: C calls that the kernel does not export.
+!> Coupled tooth pairs, for the tests: C calls that the kernel does not export.
 module coupled_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
    use evl_coupled_pairs, only: coupled_answer, energy_of_pairs, force_change_of_pairs, most_pairs, overlaps, solve_pairs
@@ -9,7 +9,7 @@ module coupled_calls
 
 contains
 
-   !> Forces, overlaps, energy and how the forces change along n_ways of (dh - dC N, dLambda); the code.
+   !> Forces, overlaps, energy and derivatives of the forces along n_ways of (dh - dC N, dLambda); the code.
    integer(c_int) function test_coupled_pairs(n, h, length, c, e_star, pushes_only, n_ways, ways, d_length, force, g, energy, &
                                               change, turns) result(code) bind(c)
       integer(c_int), intent(in), value :: n, n_ways

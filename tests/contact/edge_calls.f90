@@ -10,7 +10,7 @@ module edge_calls
 
 contains
 
-   !> S with its derivatives, the foot with its, arm and turn, in the order of `edge_place`; the last is 1 if there is a tangent.
+   !> S and the foot with their derivatives, arm and rotation, in the order of `edge_place`; the last is 1 if there is a tangent.
    subroutine test_edge_place(n, edge, x, rho, places) bind(c)
       integer(c_int), intent(in), value :: n
       real(c_double), intent(in) :: edge(4), x(n), rho(n)
@@ -25,7 +25,7 @@ contains
       end do
    end subroutine test_edge_place
 
-   !> Where the edge takes over from a relieved flank.
+   !> End of a relieved flank, from which the edge is in contact.
    real(c_double) function test_edge_end(edge, slope, rho) result(x) bind(c)
       real(c_double), intent(in) :: edge(4)
       real(c_double), intent(in), value :: slope, rho

@@ -1,4 +1,4 @@
-!> A flank asked by itself for its tests: what its laws say of contacts that are put anywhere, in one state and in eight.
+!> A single flank for its tests: force laws for contacts at arbitrary positions, in one state and in eight.
 module flank_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_contact_point, only: contact_gradient
@@ -21,7 +21,7 @@ module flank_calls
 
 contains
 
-   !> Let all flanks of a gearbox bend as somebody made up, each pair by itself or all together.
+   !> Give all flanks of a gearbox a synthetic compliance, for each pair separately or coupled.
    subroutine test_flank_bend(handle, couples, scale, influence, k_difference) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: couples
@@ -36,7 +36,7 @@ contains
       end do
    end subroutine test_flank_bend
 
-   !> One of them. Built in place: gfortran 12 frees twice what it copies of nested polymorphic components.
+   !> One of them. Built in place: gfortran 12 frees copies of nested polymorphic components twice.
    subroutine bend(couples, scale, influence, k_difference, slot)
       logical, intent(in) :: couples
       real(wp), intent(in) :: scale, influence(n_numbers, 2), k_difference
@@ -67,7 +67,7 @@ contains
       end select
    end subroutine bend
 
-   !> The numbers of a made up wheel.
+   !> Parameters of a synthetic wheel.
    subroutine make_up(scale, p, wheel)
       real(wp), intent(in) :: scale, p(n_numbers)
       class(wheel_compliance_t), intent(inout) :: wheel
@@ -79,7 +79,7 @@ contains
       end select
    end subroutine make_up
 
-   !> How many tooth contacts the first flank of a gearbox has.
+   !> Number of tooth contacts of the first flank of a gearbox.
    integer(c_int) function test_flank_contacts(handle) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(gearbox_t), pointer :: gearbox
@@ -88,7 +88,7 @@ contains
       test_flank_contacts = gearbox%flanks(1)%flank%last
    end function test_flank_contacts
 
-   !> Put the contacts of the first flank in places of their own.
+   !> Set the contacts of the first flank to given positions.
    subroutine put(n, flanks, places, at)
       integer, intent(in) :: n
       integer(c_int), intent(in) :: flanks(n)
@@ -105,7 +105,7 @@ contains
          at(k)%point%h_dot = places(2, k)
          at(k)%point%rho_a = places(3, k)
          at(k)%point%rho_b = places(4, k)
-         at(k)%point%l_a = places(3, k) - places(1, k) ! as if B did not yield
+         at(k)%point%l_a = places(3, k) - places(1, k) ! as for a rigid wheel B
          at(k)%point%l_b = places(4, k)
       end do
    end subroutine put
@@ -116,7 +116,7 @@ contains
       integer(c_int), intent(in), value :: which, n
       integer(c_int), intent(in) :: flanks(n)
       real(c_double), intent(in) :: places(4, n)
-      real(c_double), intent(inout) :: elastic(n), viscous(n) !! of those that touch
+      real(c_double), intent(inout) :: elastic(n), viscous(n) !! of pairs in contact
       type(gearbox_t), pointer :: gearbox
       type(contact_state) :: at(n)
       type(status_t) :: status
@@ -135,8 +135,8 @@ contains
       code = status%code
    end function test_flank_laws
 
-   !> How both forces of contact `which` change with the places of all: the local variables stand for h, h', rho_A and rho_B of the
-   !> first contact, of the second, and so on.
+   !> Derivatives of both forces of contact `which` to h, h', rho_A and rho_B of the first contact, of the second, and so on, which
+   !> take the place of the local variables.
    subroutine test_flank_changes(handle, n, flanks, places, which, elastic, viscous) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: n, which
@@ -172,7 +172,7 @@ contains
       viscous = of_viscous(:4*n)
    end subroutine test_flank_changes
 
-   !> Elastic and viscous forces in eight states; 1 if there is an answer.
+   !> Elastic and viscous forces in eight states; 1 if they are valid.
    integer(c_int) function test_flank_in_lanes(handle, n, flanks, places, elastic, viscous) result(answer) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: n

@@ -1,4 +1,4 @@
-!> A wheel that yields as somebody made up, for the tests: smooth functions with a few parameters in place of elements.
+!> Synthetic compliant wheel for the tests: smooth functions with a few parameters instead of finite elements.
 module made_up_wheel
    use evl_deviating_flanks, only: flank_value
    use evl_flank_deviation, only: flank_slope
@@ -99,7 +99,7 @@ contains
       end do
    end subroutine other_in_lanes
 
-   !> What a flank lacks.
+   !> Deviation of a flank.
    pure subroutine relieved(self, wheel, pair, rho, beyond, value, turn)
       class(relieved_t), intent(in) :: self
       integer, intent(in) :: wheel, pair

@@ -1,4 +1,4 @@
-"""Meshes whose wheels yield as somebody made up, of the size of steel gears."""
+"""Meshes with synthetic compliant wheels, of the size of steel gears."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ def involute_mesh(
         made_up = [3.1 * size, 0.9 * size, 1.7 * size, 3.9 * size, 0.08, 0.05, -0.04, 0.02]
         mesh.influence[w][:] = made_up
         if relief:
-            # a parabola of 10 mm of roll, and teeth that are not all alike
+            # a parabola of 10 mm of roll, and different teeth
             mesh.lacks[w][:] = [relief, relief / 5e-3, relief / 1e-4, 0.1 * relief, 10 * relief]
     return mesh
 
 
 def start_of_path(mesh: Mesh) -> float:
-    """rho_A where a pair of perfect flanks without load enters."""
+    """Return rho_A at the entry of a pair of perfect flanks without load."""
     return float(mesh.line - mesh.ends[1])

@@ -1,4 +1,4 @@
-!> The potential of a flank and a mesh at rest, with wheels that yield as somebody made up: C calls that the kernel does not export.
+!> Potential of a flank, and quasi-static mesh, with synthetic compliant wheels: C calls that the kernel does not export.
 module potential_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_null_char, c_char
    use evl_coupled_pairs, only: most_pairs
@@ -18,7 +18,7 @@ module potential_calls
 
    public :: given_mesh, take_mesh, test_flank_potential, test_static_mesh
 
-   !> A mesh as tests state it.
+   !> A mesh as given by tests.
    type, bind(c) :: given_mesh
       real(c_double) :: sigma, r_b(2), ends(2), roundings(2), fillets(2)
       real(c_double) :: line, base_pitch, e_star, width, k_difference, reach
@@ -61,8 +61,8 @@ contains
       allocate (mesh%lacks, source=relieved_t(given%ends, given%lacks))
    end subroutine take_mesh
 
-   !> Energy, forces on the wheels and all derivatives at local positions psi_A, psi_B, u_A, u_B; the code. Zones are found where
-   !> `zones` has -1, and returned.
+   !> Energy, forces on the wheels and all derivatives at local positions psi_A, psi_B, u_A, u_B; the code. Zones are
+   !> determined where `zones` has -1, and returned.
    integer(c_int) function test_flank_potential(given, rho_a0, q, n, numbers, zones, h, force, energy, gradient, second, change, &
                                                 wheels) result(code) bind(c)
       type(given_mesh), intent(in) :: given
@@ -111,7 +111,7 @@ contains
       call wheel_forces(given%sigma, given%r_b(1), given%r_b(2), line, gradient, wheels(1), wheels(2), wheels(3:4))
    end function test_flank_potential
 
-   !> A mesh at rest: numbers are h, h_0, stiffness, energy, all derivatives of U; and of up to six pairs number, zone, force per
+   !> Quasi-static mesh: numbers are h, h_0, stiffness, energy, all derivatives of U; and of up to six pairs number, zone, force per
    !> unit width, rho_A, rho_B, both feet.
    subroutine test_static_mesh(given, rho_a, force, numbers, n, pairs, code, message) bind(c)
       type(given_mesh), intent(in) :: given

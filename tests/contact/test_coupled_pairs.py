@@ -1,4 +1,4 @@
-"""Tooth pairs that yield together: the equations, the potential, the derivatives, the refusals."""
+"""Coupled tooth pairs: equations, potential, derivatives, rejected input."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST = 6
 
 
 def compliances(rng: np.random.Generator, n: int, coupling: float = 0.85) -> Floats:
-    """What n pairs yield, as of teeth: own 15 to 32, neighbours less; positive definite."""
+    """Compliances of n pairs, as of teeth: own 15 to 32, neighbours less; positive definite."""
     own = rng.uniform(15, 32, n)
     place = np.arange(n)
     far = np.abs(place[:, None] - place)
@@ -29,7 +29,7 @@ def compliances(rng: np.random.Generator, n: int, coupling: float = 0.85) -> Flo
 
 
 def leftover(h: Floats, c: Floats, force: Floats) -> Floats:
-    """The equations at the forces by 40 digits, relative to their largest term."""
+    """Residual of the equations with 40 digits, relative to their largest term."""
     with mp.workdps(40):
         stiff = mp.pi * mp.mpf(E_STAR)
         rest = []
@@ -70,13 +70,13 @@ def test_forces_solve_the_equations(kernel: Kernel, seed: int, n: int, light: bo
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(seed=seeds, n=numbers)
 def test_potential_has_its_maximum_there(kernel: Kernel, seed: int, n: int):
-    """Against a maximisation that knows no equation; the energy is the potential."""
+    """Against a maximisation independent of the equations; the energy is the potential."""
     rng = np.random.default_rng(seed)
     c = compliances(rng, n)
     h = rng.uniform(-3e-6, 2e-5, n)
     h[rng.integers(n)] = 1.5e-5
     pairs = coupled_pairs(kernel, h, LENGTH, c, E_STAR)
-    unit = 1e5  # N/m, a force of the size of these
+    unit = 1e5  # N/m, a typical force
 
     def loss(x: Floats) -> float:
         return -potential(unit * x, h, c)
@@ -150,7 +150,7 @@ def test_order_of_the_pairs_does_not_matter(kernel: Kernel):
 
 
 def test_neighbours_load_opens_a_gap(kernel: Kernel):
-    """Flanks of the second pair overlap, and yet it carries nothing."""
+    """Flanks of the second pair overlap, and yet it carries no load."""
     c = compliances(np.random.default_rng(0), 2)
     pairs = coupled_pairs(kernel, [1e-5, 1e-6], LENGTH, c, E_STAR)
     assert pairs.force[1] == 0
@@ -159,7 +159,7 @@ def test_neighbours_load_opens_a_gap(kernel: Kernel):
 
 
 def test_forces_pass_zero_smoothly_where_pairs_may_pull(kernel: Kernel):
-    """An integrator looks for the root of g from both sides: force and g are odd beside it."""
+    """An integrator searches the root of g from both sides: force and g are odd around it."""
     c = compliances(np.random.default_rng(0), 2)
     g, force = [], []
     heights = np.linspace(2e-6, 1e-5, 601)
@@ -177,7 +177,7 @@ def test_forces_pass_zero_smoothly_where_pairs_may_pull(kernel: Kernel):
 
 
 def test_force_that_begins_is_found_from_nothing(kernel: Kernel):
-    """Where a pair is just about to carry, dh/dN is infinite."""
+    """At the onset of load of a pair, dh/dN is infinite."""
     c = compliances(np.random.default_rng(0), 2)
     opened = c[0, 1] * compliant_force(kernel, 1e-5, LENGTH, c[0, 0], E_STAR).force[0]
     for past in (-1e-10, 1e-15, 1e-13, 1e-10, 1e-8):
@@ -200,10 +200,10 @@ def test_no_contact_no_force(kernel: Kernel):
 
 
 def test_compliances_that_are_not_definite_are_refused(kernel: Kernel):
-    """Two pairs that yield more to each other than to themselves: no potential with a maximum."""
+    """Two pairs with larger coupling than own compliance: no potential with a maximum."""
     c = np.array([[20.0, 90.0], [90.0, 20.0]]) / STIFF
     pairs = coupled_pairs(kernel, [1e-5, 1e-5], LENGTH, c, E_STAR, pushes_only=False)
-    assert pairs.code in (SINGULAR, OUT_OF_DOMAIN)  # it runs away, as far as the law goes
+    assert pairs.code in (SINGULAR, OUT_OF_DOMAIN)  # it diverges up to the limit of the law
     assert np.isnan(pairs.force).all()
 
 

@@ -1,4 +1,4 @@
-"""The flank: forces of all its contacts, how they change, and who knows of whom."""
+"""Flank: forces of all its contacts, their derivatives, and their coupling."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from kernel.gears import gear_description
 from kernel.kernel import CONTACT, DAMPING, OK, Floats, Kernel, _at
 
 FLANKS = np.array([LOADED, UNLOADED, LOADED], np.int32)
-# h, h', rho_A, rho_B of each contact: deep and shallow, approaching and parting
+# h, h', rho_A, rho_B of each contact: deep and shallow, approaching and separating
 PLACES = np.array(
     [[7e-6, 3e-3, 0.004, 0.021], [2e-7, -2e-3, 0.009, 0.016], [3e-5, 8e-4, 0.017, 0.008]]
 )
@@ -26,7 +26,7 @@ every_flank = pytest.mark.parametrize(("contact", "damping"), LAWS + BENDING + C
 
 
 def pair(kernel: Kernel, contact: str, damping: str) -> Gearbox:
-    """Real gears of contact ratio 1.6: three contacts on each flank."""
+    """Gears of contact ratio 1.6: three contacts on each flank."""
     form = gear_description(3e-3)
     wheels = [wheel(teeth=z, width=0.02, gear=form) for z in (20, 35)]
     description = mesh(kernel, 0, 1, backlash=2e-5)
@@ -44,7 +44,7 @@ def pair(kernel: Kernel, contact: str, damping: str) -> Gearbox:
 def laws(
     gearbox: Gearbox, places: Floats = PLACES, flanks: Floats = FLANKS, flank: int = 1
 ) -> Floats:
-    """Elastic and viscous force of each contact, (2, contact); NaN where flanks do not touch."""
+    """Elastic and viscous force of each contact, (2, contact); NaN without contact."""
     elastic, viscous = np.full((2, len(places)), np.nan)
     arrays = (flanks, np.ascontiguousarray(places), elastic, viscous)
     n = len(places)
@@ -53,7 +53,7 @@ def laws(
 
 
 def changes(gearbox: Gearbox, which: int) -> Floats:
-    """Derivatives of both forces of a contact by the places of all, (2, contact, place)."""
+    """Derivatives of both forces of a contact to the variables of all (2, contact, variable)."""
     result = np.full((2, PLACES.size), np.nan)
     gearbox.library.test_flank_changes(
         gearbox.handle, len(PLACES), _at(FLANKS), _at(PLACES), which + 1, *map(_at, result)
@@ -65,7 +65,7 @@ def changes(gearbox: Gearbox, which: int) -> Floats:
 def test_changes_of_the_forces_are_differences_of_the_forces(
     kernel: Kernel, contact: str, damping: str
 ):
-    """By the penetration, its rate, rho_A and rho_B, each apart, of every contact of the flank."""
+    """To the penetration, its rate, rho_A and rho_B separately, for every contact of the flank."""
     gearbox = pair(kernel, contact, damping)
     at = laws(gearbox)
     for which in range(len(PLACES)):
@@ -86,7 +86,7 @@ def test_changes_of_the_forces_are_differences_of_the_forces(
 
 @pytest.mark.parametrize(("contact", "damping"), COUPLED)
 def test_every_pair_of_coupled_teeth_knows_all_others(kernel: Kernel, contact: str, damping: str):
-    """Neighbours that carry open its gap; where all are as deep it has less than alone."""
+    """Loaded neighbours open its gap; at equal depth it has less force than alone."""
     gearbox = pair(kernel, contact, damping)
     places = PLACES.copy()
     places[:, 0] = 1e-5
@@ -99,7 +99,7 @@ def test_every_pair_of_coupled_teeth_knows_all_others(kernel: Kernel, contact: s
 
 
 def test_pairs_come_on_coast_flanks_in_the_opposite_order(kernel: Kernel):
-    """As teeth face there: c_j with j exchanged, what the wheels of a mirror image have."""
+    """By the tooth direction there: c_j with j exchanged, as for wheels of a mirror image."""
     gearbox = pair(kernel, "johnson coupled", "flores")
     drive, coast = laws(gearbox), laws(gearbox, PLACES[::-1], FLANKS[::-1].copy(), 2)
     np.testing.assert_allclose(coast[:, ::-1], drive, rtol=1e-12)
@@ -108,7 +108,7 @@ def test_pairs_come_on_coast_flanks_in_the_opposite_order(kernel: Kernel):
 
 @every_law
 def test_each_pair_stands_alone(kernel: Kernel, contact: str, damping: str):
-    """Wherever the others are, and whether they touch, a pair's forces keep their bits."""
+    """A pair's forces are bitwise independent of the positions and contact of the others."""
     gearbox = pair(kernel, contact, damping)
     at = laws(gearbox)
     for which in range(len(PLACES)):
@@ -132,13 +132,13 @@ def test_eight_states_have_the_forces_of_each(kernel: Kernel, contact: str, damp
     answer = kernel.library.test_flank_in_lanes(gearbox.handle, len(PLACES), *map(_at, arrays))
     assert answer == 1
     alone = np.array([laws(gearbox, place) for place in places])
-    # loops over lanes take reciprocals and powers of their own
+    # loops over lanes have their own reciprocals and powers
     np.testing.assert_allclose(elastic, alone[:, 0], rtol=1e-14)
     np.testing.assert_allclose(viscous, alone[:, 1], rtol=1e-14, atol=1e-14)
 
 
 def test_two_callers_in_turn_have_the_bits_of_each_alone(kernel: Kernel):
-    """Scratch belongs to who asks: residual and roots of states that alternate on one gearbox."""
+    """Scratch memory belongs to the caller: residual and roots of alternating states."""
     gearbox = pair(kernel, "johnson", "flores")
     states = [gearbox.start() for _ in range(2)]
     states[1].y *= 1 + 1e-6
@@ -157,7 +157,7 @@ def test_two_callers_in_turn_have_the_bits_of_each_alone(kernel: Kernel):
 def test_a_limit_of_a_law_is_refused_with_its_mesh(kernel: Kernel):
     gearbox = pair(kernel, "johnson", "none")
     places = PLACES.copy()
-    places[2, 0] = 0.05  # past 4 (rho_A + rho_B)/e**2
+    places[2, 0] = 0.05  # beyond 4 (rho_A + rho_B)/e**2
     forces = np.full((2, len(PLACES)), np.nan)
     arrays = (FLANKS, places, *forces)
     code = kernel.library.test_flank_laws(gearbox.handle, 1, len(PLACES), *map(_at, arrays))

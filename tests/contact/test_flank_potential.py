@@ -1,4 +1,4 @@
-"""Forces of a flank are the gradient of its energy, wherever and however its pairs touch."""
+"""Forces of a flank are the gradient of its energy, for all contact positions and zones."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from contact.meshes import (
 from kernel.compliant import Mesh, compliant_force, flank_potential
 from kernel.kernel import OK, Floats, Kernel
 
-# how far pair 0 is past the start of its path, or the pair before it past the end, and in which
-# zones both then touch
+# distance of pair 0 from the start of its path, or of the pair before it from the end, and the
+# zones of both contacts
 PLACES = {
     "path": ("start", 4e-3, (FLANK, FLANK)),
     "edge of B": ("start", -0.4e-3, (FLANK, EDGE_B)),
@@ -55,7 +55,7 @@ def contact_at(mesh: Mesh, place: Place) -> float:
 
 
 def loaded(mesh: Mesh) -> Floats:
-    """Positions of the wheels' angles and axles where the flanks overlap by H, nothing at 0."""
+    """Angles of the wheels and positions of the axes for an overlap H of the flanks, none at 0."""
     u = 2e-5 * np.array([0.3, -0.2, -0.4, 0.5])
     q = np.array([0.0, 0.0, *u])
     opened = u[3] - u[1]  # along e, to first order
@@ -80,7 +80,7 @@ def differences(function, q: Floats, steps: Floats) -> Floats:
 @every_mesh
 @every_place
 def test_forces_are_the_gradient_of_the_energy(kernel: Kernel, options: dict, place: Place):
-    """Along all of psi_A, psi_B, u_A, u_B: nothing is left out."""
+    """Along all of psi_A, psi_B, u_A, u_B, without exception."""
     mesh = involute_mesh(**options)
     rho_a0, q = contact_at(mesh, place), loaded(mesh)
     there = flank_potential(kernel, mesh, rho_a0, NUMBERS, q)
@@ -91,7 +91,7 @@ def test_forces_are_the_gradient_of_the_energy(kernel: Kernel, options: dict, pl
     def energy(moved: Floats) -> float:
         return flank_potential(kernel, mesh, rho_a0, NUMBERS, moved, there.zones).energy
 
-    step = 3e-8  # of the penetration H; smaller where an edge is about to part
+    step = 3e-8  # of the penetration H; smaller near the separation of an edge
     steps = step / np.array([mesh.r_b[0], mesh.r_b[1], 1, 1, 1, 1])
     work = -differences(energy, q, steps) * [1 / mesh.r_b[0], 1 / mesh.r_b[1], 1, 1, 1, 1]
     torque_a, torque_b, t, e = there.wheels
@@ -102,17 +102,17 @@ def test_forces_are_the_gradient_of_the_energy(kernel: Kernel, options: dict, pl
 @every_mesh
 @every_place
 def test_second_derivatives_are_those_of_the_gradient(kernel: Kernel, options: dict, place: Place):
-    """Along rho_A, rho_B and rho, where the forces of all pairs change too."""
+    """Along rho_A, rho_B and rho, with changes of the forces of all pairs."""
     mesh = involute_mesh(**options)
     rho_a0, q = contact_at(mesh, place), loaded(mesh)
     there = flank_potential(kernel, mesh, rho_a0, NUMBERS, q)
 
     def at_lengths(lengths: Floats):
-        """B's angle makes rho_B what it shall be; the line is moved along itself."""
+        """B's angle sets rho_B; the line is moved along itself."""
         a, b, line = lengths
         moved = Mesh.from_buffer_copy(mesh)
         moved.line = mesh.line + line
-        # rho_B = line - rho_A0 - ... : what the line gains is taken back, and A's share of rho_A0
+        # rho_B = line - rho_A0 - ... : subtract the change of the line, and A's share of rho_A0
         by = q.copy()
         by[0] -= mesh.sigma * a / mesh.r_b[0]
         by[1] -= mesh.sigma * (b - line) / mesh.r_b[1]
@@ -122,7 +122,7 @@ def test_second_derivatives_are_those_of_the_gradient(kernel: Kernel, options: d
     flat = q.copy()
     flat[2:] = 0
     zones_there = flank_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
-    # x_* stays where the line of action moves: a relieved tip is not part of this test's motion
+    # x_* is constant when the line of action moves: this test's motion excludes relieved tips
     if options.get("relief"):
         mesh.lacks[0][1] = mesh.lacks[1][1] = 0.0
         zones_there = flank_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
@@ -145,7 +145,7 @@ def test_places_are_those_that_the_tests_name(kernel: Kernel, options: dict, pla
 
 @pytest.mark.parametrize("wheel", [0, 1])
 def test_relieved_flank_goes_on_straight_to_its_edge(kernel: Kernel, wheel: int):
-    """Forces and energy are continuous through the flank's end and where its edge takes over."""
+    """Forces and energy are continuous at the flank's end and at the transition to its edge."""
     mesh = involute_mesh(relief=3e-6)
     mesh.lacks[0][3:] = mesh.lacks[1][3:] = [0.0, 0.0]
     borders = (FLANK, (STRAIGHT_A, STRAIGHT_B)[wheel], (EDGE_A, EDGE_B)[wheel])
@@ -160,7 +160,7 @@ def test_relieved_flank_goes_on_straight_to_its_edge(kernel: Kernel, wheel: int)
     numbers = (-1, 0, 1)
     seen = []
     for before, after in pairwise(borders):
-        # from the zone `before` on the last place, `after` on the next
+        # from the zone `before` at the last position, `after` at the next
         low, high = inside, outside
         for _ in range(200):
             middle = (low + high) / 2
@@ -174,26 +174,26 @@ def test_relieved_flank_goes_on_straight_to_its_edge(kernel: Kernel, wheel: int)
         ends = [flank_potential(kernel, mesh, rho_a0, numbers, q) for rho_a0 in (low, high)]
         assert ends[0].energy == pytest.approx(ends[1].energy, rel=1e-12)
         np.testing.assert_allclose(ends[0].force, ends[1].force, rtol=1e-11)
-        # the load stops on the edge, and its foot turns round: 1e-4 of the torques
+        # the load stops on the edge, and its foot point reverses: 1e-4 of the torques
         np.testing.assert_allclose(ends[0].gradient, ends[1].gradient, rtol=1e-3)
         seen.append((low - inside) / mesh.base_pitch)
     assert abs(seen[0]) < abs(seen[1])
 
 
 def test_flanks_without_compliance_are_johnsons(kernel: Kernel):
-    """Two pairs alike, each with Johnson's force over the length of the line of action."""
+    """Two equal pairs, each with Johnson's force over the length of the line of action."""
     mesh = involute_mesh(yields=False)
     q = (-mesh.sigma * H / mesh.r_b[0], 0, 0, 0, 0, 0)
     there = flank_potential(kernel, mesh, contact_at(mesh, PLACES["path"]), (-1, 0), q)
     alone = compliant_force(kernel, H, mesh.line, 0.0, mesh.e_star)
-    np.testing.assert_allclose(there.force, alone.force[0], rtol=1e-10)  # H beside the radii
+    np.testing.assert_allclose(there.force, alone.force[0], rtol=1e-10)  # H against the radii
     total = 2 * mesh.width * alone.force[0]
     np.testing.assert_allclose(there.gradient[:2], total, rtol=1e-10)
     assert there.wheels[0] == pytest.approx(mesh.sigma * mesh.r_b[0] * total, rel=1e-10)
 
 
 def test_load_that_moves_over_a_tooth_does_work_on_it(kernel: Kernel):
-    """Torques are those of arms r_b (1 - N c'/2), as the slope of a deviation would have them."""
+    """Torques are those of arms r_b (1 - N c'/2), as for the slope of a deviation."""
     mesh = involute_mesh(couples=False)
     q = (-mesh.sigma * H / mesh.r_b[0], 0, 0, 0, 0, 0)
     rho_a0 = contact_at(mesh, PLACES["path"])

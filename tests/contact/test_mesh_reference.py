@@ -1,4 +1,4 @@
-"""A mesh at its nominal load: stiffness, mass, frequency, damping; laws that refer to it."""
+"""A mesh at its nominal load: stiffness, mass, frequency, damping; laws that refer to them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def pair(
     n_more: int = 0,
     shafts: tuple = (),
 ) -> Gearbox:
-    """Real gears of 20 and 35 teeth with given inertias, `n_more` discs of 1e-3 kg m^2 beside."""
+    """Gears of 20 and 35 teeth with given inertias, and `n_more` discs of 1e-3 kg m^2."""
     form = gear_description(3e-3)
     wheels = [
         wheel(teeth=z, width=WIDTH, gear=form, inertia=j)
@@ -62,7 +62,7 @@ def mass(inertia_a: float, inertia_b: float) -> float:
 
 
 def johnson() -> tuple[float, float]:
-    """Penetration and stiffness under FORCE, from docs/laws.md by hand."""
+    """Penetration and stiffness under FORCE, by manual calculation from docs/laws.md."""
     line, modulus = FORCE / WIDTH, math.pi * E_STAR
     logarithm = math.log(4 * modulus * RHO / line)
     return line / modulus * (logarithm - 1), WIDTH * modulus / (logarithm - 2)
@@ -77,7 +77,7 @@ def damping_of(gearbox: Gearbox) -> list[float]:
 def test_the_reference_is_that_computed_by_hand(kernel: Kernel):
     at = pair(kernel, contact=("johnson", {})).mesh_geometry()
     h_0, stiffness = johnson()
-    # roundings of logarithms of 25 and of differences of them
+    # rounding of logarithms of 25 and of their differences
     assert at.reference_force == pytest.approx(FORCE, rel=1e-13)
     assert at.reference_penetration == pytest.approx(h_0, rel=1e-12)
     assert at.reference_stiffness == pytest.approx(stiffness, rel=1e-12)
@@ -118,7 +118,7 @@ E = 0.8
 COEFFICIENT = {
     "none": ({}, lambda _: 0.0),
     "linear": ({"coefficient": 300.0}, lambda _: 300.0),
-    # c h on approach, nothing on separation: a small vibration loses half of what c h h' takes
+    # c h on approach, nothing on separation: a small vibration loses half of the work of c h h'
     "one_sided": ({"coefficient": 1e9}, lambda h_0: 1e9 * h_0 / 2),
     **{
         name: (
@@ -148,7 +148,7 @@ def test_the_damping_ratio_is_that_of_the_linearised_law(kernel: Kernel, law: st
 
 @pytest.mark.parametrize("contact", [LINEAR, ("johnson", {})], ids=["linear", "johnson"])
 def test_ratio_is_the_linear_law_with_its_coefficient(kernel: Kernel, contact: tuple):
-    """Bit by bit, on both flanks: pairs in contact on the coast flank too."""
+    """Bit by bit, with pairs in contact on both flanks."""
     by_ratio = pair(kernel, contact=contact)
     coefficient = by_ratio.mesh_geometry().damping_coefficient
     by_coefficient = pair(kernel, ("linear", {"coefficient": coefficient}), contact)
@@ -159,7 +159,7 @@ def test_ratio_is_the_linear_law_with_its_coefficient(kernel: Kernel, contact: t
         state.y[psi + 1] += 1e-3
         for contact in range(by_ratio.sizes.n_reals):
             mode = by_ratio.mode(state, contact)
-            mode[1] = OFF if mode[1] == OFF else LOADED  # all that are on the path carry load
+            mode[1] = OFF if mode[1] == OFF else LOADED  # all pairs on the path carry load
         np.testing.assert_array_equal(by_ratio.derivative(state), by_coefficient.derivative(state))
         at_rest = state.copy()
         at_rest.y[psi + 1] -= 1e-3
@@ -199,7 +199,7 @@ NO_REFERENCE = {
 def test_a_law_that_refers_to_what_the_mesh_has_not_is_refused(
     kernel: Kernel, law: tuple, loads: str
 ):
-    """Without a load at the start: `static` and `modes` may be told one."""
+    """Without a load at the start: `static` and `modes` accept a given one."""
     given, reason = NO_REFERENCE[loads]
     with pytest.raises(GearboxError) as error:
         pair(kernel, law, loads=given).start()

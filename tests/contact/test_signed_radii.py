@@ -1,7 +1,7 @@
-"""One closed form for external and internal wheels: radii of an internal wheel count negative.
+"""One closed form for external and internal wheels: radii of an internal wheel are negative.
 
-The flanks are drawn as involutes of their base circles and their distance is found as that of two
-curves, in 30 digits.
+The flanks are constructed as involutes of their base circles, and their distance as that of two
+curves, with 30 digits.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ PSI_A, PSI_B, U_A, U_B = 1, 2, slice(3, 5), slice(5, 7)
 OMEGA, PSI_DOT_A, PSI_DOT_B, V_A, V_B = 7, 8, 9, slice(10, 12), slice(12, 14)
 N_MOTION, N_LOCAL = 14, 21
 NAMES = ("h", "h_dot", "rho_a", "rho_b", "v_t")
-SHARES = (0.25, 0.75)  # where between the flanks the force acts, as closed_form_calls has it
+SHARES = (0.25, 0.75)  # position of the force between the flanks, as in closed_form_calls
 
 
 @dataclass(frozen=True)
 class Wheels:
-    """Two wheels in the nominal basis (t_0, e_0), the driving axle at its origin."""
+    """Two wheels in the nominal basis (t_0, e_0), with the driving axis at its origin."""
 
     r_ba: float
     r_bb: float
@@ -42,13 +42,13 @@ class Wheels:
         return 1.0, -self.r_ba / self.r_bb
 
     def constants(self) -> np.ndarray:
-        """What the kernel is told."""
+        """Constants of the kernel."""
         return np.array(
             [self.sigma, self.r_ba, self.r_bb, self.rho_0, *self.ratios, self.rho_a0], float
         )
 
     def flanks(self, q: list) -> tuple:
-        """Return the flanks as curves of the direction of their normal, and where that is wound."""
+        """Return the flanks as curves over the direction of their normal, and rho of both."""
 
         def curve(axle, radius, rho, side):  # of the point K + rho e, K = axle + radius t
             def at(delta):
@@ -76,12 +76,12 @@ class Wheels:
         )
 
     def contact(self, q: list) -> list:
-        """Return h, rho_A and rho_B from where the distance of the two curves is stationary."""
+        """Return h, rho_A and rho_B at the stationary distance of the two curves."""
         on_a, on_b, rho_a, rho_b = self.flanks(q)
 
         def stationary(one, other):
             apart = on_b(other) - on_a(one)
-            # the curves run along t at the direction of their normal
+            # the curves have the tangent t at the direction of their normal
             return [apart[0] * mp.cos(delta) + apart[1] * mp.sin(delta) for delta in (one, other)]
 
         one, other = mp.findroot(stationary, (mp.mpf(0), mp.mpf(1e-4)), tol=1e-50)
@@ -90,7 +90,7 @@ class Wheels:
         return [-gap, rho_a(one), rho_b(other), one]
 
     def values(self, q: list) -> list:
-        """Return what `NAMES` names: the rate by differentiation, sliding from velocities."""
+        """Return the values in `NAMES`: the rate by differentiation, sliding from velocities."""
 
         def moved(time):
             rates = [q[OMEGA], q[PSI_DOT_A], q[PSI_DOT_B], *q[V_A], *q[V_B]]
@@ -118,7 +118,7 @@ WHEELS = {
 
 
 def motion(random: np.random.Generator) -> np.ndarray:
-    """Return local variables: places within 20 um, speeds within 1."""
+    """Return local variables: positions within 20 um, speeds within 1."""
     q = np.zeros(N_LOCAL)
     q[:OMEGA] = random.uniform(-2e-5, 2e-5, OMEGA)
     q[OMEGA:N_MOTION] = random.uniform(-1, 1, N_MOTION - OMEGA)
@@ -141,7 +141,7 @@ def test_closed_form_is_the_distance_of_the_flanks_drawn_as_involutes(
             mp.diff(lambda x, j=j: wheels.contact([*exact[:j], x, *exact[j + 1 :]])[0], exact[j])
             for j in range(1, OMEGA)
         ]
-    # rounding of the places [m] for h, and of lengths and speeds of order 1 for the others
+    # rounding of the positions [m] for h, and of lengths and speeds of order 1 for the others
     tolerance = {"h": 1e-19, "h_dot": 1e-15, "rho_a": 1e-16, "rho_b": 1e-16, "v_t": 1e-15}
     for name, value, right in zip(NAMES, values, expected, strict=True):
         assert abs(value - float(right)) <= tolerance[name], name

@@ -1,4 +1,4 @@
-"""A mesh at rest under load: closed forms, balance, continuity, refusals."""
+"""Quasi-static mesh under load: closed forms, equilibrium, continuity, rejected input."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contact.meshes import EDGE_A, EDGE_B, FLANK, involute_mesh, start_of_path
 from kernel.compliant import Mesh, Static, compliant_force, static_mesh
 from kernel.kernel import NO_SOLUTION, OK, OUT_OF_DOMAIN, Kernel
 
-LOAD = 150e3  # of a metre of width [N/m]
+LOAD = 150e3  # per metre of width [N/m]
 MESHES = {
     "50/50": {},
     "19/34": {"teeth": (19, 34)},
@@ -22,13 +22,13 @@ every_mesh = pytest.mark.parametrize("options", MESHES.values(), ids=MESHES)
 
 
 def constant(mesh: Mesh, own: float, neighbour: float) -> None:
-    """Wheels that yield alike everywhere: E c and E c_1."""
+    """Wheels with constant compliance: E c and E c_1."""
     for w in range(2):
         mesh.influence[w][:] = [own / 2.06e11, 0, 0, neighbour / 2.06e11, 0, 0, 0, 0]
 
 
 def at(kernel: Kernel, mesh: Mesh, pitches: float, load: float = LOAD) -> Static:
-    """Pair 0 so many pitches past its start."""
+    """State with pair 0 this number of pitches after its start."""
     rho_a = start_of_path(mesh) + pitches * mesh.base_pitch
     state = static_mesh(kernel, mesh, rho_a, load * mesh.width)
     assert state.code == OK, state.message
@@ -36,7 +36,7 @@ def at(kernel: Kernel, mesh: Mesh, pitches: float, load: float = LOAD) -> Static
 
 
 def test_pairs_alike_share_the_load_in_closed_form(kernel: Kernel):
-    """Wheels that yield alike everywhere: h is that of one pair of compliance c + c_1."""
+    """Wheels with constant compliance: h is that of one pair of compliance c + c_1."""
     mesh = involute_mesh()
     constant(mesh, 6.0, 3.9)
     state = at(kernel, mesh, 0.35)
@@ -52,7 +52,7 @@ def test_pairs_alike_share_the_load_in_closed_form(kernel: Kernel):
 
 
 def test_one_pair_alone_carries_all(kernel: Kernel):
-    """19/34, where the next pair is half a pitch off."""
+    """19/34, with the next pair half a pitch away."""
     mesh = involute_mesh((19, 34))
     constant(mesh, 4.0, 1.5)
     state = at(kernel, mesh, 0.8, load=5e3)
@@ -90,7 +90,7 @@ def test_tangent_stiffness_is_that_of_the_curve(kernel: Kernel, options: dict):
 
 @every_mesh
 def test_work_of_both_torques_is_the_same_over_a_pitch(kernel: Kernel, options: dict):
-    """dU is what both wheels bring: nothing is gained where pairs come and go, edges and all."""
+    """dU is the work of both wheels: it is conserved at entry and exit of pairs, also on edges."""
     options = {key: value for key, value in options.items() if key != "relief"}
     mesh = involute_mesh(**options)
     if "teeth" in options:
@@ -103,7 +103,7 @@ def test_work_of_both_torques_is_the_same_over_a_pitch(kernel: Kernel, options: 
     moved_a = np.full(len(h) - 1, p / (len(h) - 1))
     work = forces[1:] + forces[:-1]
     work = (work[:, 0] * moved_a + work[:, 1] * (np.diff(h) - moved_a)) / 2
-    # the trapezium's error, where a pair begins to carry; a torque on B of arm r_b would leave 1e-4
+    # error of the trapezoidal rule at the onset of load; a torque on B of arm r_b would leave 1e-4
     scale = LOAD * mesh.width * h.mean()
     np.testing.assert_allclose(np.cumsum(work), energy[1:] - energy[0], atol=3e-3 * scale)
     assert energy[-1] == pytest.approx(energy[0], rel=1e-9)
@@ -111,12 +111,12 @@ def test_work_of_both_torques_is_the_same_over_a_pitch(kernel: Kernel, options: 
 
 @every_mesh
 def test_pairs_come_and_go_without_a_step(kernel: Kernel, options: dict):
-    """Shares and h over a pitch, in steps of 1/2000: only the first touch is steep."""
+    """Shares and h over a pitch, in steps of 1/2000: only first contact is steep."""
     mesh = involute_mesh(**options)
     states = [at(kernel, mesh, x) for x in np.linspace(-0.35, 0.65, 2001)]
 
     def share(state: Static) -> float:
-        """Of pair 0."""
+        """Share of pair 0."""
         carried = state.force[state.numbers == 0].sum()
         return float(carried * mesh.width / (LOAD * mesh.width))
 
@@ -130,7 +130,7 @@ def test_pairs_come_and_go_without_a_step(kernel: Kernel, options: dict):
 
 
 def test_edge_carries_before_the_path(kernel: Kernel):
-    """The younger pair's force begins with the tip edge of the driven wheel, before its start."""
+    """The later pair's force starts at the tip edge of the driven wheel, before its path."""
     mesh = involute_mesh()
     seen = [at(kernel, mesh, x) for x in np.linspace(-0.2, 0.02, 221)]
     first = next(s for s in seen if s.force[s.numbers == 0].any())
@@ -149,7 +149,7 @@ def test_mesh_is_the_same_a_pitch_on(kernel: Kernel, options: dict):
     mesh = involute_mesh(**options)
     if options.get("relief"):
         for w in range(2):
-            mesh.lacks[w][3:] = [0, 0]  # else teeth differ
+            mesh.lacks[w][3:] = [0, 0]  # else the teeth are different
     for x in (-0.03, 0.2, 0.7):
         one, next_one = at(kernel, mesh, x), at(kernel, mesh, x + 1)
         assert one.h == pytest.approx(next_one.h, rel=1e-9)
@@ -167,7 +167,7 @@ def test_any_load_finds_its_place(kernel: Kernel, load: float):
 
 
 def test_errors_of_the_teeth_move_the_free_play(kernel: Kernel):
-    """Without load the first pair touches: h_0 is the least lack of material on the path."""
+    """Without load the first pair touches: h_0 is the smallest deviation on the path."""
     mesh = involute_mesh()
     for w in range(2):
         mesh.lacks[w][:] = [5e-6, 0, 0, 0, 0]
@@ -178,7 +178,7 @@ def test_errors_of_the_teeth_move_the_free_play(kernel: Kernel):
 
 def test_edge_in_the_fillet_is_refused(kernel: Kernel):
     mesh = involute_mesh()
-    mesh.fillets[0] = start_of_path(mesh) + 1e-3  # the foot turns round there
+    mesh.fillets[0] = start_of_path(mesh) + 1e-3  # the foot point reverses there
     rho_a = start_of_path(mesh) - 0.05 * mesh.base_pitch
     state = static_mesh(kernel, mesh, rho_a, LOAD * mesh.width)
     assert state.code == OUT_OF_DOMAIN
@@ -196,7 +196,7 @@ def test_no_pair_within_reach_is_refused(kernel: Kernel):
 
 
 def test_contact_ratio_below_one_rests_on_its_edges(kernel: Kernel):
-    """Where no pair is on its path an edge holds the wheels."""
+    """Without a pair on the path an edge supports the wheels."""
     mesh = involute_mesh()
     short = 0.45 * mesh.base_pitch
     mesh.ends[0] = mesh.ends[1] = mesh.line / 2 + short
@@ -205,7 +205,7 @@ def test_contact_ratio_below_one_rests_on_its_edges(kernel: Kernel):
 
 
 def test_pair_that_waits_past_a_base_circle_does_no_harm(kernel: Kernel):
-    """Its foot is at a negative roll length, which the logarithm of two materials does not know."""
+    """Its foot is at a negative roll length, where the logarithm of two materials is undefined."""
     mesh = involute_mesh((16, 120), unequal=True)
     states = [at(kernel, mesh, x) for x in np.linspace(-0.45, 0.55, 101)]
     assert min(s.feet.min() for s in states) < -1e-3
@@ -224,7 +224,7 @@ def test_pair_that_comes_early_by_its_errors_is_the_first_to_touch(kernel: Kerne
 
 
 def test_pair_that_would_carry_past_the_reach_of_its_edge_is_refused(kernel: Kernel):
-    """The first touch of 50/50 is 0.0988 pitches before the path."""
+    """First contact of 50/50 is 0.0988 pitches before the path."""
     mesh = involute_mesh()
     mesh.reach = 0.05 * mesh.base_pitch
     state = static_mesh(kernel, mesh, start_of_path(mesh) - 0.07 * mesh.base_pitch, LOAD * 0.02)
@@ -236,7 +236,7 @@ def test_pair_that_would_carry_past_the_reach_of_its_edge_is_refused(kernel: Ker
 
 
 def test_pair_past_both_ends_is_refused(kernel: Kernel):
-    """A path of 4 um, which the teeth yield by more than."""
+    """A path of 4 um, shorter than the deflection of the teeth."""
     mesh = involute_mesh()
     mesh.ends[0] = mesh.ends[1] = mesh.line / 2 + 2e-6
     state = static_mesh(kernel, mesh, mesh.line / 2 + 3e-6, LOAD * mesh.width)

@@ -1,4 +1,4 @@
-"""A tip edge on the flank of its mate, against the distance of the curves by 60 digits."""
+"""Tip edge on the flank of its mate, against the distance of the curves with 60 digits."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ EDGES = {
     "50/50 rounded": (PAIR._replace(rounding=0.3e-3), RHO),
     "pinion on gear": (Edge(26.8e-3, 47.9e-3, 17.6e-3), 31.07e-3),
     "gear on pinion": (Edge(47.9e-3, 26.8e-3, 24.1e-3, 0.2e-3), 31.07e-3),
-    # from 2.8 mm on, the edge lies past the line's foot on the mate's base circle
+    # from 2.8 mm on, the edge is beyond the foot of the line on the mate's base circle
     "near the base circle": (Edge(80.2e-3, 32.1e-3, 45.2e-3), 48.1e-3),
 }
 every_edge = pytest.mark.parametrize(("edge", "rho"), EDGES.values(), ids=EDGES)
@@ -37,9 +37,10 @@ def _digits():
 
 
 def tangent(edge: Edge, x: mp.mpf, rho: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
-    """Length from A's base circle to the centre of the rounding, and angle, by plain geometry.
+    """Length from A's base circle to the centre of the rounding, and angle, by plane geometry.
 
-    A's axle is the origin, (r_A, 0) where the line of action touches its base circle, e = (0, 1).
+    A's axis is the origin, (r_A, 0) the contact of the line of action with its base circle,
+    e = (0, 1).
     """
     r, r_a, end, r_t = map(mp.mpf, edge)
     axle = mp.matrix([r_a + r, rho])
@@ -72,7 +73,7 @@ def worst(values: Floats, exact: Callable[[float], mp.mpf]) -> float:
 
 @every_edge
 def test_gap_and_slopes_keep_their_digits(kernel: Kernel, edge: Edge, rho: float):
-    """S is 1e-27 m at the smallest x, beside lengths of 1e-1 m."""
+    """S is 1e-27 m at the smallest x, with lengths of 1e-1 m."""
     at = edge_place(kernel, edge, X, rho)
     assert at.exists.all()
     assert worst(at.gap, lambda x: gap(edge, x, rho)) < 1e-13
@@ -99,7 +100,7 @@ def test_other_derivatives_are_those_of_gap_and_foot(kernel: Kernel, edge: Edge,
 
 
 def test_gap_of_equal_wheels_has_its_known_values(kernel: Kernel):
-    """50/50, module 3 mm: figures of an independent program, and S''(0) in closed form."""
+    """50/50, module 3 mm: results of an independent program, and S''(0) in closed form."""
     at = edge_place(kernel, PAIR, [0.0, 1.25e-3, 3e-3], RHO)
     assert pytest.approx(51.3030214988503e-3, rel=1e-13) == RHO
     assert at.d_xx[0] == pytest.approx(19.3051027, rel=1e-8)
@@ -119,7 +120,7 @@ def test_edge_begins_with_the_curvature_of_the_closed_form(kernel: Kernel, edge:
 
 @every_edge
 def test_friction_arm_is_that_of_the_edge(kernel: Kernel, edge: Edge, rho: float):
-    """Its distance from the wheel's axle along the force: sqrt(|P - O|^2 - r_b^2 (1 - S')^2)."""
+    """Its distance from the wheel's axis along the force: sqrt(|P - O|^2 - r_b^2 (1 - S')^2)."""
     for x in (0.0, 1e-4, 1e-3, 3e-3):
         at = edge_place(kernel, edge, x, rho)
         r, _, end, r_t = map(mp.mpf, edge)
@@ -150,7 +151,7 @@ def test_edge_takes_over_at_once_without_relief(kernel: Kernel):
 
 
 def test_edge_inside_the_mates_base_circle_touches_nothing(kernel: Kernel):
-    """The mate has no involute there, where S goes on to x < 0; past the end no edge gets in."""
+    """The mate has no involute there, where S continues to x < 0; beyond the end no edge enters."""
     edge = Edge(26.8e-3, 47.9e-3, 17.6e-3)
     assert not edge_place(kernel, edge, -1e-3, 17.7e-3).exists[0]
     assert edge_place(kernel, edge, X[X > 0], 17.7e-3).exists.all()

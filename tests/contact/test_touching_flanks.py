@@ -1,8 +1,8 @@
-"""Where relieved flanks touch: the kernel against real curves that are turned until they touch.
+"""Contact of relieved flanks: the kernel against actual curves rotated into contact.
 
-The curves are the involutes moved along their normals, written down point by point; the place of
-contact is where the driving one first reaches the other as it turns, the curvatures are those of
-the curves there by numerical derivatives. Nothing of the kernel's theory enters.
+The curves are the involutes displaced along their normals, evaluated point by point. The contact
+point is where the driving curve first reaches the other as it rotates. The curvatures are those of
+the curves by numerical derivatives. The theory of the kernel is not used.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ START = [LINE - TIP[1], LINE - TIP[0]]
 
 @dataclass(frozen=True)
 class Profile:
-    """What one flank lacks: reliefs as (amount, border) and their power, and crowning."""
+    """Deviations of one flank: reliefs as (amount, zone limit) and their power, and crowning."""
 
     wheel: int
     tip: tuple[float, float] = (0.0, 1.0)
@@ -49,14 +49,14 @@ class Profile:
         return e
 
     def point(self, rho):
-        """Point of the real flank in the wheel's frame; its involute begins on the x axis."""
+        """Point of the actual flank in the wheel's frame; its involute starts on the x axis."""
         r, beta = BASE[self.wheel], rho / BASE[self.wheel]
         arm = rho - self.lacks(rho)
         sin, cos = (mp.sin, mp.cos) if isinstance(rho, mp.mpf) else (np.sin, np.cos)
         return r * cos(beta) + arm * sin(beta), r * sin(beta) - arm * cos(beta)
 
     def curvature(self, rho: float) -> float:
-        """Curvature of the real flank from its points."""
+        """Curvature of the actual flank from its points."""
         with mp.workdps(40):
             at = mp.mpf(rho)
             x, y = (
@@ -77,21 +77,21 @@ class Profile:
 
 @dataclass(frozen=True)
 class Touch:
-    """Two real flanks in contact."""
+    """Two actual flanks in contact."""
 
     rho: float  # of the driving flank on the line of action
-    second_order: float  # by how much the gap of first order is wider than the real one, which is 0
+    second_order: float  # excess of the gap of first order over the actual one, which is 0
     curvature: float
 
 
 def turned(
     flanks: tuple[Profile, Profile], rho: float, turn: float, s: float
 ) -> tuple[float, float]:
-    """Distance from the driven flank of the point s of the driving one, and the driven one's rho.
+    """Distance of the point s of the driving flank from the driven flank, and the latter's rho.
 
-    The driving wheel has its axle at the origin, the line of action runs along x at the height of
-    its base radius; the driven wheel is its like, turned upside down. The flanks meet the line at
-    rho and LINE - rho before the driving wheel turns on.
+    The driving wheel has its axis at the origin; the line of action runs along x at the height of
+    its base radius. The driven wheel is equal, rotated by 180 degrees. The flanks meet the line at
+    rho and LINE - rho before the driving wheel is rotated further.
     """
     x, y = flanks[0].point(s)
     angle = np.pi / 2 - rho / BASE[0] - turn
@@ -104,7 +104,7 @@ def turned(
 
 
 def touching(flanks: tuple[Profile, Profile], rho: float) -> Touch:
-    """Turn the driving wheel until the flanks touch."""
+    """Rotate the driving wheel until the flanks touch."""
     reach = min(2e-3, 0.4 * rho)
 
     def nearest(turn: float) -> tuple[float, float]:
@@ -141,7 +141,7 @@ def gearbox_of(kernel: Kernel, flanks: tuple[Profile, Profile], **keys: str) -> 
 
 
 def of_kernel(gearbox: Gearbox, rho: Floats) -> tuple[Floats, Floats, Floats]:
-    """By how much the gap is too wide, curvature, what the gap counts as lacking.
+    """Excess of the gap, curvature, deviation used by the gap.
 
     All at radii of curvature of the driving flank.
     """
@@ -168,12 +168,12 @@ CASES = {
         Profile(1, tip=(15e-6, TIP[1] - 2e-3), crowning=5e-6, power=2),
     ),
 }
-WIDE = 1e-3  # from a corner, where linear relief begins, and from the ends of the path [m]
+WIDE = 1e-3  # from a corner, at the start of linear relief, and from the ends of the path [m]
 PLACES = np.linspace(START[0] + WIDE, TIP[0] - 2e-4, 7)
 
 
 def smooth(name: str, rho: float) -> bool:
-    """Whether a place is away from the corner of a linear relief."""
+    """Whether a position is away from the corner of a linear relief."""
     return not name.startswith("linear") or abs(rho - BORDER - WIDE / 2) > WIDE
 
 
@@ -186,9 +186,9 @@ def test_pressure_and_gap_are_those_of_real_curves(kernel: Kernel, name: str):
     second_order, curvature, _ = of_kernel(gearbox, np.array([touch.rho for touch in touches]))
     exact = np.array([touch.curvature for touch in touches])
     gap = np.array([touch.second_order for touch in touches])
-    # the pressure is as the root of the curvature: 1 % is asked for
+    # the pressure is proportional to the root of the curvature: 1 % is required
     np.testing.assert_allclose(np.sqrt(curvature), np.sqrt(exact), rtol=2e-3)
-    # what is left is of third order; 1e-9 m is what the reference resolves
+    # the remainder is of third order; the reference resolves 1e-9 m
     np.testing.assert_allclose(second_order, gap, rtol=0.02, atol=2e-9)
     involutes = [1 / touch.rho + 1 / (LINE - touch.rho) for touch in touches]
     assert np.abs(np.sqrt(involutes / exact) - 1).max() > 0.005  # that of the involutes is wrong
@@ -201,7 +201,7 @@ def test_flanks_without_deviations_have_the_curvatures_of_involutes(kernel: Kern
 
 
 def test_a_flank_too_hollow_for_a_hertzian_contact_has_no_pressure(kernel: Kernel):
-    """Linear relief whose slope turns with the arc: hollow next to the base circle."""
+    """Linear relief whose slope rotates with the arc: hollow next to the base circle."""
     flank = Profile(0, tip=(2.9e-4, START[0] + 1e-4))
     second_order, curvature, _ = of_kernel(gearbox_of(kernel, (flank, NONE[1])), PLACES)
     hollow = np.isnan(curvature)
@@ -221,7 +221,7 @@ def test_one_warning_names_the_second_order_of_the_gap_and_its_place(kernel: Ker
     assert not [w for w in small.warnings() if "first order" in str(w)]
 
 
-# Gap of second order: of meshes whose tip edges touch
+# Gap of second order: for meshes with corner contact
 
 ROOT_BORDER = START[0] + 2e-3  # of root relief on the driving flank [m]
 ONE_SLOPES = {
@@ -246,11 +246,11 @@ TWO_SLOPES = {
         Profile(1, tip=(15e-6, TIP[1] - 3e-3), crowning=8e-6),
     ),
 }
-BESIDE = np.array([-3e-4, -1e-4, 1e-4, 2e-4, 3e-4, 6e-4])  # of a corner [m]
+BESIDE = np.array([-3e-4, -1e-4, 1e-4, 2e-4, 3e-4, 6e-4])  # from a corner [m]
 
 
 def found_touches(flanks: tuple[Profile, Profile], places: Floats) -> list[Touch]:
-    """Those that the reference finds within its reach."""
+    """Contacts within the reach of the reference."""
     found = []
     for rho in places:
         try:
@@ -261,7 +261,7 @@ def found_touches(flanks: tuple[Profile, Profile], places: Floats) -> list[Touch
 
 
 def lacking(flanks: tuple[Profile, Profile], touches: list[Touch]) -> tuple[Floats, Floats]:
-    """What the flanks lack on the line of action, and by how much the real gap is less."""
+    """Deviations of the flanks on the line of action, and the reduction of the actual gap."""
     first = [flanks[0].lacks(t.rho) + flanks[1].lacks(LINE - t.rho) for t in touches]
     return np.array(first), np.array([t.second_order for t in touches])
 
@@ -277,15 +277,15 @@ def test_gap_of_edge_contact_is_that_of_real_curves_on_flanks_and_corners(
     first, second = lacking(flanks, touches)
     gearbox = gearbox_of(kernel, flanks, edge_contact="true")
     _, _, gap = of_kernel(gearbox, np.array([touch.rho for touch in touches]))
-    assert second.max() > 1e-7  # what the gap of first order has too much [m]
-    # what is left is of third order: 10 to 20 times less, and more near the root's base circle
+    assert second.max() > 1e-7  # excess of the gap of first order [m]
+    # the remainder is of third order: 10 to 20 times less, and more near the root's base circle
     slack = 0.25 if "root" in name else 0.07
     assert (np.abs(gap - (first - second)) <= slack * second + 2e-9).all()
 
 
 @pytest.mark.parametrize("name", TWO_SLOPES)
 def test_gap_knows_that_both_flanks_are_turned(kernel: Kernel, name: str):
-    """What is left is of third order, and where a corner touches the mate's slope by the way."""
+    """The remainder is of third order, and at corners near the mate's slope."""
     flanks = TWO_SLOPES[name]
     corners = np.array([BORDER, LINE - TIP[1] + 3e-3])
     beside = np.concatenate([PLACES, *(corner + BESIDE for corner in corners)])
@@ -303,7 +303,7 @@ def test_gap_knows_that_both_flanks_are_turned(kernel: Kernel, name: str):
 
 @pytest.mark.parametrize("name", [*ONE_SLOPES, *TWO_SLOPES])
 def test_gap_and_its_slope_go_on_at_corners(kernel: Kernel, name: str):
-    """Over the whole path, in steps of 0.1 um: a jump of the slope would stand out by itself."""
+    """Over the whole path, in steps of 0.1 um: a jump of the slope would be visible."""
     flanks = (ONE_SLOPES | TWO_SLOPES)[name]
     gearbox = gearbox_of(kernel, flanks, edge_contact="true")
     step = 1e-7

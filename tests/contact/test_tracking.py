@@ -1,4 +1,4 @@
-"""Contact tracking against the paper's equations, written in absolute housing coordinates."""
+"""Contact tracking, against the paper's equations in absolute housing coordinates."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SEEDS = range(8)
 
 
 def stray(gearbox: Gearbox, state: State, random: np.random.Generator, size: float) -> None:
-    """Move the tracked points off flanks and line of action, and give them any rates."""
+    """Displace the tracked points from flanks and line of action, with arbitrary rates."""
     r_b = gearbox.wheel_geometry(1).base_radius
     track = gearbox.tracked()
     state.y[track] += [draw(random, s) for s in (size, size, size, size, 0.1, r_b * size)]
@@ -25,13 +25,13 @@ def stray(gearbox: Gearbox, state: State, random: np.random.Generator, size: flo
 
 
 def amplification(housing: Housing) -> float:
-    """Return by how much a tangent's angle times its circle's radius exceeds the move across it."""
+    """Return a tangent's rotation times its circle's radius, per displacement across it."""
     radii = [float(housing.radius_of_curvature(i)) for i in (0, 1)]
     return float(max(housing.pair.base_radii)) / min(radii)
 
 
 def deviations(gearbox: Gearbox, state: State) -> float:
-    """Return the largest of the lengths from which the kernel finds where the points are."""
+    """Return the largest of the lengths from which the kernel computes the points."""
     r_b = max(gearbox.wheel_geometry(i).base_radius for i in (0, 1))
     arms = {"turn": r_b, "angle": r_b, "gradi": 0.0, "mu_0": 1 / r_b, "refer": 0.0, "speed": 0.0}
     arms |= {"dissi": 0.0, "load_": 0.0}
@@ -42,7 +42,7 @@ def deviations(gearbox: Gearbox, state: State) -> float:
 
 
 def in_rows(housing: Housing, v: np.ndarray) -> list[mp.mpf]:
-    """Return the components of v along t_0 and e_0, as the rows of the residual have them."""
+    """Return the components of v along t_0 and e_0, as in the rows of the residual."""
     t_0, e_0, *_ = housing._frame()
     return [v @ t_0, v @ e_0]
 
@@ -67,7 +67,7 @@ def test_algebraic_residual_is_equation_1_with_its_rows_scaled(
     rho_b = mp.sqrt(sum((at.point(1) - at.axle(1)) ** 2) - r_bb**2)
     expected = [rho_b * normals[0], normals[1], *apart, r_ba * g_a, r_bb * g_b]
     residual = gearbox.residual(state)[gearbox.tracked()]
-    # rounding of each length that enters, carried to where the tangents touch; row 2 is 1 - 1
+    # rounding of each length, propagated to the contact of the tangents; row 2 is 1 - 1
     tolerance = np.full(6, 1e-15 * deviations(gearbox, state) * amplification(at))
     tolerance[1] = 1e-15
     error = [r - e for r, e in zip(residual, expected, strict=True)]
@@ -78,7 +78,7 @@ def test_algebraic_residual_is_equation_1_with_its_rows_scaled(
 def raw_differential(
     kernel: Kernel, at: Housing
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Equations (2)-(3) as a linear system in (u_A, u_B, lambda', mu').
+    """Return equations (2)-(3) as a linear system in (u_A, u_B, lambda', mu').
 
     Composed from the kernel's flank function in the housing frame.
 
@@ -87,7 +87,7 @@ def raw_differential(
     matrix, constant
         matrix @ unknowns + constant = 0
     unknowns
-        that the tracked variables' rates stand for
+        represented by the rates of the tracked variables
     size
         of the largest terms of each row
     """
@@ -154,8 +154,8 @@ def test_differential_residual_is_equations_2_and_3_with_their_rows_scaled(
     )
     expected[0] *= rho_b
     residual = gearbox.residual(state)[gearbox.tracked()]
-    # the raw form adds up terms that grow with the angular velocity, at rounded points: the normal
-    # turns by the rounding of its point over the radius of curvature
+    # the raw form sums terms that grow with the angular velocity, at rounded points: the error of
+    # the normal is the rounding of its point over the radius of curvature
     scale = np.array([rho_b * r_ba, r_ba, 1, 1, r_ba, r_bb])
     size = scale * np.repeat([size[0:2].max(), size[2:4].max(), size[4:].max()], 2)
     tolerance = 1e-14 * amplification(at) * size
@@ -170,7 +170,7 @@ def test_differential_residual_is_equations_2_and_3_with_their_rows_scaled(
 def test_derivative_of_the_tracked_variables_solves_equations_2_and_3(
     kernel: Kernel, pair: Pair, tracking: str, seed: int
 ):
-    """In the algebraic form too: its states get their true derivative."""
+    """Also in the algebraic form: its states have their true derivative."""
     random = np.random.default_rng(seed)
     gearbox = pair.gearbox(kernel, tracking=tracking)
     state = scatter(gearbox, random, gap=draw(random, 1e-5))
@@ -179,12 +179,12 @@ def test_derivative_of_the_tracked_variables_solves_equations_2_and_3(
     state.yp = gearbox.derivative(state)
     at = Housing(pair, gearbox, state)
     matrix, constant, unknowns, size = raw_differential(kernel, at)
-    # rounding of the raw form, see the test before
+    # rounding of the raw form, as in the test before
     largest = np.repeat([size[:2].max(), size[2:4].max(), size[4:].max()], 2)
     tolerance = 1e-14 * amplification(at) * largest
     error = matrix @ unknowns + constant
     assert worst(error, tolerance) <= 1
-    assert np.linalg.cond(matrix) < 1e9  # so that the solution is the only one
+    assert np.linalg.cond(matrix) < 1e9  # so that the solution is unique
 
 
 @EVERY_PAIR
@@ -211,7 +211,7 @@ def test_algebraic_and_differential_form_hold_on_along_the_same_motion(
 def test_closed_form_is_assertions_1_and_2(kernel: Kernel, pair: Pair, size: float, seed: int):
     """Gap, normal, radii of curvature and contact points, for displacements of the size of the gap.
 
-    Exact to the rounding of the displacements themselves, however small they are beside the radii.
+    Exact to the rounding of the displacements themselves, however small relative to the radii.
     """
     random = np.random.default_rng(seed)
     gearbox = pair.gearbox(kernel, tracking=CLOSED_FORM)
@@ -243,7 +243,7 @@ def test_closed_form_is_assertions_1_and_2(kernel: Kernel, pair: Pair, size: flo
 
 
 def origin(at: Housing, wheel: int) -> np.ndarray:
-    """Return the reference position of an axle."""
+    """Return the reference position of an axis."""
     still = at.state.copy()
     still.y[:] = 0
     return Housing(at.pair, at.gearbox, still).axle(wheel)
@@ -266,7 +266,7 @@ def test_tracked_points_start_where_assertions_1_and_2_put_them(
     assert abs(float(at.tracked["mu"]) / r_bb - kappa) <= 1e-15 * largest
     for i in (0, 1):
         distance = at.point(i) - at.line_point(i)
-        # the points are 50 digits from the kernel's numbers: only the rounding of these is left
+        # the points have 50 digits from the kernel's values: only the rounding of these remains
         assert float(max(abs(distance))) <= 1e-15 * largest * amplification(at)
     outputs = gearbox.outputs(state)
     for name in ("driving", "driven"):
@@ -279,7 +279,7 @@ def test_tracked_points_start_where_assertions_1_and_2_put_them(
 def test_distances_from_the_line_of_action_are_those_of_the_points(
     kernel: Kernel, pair: Pair, seed: int
 ):
-    """(r_PA - K_A).t and (r_PB - K_B).t for points that are off the line."""
+    """Compute (r_PA - K_A).t and (r_PB - K_B).t for points off the line."""
     random = np.random.default_rng(seed)
     gearbox = pair.gearbox(kernel, tracking=DIFFERENTIAL)
     state = scatter(gearbox, random, displacement=1e-6, gap=1e-6)
@@ -297,7 +297,7 @@ def test_distances_from_the_line_of_action_are_those_of_the_points(
 
 @EVERY_PAIR
 def test_gap_and_its_rate_belong_together(kernel: Kernel, pair: Pair):
-    """mu' = r_bB kappa' with kappa' from the wheels' speeds and the moving axles."""
+    """Test mu' = r_bB kappa' with kappa' from the wheels' speeds and the moving axes."""
     random = np.random.default_rng(5)
     gearbox = pair.gearbox(kernel, tracking=DIFFERENTIAL)
     for _ in range(20):
@@ -316,7 +316,7 @@ def test_gap_and_its_rate_belong_together(kernel: Kernel, pair: Pair):
 def test_axles_whose_base_circles_have_no_inner_tangent_have_left_the_involute(
     kernel: Kernel, nearer: float
 ):
-    """The paper's axles, 0.5 m apart, nearer than the sum of the base radii, or past each other."""
+    """The paper's axes, 0.5 m apart, nearer than the sum of base radii, or beyond each other."""
     gearbox = paper_gearbox(kernel)
     state = gearbox.start()
     state.y[gearbox.place("displacement_1")] = -nearer

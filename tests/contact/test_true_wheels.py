@@ -1,4 +1,4 @@
-"""Meshes at rest whose wheels yield as their elements say, against an independent program.
+"""Quasi-static meshes with wheels of finite elements, against an independent program.
 
 That program has its own elements, potential and solver. Pairs without backlash, sharp tips, wheels
 held at their bores, plane strain.
@@ -19,17 +19,17 @@ from kernel.gears import gear
 from kernel.kernel import Kernel
 
 MODULE = 3e-3
-PLACES = 720  # a pitch
+PLACES = 720  # per pitch
 
 
 class Known(NamedTuple):
-    """Figures of the other program: um, N/(mm um), base pitches."""
+    """Results of the other program: um, N/(mm um), base pitches."""
 
     mean: float
     peak_to_peak: float
     secant: tuple[float, float, float]  # of the mesh: least, mean, largest
     tangent: tuple[float, float, float]
-    first: float  # where the edge of pair 0 first carries, before its start
+    first: float  # onset of load on the edge of pair 0, before its start
     at_start: tuple[float, float]  # h and the share of pair 0
     halfway: tuple[float, float]
 
@@ -62,7 +62,7 @@ Wheel = tuple[int, float, float]
 
 
 def real_mesh(kernel: Kernel, a: Wheel, b: Wheel, width: float) -> tuple[Mesh, list]:
-    """The pair at the centre distance without backlash, and samples of both wheels."""
+    """The pair at the zero-backlash centre distance, and samples of both wheels."""
     mesh = involute_mesh((a[0], b[0]), MODULE, width=width)
     rack = np.radians(20)
 
@@ -82,7 +82,7 @@ def real_mesh(kernel: Kernel, a: Wheel, b: Wheel, width: float) -> tuple[Mesh, l
 
 @pytest.fixture(scope="module", params=PAIRS.values(), ids=PAIRS)
 def pair(request: pytest.FixtureRequest, kernel: Kernel):
-    """A function of the places in base pitches, the force over the width, and the known figures."""
+    """Function of the positions in base pitches, force over the width, and known results."""
     (a, b, width, load), known = request.param
     mesh, samples = real_mesh(kernel, a, b, width)
     force = load * 1e3 * width
@@ -99,7 +99,7 @@ def three(values) -> tuple[float, float, float]:
 
 
 def test_curve_is_that_of_the_other_program(pair):
-    """Its own digits of c are good to 1e-4."""
+    """The other program's c is accurate to 1e-4."""
     at, force, _, known = pair
     curve = at(np.arange(PLACES) / PLACES)
     assert curve.h.mean() * 1e6 == pytest.approx(known.mean, rel=2e-4)
@@ -118,7 +118,7 @@ def test_edge_first_carries_where_the_other_program_says(pair):
 
 
 def test_pairs_share_the_load_as_the_other_program_says(pair):
-    """At a tip c is continued, and its own error larger: 1e-3."""
+    """At a tip c is extrapolated, with a larger error: 1e-3."""
     at, force, width, known = pair
     curve = at([0.0, 0.5])
     shares = curve.force[:, 1] * width / force

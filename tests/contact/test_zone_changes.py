@@ -1,4 +1,4 @@
-"""Zones of a wheel's flank: where each border that a contact passes leads, and back."""
+"""Zones of a wheel's flank: transitions at each zone limit, in both directions."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ TIP_CORNER, ROOT_CORNER, ROOT, MIDDLE, TIP, END, EDGE = range(-3, 4)
 
 
 class Way(NamedTuple):
-    """From the middle of a profile outwards: the borders, and the zone behind each."""
+    """From the middle of a profile outwards: the zone limits, and the zone beyond each."""
 
     reliefs: tuple[int, int]  # of tip and root
-    takes_over: float  # how far past the end of the flank the edge does
+    takes_over: float  # distance from the end of the flank to the transition to the edge
     borders: tuple[str, ...]
     zones: tuple[int, ...]
 
@@ -43,7 +43,7 @@ every_way = pytest.mark.parametrize("way", WAYS.values(), ids=WAYS.keys())
 
 
 def after(kernel: Kernel, way: Way, zone: int, *passed: str) -> int:
-    """Zone of a contact that passed these borders at once."""
+    """Zone of a contact that passed these limits at once."""
     reliefs, fired = (
         np.array(x, np.int32) for x in (way.reliefs, [border in passed for border in BORDERS])
     )
@@ -63,7 +63,7 @@ def test_each_border_leads_to_the_zone_behind_it_and_back(kernel: Kernel, way: W
 def test_borders_that_are_passed_at_once_lead_as_far_as_one_after_the_other(
     kernel: Kernel, way: Way
 ):
-    """Within one relief, and past the end of a flank: also that is met from both sides."""
+    """Within one relief, and beyond the end of a flank, also from both sides."""
     zones = (MIDDLE, *way.zones)
     n_relief = sum("tip" in border or "root" in border for border in way.borders)
     for first, last in ((0, n_relief), (n_relief, len(way.borders))):

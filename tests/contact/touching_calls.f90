@@ -1,4 +1,4 @@
-!> Where relieved flanks touch, for the tests: a C call that the kernel does not export.
+!> Contact of relieved flanks, for the tests: a C call that the kernel does not export.
 module touching_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_contact_point, only: contact_point
@@ -12,8 +12,8 @@ module touching_calls
 
 contains
 
-   !> Drive flanks of a tooth pair at radii of curvature of the driving flank [m]: by how much the gap of first order is wider than
-   !> the real one [m], and the sum of the curvatures where they touch [1/m].
+   !> Drive flanks of a tooth pair at radii of curvature of the driving flank [m]: excess of the first-order gap over the actual one
+   !> [m], and the sum of the curvatures at the contact [1/m].
    subroutine test_touching_flanks(handle, mesh, pair, n, rho, second_order, curvature, gap) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh, pair, n

@@ -1,4 +1,4 @@
-!> A mesh at rest with wheels of finite elements: C calls that the kernel does not export.
+!> Quasi-static mesh with wheels of finite elements: C calls that the kernel does not export.
 module true_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use evl_influence_functions, only: influence_t, n_neighbours, n_other, n_own
@@ -14,8 +14,8 @@ module true_calls
 
 contains
 
-   !> Places of a mesh under a force, with the samples of both wheels: h, h_0, stiffness, energy, code; force per width and zone of
-   !> the pairs -1, 0, 1.
+   !> Quasi-static states of a mesh at positions under a force, with the samples of both wheels: h, h_0, stiffness, energy, code;
+   !> force per width and zone of the pairs -1, 0, 1.
    subroutine test_true_mesh(given, rho, own, other, length, youngs, n_at, rho_a, force, numbers, forces, zones) bind(c)
       type(given_mesh), intent(in) :: given
       real(c_double), intent(in) :: rho(0:n_own, 2), own(0:n_own, 2), other(0:n_other, 0:n_other, -n_neighbours:n_neighbours, 2)

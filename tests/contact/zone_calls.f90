@@ -11,7 +11,7 @@ module zone_calls
 
 contains
 
-   !> The zone of a wheel after it passed borders.
+   !> Zone of a wheel's contact after it passed zone limits.
    integer(c_int) function test_change_zone(reliefs, takes_over, fired, zone) result(after) bind(c)
       integer(c_int), intent(in) :: reliefs(2)        !! of tip and root: 0 none, 1 without a corner, 2 with one
       real(c_double), intent(in), value :: takes_over !! x_*

@@ -1,4 +1,4 @@
-!> Names of what the discrete state and the root functions are, for the tests: C calls that the kernel does not export.
+!> Names of the discrete state variables and the root functions, for the tests: C calls that the kernel does not export.
 module discrete_state_calls
    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_name_length, to_c
@@ -13,7 +13,7 @@ module discrete_state_calls
 
 contains
 
-   !> Name of a root function, from 0, and the tooth contact that has it; -1 if none has.
+   !> Name of a root function, from 0, and its tooth contact; -1 if there is none.
    subroutine test_root_name(handle, index, name, contact) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: index
@@ -34,7 +34,7 @@ contains
       end do
    end subroutine test_root_name
 
-   !> Name of an integer of the discrete state, from 0, and the tooth contact that has it; -1 if none has.
+   !> Name of an integer of the discrete state, from 0, and its tooth contact; -1 if there is none.
    subroutine test_integer_name(handle, index, name, contact) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: index

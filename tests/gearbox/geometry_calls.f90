@@ -1,4 +1,4 @@
-!> Geometry of a gearbox in full, as its parts have it: what `tests/kernel/gearbox.py` and `tests/kernel/gears.py` ask.
+!> Full geometry of a gearbox from its components, for `tests/kernel/gearbox.py` and `tests/kernel/gears.py`.
 module evl_test_geometry_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_f_pointer, c_int, c_ptr
    use evl_gear, only: gear_t

@@ -1,4 +1,4 @@
-!> A support whose reference motion moves, for the tests: the kernel's table has none yet.
+!> A support with a moving reference position, for the tests: the kernel's table has none yet.
 module support_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_ptr
    use evl_gearbox, only: gearbox_t
@@ -11,7 +11,7 @@ module support_calls
 
    public :: support_shake
 
-   !> What carries the axle is shaken.
+   !> Support on a carrier with harmonic motion.
    type, extends(support_kind_t) :: shaken_support
       real(wp) :: amplitude(2) = 0.0_wp !! [m]
       real(wp) :: w = 0.0_wp            !! [rad/s]
@@ -23,7 +23,7 @@ module support_calls
 
 contains
 
-   !> Shake what carries every axle: amplitude sin(w t) from where it rests, in the housing frame.
+   !> Move the carriers of all axes: amplitude sin(w t) about their rest positions, in the housing frame.
    subroutine support_shake(handle, amplitude, w) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in) :: amplitude(2)
@@ -47,7 +47,7 @@ contains
       info%name = "shaken"
    end subroutine describe
 
-   !> Nothing: it takes the place of a support that has its numbers.
+   !> No effect: it replaces a support that has its parameters.
    subroutine take(self, given, support)
       class(shaken_support), intent(inout) :: self
       type(given_t), intent(in) :: given

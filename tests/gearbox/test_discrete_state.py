@@ -1,4 +1,4 @@
-"""Every integer of the discrete state is found, held and checked; every root function moves one."""
+"""Integers of the discrete state are initialised, kept and checked; root functions change them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from kernel.kernel import Kernel
 DIAMETERS = {
     "tip_relief": (0.0645, 0.1095),
     "root_relief": (0.0575, 0.1015),
-}  # where they begin [m]
+}  # start of the reliefs [m]
 VALUES = {"flanks": range(5), "friction": (-1, 0, 1), "zone_a": (-1, 0, 1), "zone_b": (-1, 0, 1)}
 SIDES = (-1, 1)
 
 
 @pytest.fixture
 def gearbox(kernel: Kernel) -> Gearbox:
-    """One whose tooth contacts have every integer that there is."""
+    """A gearbox whose tooth contacts have all existing integers."""
     wheels = [
         wheel(
             teeth=z,
@@ -48,7 +48,7 @@ def gearbox(kernel: Kernel) -> Gearbox:
 
 
 def starts(gearbox: Gearbox) -> Iterator[State]:
-    """States as a start finds them: overlapping and apart, closing and parting."""
+    """States from a start: overlapping and separated, closing and opening."""
     random = np.random.default_rng(4)
     for _ in range(60):
         speed = draw(random, 10.0)
@@ -57,7 +57,7 @@ def starts(gearbox: Gearbox) -> Iterator[State]:
 
 
 def contradicts(gearbox: Gearbox, state: State) -> bool:
-    """Whether the modes are refused at this state."""
+    """Whether the modes are rejected at this state."""
     try:
         gearbox.check_modes(state)
     except GearboxError:
@@ -66,7 +66,7 @@ def contradicts(gearbox: Gearbox, state: State) -> bool:
 
 
 def test_no_wrong_integer_goes_unnoticed(gearbox: Gearbox):
-    """Of every integer of the table: a start finds it, a wrong one is settled or refused."""
+    """For every integer of the table: a start sets it, a wrong one is corrected or rejected."""
     names = {name for contact, name in gearbox.integer_names if contact >= 0}
     refused: set[str] = set()
     settled: set[str] = set()
@@ -87,7 +87,7 @@ def test_no_wrong_integer_goes_unnoticed(gearbox: Gearbox):
                 if after.integers[place] == right and not contradicts(gearbox, after):
                     settled.add(name)
     assert refused == names
-    # another tooth pair in its place is past an end of the path, and leaves it
+    # another tooth pair in its slot is beyond an end of the path, and leaves it
     assert settled == names - {"tooth_pair"}
 
 
@@ -99,9 +99,9 @@ def test_root_functions_have_directions_where_they_have_a_meaning_and_are_one_el
         values, directions = gearbox.roots(state), gearbox.root_directions(state)
         np.testing.assert_array_equal(
             (values == 1)[:-1], (directions == 0)[:-1]
-        )  # but for the turns
+        )  # except for the revolutions
         live |= {name for name, place in gearbox.root_places.items() if directions[place] != 0}
-        # a start lies on the side of every border on which its modes are; rests lie on none
+        # a start is on the side of every limit given by its modes; starts at rest are on no limit
         assert np.all(values * directions <= 2e-6)
     everything = {name for _, name in gearbox.root_places}
     assert {name for _, name in live} == everything

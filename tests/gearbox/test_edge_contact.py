@@ -1,4 +1,4 @@
-"""Pairs that touch with a tip edge before and after their path: Jacobian, lanes, energy, events."""
+"""Corner contact of pairs before and after their path: Jacobian, lanes, energy, events."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from kernel.jacobian import check_jacobian
 from kernel.kernel import Floats, Kernel
 
 OFF = 4
-END, EDGE = 2, 3  # zones past the end of a flank
+END, EDGE = 2, 3  # zones beyond the end of a flank
 TIP_CORNER, ROOT_CORNER = -3, -2  # zones of the corners of reliefs
 # the relief of a corner, the zone that a contact comes from and the one that it leaves for
 BESIDE_CORNER = {TIP_CORNER: ("tip", 0, TIP), ROOT_CORNER: ("root", 0, ROOT)}
@@ -27,23 +27,23 @@ ROUNDED = "rounded"  # tips, on flanks with all deviations
 every_deviation = pytest.mark.parametrize("name", [*DEVIATIONS, ROUNDED])
 alone_and_coupled = pytest.mark.parametrize("couples", [False, True], ids=["alone", "coupled"])
 every_axle = pytest.mark.parametrize("fixed", [False, True], ids=["moving axles", "fixed axles"])
-# of a steady state, in pitches past the start of the path, and what the wheels are pressed then [m]
+# steady position in pitches past the start of the path, and the additional penetration [m]
 PLACES = [(p, h) for p in (0.0, 0.35, 0.62, 0.9) for h in (1e-4, 3e-5)]
 
 
 def with_edges(
     kernel: Kernel, name: str, couples: bool, *, fixed: bool = False, **keys: Any
 ) -> Gearbox:
-    """`real_gears` that bend and touch with their edges."""
+    """Compliant `real_gears` with corner contact."""
     if name == ROUNDED:
         name, keys["tip_roundings"] = "all of them", (2e-4, 4e-4)
     return bend(real_gears(kernel, name, fixed=fixed, edge_contact="true", **keys), couples)
 
 
 def pressed(gearbox: Gearbox, place: float, h: float, mode: int = LOADED) -> State:
-    """Both wheels turned against each other, so that pairs touch far past the ends of the path.
+    """Turn both wheels against each other, so that pairs are in contact far beyond the path.
 
-    All pairs of the drive flank that then overlap are in the mode.
+    All overlapping pairs of the drive flank are in the mode.
     """
     state = gearbox.start(STEADY, mesh_position=place)
     state.y[gearbox.place("angle_deviation_1")] -= h / gearbox.wheel_geometry(1).base_radius
@@ -64,7 +64,7 @@ def pressed(gearbox: Gearbox, place: float, h: float, mode: int = LOADED) -> Sta
 def at_places(
     gearbox: Gearbox, seed: int, places: Iterable[tuple[float, float]], *modes: int
 ) -> Iterator[State]:
-    """Pressed states, moved a little, in each of the modes."""
+    """Loaded states with small displacements, in each of the modes."""
     random = np.random.default_rng(seed)
     for place, h in places:
         for mode in modes:
@@ -73,7 +73,7 @@ def at_places(
 
 
 def check_balance(gearbox: Gearbox, state: State, fixed: bool) -> None:
-    """d/dt (T + V + D - W) = 0 along the flow.
+    """Check d/dt (T + V + D - W) = 0 along the flow.
 
     Richardson differences of V: 1e-9 of the largest power.
     """
@@ -94,13 +94,13 @@ def check_balance(gearbox: Gearbox, state: State, fixed: bool) -> None:
 
 
 def on_edges(gearbox: Gearbox, state: State) -> int:
-    """How many pairs touch past the end of a flank."""
+    """Number of pairs in contact beyond the end of a flank."""
     modes = [gearbox.mode(state, contact) for contact in range(gearbox.sizes.n_reals)]
     return sum(m[1] in (LOADED, UNLOADED) and max(m[3:5]) >= END for m in modes)
 
 
 def axle_accelerations(gearbox: Gearbox, state: State) -> Floats:
-    """Accelerations of the axles [wheel, 2]: put where the velocities are, and read as such."""
+    """Accelerations of the axes [wheel, 2]: stored as velocities, and read as such."""
     moved = state.copy()
     for i, name in enumerate(gearbox.names):
         if name.startswith("displacement") and "rate" in name:
@@ -165,13 +165,13 @@ def test_eight_states_of_finite_elements_are_the_bits_of_each(
 def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
     kernel: Kernel, name: str, fixed: bool, couples: bool
 ):
-    """d/dt (T + V + D - W) = 0 along the flow, on edges too; overlapping without force as well."""
+    """Check d/dt (T + V + D - W) = 0 along the flow, on edges and with overlap without force."""
     gearbox = with_edges(kernel, name, couples, fixed=fixed)
     for state in at_places(gearbox, 11, PLACES, LOADED, UNLOADED):
         check_balance(gearbox, state, fixed)
 
 
-CORNERS = {  # and which they are
+CORNERS = {  # and their zones
     "linear tip relief": ("tip_a", "tip_b"),
     "linear root relief": ("root_a", "root_b"),
     "all of them": ("root_a", "tip_b"),
@@ -184,7 +184,7 @@ CORNERS = {  # and which they are
 def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
     kernel: Kernel, name: str, fixed: bool, couples: bool
 ):
-    """Pairs that touch with the corner where a linear relief begins: Jacobian, lanes, power."""
+    """Pairs in contact at the corner at the start of a linear relief: Jacobian, lanes, power."""
     gearbox = with_edges(kernel, name, couples, fixed=fixed, friction=0.0, damping=None)
     random = np.random.default_rng(5)
     found = 0
@@ -201,7 +201,7 @@ def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
 
 
 def at_border(gearbox: Gearbox, state: State, name: str, contact: int, value: float = 0.0) -> State:
-    """Roll on to where a root function of a contact has a value, at the same penetration."""
+    """Roll to a value of a root function of a contact, at the same penetration."""
     angle = gearbox.place("reference_angle")
     for _ in range(12):
         moved = state.copy()
@@ -216,10 +216,10 @@ def at_border(gearbox: Gearbox, state: State, name: str, contact: int, value: fl
 def test_forces_and_energy_go_on_where_a_pair_leaves_its_path(
     kernel: Kernel, name: str, couples: bool
 ):
-    """At the end of a flank and where its edge takes over: the same state in both zones.
+    """At the end of a flank and the transition to its edge: the same state in both zones.
 
-    The torque about the edge's axle steps by 1e-4 of itself, since the load stops on the edge.
-    Where the mate slopes, its foot, which turns round there, meets that slope: no damper here.
+    The torque about the edge's axis has a step of 1e-4 of itself, since the load stops on the edge.
+    If the mate has a slope, its reversing foot point meets that slope: no damper here.
     """
     gearbox = with_edges(kernel, name, couples, fixed=True, friction=0.0, damping=None)
     found = 0
@@ -252,7 +252,7 @@ def test_forces_and_energy_go_on_where_a_pair_leaves_its_path(
 def test_forces_and_energy_go_on_where_a_pair_comes_to_a_corner_and_where_it_leaves_it(
     kernel: Kernel, name: str, couples: bool
 ):
-    """Where the corner begins to touch and where the relief behind it does: the same in both."""
+    """At the start of corner contact and of contact with the relief beyond: equal in both."""
     gearbox = with_edges(kernel, name, couples, fixed=True, friction=0.0, damping=None)
     found = set()
     for place in np.linspace(0, 1, 60):
@@ -283,14 +283,14 @@ def test_forces_and_energy_go_on_where_a_pair_comes_to_a_corner_and_where_it_lea
 def test_pairs_that_yield_together_touch_where_they_overlap_whichever_way_they_move(
     kernel: Kernel, mode: int, overlap: float, then: int, rate: float
 ):
-    """Others that carry more or less part the flanks of a pair, and close them, too."""
+    """Load changes of other pairs open and close the flanks of a pair, too."""
     gearbox = with_edges(kernel, "perfect", couples=True, fixed=True, friction=0.0, damping=None)
     state = pressed(gearbox, 0.92, 3e-5)
     gearbox.mode(state, 1)[1] = mode
     state = at_border(gearbox, state, "contact", 1, value=overlap)
     state.y[gearbox.place("reference_speed")] = 0
     state.y[gearbox.place("angle_deviation_1") + 1] = rate / gearbox.wheel_geometry(1).base_radius
-    assert gearbox.outputs(state)["pair_penetration"][0, 1] > 1e-6  # of unyielding flanks
+    assert gearbox.outputs(state)["pair_penetration"][0, 1] > 1e-6  # of rigid flanks
     after, _ = gearbox.apply_all(state, [])
     assert gearbox.mode(after, 0)[1] == LOADED
     assert gearbox.mode(after, 1)[1] == then

@@ -1,4 +1,4 @@
-"""Rigid flanks that would have to pull at the same instant: which of them stay closed."""
+"""Rigid flanks with simultaneous adhesive forces: which of them stay closed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TEETH = (20, 20, 80, 20)
 
 
 def two_steps(kernel: Kernel, sigma: int, press: float, flee: float) -> Gearbox:
-    """Two meshes in a row, a small and a large wheel on one shaft; the last wheel runs away."""
+    """Two meshes in a row, a small and a large wheel on one shaft; the last wheel speeds up."""
     wheels = [
         wheel(
             teeth=z,

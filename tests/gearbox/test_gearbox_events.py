@@ -1,4 +1,4 @@
-"""Roots, directions and what an event changes."""
+"""Root functions, directions and the effect of events."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ FRICTION = (0.3, KNEE)
 
 
 def part(gearbox: Gearbox, state: State, rate: float) -> None:
-    """Let the flanks of the paper's gearbox move apart at a rate [m/s]."""
+    """Separate the flanks of the paper's gearbox at a rate [m/s]."""
     place = gearbox.place("speed_deviation_1")
     state.y[place] += rate / gearbox.wheel_geometry(1).base_radius
 
@@ -61,9 +61,9 @@ def is_consistent(gearbox: Gearbox, state: State) -> bool:
 
 
 def has_passed(gearbox: Gearbox, state: State, name: str) -> bool:
-    """Whether a root function is already beyond zero in the direction that counts."""
+    """Whether a root function is already beyond zero in its active direction."""
     root = gearbox.root(state, name)
-    return root * gearbox.root_direction(state, name) >= 0 and root != 1  # 1: without a meaning
+    return root * gearbox.root_direction(state, name) >= 0 and root != 1  # 1: inactive
 
 
 # ---- teeth
@@ -76,7 +76,7 @@ def has_passed(gearbox: Gearbox, state: State, name: str) -> bool:
 def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
     kernel: Kernel, pair: Pair, tracking: str, name: str, seed: int
 ):
-    """h, F_n, lambda, mu and the invariants keep their value; the radii of curvature jump."""
+    """Constant are h, F_n, lambda, mu and the invariants; the radii of curvature jump."""
     random = np.random.default_rng(seed)
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION)
     sign = 1 if name == "forward" else -1
@@ -95,7 +95,7 @@ def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
     old, new = gearbox.outputs(state), gearbox.outputs(after)
     kept = ("gap", "penetration", "gradient_ratio", "transmission_error", "separation_curvature")
     for output in (*kept, "contact_mode", "kinetic_energy", "potential_energy"):
-        # rho_A + rho_B is the sum of two other numbers now; nothing else changes
+        # rho_A + rho_B is the sum of two other numbers now; all else is equal
         np.testing.assert_allclose(new[output], old[output], rtol=1e-13, err_msg=output)
     assert new["normal_force"] == pytest.approx(old["normal_force"], rel=1e-13)
     pitch = gearbox.mesh_geometry().base_pitch
@@ -125,7 +125,7 @@ def test_a_tooth_switch_leaves_the_contact_alone_but_moves_it_by_a_base_pitch(
 def test_the_switch_comes_when_the_driving_wheel_has_turned_by_a_pitch_from_the_centre_line(
     kernel: Kernel, pair: Pair, tracking: str
 ):
-    """sigma (phi_A - chi) has moved by one pitch: also when the axles have moved."""
+    """Here sigma (phi_A - chi) has changed by one pitch, also with displaced axes."""
     random = np.random.default_rng(3)
     gearbox = pair.gearbox(kernel, tracking=tracking)
     for _ in range(20):
@@ -156,7 +156,7 @@ def test_closing_flanks_are_loaded_and_keep_their_approach_speed(
         h_dot = -1.0
         while h_dot < 0:  # flanks close as they approach
             state = scatter(gearbox, random)
-            set_gap(gearbox, state, 0, -1e-18)  # as a root is found: a little past it
+            set_gap(gearbox, state, 0, -1e-18)  # as a root is located: slightly beyond it
             press(gearbox, state, 0, OPEN)
             h_dot = -approach(gearbox, state)
         after, events = gearbox.apply(state, "contact")
@@ -186,7 +186,7 @@ def test_contact_roots_are_zero_where_the_flanks_touch(kernel: Kernel, tracking:
         state = gearbox.start(0, gaps=[gap])
         for mode in (OPEN, LOADED, UNLOADED):
             press(gearbox, state, 0, mode)
-            # 1e-10 of h_0 past touching, so that no root starts at zero
+            # 1e-10 of h_0 beyond contact, so that no root starts at zero
             past = -1e-10 if mode == OPEN else 1e-10
             assert gearbox.root(state, "contact") == pytest.approx(past - gap / h_0, rel=1e-12)
             assert gearbox.root_direction(state, "contact") == (1 if mode == OPEN else -1)
@@ -198,7 +198,7 @@ def test_the_force_root_is_zero_where_elastic_and_viscous_force_cancel(kernel: K
     state = gearbox.start(0, gaps=[-3e-9])
     press(gearbox, state, 0, LOADED)
     elastic = gearbox.outputs(state)["normal_force"][0]
-    rate = elastic / 1e4  # h' at which the damper pulls as hard as the flanks push
+    rate = elastic / 1e4  # h' at which the damper force equals the elastic force
     place = gearbox.place("speed_deviation_1")
     for part in (0.0, 0.5, 1.0, 1.5, 4.0):
         state.y[place] = part * rate / gearbox.wheel_geometry(1).base_radius
@@ -211,7 +211,7 @@ def test_the_force_root_is_zero_where_elastic_and_viscous_force_cancel(kernel: K
     assert gearbox.root(state, "force") == 1
 
 
-DAMPING = 1e4  # [N s/m] pulls as hard as flanks push that overlap by 1e-9 m and part at 2e-4 m/s
+DAMPING = 1e4  # [N s/m] equals the elastic force at 1e-9 m of overlap and a separation at 2e-4 m/s
 TRANSITIONS = {  # mode, root function, gap [m] and its rate [m/s]; mode afterwards, event
     "the flanks part": (LOADED, "contact", 1e-18, 1e-5, OPEN, "contact_opened"),
     "the damper pulls": (LOADED, "force", -1e-9, 1e-3, UNLOADED, "force_vanished"),
@@ -259,8 +259,8 @@ def test_contact_modes_follow_the_roots(
 def test_a_force_that_vanished_has_the_digits_of_what_it_is_the_difference_of(
     kernel: Kernel, share: float, mode: int
 ):
-    """What is left, over the elastic force, some thousand times the reference force: by rounding
-    the force has not come back, by more it has.
+    """The remainder, over the elastic force, some thousand times the reference force: within
+    rounding the force has not returned, above it has.
     """
     gearbox = paper_gearbox(kernel, damping=DAMPING)
     f_0 = gearbox.mesh_geometry().reference_force
@@ -389,7 +389,7 @@ def test_tracking_rests_while_the_flanks_are_far_apart_and_begins_anew(
 def test_an_event_puts_tracked_points_back_onto_the_equations(
     kernel: Kernel, pair: Pair, tracking: str
 ):
-    """What integration has left of (1) is gone afterwards; the wheels stay where they are."""
+    """The integration error in (1) is removed; the wheels do not move."""
     random = np.random.default_rng(10)
     gearbox = pair.gearbox(kernel, tracking=tracking)
     state = in_mode(gearbox, random, (LOADED, 0))
@@ -433,7 +433,7 @@ def test_the_documentation_lists_every_kind_of_event(kernel: Kernel, root: Path)
 
 
 def test_every_event_of_an_instant_is_told_however_many_there_are(kernel: Kernel):
-    """A train of 40 meshes in which all flanks close, slide and hand over at once."""
+    """A train of 40 meshes in which all flanks close, slide and hand over simultaneously."""
     n = 40
     wheels = [wheel(teeth=20, pitch_radius=0.1), *(wheel(teeth=20) for _ in range(n))]
     pairs = [mesh(kernel, m, m + 1, driving_rotation=(-1) ** (m + 1)) for m in range(n)]
@@ -463,7 +463,7 @@ Mode = tuple[int, int]  # of the contact, and the branch of friction
 
 
 class Belonging(NamedTuple):
-    """A mode, and what the state is to which it belongs."""
+    """A mode, and a consistent state."""
 
     mode: Mode
     gap: float  # [m]
@@ -504,7 +504,7 @@ def test_an_event_that_did_not_happen_changes_nothing(
 def test_after_any_event_every_mode_is_the_one_that_belongs_to_the_state(
     kernel: Kernel, tracking: str, belongs: Belonging, wrong: Mode
 ):
-    """Whatever mode an event leaves, as where a slope of the flank jumps or a speed."""
+    """For any mode after an event, as at a jump of the slope of the flank or of a speed."""
     gearbox, state = belonging(kernel, tracking, belongs, wrong)
     state.yp = gearbox.derivative(state)
     after, events = gearbox.apply(state)
@@ -546,7 +546,7 @@ CAN_JUMP = ("contact", "force", "friction_high", "friction_low")
 def belonging(
     kernel: Kernel, tracking: str, belongs: Belonging, mode: Mode
 ) -> tuple[Gearbox, State]:
-    """Make the paper's gearbox with damping and friction, and a state of it in any mode."""
+    """Create the paper's gearbox with damping and friction, and a state of it in any mode."""
     gearbox = paper_gearbox(kernel, tracking=tracking, friction=FRICTION, damping=DAMPING)
     speeds = [belongs.speed, -belongs.speed * 20 / 30]
     state = gearbox.start(SPEEDS, speeds=speeds, gaps=[belongs.gap])

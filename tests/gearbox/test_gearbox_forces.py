@@ -1,4 +1,4 @@
-"""Forces of a gearbox: what tracking gives them, their balance on wheels and axles, energy."""
+"""Forces of a gearbox: inputs from tracking, equilibrium of wheels and axes, energy."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def johnson(kernel: Kernel, gearbox: Gearbox, h: float, rho_sum: float) -> float
     return float(kernel.law_elastic_force(law, h=h, **context).force[0])
 
 
-# ---- what the force sees
+# ---- inputs of the force
 
 
 @EVERY_PAIR
@@ -74,8 +74,8 @@ def test_the_three_trackings_give_the_same_outputs_where_the_points_face_each_ot
         for name, values in expected.items():
             if name in ("tracking", "gradient_ratio") or "distance" in name or "residual" in name:
                 continue
-            # the tracked points keep 1e-15 of a metre, their normal 1e-15/rho_B of a radian, and
-            # what hangs on the small sliding velocity 1e-11 of itself
+            # the tracked points are accurate to 1e-15 of a metre, their normal to 1e-15/rho_B of a
+            # radian, and quantities of the small sliding velocity to 1e-11 of themselves
             tolerance = 1e-11 * abs(values) + 1e-14 * abs(values).max() + 1e-15
             assert worst(outputs[name] - values, tolerance) <= 1, name
 
@@ -112,7 +112,7 @@ def test_first_force_follows_a_displaced_mu(kernel: Kernel, pair: Pair, tracking
 def test_displaced_wheels_leave_the_force_of_tracked_points_alone(
     kernel: Kernel, pair: Pair, tracking: str
 ):
-    """The closed form, by contrast, would see twice the penetration."""
+    """The closed form, by contrast, would have twice the penetration."""
     gearbox = pair.gearbox(kernel, tracking=tracking, damping=0.0)
     state = gearbox.start(2, speeds=(0, 3.0) if pair.reference else (0, 0), gaps=[-3e-9])
     before = gearbox.outputs(state)["normal_force"][0]
@@ -176,7 +176,7 @@ def test_a_penetration_past_the_limit_is_out_of_the_domain_with_value_and_limit(
 def test_torques_balance_on_each_wheel(
     kernel: Kernel, pair: Pair, tracking: str, branch: int, seed: int
 ):
-    """sigma F_n (r_b + (F_t/F_n) l) = J omega' - M, whatever sense the teeth slide in."""
+    """Check sigma F_n (r_b + (F_t/F_n) l) = J omega' - M for either direction of sliding."""
     random = np.random.default_rng(seed)
     loads = (load(0, TORQUE, -3.0), load(0, VISCOUS, 0.2))
     gearbox = pair.gearbox(kernel, loads, tracking=tracking, friction=(0.3, 1e-3))
@@ -207,7 +207,7 @@ def test_torques_balance_on_each_wheel(
 def test_the_axles_feel_opposite_forces_along_the_line_of_action_and_across_it(
     kernel: Kernel, pair: Pair, tracking: str, seed: int
 ):
-    """-F_n e + F_t t on the driving axle; so no momentum is made."""
+    """Check -F_n e + F_t t on the driving axis; momentum is conserved."""
     random = np.random.default_rng(seed)
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=(0.3, 1e-3))
     state = in_mode(gearbox, random, (LOADED, 1))
@@ -233,7 +233,7 @@ GEARBOXES: dict[str, Callable[[Kernel, int, int], Gearbox]] = {
     "four": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma=sigma),
     "ring": lambda kernel, tracking, sigma: chain(kernel, 4, tracking, sigma=sigma, closed=True),
 }
-SUPPORT_MASS = {"prescribed": (0.0, 0.0)}  # beside the wheel's own; that of `chain` unless here
+SUPPORT_MASS = {"prescribed": (0.0, 0.0)}  # besides the wheel's; that of `chain` if not listed
 
 
 def kinetic(gearbox: Gearbox, o: dict[str, np.ndarray], masses: np.ndarray) -> float:
@@ -248,7 +248,7 @@ def kinetic(gearbox: Gearbox, o: dict[str, np.ndarray], masses: np.ndarray) -> f
 def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
     kernel: Kernel, name: str, tracking: str, sigma: int, mode: tuple[int, int]
 ):
-    """d/dt (T + V + dissipated - work) = 0 along the flow, in every mode."""
+    """Check d/dt (T + V + dissipated - work) = 0 along the flow, in every mode."""
     gearbox = GEARBOXES[name](kernel, tracking, sigma)
     n = gearbox.sizes.n_wheels
     for seed in SEEDS:
@@ -275,12 +275,12 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
 
 
 def axle_accelerations(gearbox: Gearbox, state: State) -> np.ndarray:
-    """Accelerations of the axles [n_wheels, 2]: put where the velocities are, and read as such."""
+    """Accelerations of the axes [n_wheels, 2]: stored as velocities, and read as such."""
     moved = state.copy()
     for i, name in enumerate(gearbox.names):
         if name.startswith("displacement") and "rate" in name:
             moved.y[i] = state.yp[i]
-    for m in range(gearbox.sizes.n_meshes):  # no force, which such velocities drive out of its law
+    for m in range(gearbox.sizes.n_meshes):  # no force: such velocities are outside its law
         press(gearbox, moved, m, OPEN)
     return gearbox.outputs(moved)["centre_velocity"]
 
@@ -307,7 +307,7 @@ def rates_of_gaps(gearbox: Gearbox, state: State) -> np.ndarray:
 
 
 def test_two_wheels_without_supports_loads_and_losses_keep_their_energy(kernel: Kernel):
-    """To rounding: nothing but rotation and the contact's potential takes part."""
+    """To rounding: only rotation and the contact's potential are involved."""
     gearbox = paper_like_free_pair(kernel)
     state = gearbox.start(2, speeds=[-1.0, 0.6], gaps=[-2e-6])
     state.yp = gearbox.derivative(state)
@@ -316,7 +316,7 @@ def test_two_wheels_without_supports_loads_and_losses_keep_their_energy(kernel: 
     d_potential = rate_along_flow(gearbox, state, "potential_energy")
     # Richardson differences of V over 1e-3 of h: 1e-11 of it
     assert d_potential == pytest.approx(-d_kinetic.sum(), rel=1e-10)
-    # a series for V: what it leaves out is (h/rho)^3 of the power, 1e-14 here
+    # a series for V: its truncation error is (h/rho)^3 of the power, 1e-14 here
     assert abs(state.yp[gearbox.place("dissipated_energy")]) <= 1e-14 * abs(d_potential)
     assert state.yp[gearbox.place("load_work")] == 0
 

@@ -1,4 +1,4 @@
-"""Impacts of rigid contacts: momentum, energy, several at once, what a jump of speeds entails."""
+"""Impacts of rigid contacts: momentum, energy, simultaneous impacts, effects of speed jumps."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ RESTITUTIONS = pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_an_impact_is_newtons_with_the_friction_of_its_instant(
     kernel: Kernel, pair: Pair, tracking: str, restitution: float
 ):
-    """kappa' changes to -e times itself; wheels and axles get P times the force per unit F_n."""
+    """kappa' changes to -e times itself; wheels and axes get P times the force per unit F_n."""
     random = np.random.default_rng(1)
     fields = {"tracking": tracking, "friction": FRICTION, **rigid(kernel, restitution)}
     gearbox = pair.gearbox(kernel, **fields)
@@ -69,7 +69,7 @@ def test_an_impact_is_newtons_with_the_friction_of_its_instant(
         impulse = (1 + restitution) * size / (gap @ (force / bodies.masses))
         expected = before + impulse * force / bodies.masses
         changes = abs(impulse * force / bodies.masses)
-        # momentum of every body; rounding of the speeds themselves beside 1e-10 of their change
+        # momentum of every body; rounding of the speeds beside 1e-10 of their change
         error = abs(bodies.speeds(after) - expected)
         assert (error <= 1e-10 * changes + 1e-15 * abs(before)).all()
         assert gearbox.outputs(after)["gap_rate"][0] == pytest.approx(
@@ -82,7 +82,7 @@ def test_an_impact_is_newtons_with_the_friction_of_its_instant(
 def test_an_impact_without_friction_loses_what_its_restitution_says(
     kernel: Kernel, tracking: str, restitution: float
 ):
-    """(1 - e^2)/2 m v^2, m the mass that the gap feels; what is lost counts as dissipated."""
+    """(1 - e^2)/2 m v^2, m the effective mass of the gap; the loss counts as dissipated."""
     random = np.random.default_rng(2)
     fields = {"tracking": tracking, "friction": 0.0, **rigid(kernel, restitution)}
     gearbox = PAIRS["tilted"].gearbox(kernel, **fields)
@@ -133,7 +133,7 @@ def test_an_approach_rebounds_if_it_is_faster_than_the_rest_velocity(
     assert ("impact" in names) == (share > 1)
     assert ("impacts_ended" in names) == (share < 1)
     rate = gearbox.outputs(after)["gap_rate"][0]
-    # the flanks part at half the approach, or not at all; rounding of speeds of 0.1 m/s
+    # the flanks separate at half the approach, or not at all; rounding of speeds of 0.1 m/s
     expected = 0.5 * share * rest_velocity if share > 1 else 0.0
     assert rate == pytest.approx(expected, rel=1e-6, abs=1e-16)
 
@@ -142,7 +142,7 @@ def test_an_approach_rebounds_if_it_is_faster_than_the_rest_velocity(
 def test_a_rebound_that_the_load_ends_before_it_can_be_seen_is_none(
     kernel: Kernel, approach: float, mode: int
 ):
-    """They part faster than rest_velocity, and go back: events are located to some 1e-15 m here."""
+    """They separate faster than rest_velocity, and return: events are located to 1e-15 m or so."""
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
     fields = {"friction": 0.0, **rigid(kernel, 0.5, 1e-10)}
     gearbox = Gearbox(kernel, wheels, [load(0, TORQUE, -300.0)], [mesh(kernel, **fields)])
@@ -193,7 +193,7 @@ def test_contacts_that_close_at_once_are_solved_together(
 
 @TRACKINGS
 def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kernel, tracking: str):
-    """The momentum goes through it: its own impulse keeps kappa' = 0."""
+    """The momentum passes through it: its own impulse maintains kappa' = 0."""
     random = np.random.default_rng(4)
     gearbox = rigid_train(kernel, 3, tracking, 1, (0.0, 0.6))
     bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
@@ -220,7 +220,7 @@ def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kerne
 
 @pytest.mark.parametrize("left", [1e-12, -1e-12])
 def test_what_a_located_event_leaves_of_the_gap_is_taken_out(kernel: Kernel, left: float):
-    """Of both contacts that close: the second gap is that which the first correction leaves."""
+    """For both contacts that close: the second gap is that after the first correction."""
     gearbox = rigid_train(kernel, 3, CLOSED_FORM, 1, (0.0, 0.0))
     state = approaching(gearbox, np.random.default_rng(6), [1e-4, 1e-4])
     for m in (0, 1):
@@ -229,12 +229,12 @@ def test_what_a_located_event_leaves_of_the_gap_is_taken_out(kernel: Kernel, lef
     assert abs(gearbox.outputs(state)["gap"]).max() > 9e-13
     after, _ = close(gearbox, state, 0, 1)
     values = gearbox.outputs(after)
-    assert abs(values["gap"]).max() <= 1e-17  # rounding beside the displacements of the axles
+    assert abs(values["gap"]).max() <= 1e-17  # rounding beside the displacements of the axes
     assert abs(values["gap_rate"]).max() <= 1e-17
 
 
 def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
-    """Two wheels drive the middle one: a blow from one carries it away from the other."""
+    """Two wheels drive the middle one: an impact from one carries it away from the other."""
     random = np.random.default_rng(5)
     gearbox = rigid_train(kernel, 3, restitutions=(0.0, 0.5), outer_drive=True, friction=0.0)
     bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
@@ -243,7 +243,7 @@ def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
     state.y[gearbox.place("multiplier_0")] = 1.0
     gap, force = bodies.directions(1, 0.0, state)
     first, _ = bodies.directions(0, 0.0, state)
-    assert first @ (force / bodies.masses) > 0  # the blow parts the flanks of the first mesh
+    assert first @ (force / bodies.masses) > 0  # the impact separates the flanks of the first mesh
     after, events = close(gearbox, state, 1)
     happened = [(event.name, event.mesh) for event in gearbox.changing(events)]
     assert happened == [("contact_opened", 0), ("impact", 1)]
@@ -289,7 +289,7 @@ def test_a_flank_that_its_load_presses_stays_closed_if_it_parts_slower_than_the_
 
 
 def test_of_two_contacts_that_close_at_once_none_pulls(kernel: Kernel):
-    """The stronger blow carries the middle wheel away from the weaker one: that takes no part."""
+    """The stronger impact moves the middle wheel away from the weaker one, without effect."""
     random = np.random.default_rng(6)
     gearbox = rigid_train(kernel, 3, restitutions=(0.5, 0.5), outer_drive=True, friction=0.0)
     bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
@@ -304,7 +304,7 @@ def test_of_two_contacts_that_close_at_once_none_pulls(kernel: Kernel):
     assert gearbox.mode(after, 0)[1] == OPEN
 
 
-# ---- what the jump of the speeds entails
+# ---- effects of the jump of the speeds
 
 
 @pytest.mark.parametrize("elastic", [False, True], ids=["rigid neighbour", "elastic neighbour"])
@@ -329,7 +329,7 @@ def test_an_impact_chooses_the_branches_of_friction_anew(kernel: Kernel, elastic
 
 
 def test_an_impact_clips_the_force_of_an_elastic_neighbour_that_would_pull(kernel: Kernel):
-    """Its damper sees the jump of h'; without the clip its root would lie behind it already."""
+    """Its damper has the jump of h'; without the clip its root would already be passed."""
     random = np.random.default_rng(8)
     gearbox = rigid_train(kernel, 3, restitutions=(None, 0.5), outer_drive=True, friction=0.0)
     state = approaching(gearbox, random, [0.0, 0.2])
@@ -347,7 +347,7 @@ def test_an_impact_clips_the_force_of_an_elastic_neighbour_that_would_pull(kerne
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_no_event_overflows_its_room(kernel: Kernel, restitution: float):
-    """Also if every root fires at once."""
+    """Also if all roots fire simultaneously."""
     random = np.random.default_rng(9)
     gearbox = rigid_train(kernel, 4, DIFFERENTIAL, 1, (restitution,) * 3)
     for sizes in ([1e-3] * 3, [1e-9] * 3, [-1e-3] * 3):
@@ -363,7 +363,7 @@ def test_no_event_overflows_its_room(kernel: Kernel, restitution: float):
 
 
 def test_friction_that_holds_the_flanks_fast_is_diagnosed(kernel: Kernel):
-    """f l_B > r_bB on approach with a light driven wheel: G M^-1 D < 0, no impulse parts them."""
+    """f l_B > r_bB on approach with a light driven wheel: G M^-1 D < 0, no separating impulse."""
     wheels = [
         wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)),
         wheel(teeth=30, inertia=1e-3),

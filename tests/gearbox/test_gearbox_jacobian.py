@@ -1,4 +1,4 @@
-"""The analytic Jacobian against extrapolated differences of the residual."""
+"""Analytic Jacobian, against extrapolated differences of the residual."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ MAKERS: dict[str, Callable[[Kernel, int, int], Gearbox]] = {
 def put(
     gearbox: Gearbox, random: np.random.Generator, mode: tuple[int, int], size: float = 1e-6
 ) -> State:
-    """State with every mesh in a mode, the tracked points displaced, and any rates."""
+    """State with every mesh in a mode, the tracked points displaced, and arbitrary rates."""
     state = in_mode(gearbox, random, mode, size)
     for m in range(gearbox.sizes.n_meshes):
         if f"turn_{m}" in gearbox.names:
-            # off the flanks as within a Newton iteration, and with rates so large that all that
-            # they multiply stands out of the rounding
+            # off the flanks as within a Newton iteration, and with rates so large that all their
+            # products exceed rounding
             track = gearbox.tracked(m)
             state.y[track] += random.normal(size=6) * [1e-6, 1e-8, 1e-8, 1e-8, 1e-3, 1e-9]
             state.yp[track] = random.normal(size=6) * [1.0, 0.1, 0.1, 0.1, 1.0, 0.1]
@@ -72,7 +72,7 @@ def test_jacobian_of_trains_is_the_derivative_of_the_residual(
 def test_jacobian_of_a_pair_is_the_derivative_of_the_residual(
     kernel: Kernel, pair, tracking: str, mode: tuple[int, int]
 ):
-    """Both flanks, any centre line, both axles on bearings; penetrations from 1e-10 to 1e-5 m."""
+    """Both flanks, any centre line, both axes on bearings; penetrations from 1e-10 to 1e-5 m."""
     random = np.random.default_rng(12)
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=(0.3, 1e-3))
     for size in (1e-9, 1e-7, 1e-5):
@@ -80,7 +80,7 @@ def test_jacobian_of_a_pair_is_the_derivative_of_the_residual(
 
 
 def test_a_mesh_whose_flanks_are_apart_rests(kernel: Kernel):
-    """Its tracked variables keep their value: rows y' = 0."""
+    """Its tracked variables are constant: rows y' = 0."""
     random = np.random.default_rng(13)
     for tracking in (ALGEBRAIC, DIFFERENTIAL):
         gearbox = PAIRS["tilted"].gearbox(kernel, tracking=tracking)

@@ -1,4 +1,4 @@
-"""What the integrator sees of a gearbox, and its steps one by one."""
+"""Interface of a gearbox for the integrator, and its single steps."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ MAKERS: dict[str, Callable[[Kernel], Gearbox]] = {
 
 
 def neighbours(gearbox: Gearbox, state: State, random: np.random.Generator) -> list[State]:
-    """Return eight states of one mode near each other, the given one first."""
+    """Return eight neighbouring states of one mode, the given one first."""
     scale = gearbox.scales()[0]
     states = [state.copy() for _ in range(LANES)]
     for moved in states[1:]:
@@ -48,13 +48,13 @@ def neighbours(gearbox: Gearbox, state: State, random: np.random.Generator) -> l
 
 
 def check_model(gearbox: Gearbox, state: State) -> None:
-    """Compare rates and Jacobian with those that the residual has."""
+    """Compare rates and Jacobian with those of the residual."""
     states = neighbours(gearbox, state, np.random.default_rng(4))
     rates, jacobian = model(gearbox, states)
     scale, row = gearbox.scales()
     for lane, one in enumerate(states):
         expected = gearbox.derivative(one)
-        # the order of sums may differ: rounding of the forces, of which the rates are differences
+        # the order of sums may differ: rounding of the forces, whose differences are the rates
         bound = 1e-12 * np.abs(expected / row).max()
         np.testing.assert_allclose(rates[lane] / row, expected / row, rtol=1e-12, atol=bound)
     state.yp[:] = 0
@@ -146,7 +146,7 @@ def test_steps_end_where_they_are_told_and_interpolate_their_ends(kernel: Kernel
 
 
 def test_states_at_eight_times_in_a_step_are_those_at_each_to_the_bit(kernel: Kernel):
-    """Before the first step, too, where there is one state alone."""
+    """Also before the first step, with a single state."""
     gearbox = two_stages(kernel)
     state = stirred(gearbox, np.random.default_rng(5))
     radau = Radau(gearbox)

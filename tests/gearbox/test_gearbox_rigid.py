@@ -1,4 +1,4 @@
-"""Rigid contact: multipliers, what is refused, the rows of the constraints and their Jacobian."""
+"""Rigid contact: multipliers, rejected input, the rows of the constraints and their Jacobian."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ EVERY_PAIR = pytest.mark.parametrize("pair", PAIRS.values(), ids=PAIRS.keys())
 @TRACKINGS
 @FLANKS
 def test_the_normal_force_at_rest_is_that_of_the_torques(kernel: Kernel, tracking: str, sigma: int):
-    """Fixed axles, no sliding: kappa'' = 0 with the torques M_A and M_B alone."""
+    """Fixed axes, no sliding: kappa'' = 0 with the torques M_A and M_B alone."""
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
     description = mesh(kernel, driving_rotation=-sigma, tracking=tracking, **rigid(kernel))
     torques = [-3.0 * sigma, -0.5 * sigma]
@@ -61,7 +61,7 @@ def test_the_normal_force_at_rest_is_that_of_the_torques(kernel: Kernel, trackin
 def test_an_event_finds_the_normal_force_of_the_torques_whatever_it_was(
     kernel: Kernel, tracking: str, before: float
 ):
-    """What pressed the flanks before, or pulled, opens none: the forces of all are found anew."""
+    """Earlier compressive or adhesive forces open no contact: all forces are recomputed."""
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
     description = mesh(kernel, tracking=tracking, **rigid(kernel))
     loads = [load(0, TORQUE, -3.0), load(1, TORQUE, -0.5)]
@@ -85,7 +85,7 @@ def test_torques_that_part_the_flanks_open_the_contact_at_the_start(kernel: Kern
     assert gearbox.outputs(state)["normal_force"][0] == 0
 
 
-# ---- refusals
+# ---- rejected input
 
 
 def test_damping_of_a_rigid_contact_is_refused(kernel: Kernel):
@@ -150,7 +150,7 @@ def test_rigid_contacts_between_two_prescribed_speeds_are_refused(kernel: Kernel
     error = refusal(lambda: train(0.0, 0.0))
     assert (error.subject, error.field) == (MESH, "contact.law")
     assert "prescribed" in error.message
-    train(0.0, None)  # an elastic contact gives way
+    train(0.0, None)  # an elastic contact is compliant
 
 
 def test_a_start_with_penetration_is_refused(kernel: Kernel):
@@ -173,7 +173,7 @@ LOADS = (load(0, TORQUE, -7.0), load(0, VISCOUS, 0.3))
 
 
 def press_by(gearbox: Gearbox, state: State, random: np.random.Generator) -> State:
-    """Give every closed contact some multiplier."""
+    """Set the multipliers of all closed contacts."""
     for m in range(gearbox.sizes.n_meshes):
         if f"multiplier_{m}" in gearbox.names:
             state.y[gearbox.place(f"multiplier_{m}")] = random.uniform(1.0, 100.0)
@@ -212,7 +212,7 @@ def test_jacobian_of_a_pair_with_rigid_contact(
 
 
 def test_jacobian_of_a_rigid_contact_whose_line_turns_fast(kernel: Kernel):
-    """Axles at 30 m/s: kappa'' has the square of the speed along the line, over its length."""
+    """Axes at 30 m/s: kappa'' contains the square of the speed along the line, over its length."""
     random = np.random.default_rng(23)
     gearbox = rigid_train(kernel, 2, restitutions=(0.0,), loads=LOADS)
     state = press_by(gearbox, put(gearbox, random, (LOADED, 1)), random)
@@ -231,7 +231,7 @@ def test_a_steady_start_accelerates_nothing(kernel: Kernel, tracking: str, frict
     values = gearbox.outputs(state)
     scale, _ = gearbox.scales()
     still = [i for i, name in enumerate(gearbox.names) if "rate" in name or "speed_dev" in name]
-    # 1 rad/s^2 is what the torque would do; the scales of the rates are those of a vibration
+    # 1 rad/s^2 is the effect of the torque; the scales of the rates are those of a vibration
     assert np.abs(state.yp[still] / scale[still]).max() <= 1e-5
     assert np.abs(values["gap"]).max() <= 1e-18
     assert (values["normal_force"] > 0).all()

@@ -1,4 +1,4 @@
-"""Whole turns of the reference wheel, and knots of tables."""
+"""Whole revolutions of the reference wheel, and knots of tables."""
 
 from __future__ import annotations
 
@@ -64,10 +64,10 @@ def test_whole_turns_are_taken_off_the_reference_angle_and_nothing_else_changes(
     for name, values in old.items():
         if name in ("reference_angle", "reference_turns"):
             continue
-        if "residual" in name or "distance" in name:  # nothing but rounding, before and after
+        if "residual" in name or "distance" in name:  # only rounding, before and after
             assert tracking == CLOSED_FORM or abs(new[name][0]) < 1e-16
             continue
-        # theta is rounded to 1e-15, and so are the points; torques and friction follow these
+        # theta is rounded to 1e-15, and so are the points; torques and friction depend on these
         tolerance = 1e-12 * abs(values) + 1e-11 * abs(values).max()
         assert worst(np.nan_to_num(new[name] - values), tolerance) <= 1, name
     for name in ("tooth_pair", "angular_velocity", "angle_deviation"):
@@ -85,7 +85,7 @@ def test_the_root_of_the_turns_is_zero_after_two_either_way(kernel: Kernel):
 
 
 def test_any_event_past_a_turn_takes_it_off(kernel: Kernel):
-    """So that theta is large only in between; less than a turn stays, but for a rounding."""
+    """Theta is large only in between; less than a revolution remains, up to rounding."""
     gearbox = paper_gearbox(kernel)
     just = [
         (side * np.nextafter(4 * np.pi, x), 2 * side) for side in (1, -1) for x in (0, 4 * np.pi)
@@ -122,7 +122,7 @@ def test_knots_of_tables_come_in_their_order_and_leave_the_torque_continuous(
     assert times == [0.2, 1.0, 3.0]
     assert gearbox.next_time_event(state) == np.inf
     assert state.integers[-2:].tolist() == [2, 3]
-    assert gearbox.outputs(state)["load_torque"][0] == -10.0  # constant behind the last knot
+    assert gearbox.outputs(state)["load_torque"][0] == -10.0  # constant after the last knot
     assert state.yp[gearbox.place("reference_speed")] == 0
 
 

@@ -1,4 +1,4 @@
-"""The equations of a housing that moves agree with each other: Jacobian, residual, derivative."""
+"""Consistency of the equations of a moving housing: Jacobian, residual, derivative."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from kernel.housing_cases import BODY, HOUSINGS
 from kernel.kernel import CONTACT, Floats, Kernel
 from load_samples import SAMPLES
 
-RIGID = -1  # in place of a tracking: a rigid contact
+RIGID = -1  # instead of a tracking: a rigid contact
 
 
 def loads(kernel: Kernel, kind: str) -> list[Block]:
@@ -92,7 +92,7 @@ def make(kernel: Kernel, body: str, driven_by: str, tracking: str) -> Gearbox:
 
 
 def somewhere(kernel: Kernel, body: str, driven_by: str, tracking: str) -> tuple[Gearbox, State]:
-    """Return a state in contact in which everything moves, with rates that do not belong to it."""
+    """Return a state in contact in which everything moves, with inconsistent rates."""
     gearbox = make(kernel, body, driven_by, tracking)
     gaps = None if tracking == RIGID else [-3e-7]
     start = make(kernel, body, "free", tracking).start(gaps=gaps)
@@ -124,7 +124,7 @@ def somewhere(kernel: Kernel, body: str, driven_by: str, tracking: str) -> tuple
 
 
 def steps(names: list[str]) -> Floats:
-    """Return steps of the differences below: small beside what the equations are curved over."""
+    """Return steps of the differences below: small against the nonlinearity of the equations."""
     small = ("angle_deviation", "displacement", "turn", "zeta", "dr", "mu", "gradient", "speed_dev")
     return np.array([1e-9 if n.startswith(small) else 1e-4 for n in names])
 
@@ -168,7 +168,7 @@ def test_jacobian_is_the_derivative_of_the_residual(
     excess = np.abs(jacobian - numeric) - 1e-7 * np.abs(numeric) - 100 * rounding
     i, j = np.unravel_index(np.argmax(excess), excess.shape)
     assert excess.max() <= 0, f"{names[i]} by {names[j]}: {jacobian[i, j]}, {numeric[i, j]}"
-    assert (np.abs(numeric) > 100 * rounding).sum() > 2 * n  # and this says something
+    assert (np.abs(numeric) > 100 * rounding).sum() > 2 * n  # the test is significant
 
 
 @pytest.mark.parametrize("tracking", [CLOSED_FORM, DIFFERENTIAL])

@@ -1,4 +1,4 @@
-"""The analytic Jacobian of a gearbox with every force law against differences of the residual."""
+"""Analytic Jacobian of a gearbox with every force law, against differences of the residual."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ CASES = [
 
 def test_every_smooth_law_of_the_program_has_its_case(kernel: Kernel):
     names = [{law.name for law in kernel.laws(family)} for family in range(3)]
-    # a rigid contact has no force law; Coulomb's law has branches and a test of its own
+    # a rigid contact has no force law; Coulomb's law has branches and its own test
     assert names[CONTACT] == {*CONTACTS, "rigid"}
     assert names[DAMPING] == {*DAMPINGS, "none"}
     assert names[FRICTION] == {*FRICTIONS, "none", "coulomb"}

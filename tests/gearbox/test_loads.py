@@ -60,7 +60,7 @@ def train(
 
 
 def stirred(gearbox: Gearbox, seed: int = 3) -> State:
-    """Return a state in contact that moves, turns from the start, between the knots of a table."""
+    """Return a moving state in contact, turns from the start, between the knots of a table."""
     state = in_mode(gearbox, np.random.default_rng(seed), (LOADED, 0))
     state.t = 0.7
     state.y[gearbox.place("reference_speed")] = 4.0
@@ -117,7 +117,7 @@ def test_the_jacobian_of_every_load_is_the_derivative_of_the_residual(
 def test_radau_has_the_rates_and_the_jacobian_of_every_load(
     kernel: Kernel, name: str, body: str | None
 ):
-    """In lanes where they serve: at eight times, speeds and angles."""
+    """In lanes if supported: at eight times, speeds and angles."""
     gearbox = train(kernel, name, None if body is None else HOUSINGS[body])
     random = np.random.default_rng(4)
     states = [stirred(gearbox).copy() for _ in range(LANES)]
@@ -166,7 +166,7 @@ def test_a_drive_at_no_speed_and_no_torque_is_a_viscous_load_to_the_bit(
 
 
 def turning(kernel: Kernel, turns: int, angle: float, **fields: float) -> tuple[Gearbox, State]:
-    """Return a pair that does not touch, after turns of its first wheel."""
+    """Return a pair without contact, after revolutions of its first wheel."""
     wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33, inertia=INERTIA)]
     gearbox = Gearbox(
         kernel, wheels, [load_like(kernel, 1, {**HARMONIC, **fields})], [mesh(kernel, 0, 1)]
@@ -199,7 +199,7 @@ def test_a_harmonic_torque_over_time_is_the_sine(kernel: Kernel, t: float, phase
 def test_a_harmonic_torque_by_order_is_the_sine_of_the_whole_angle(
     kernel: Kernel, turns: int, order: float
 ):
-    """After two thousand million turns as precisely as at the start: exact fractions all."""
+    """After two thousand million revolutions as accurate as at the start: exact fractions."""
     gearbox, state = turning(kernel, turns, 0.3, order=order, phase=20.0)
     psi = state.y[gearbox.names.index("angle_deviation_1")]
     whole = (int(4 * order) * (-20) * turns) % (4 * 33) / (4 * 33)  # of a cycle, exact
@@ -227,7 +227,7 @@ def steady(kernel: Kernel, sample: dict[str, object]) -> Gearbox:
 
 @pytest.mark.parametrize("by", [{"frequency": 50.0}, {"order": 3.0}], ids=["time", "order"])
 def test_steady_states_scales_and_modes_take_the_mean(kernel: Kernel, by: dict[str, float]):
-    """Bit by bit those of the constant torque, however large the amplitude."""
+    """Bitwise equal to those of the constant torque, for any amplitude."""
     mean = steady(kernel, {"kind": "torque", "value": -7.0})
     other = steady(
         kernel, {"kind": "harmonic", "mean": -7.0, "amplitude": 60.0, "phase": 33.0, **by}

@@ -1,4 +1,4 @@
-"""Supports whose reference motion moves: axles deviate from it, and feel how it accelerates."""
+"""Supports with moving reference positions: deviations of the axes, and inertia forces."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def make(kernel: Kernel, described: Block | None = None, tracking: int = CLOSED_
 
 
 def shaken(gearbox: Gearbox) -> Gearbox:
-    """Shake what carries the axles."""
+    """Move the carriers of the axes."""
     amplitude = (ctypes.c_double * 2)(*AMPLITUDE)
     w = ctypes.c_double(2 * math.pi * FREQUENCY)
     gearbox.library.support_shake(gearbox.handle, amplitude, w)
@@ -73,7 +73,7 @@ def moving(gearbox: Gearbox, t: float = 0.0137) -> State:
 
 
 def alike(kernel: Kernel) -> tuple[Gearbox, Gearbox, State]:
-    """Return a gearbox whose carriers are shaken, one whose housing is, and a state of both."""
+    """Return a gearbox with moving carriers, one with a moving housing, and a state of both."""
     described = housing(
         PRESCRIBED,
         terms=[
@@ -86,7 +86,7 @@ def alike(kernel: Kernel) -> tuple[Gearbox, Gearbox, State]:
 
 
 def test_axles_whose_carriers_are_shaken_alike_move_as_in_a_housing_that_is_shaken(kernel: Kernel):
-    """Equations, powers and Jacobian: what differs is the place in the ground frame alone."""
+    """Equations, powers and Jacobian: only the position in the ground frame differs."""
     supports, carried, state = alike(kernel)
     for one, other in (
         (supports.residual(state), carried.residual(state)),
@@ -95,7 +95,7 @@ def test_axles_whose_carriers_are_shaken_alike_move_as_in_a_housing_that_is_shak
         # rounding of sums whose largest term is that of the springs
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-14 * abs(other).max())
     at_rest = make(kernel).residual(state)
-    assert abs(at_rest - carried.residual(state)).max() > 1  # shaking is felt
+    assert abs(at_rest - carried.residual(state)).max() > 1  # the motion has an effect
 
 
 def test_outputs_of_shaken_carriers_are_those_of_a_shaken_housing_but_for_the_places(
@@ -124,7 +124,7 @@ def test_jacobian_is_the_residuals_where_supports_move_in_a_housing(
 
 
 def test_axles_in_a_housing_at_rest_fall_with_gravity_as_far_as_they_are_free(kernel: Kernel):
-    """At the start, where no spring is stretched and no force acts: by g, or by its part along."""
+    """At the start, without spring deflection and forces: by g, or by its part along the slider."""
     gravity = np.array([1.0, -9.0, 2.0])
     gearbox = make(kernel, housing(HOUSING_FIXED, gravity=list(gravity)))
     found = gearbox.outputs(gearbox.start(gaps=[1e-6]))["centre_acceleration"]

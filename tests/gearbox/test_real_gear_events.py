@@ -1,4 +1,4 @@
-"""Tooth pairs that come and go: root functions, events, places at the start, refusals."""
+"""Tooth pairs that enter and leave: root functions, events, start positions, rejected input."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ PERFECT = pytest.mark.parametrize(
 
 
 def slot(pair: RealPair, flank: int, number: int) -> int:
-    """Tooth contact in which a tooth pair is."""
+    """Tooth contact that contains a tooth pair."""
     return flank * pair.slots + number % pair.slots
 
 
 def passed(gearbox: Gearbox, state: State) -> list[int]:
-    """Root functions with a meaning (else 1) that are already beyond zero where it counts."""
+    """Active root functions (others are 1) that are already beyond zero in an active direction."""
     values, directions = gearbox.roots(state), gearbox.root_directions(state)
     return [int(i) for i in np.flatnonzero((values * directions > 0) & (values != 1))]
 
@@ -63,14 +63,14 @@ def test_no_root_is_passed_where_pairs_are_where_they_belong(
         gearbox, teeth = made(kernel, pair, gap, 50 + seed)
         gearbox.take_sides(teeth.state)
         found = passed(gearbox, teeth.state)
-        # flanks that overlap may be held apart by the damper: that is the force's root alone
+        # overlapping flanks may be held apart by the damper: only the force's root is passed
         force = {at for (_, name), at in gearbox.root_places.items() if name == "force"}
         assert force.issuperset(found)
 
 
 @EVERY_PAIR
 def test_the_ends_of_the_path_are_where_the_tips_are(kernel: Kernel, pair: RealPair):
-    """Distances from both ends in pitches, of pairs on the path and of those that wait."""
+    """Distances from both ends in pitches, of pairs on the path and of those before it."""
     for seed, gap in enumerate(GAPS.values()):
         gearbox, teeth = made(kernel, pair, gap, 60 + seed)
         _, _, rho = teeth.line(teeth.q)
@@ -82,7 +82,7 @@ def test_the_ends_of_the_path_are_where_the_tips_are(kernel: Kernel, pair: RealP
             # the driving wheel's tip leaves last on the drive flank and enters first on the other
             forward, back = (from_a, from_b) if contact.flank == DRIVE else (from_b, from_a)
             at = slot(pair, contact.flank, contact.number)
-            # rounding of the angle of some turns, and the distance by which roots lie past
+            # rounding of the angle of some revolutions, and the offset of the roots
             assert gearbox.root(teeth.state, "forward", at) == pytest.approx(forward, abs=2e-10)
             assert gearbox.root(teeth.state, "back", at) == pytest.approx(back, abs=2e-10)
             assert gearbox.root_direction(teeth.state, "forward", at) == -1
@@ -133,7 +133,7 @@ def test_the_borders_of_reliefs_are_located(kernel: Kernel, name: str):
                     seen.add((root, inside))
                     after, events = gearbox.apply(teeth.state, root, contact=at)
                     flank = contact.flank
-                    # the branch of the other zone is far off here; what that does is settled too
+                    # the branch of the other zone is far off here; its effects are corrected, too
                     assert events[0] == Event("profile_border", 0, contact.number, flank)
                     zones = gearbox.mode(after, at)[3:].tolist()
                     expected = list(contact.zones)
@@ -146,13 +146,13 @@ def test_the_borders_of_reliefs_are_located(kernel: Kernel, name: str):
 
 
 def at_the_end(kernel: Kernel, pair: RealPair, forward: bool) -> tuple[Gearbox, Teeth, int]:
-    """State at which the drive flanks' first pair on the path is all but at an end of it."""
-    gearbox, teeth = made(kernel, pair, -6e-5, 80)  # deep enough for flanks that deviate
+    """State with the drive flanks' first pair on the path almost at one of its ends."""
+    gearbox, teeth = made(kernel, pair, -6e-5, 80)  # deep enough for flanks with deviations
     contacts = [c for c in teeth.contacts if c.flank == DRIVE]
     contact = min(contacts, key=lambda c: c.number if forward else -c.number)
     wheel_index = 0 if forward else 1
     missing = pair.rho_tips[wheel_index] - contact.rho[wheel_index]
-    # turning on, rho_A grows and rho_B falls, each by the arc of its base circle
+    # as it turns, rho_A grows and rho_B falls, each by the arc of its base circle
     sign = -pair.sigma if forward else pair.sigma
     driving = sign * float((missing - mp.mpf("1e-14")) / pair.base_radii[0])
     ratio = 1.0 if pair.reference == 0 else -pair.teeth[0] / pair.teeth[1]
@@ -184,7 +184,7 @@ def test_a_pair_that_leaves_takes_its_energy_and_no_other_force_with_it(
     assert events == [Event("pair_left", 0, number, DRIVE)]
     mode = gearbox.mode(after, at)
     assert mode[1] == OFF
-    assert mode[0] == number + (pair.slots if forward else 0)  # the next that enters at the start
+    assert mode[0] == number + (pair.slots if forward else 0)  # the next to enter at the start
     now = gearbox.outputs(after)
     others = np.arange(gearbox.sizes.n_pair_places) != at
     for output in ("pair_normal_force", "pair_friction_force"):
@@ -196,7 +196,7 @@ def test_a_pair_that_leaves_takes_its_energy_and_no_other_force_with_it(
     assert taken > 0
     assert booked == pytest.approx(taken, rel=1e-12)
     np.testing.assert_array_equal(after.y[:-2], state.y[:-2])
-    # the slot may be entered again at the same end, and everything is as before
+    # the slot may be entered again at the same end, with the original state
     again, events = gearbox.apply(after, name, contact=at)
     assert events == [Event("pair_entered", 0, number, DRIVE)]
     assert gearbox.mode(again, at)[:2].tolist() == [number, LOADED]
@@ -265,7 +265,7 @@ def test_a_pair_whose_contact_ratio_is_below_1_starts_where_a_pair_is_on_the_pat
     assert gearbox.start(SPEEDS, speeds=(0.0, 0.0))
 
 
-# ---- refusals
+# ---- rejected input
 
 
 def refusal(kernel: Kernel, pair: RealPair, **fields: Any) -> GearboxError:
@@ -297,7 +297,7 @@ def test_rigid_flanks_are_refused_where_they_would_overlap(
 def test_a_warning_names_the_smallest_radius_of_curvature_at_either_end_of_the_path(
     kernel: Kernel,
 ):
-    """The tip of the large driving wheel needs the flank of the small driven one down to 1 mm."""
+    """The tip of the large driving wheel uses the flank of the small driven one down to 1 mm."""
     pair = RealPair(teeth=(60, 20), fixed=True)
     gearbox = pair.gearbox(kernel, (load(0, TORQUE, -2e4), load(1, TORQUE, -2e4 / 3)))
     least = float(pair.rho_0 - max(pair.rho_tips))

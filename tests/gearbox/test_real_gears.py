@@ -1,4 +1,4 @@
-"""Real pairs: which teeth are on the path and what they do, against absolute coordinates."""
+"""Gears defined by a basic rack: teeth on the path and their forces, in absolute coordinates."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PERFECT = pytest.mark.parametrize(
 
 
 def pair_values(gearbox: Gearbox, outputs: dict[str, Floats], name: str, flank: int) -> Floats:
-    """Values of an output of the tooth pairs of a flank, place by place."""
+    """Values of an output of the tooth pairs of a flank, by slot."""
     drive = gearbox.sizes.n_drive_places
     return outputs[name][0][:drive] if flank == DRIVE else outputs[name][0][drive:]
 
@@ -34,7 +34,7 @@ def pair_values(gearbox: Gearbox, outputs: dict[str, Floats], name: str, flank: 
 def test_the_pairs_on_the_path_are_the_teeth_that_stand_there(
     kernel: Kernel, pair: RealPair, gap: float, seed: int
 ):
-    """Both flanks: number of every tooth, its place on the path, the gap of the nearest pair."""
+    """Both flanks: number of every tooth, its position on the path, the gap of the nearest pair."""
     gearbox, teeth = made(kernel, pair, gap, seed)
     o = gearbox.outputs(teeth.state)
     for flank in (DRIVE, COAST):
@@ -49,7 +49,7 @@ def test_the_pairs_on_the_path_are_the_teeth_that_stand_there(
         positions = pair_values(gearbox, o, "pair_position", flank)
         assert np.isnan(positions[~on_path]).all()
         for contact in contacts:
-            # rounding of the angle of some turns
+            # rounding of the angle of some revolutions
             found = positions[contact.number % pair.slots]
             assert found == pytest.approx(float(contact.rho[0]), abs=1e-15 + 2e-16 * 30)
         if contacts:
@@ -87,7 +87,7 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
         assert o["efficiency"][0] == pytest.approx(1 - o["friction_loss"][0] / power, abs=1e-14)
     for contact, force in zip(loaded, forces, strict=True):
         if pair.deviates:
-            continue  # test_touching_flanks.py has the curvature of flanks that deviate
+            continue  # test_touching_flanks.py covers the curvature of flanks with deviations
         curvature = sum(1 / float(r) for r in contact.rho)
         geometry = gearbox.mesh_geometry()
         pressure = np.sqrt(
@@ -99,7 +99,7 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
         )
         values = pair_values(gearbox, o, "pair_contact_pressure", contact.flank)
         assert values[contact.number % pair.slots] == pytest.approx(pressure, rel=1e-9)
-    # forces on the axles, from the accelerations of the bearings
+    # forces on the axes, from the accelerations of the bearings
     rates = gearbox.derivative(teeth.state)
     on_a = sum((f.on_a for f in forces), np.zeros(2))
     masses = o["mass"] + 5.0
@@ -120,7 +120,7 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
 
 
 def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
-    """Power by which energies change because radii of curvature do, beside the penetrations'."""
+    """Power by the change of energies with the radii of curvature, besides the penetrations."""
     power = 0.0
     law = kernel.law(CONTACT, "johnson")
     geometry = gearbox.mesh_geometry()
@@ -152,13 +152,13 @@ def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
 def test_both_gaps_add_up_to_the_backlash_at_the_present_centre_distance(
     kernel: Kernel, pair: RealPair, gap: float, seed: int
 ):
-    """kappa_drive + kappa_coast = j_bn + 2 R (inv alpha - inv alpha_0), the axles moved."""
+    """kappa_drive + kappa_coast = j_bn + 2 R (inv alpha - inv alpha_0), with displaced axes."""
     gearbox, teeth = made(kernel, pair, gap, seed)
     o = gearbox.outputs(teeth.state)
     _, alpha, _ = teeth.line(teeth.q)
     involute = mp.tan(alpha) - alpha - mp.tan(pair.alpha_0) + pair.alpha_0
     expected = pair.backlash + float(2 * sum(pair.base_radii) * involute)
-    # the backlash that the kernel derives has the rounding of a pitch; the rest is 1e-14 of it
+    # the backlash computed by the kernel has the rounding of a pitch; the rest is 1e-14 of it
     start = gearbox.start(SPEEDS, speeds=(0.0, 3.0 * pair.reference))
     derived = gearbox.outputs(start)["coast_gap"][0]
     assert derived == pytest.approx(pair.backlash, abs=1e-16)
@@ -185,7 +185,7 @@ def test_tracked_pairs_have_the_forces_of_the_closed_form(kernel: Kernel, pair: 
                     continue
                 if "residual" in name or np.isnan(values).all():
                     continue
-                # rounding of radii of 0.1 m beside penetrations of 1e-5 m
+                # rounding of radii of 0.1 m against penetrations of 1e-5 m
                 np.testing.assert_allclose(
                     found[name],
                     values,
@@ -196,7 +196,7 @@ def test_tracked_pairs_have_the_forces_of_the_closed_form(kernel: Kernel, pair: 
 
 
 def tracked(closed: Gearbox, gearbox: Gearbox, state: State) -> State:
-    """Give the state of the closed form the tracked points that belong to it."""
+    """Add the consistent tracked points to the state of the closed form."""
     same = State(state.t, *np.zeros((2, gearbox.sizes.n_states)), state.integers, state.reals)
     for i, name in enumerate(closed.names):
         same.y[gearbox.place(name)] = state.y[i]
@@ -213,7 +213,7 @@ def tracked(closed: Gearbox, gearbox: Gearbox, state: State) -> State:
 @EVERY_PAIR
 @EVERY_GAP
 def test_jacobian_is_the_derivative_of_the_residual(kernel: Kernel, pair: RealPair, gap: float):
-    """Several pairs on the path, on either flank, all zones of deviating flanks, moving axles."""
+    """Several pairs on the path, both flanks, all zones of flanks with deviations, moving axes."""
     for seed in range(2):
         gearbox, teeth = made(kernel, pair, gap, 20 + seed)
         teeth.state.yp = gearbox.derivative(teeth.state)

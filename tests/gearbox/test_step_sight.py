@@ -1,4 +1,4 @@
-"""How far a step of a gearbox may go, so that nothing that repeats is passed over."""
+"""Step limits of a gearbox that resolve all periodic features."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ TURN = 2 * np.pi
 
 
 def pair(kernel: Kernel, *loads: Any, **more: Any) -> Gearbox:
-    """Make a pair of 20 and 30 teeth; the driving wheel is the reference."""
+    """Create a pair of 20 and 30 teeth; the driving wheel is the reference."""
     wheels = [wheel(teeth=20, pitch_radius=0.2, centre=(0.0, 0.0)), wheel(teeth=30)]
     always = [load(0, TORQUE, -1.0), load(1, VISCOUS, 10.0)]
     return Gearbox(kernel, wheels, [*always, *loads], [mesh(kernel)], **more)
@@ -48,7 +48,7 @@ def test_the_reference_angle_goes_by_a_pitch_and_no_other_state_is_held(kernel: 
 
 
 def test_the_teeth_that_pass_fastest_count(kernel: Kernel):
-    gearbox = chain(kernel, 4, CLOSED_FORM, sigma=1)  # idlers: a pitch is one of all wheels
+    gearbox = chain(kernel, 4, CLOSED_FORM, sigma=1)  # idlers: all wheels have a common pitch
     teeth = (20, 33, 27, 20)
     theta = sight(gearbox)[0][0]
     assert any(theta == pytest.approx(TURN / z, rel=1e-14) for z in teeth)
@@ -86,13 +86,13 @@ def test_time_goes_by_a_cycle_or_a_turn_of_the_housing(kernel: Kernel):
 @pytest.mark.parametrize(
     ("t", "expected"),
     [
-        (0.0, 1.0),  # to the next knot: those behind it are too close to be seen from here
-        (0.999, 0.004),  # past it, at most four times the distance of the knots there
+        (0.0, 1.0),  # to the next knot: later ones are too close to be resolved from here
+        (0.999, 0.004),  # beyond it, at most four times the distance of the knots there
         (1.0, 0.004),
         (1.0015, 0.0035),
         (1.007, 0.003),  # to the last but one: the last is too far
         (1.01, 1.99),
-        (3.0, ANY),  # behind the last knot nothing changes any more
+        (3.0, ANY),  # constant after the last knot
         (7.0, ANY),
     ],
 )

@@ -21,7 +21,7 @@ ELEMENTS = Block(model="finite_elements")
 
 
 class Teeth(NamedTuple):
-    """Teeth, profile shifts, bores [m] and diameters where tip relief begins [m]."""
+    """Teeth, profile shifts, bores [m] and diameters at the start of tip relief [m]."""
 
     z: tuple[int, int]
     shift: tuple[float, float]
@@ -32,11 +32,11 @@ class Teeth(NamedTuple):
 FIFTY = Teeth((50, 50), (0.0, 0.0), (40e-3, 40e-3), (153.5e-3, 153.5e-3))
 SPUR = Teeth((19, 34), (0.4, 0.1), (25e-3, 40e-3), (62.5e-3, 105.5e-3))
 BORDER = "profile_border"
-SMOOTH = "where c bends"  # the integrator stops there, and nothing is noted
+SMOOTH = "where c bends"  # the integrator stops there, without an event
 EDGES = {"edge_closed", "edge_opened", "edge_left_flank", "flank_reached"}
-# where the load stops on an edge, its foot turns round: the torque on the edge's wheel steps
+# where the load stops on an edge, its foot point reverses: the torque on the edge's wheel jumps
 STEPS = {"edge_left_flank", "flank_reached", BORDER}
-# teeth, what wheels and mesh have besides, gap of the flanks at the start [m]; events that must be
+# teeth, further keys of wheels and mesh, initial gap of the flanks [m]; required events
 CASES: dict[str, tuple[Teeth, dict[str, Any], float, set[str]]] = {
     "50/50": (FIFTY, {}, -8e-6, EDGES),
     "19/34": (SPUR, {}, -6e-6, EDGES),
@@ -69,7 +69,7 @@ def pair(
     moves: bool = False,
     **fields: Any,
 ) -> Gearbox:
-    """Two gears that bend at 150 N/mm, undamped."""
+    """Two compliant gears at 150 N/mm, undamped."""
     support = {"support_kind": BEARING, "support_stiffness": (1e8, 3e8), "support_mass": 3.0}
     wheels = [
         wheel(
@@ -104,7 +104,7 @@ def pair(
 
 
 class Sides(NamedTuple):
-    """What is compared: of pairs by their number; torques on both wheels."""
+    """Compared quantities: of pairs by their number; torques on both wheels."""
 
     force: dict[int, float]
     penetration: dict[int, float]
@@ -115,7 +115,7 @@ class Sides(NamedTuple):
 def sides(gearbox: Gearbox, state: State) -> Sides:
     o = gearbox.outputs(state)
     names = ("pair_number", "pair_normal_force", "pair_penetration", "pair_contact_mode")
-    drive = gearbox.sizes.n_reals // 2  # the coast flank's pairs never touch here
+    drive = gearbox.sizes.n_reals // 2  # no contact on the coast flanks here
     number, force, h, mode = (np.asarray(o[name][0][:drive]) for name in names)
     here = mode != 4  # off the path
     return Sides(
@@ -127,7 +127,7 @@ def sides(gearbox: Gearbox, state: State) -> Sides:
 
 
 def largest_jump(before: dict[int, float], after: dict[int, float]) -> float:
-    """Of the pairs on both sides; one that comes or goes has no force."""
+    """Largest change of a pair's value; entering and leaving pairs have no force."""
     pairs = before.keys() | after.keys()
     return max(abs(before.get(k, 0.0) - after.get(k, 0.0)) for k in pairs)
 
@@ -136,7 +136,7 @@ def largest_jump(before: dict[int, float], after: dict[int, float]) -> float:
 def test_nothing_jumps_at_any_event_of_a_run(
     kernel: Kernel, teeth: Teeth, has: dict[str, Any], gap: float, expected: set[str]
 ) -> None:
-    """Over some pitches; a root function lies 1e-10 past its border, so far all may change."""
+    """Over some pitches; a root function is offset by 1e-10, the permitted change."""
     gearbox = pair(kernel, teeth, **has)
     speeds = [-SPEED, SPEED * teeth.z[0] / teeth.z[1]]
     state = gearbox.start(SPEEDS, speeds, [gap])

@@ -1,4 +1,4 @@
-"""Rigid flanks that touch at one instant: those are closed that Newton's laws want closed."""
+"""Simultaneous contact of rigid flanks: Newton's laws determine which of them close."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def row_of_wheels(
     friction: tuple[float, float] | float = 0.0,
     **law: float,
 ) -> Gearbox:
-    """Wheels in a row on fixed axles, each with a torque of its own."""
+    """Wheels in a row on fixed axes, each with its own torque."""
     wheels = [
         wheel(
             teeth=20 + i,
@@ -50,7 +50,7 @@ def row_of_wheels(
 
 
 def gap_directions(gearbox: Gearbox) -> np.ndarray:
-    """Rate of each gap by the speed of each wheel [mesh, wheel]."""
+    """Rate of each gap per speed of each wheel [mesh, wheel]."""
     n = gearbox.sizes.n_wheels
     directions = np.zeros((n - 1, n))
     for m in range(n - 1):
@@ -61,7 +61,7 @@ def gap_directions(gearbox: Gearbox) -> np.ndarray:
 
 
 def closed_by_law(gearbox: Gearbox, inertias: np.ndarray, torques: np.ndarray):
-    """The only normal forces F >= 0 with gap'' = k + R F >= 0 that are 0 where the gap opens."""
+    """The unique normal forces F >= 0 with gap'' = k + R F >= 0 that are 0 where the gap opens."""
     n = len(inertias) - 1
     directions = gap_directions(gearbox)
     k = directions @ (torques / inertias)
@@ -95,7 +95,7 @@ def test_of_flanks_that_touch_those_are_closed_that_push(kernel: Kernel, seed: i
 
 
 def moving(kernel: Kernel, seed: int) -> tuple[Gearbox, State]:
-    """Flanks that touch, some closed; with friction; they move together or apart, some slowly."""
+    """Flanks in contact, some closed; with friction; approaching or separating, some slowly."""
     random = np.random.default_rng(seed)
     n = int(random.integers(3, 7))
     inertias = 10.0 ** random.uniform(-2, 2, n)
@@ -119,9 +119,9 @@ def moving(kernel: Kernel, seed: int) -> tuple[Gearbox, State]:
 
 @pytest.mark.parametrize("seed", [*range(500), 2141])  # there two of several are pressed together
 def test_after_an_event_nothing_is_left_to_happen(kernel: Kernel, seed: int):
-    """No flank is left that its load presses at once, nor one that parts so slowly that it stays.
+    """No flank remains that its load closes at once, or that separates too slowly to open.
 
-    Asked again at the same instant, no flank opens or closes.
+    A second event at the same instant opens or closes no flank.
     """
     gearbox, state = moving(kernel, seed)
     after, _ = gearbox.apply_all(state, [])

@@ -1,4 +1,4 @@
-"""Trains with shafts and discs: rotors, elastic shafts, speed ratios, what is refused."""
+"""Trains with shafts and discs: rotors, elastic shafts, speed ratios, rejected input."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ MIDDLES = pytest.mark.parametrize("middle", [3e4, None], ids=["elastic", "rigid"
 DRIVERS = pytest.mark.parametrize("driven_by", ["torque", "motor", "gear", "drum"])
 
 
-# ---- the equations agree with each other
+# ---- consistency of the equations
 
 
 def jacobian_error(gearbox: Gearbox, state: State, cj: float = 37.0) -> float:
-    """Largest difference of the Jacobian and its differences, over the largest entry of its row."""
+    """Largest error of the Jacobian against differences, over the largest entry of its row."""
     small = ("angle_deviation", "displacement", "turn", "zeta", "dr", "mu", "gradient", "speed_dev")
     columns = []
     for i, name in enumerate(gearbox.names):
@@ -98,7 +98,7 @@ def test_jacobian_of_shafts_in_a_moving_housing_is_the_derivative_of_the_residua
 
 
 def stirred_like(kernel: Kernel, gearbox: Gearbox, middle: float | None) -> State:
-    """State of a gearbox in a moving housing, whose prescribed speed does not fit the start."""
+    """State of a gearbox in a moving housing; its prescribed speed does not fit the start."""
     free = two_stages(kernel, middle=middle)
     like = stirred(free, np.random.default_rng(3))
     random = np.random.default_rng(5)
@@ -161,7 +161,7 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_shafts_and_contacts_d
     outputs = gearbox.outputs(state)
     powers = outputs["load_torque"] * outputs["angular_velocity"]
     flow = outputs["normal_force"].max() * 0.05 * abs(outputs["angular_velocity"]).max()
-    # 1e-16 of the energy over the step, beside the power that flows through
+    # 1e-16 of the energy over the step, besides the transmitted power
     energy = float(outputs["kinetic_energy"][0] + outputs["potential_energy"][0])
     assert abs(rate) <= 1e-7 * max(flow, abs(powers).max()) + 4e-16 * energy / 1e-7
 
@@ -171,7 +171,7 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_shafts_and_contacts_d
 def test_torques_of_shafts_loads_and_meshes_accelerate_every_wheel(
     kernel: Kernel, middle: float | None, driven_by: str
 ):
-    """J phi'' of each wheel alone: also of those that a rigid shaft makes one rotor."""
+    """Check J phi'' of each wheel alone, also of wheels that a rigid shaft joins to a rotor."""
     gearbox = two_stages(kernel, middle=middle, driven_by=driven_by)
     state = stirred(gearbox, np.random.default_rng(2))
     outputs = gearbox.outputs(state)
@@ -218,8 +218,8 @@ def test_what_a_shaft_between_two_discs_loses_changes_by_twice_its_damping_torqu
 def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(
     kernel: Kernel, elastic: int, rigid: int
 ):
-    """By hand, of discs 0 ~ 1 = 2 = 3 ~ 4: (J_1 + J_2 + J_3) phi'' = T_01 - T_34, and a rigid shaft
-    carries the inertia behind it and T_34. Each shaft named from either end.
+    """By hand calculation, discs 0 ~ 1 = 2 = 3 ~ 4: (J_1 + J_2 + J_3) phi'' = T_01 - T_34, and a
+    rigid shaft carries the inertia beyond it and T_34. Each shaft is named from either end.
     """
     inertia = np.array([0.5, 0.3, 0.2, 0.4, 0.7])
     discs = [wheel(teeth=0, inertia=j, mass=4.0) for j in inertia]
@@ -242,7 +242,7 @@ def test_rigid_shafts_hand_on_what_the_elastic_ones_beside_them_bring(
 def test_a_speed_held_against_a_housing_that_speeds_up_takes_the_inertia_of_all_discs_of_the_rotor(
     kernel: Kernel, driven: int
 ):
-    """It turns by 0.4 sin(4 pi t) about the axle, and the torque is (J_0 + J_1) Omega'."""
+    """It rotates by 0.4 sin(4 pi t) about the axis, and the torque is (J_0 + J_1) Omega'."""
     inertia = np.array([0.2, 0.3])
     discs = [wheel(teeth=0, inertia=j, mass=4.0) for j in inertia]
     turns = housing(PRESCRIBED, terms=(term(TURN_Z, HARMONIC, 0.4, frequency=2.0),))
@@ -253,13 +253,13 @@ def test_a_speed_held_against_a_housing_that_speeds_up_takes_the_inertia_of_all_
     torque = gearbox.outputs(state)["load_torque"]
     assert torque[driven] == pytest.approx(inertia.sum() * alpha, rel=1e-13)
     assert torque[1 - driven] == 0
-    # in the housing's frame all energies stay: inertia takes what the load brings
+    # in the housing's frame all energies are constant: inertia absorbs the power of the load
     power = gearbox.derivative(state)[gearbox.place("load_work")]
     assert abs(power) <= 1e-13 * abs(torque[driven] * 3.0)
 
 
 def test_a_steady_train_has_the_speeds_and_torques_of_its_teeth(kernel: Kernel):
-    """By hand: 5 N m times 47/20 times 53/23 against 20 N m s, no friction; 1e-12."""
+    """Manual solution: 5 N m times 47/20 times 53/23 against 20 N m s, no friction; 1e-12."""
     middle = 5.0 * 47 / 20
     gearbox = two_stages_without_side_loads(kernel)
     outputs = gearbox.outputs(gearbox.start(STEADY))
@@ -271,7 +271,7 @@ def test_a_steady_train_has_the_speeds_and_torques_of_its_teeth(kernel: Kernel):
     np.testing.assert_allclose(outputs["angular_velocity"], expected, rtol=1e-12)
     np.testing.assert_allclose(
         outputs["shaft_torque"], [-5.0, middle, drum], rtol=1e-12
-    )  # the last shaft begins at the drum
+    )  # the last shaft starts at the drum
     np.testing.assert_allclose(outputs["shaft_twist"][[0, 2]], [-5.0 / 5e4, drum / 1e5], rtol=1e-12)
     for m, (pinion, torque) in enumerate(((PINION, 5.0), (SECOND_PINION, middle))):
         force = torque / gearbox.wheel_geometry(pinion).base_radius
@@ -279,7 +279,7 @@ def test_a_steady_train_has_the_speeds_and_torques_of_its_teeth(kernel: Kernel):
 
 
 def two_stages_without_side_loads(kernel: Kernel) -> Gearbox:
-    """Motor and drum alone load the train, nothing rubs."""
+    """Loads only on motor and drum, without friction."""
     wheels = [
         wheel(teeth=0, pitch_radius=0.08, width=0.05),
         wheel(teeth=20, pitch_radius=0.05, width=0.03),
@@ -353,7 +353,7 @@ def test_a_disc_without_a_radius_has_that_of_a_solid_disc_of_its_mass_and_inerti
 def test_tooth_pairs_keep_their_place_after_any_number_of_turns(
     kernel: Kernel, stages: int, turns: int
 ):
-    """The pitches that whole turns make are counted in exact fractions, however fine these are."""
+    """Whole revolutions are converted to pitches in exact fractions of any size."""
     gearbox, teeth = many_stages(kernel, stages)
     state = gearbox.start()
     ratio = Fraction(1)
@@ -361,7 +361,7 @@ def test_tooth_pairs_keep_their_place_after_any_number_of_turns(
     state.integers[0] = turns
     parts = []
     for m, (a, b) in enumerate(teeth):
-        # pitches of the driving wheel in its nominal sense: whole ones belong to other tooth pairs
+        # pitches of the driving wheel in its nominal direction: whole ones are other tooth pairs
         pitches = abs(ratio) * a * turns
         whole = pitches.numerator // pitches.denominator
         whole = whole if abs(whole) < 2**31 else 0  # more teeth than can be counted
@@ -373,13 +373,13 @@ def test_tooth_pairs_keep_their_place_after_any_number_of_turns(
         pitch = gearbox.mesh_geometry(m).base_pitch
         arm = outputs["friction_arm_driving"][m]
         share = gearbox.mesh_geometry(m).elastic_share_driving
-        # l_A = rho_A - w_A h, and nothing is pressed
+        # l_A = rho_A - w_A h, without load
         h = -outputs["gap"][m]
         assert (arm + share * h - rho[m]) / pitch == pytest.approx(parts[m], abs=1e-13, rel=1e-15)
 
 
 def many_stages(kernel: Kernel, stages: int) -> tuple[Gearbox, list[tuple[int, int]]]:
-    """Compound train whose teeth have no common divisor."""
+    """Compound train whose numbers of teeth have no common divisor."""
     teeth = [(17, 41), (19, 43), (23, 47), (29, 53), (31, 59), (37, 61), (18, 67), (25, 71)]
     teeth = [*teeth, (16, 73)][:stages]
     assert all(gcd(a, b) == 1 for a, b in teeth)
@@ -397,7 +397,7 @@ def many_stages(kernel: Kernel, stages: int) -> tuple[Gearbox, list[tuple[int, i
     return gearbox, teeth
 
 
-# ---- refusals
+# ---- rejected input
 
 
 def refused(kernel: Kernel, **changes: Any) -> GearboxError:
@@ -451,7 +451,7 @@ def test_a_loop_whose_wheels_would_have_to_turn_at_two_speeds_is_refused(kernel:
         mesh(kernel, 0, 1, centre_line_angle=0.0, pressure_angle=0.35),
         mesh(kernel, 2, 3, centre_line_angle=np.pi, pressure_angle=0.35, driving_rotation=1),
     ]
-    # the second stage ends on the axis of the first wheel, but turns a quarter as fast
+    # the second stage ends on the axis of the first wheel, but has a quarter of its speed
     error = refused(kernel, wheels=wheels, meshes=meshes, shafts=[shaft(1, 2), shaft(3, 0)])
     assert (error.subject, error.index) == (MESH, 1)
     assert "cannot turn" in error.message
@@ -507,7 +507,7 @@ def test_two_initial_speeds_of_one_rotor_are_refused(kernel: Kernel):
 
 
 def test_a_ring_of_rigid_contacts_and_shafts_is_refused(kernel: Kernel):
-    """Two equal stages side by side between two shafts: their forces are not determined."""
+    """Two equal parallel stages between two shafts: their forces are indeterminate."""
     wheels = [wheel(teeth=20, pitch_radius=0.05), wheel(teeth=40)]
     wheels += [wheel(teeth=20, pitch_radius=0.05), wheel(teeth=40)]
     law = {"contact": kernel.law(CONTACT, "rigid"), "damping": None}

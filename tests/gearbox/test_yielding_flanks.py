@@ -1,4 +1,4 @@
-"""Gearboxes whose teeth and wheels bend, pair by pair or together: Jacobian, lanes, energy."""
+"""Gearboxes with compliant teeth and wheels, separate or coupled: Jacobian, lanes, energy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kernel.jacobian import check_jacobian
 from kernel.kernel import Kernel, _at
 
 E = 2.06e11
-# as in made_up_wheel.f90: E c from 4 at the root to 12 at the tip, E c_1 of 1.5; other wheels yield
+# as in made_up_wheel.f90: E c from 4 at the root to 12 at the tip, E c_1 of 1.5; other wheels have
 # 0.8 of it
 MADE_UP = np.array([3.1 / E, 0.9 / E, 1.7 / E, 2.5 / E, 0.5, 0.02, 0.01, 0.03])
 OTHER = MADE_UP * [0.8, 0.8, 0.8, 0.8, 1, 1, 1, 1]
@@ -33,7 +33,7 @@ def bend(
     by: float = 1.0,
     k_difference: float = 2e-13,
 ) -> Gearbox:
-    """Let the teeth of all wheels of a gearbox bend; two materials unless told."""
+    """Make the teeth of all wheels of a gearbox compliant; two materials by default."""
     influence = np.stack([MADE_UP, OTHER])
     influence[:, :4] *= by
     gearbox.library.test_flank_bend(
@@ -47,7 +47,7 @@ def bend(
 
 
 def loaded_state(gearbox: Gearbox, random: np.random.Generator) -> State:
-    """All pairs that touch moved a little, axles and wheels at any rate."""
+    """All pairs in contact with small displacements, axes and wheels at arbitrary rates."""
     state, _ = real_state(gearbox, random)
     return around(state, random, size=1e-6)[0]
 
@@ -94,7 +94,7 @@ def test_eight_states_at_once_are_the_bits_of_each(
 def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
     kernel: Kernel, couples: bool, sigma: int, mode: tuple[int, int]
 ):
-    """d/dt (T + V + D - W) = 0 along the flow, on moving axles."""
+    """Check d/dt (T + V + D - W) = 0 along the flow, with moving axes."""
     gearbox = bend(chain(kernel, 3, CLOSED_FORM, sigma=sigma), couples, scale=0.2, by=10.0)
     for seed in range(8):
         state = in_mode(gearbox, np.random.default_rng(seed), mode)

@@ -1,4 +1,4 @@
-"""Teeth that bend, from Python: what the kernel has of them for its tests."""
+"""Bindings of the compliant tooth contact of the kernel, for its tests."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Contact(NamedTuple):
 def compliant_force(
     kernel: Kernel, h: ArrayLike, length: ArrayLike, c: ArrayLike, e_star: ArrayLike
 ) -> Contact:
-    """Johnson's contact in series with a body."""
+    """Johnson's contact in series with the compliance of the bodies."""
     given = _floats(h, length, c, e_star)
     shapes = ((), (), (), (), ())
     return Contact(*kernel.found("test_compliant_force", given, len(given[0]), *shapes))
@@ -37,7 +37,7 @@ def compliant_force(
 def compliant_lanes(
     kernel: Kernel, h: ArrayLike, length: ArrayLike, c: ArrayLike, e_star: float
 ) -> tuple[Floats, bool]:
-    """Eight forces at once, and whether there is an answer."""
+    """Forces in eight lanes, and whether the solution converged."""
     *given, force = _floats(h, length, c, np.zeros(LANES))
     answer = kernel.library.test_compliant_lanes(*given, e_star, force)
     return force, bool(answer)
@@ -46,14 +46,14 @@ def compliant_lanes(
 def compliant_penetration(
     kernel: Kernel, force: ArrayLike, length: ArrayLike, c: ArrayLike, e_star: ArrayLike
 ) -> tuple[Floats, Floats, Integers]:
-    """Penetration under a force, its derivative, and the codes."""
+    """Penetration under a force, its derivative to the force, and the codes."""
     given = _floats(force, length, c, e_star)
     h, d_force, codes = kernel.found("test_compliant_penetration", given, len(given[0]), (), ())
     return h, d_force, codes
 
 
 class Pairs(NamedTuple):
-    """Forces of pairs that yield together, overlaps g, energy, changes of the forces, turns."""
+    """Forces of coupled pairs, overlaps g, energy, derivatives of the forces, iterations."""
 
     code: int
     force: Floats
@@ -89,7 +89,7 @@ def coupled_pairs(
 
 
 class EdgePlace(NamedTuple):
-    """The gap S of a tip edge with its derivatives to x and rho; the foot r_A delta with its."""
+    """Gap S of a tip edge with its derivatives to x and rho; foot r_A delta with its own."""
 
     gap: Floats
     d_x: Floats
@@ -109,7 +109,7 @@ class EdgePlace(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """A tip edge: base radii of its wheel and of the mate, end of its flank, rounding."""
+    """Tip edge: base radii of its wheel and of the mate, end of its flank, rounding."""
 
     r_b: float
     r_mate: float
@@ -118,7 +118,7 @@ class Edge(NamedTuple):
 
 
 def edge_place(kernel: Kernel, edge: Edge, x: ArrayLike, rho: ArrayLike) -> EdgePlace:
-    """Where an edge touches."""
+    """Contact position of an edge."""
     x, rho = _floats(x, rho)
     places = np.empty((len(x), len(EdgePlace._fields)))
     (numbers,) = _floats(edge)
@@ -127,19 +127,19 @@ def edge_place(kernel: Kernel, edge: Edge, x: ArrayLike, rho: ArrayLike) -> Edge
 
 
 def edge_end(kernel: Kernel, edge: Edge, slope: float, rho: float) -> float:
-    """Where the edge takes over from a relieved flank."""
+    """End of a relieved flank, from which the edge is in contact."""
     (numbers,) = _floats(edge)
     return float(kernel.library.test_edge_end(numbers, slope, rho))
 
 
 class Mesh(ctypes.Structure):
-    """One flank, with wheels that yield as somebody made up."""
+    """One flank with synthetic compliant wheels."""
 
     _fields_ = fields("given_mesh", n_numbers=8)
 
 
 class Potential(NamedTuple):
-    """The pairs of a flank: energy and its derivatives to rho_A, rho_B, rho, and what acts."""
+    """Pairs of a flank: energy and its derivatives to rho_A, rho_B, rho, and the loads."""
 
     code: int
     zones: Integers
@@ -148,7 +148,7 @@ class Potential(NamedTuple):
     energy: float
     gradient: Floats
     second: Floats
-    change: Floats  # of the forces, (pair, of the three)
+    change: Floats  # derivatives of the forces (pair, of the three)
     wheels: Floats  # torque on A, on B, force on A along t, e
 
 
@@ -160,7 +160,7 @@ def flank_potential(
     q: ArrayLike = (0.0,) * 6,
     zones: ArrayLike | None = None,
 ) -> Potential:
-    """What acts at psi_A, psi_B, u_A, u_B; pairs in the zones in which they lie unless given."""
+    """Loads at psi_A, psi_B, u_A, u_B; pairs in the zones of their positions unless given."""
     numbers = np.ascontiguousarray(numbers, np.int32)
     n = len(numbers)
     zones = np.full(n, -1, np.int32) if zones is None else np.array(zones, np.int32)
@@ -173,7 +173,7 @@ def flank_potential(
 
 
 class Static(NamedTuple):
-    """A mesh at rest."""
+    """Quasi-static state of a mesh."""
 
     h: float
     h_0: float
@@ -190,7 +190,7 @@ class Static(NamedTuple):
 
 
 def static_mesh(kernel: Kernel, mesh: Mesh, rho_a: float, force: float) -> Static:
-    """Solve for the transmission error at rho_A of pair 0 under a force."""
+    """Solve for the quasi-static transmission error at rho_A of pair 0 under a force."""
     numbers, pairs = np.full(7, np.nan), np.full((6, 7), np.nan)
     n, code = ctypes.c_int(), ctypes.c_int()
     message = ctypes.create_string_buffer(320)
@@ -211,7 +211,7 @@ def static_mesh(kernel: Kernel, mesh: Mesh, rho_a: float, force: float) -> Stati
 
 
 class Curve(NamedTuple):
-    """A mesh at rest at many places; force per unit width and zone of the pairs -1, 0, 1."""
+    """Quasi-static states at many positions; forces per unit width, zones of pairs -1, 0, 1."""
 
     h: Floats
     stiffness: Floats
@@ -227,7 +227,7 @@ def true_mesh(
     rho_a: ArrayLike,
     force: float,
 ) -> Curve:
-    """With rho [modules], E c and E c_j of both wheels as they come from the elements."""
+    """Evaluate with rho [modules], E c and E c_j of both wheels from the finite elements."""
     (rho_a,) = _floats(rho_a)
     n = len(rho_a)
     numbers, forces, zones = np.empty((n, 5)), np.empty((n, 3)), np.empty((n, 3), np.int32)

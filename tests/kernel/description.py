@@ -1,6 +1,6 @@
-"""Descriptions as `evolvent/description.h` has them: the table of rows, and a case as entries.
+"""Descriptions as in `evolvent/description.h`: the table of rows, and a case as entries.
 
-A case is nested dicts and lists in the words of the case file, its numbers in SI units and radians.
+A case is nested dicts and lists with the keys of the case file, values in SI units and radians.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ RADIANS_PER_DEGREE = 0.017453292519943295769
 
 
 class Block(dict[str, Any]):
-    """A block of a case, whose keys are attributes too."""
+    """A block of a case, whose keys are also attributes."""
 
     __setattr__ = dict.__setitem__
 
@@ -118,7 +118,7 @@ def _plain(value: Any) -> Any:
 
 
 def in_unit(value: float, unit: str) -> float:
-    """Return the number in the unit of a row from which the kernel makes this one, to the bit."""
+    """Return the value in the unit of a row that the kernel converts to this one, to the bit."""
     if unit != "deg" or not math.isfinite(value):
         return value
     degrees = math.degrees(value)
@@ -127,13 +127,13 @@ def in_unit(value: float, unit: str) -> float:
 
 
 def entries(library: Library, case: dict[str, Any]) -> ctypes.Array[Entry]:
-    """Lay a case out."""
+    """Convert a case to entries."""
     laid = list(_of_block(rows(library), "case", case, 1))
     return (Entry * len(laid))(*laid)
 
 
 def create(library: Library, case: dict[str, Any], status: Any) -> Handle:
-    """Make a description of a case; a null pointer if it is refused."""
+    """Create a description of a case; a null pointer if it is rejected."""
     laid = entries(library, case)
     made: Handle = library.evl_description_create(len(laid), laid, status)
     return made
@@ -141,7 +141,7 @@ def create(library: Library, case: dict[str, Any], status: Any) -> Handle:
 
 @contextmanager
 def described(library: Library, case: dict[str, Any], status: Any) -> Iterator[Handle]:
-    """Make a description of a case, and free it afterwards."""
+    """Create a description of a case, and free it afterwards."""
     description = create(library, case, status)
     yield description
     library.evl_description_delete(ctypes.byref(description))

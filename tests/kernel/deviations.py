@@ -1,7 +1,7 @@
 """Flank deviations from Python, and the same formulas in mpmath.
 
-The calls are those of `tests/geometry/deviation_calls.f90`; `Formula` is written from
-docs/deviations.md, not from the kernel.
+The calls are those of `tests/geometry/deviation_calls.f90`; `Formula` follows docs/deviations.md,
+not the kernel.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Profile(ctypes.Structure):
 
 
 class Deviation(NamedTuple):
-    """e with its derivatives to rho, and the borders of the zones."""
+    """Deviation e with its derivatives to rho, and the limits of the zones."""
 
     e: Floats
     de: Floats
@@ -57,7 +57,7 @@ def deviations(
     runout_phase: float = 0.0,
     **fields: object,
 ) -> Block:
-    """Deviations of a wheel: none but those given."""
+    """Deviations of a wheel; those not given are zero."""
     result = Block({key: value for key, value in fields.items() if value is not None})
     if accuracy_class:
         result.accuracy = Block({"class": accuracy_class, "seed": seed})
@@ -75,9 +75,9 @@ def deviation_at(
     side: ArrayLike = 1,
     zones: ArrayLike | None = None,
 ) -> Deviation:
-    """Deviations at radii of curvature; zones: None for those that hold there.
+    """Deviations at radii of curvature; zones: None for the zones at these radii.
 
-    Raises KernelError if the description is refused.
+    Raises KernelError if the description is rejected.
     """
     arrays = np.broadcast_arrays(*np.atleast_1d(rho, tooth, side, 0 if zones is None else zones))
     radii = np.ascontiguousarray(arrays[0], dtype=float)
@@ -98,7 +98,7 @@ def deviation_at(
 def pitch_tolerances(
     kernel: Kernel, teeth: int, module: float, accuracy_class: int
 ) -> tuple[float, float]:
-    """f_pT and F_pT [m]; raises KernelError if the standard has none."""
+    """Return f_pT and F_pT [m]; raises KernelError if the standard gives none."""
     single, total = np.empty((2, 1))
     kernel.checked("test_pitch_tolerances", teeth, module, accuracy_class, single, total)
     return float(single[0]), float(total[0])
@@ -115,7 +115,7 @@ def pitch_error_sequence(
 
 @dataclass
 class Formula:
-    """e(rho) of docs/deviations.md in mpmath, on the branch that a zone selects."""
+    """Deviation e(rho) of docs/deviations.md in mpmath, on the branch selected by a zone."""
 
     given: Block
     profile: Profile
@@ -133,7 +133,7 @@ class Formula:
         return mp.sqrt((mp.mpf(relief.diameter) / 2) ** 2 - r_b**2)
 
     def e(self, rho: mp.mpf, tooth: int, side: int, zone: int) -> mp.mpf:
-        """Material that the flank lacks [m]."""
+        """Material removed from the flank [m]."""
         given, profile = self.given, self.profile
         low, high = mp.mpf(profile.rho_start), mp.mpf(profile.rho_tip)
         r_b, z = mp.mpf(profile.base_radius), profile.teeth

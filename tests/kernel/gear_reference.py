@@ -1,4 +1,4 @@
-"""ISO 21771 and ISO 53 in mpmath: the formulas as printed there, not the kernel's way."""
+"""ISO 21771 and ISO 53 in mpmath: the formulas as printed there, independent of the kernel."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def inverse_inv(involute: mp.mpf) -> mp.mpf:
 
 
 def exact_gear(teeth: int, given: Block) -> dict[str, mp.mpf]:
-    """Everything of a gear without undercut."""
+    """All quantities of a gear without undercut."""
     m, alpha = mp.mpf(given.module), mp.mpf(given.pressure_angle)
     x, allowance = mp.mpf(given.profile_shift), mp.mpf(given.thickness_allowance)
     r = m * teeth / 2
@@ -42,7 +42,7 @@ def exact_gear(teeth: int, given: Block) -> dict[str, mp.mpf]:
         k = (ra - r) / m - x - mp.mpf(given.rack.addendum)
     rt = mp.mpf(given.get("tip_rounding", 0))
     s = m * (mp.pi / 2 + 2 * x * mp.tan(alpha)) + allowance
-    # the end of the rack's straight flank in modules below its datum line
+    # end of the rack's straight flank in modules below its datum line
     flank = mp.mpf(given.rack.dedendum) - mp.mpf(given.rack.root_radius) * (1 - mp.sin(alpha))
     form = r * mp.sin(alpha) - m * (flank - x_e) / mp.sin(alpha)
     return {
@@ -65,15 +65,16 @@ def exact_gear(teeth: int, given: Block) -> dict[str, mp.mpf]:
 
 
 def tip_curvature(ra: mp.mpf, rt: mp.mpf, rb: mp.mpf) -> mp.mpf:
-    """Radius of curvature where the involute touches a rounding: the point where both normals are
-    one lies rt further than the rounding's centre."""
+    """Radius of curvature at the junction of involute and tip rounding: there both normals
+    coincide, rt beyond the centre of the rounding.
+    """
     return rt + mp.sqrt((ra - rt) ** 2 - rb**2)
 
 
 def exact_mesh(
     a: GearGeometry, b: GearGeometry, given: dict[str, Any] | None = None
 ) -> dict[str, mp.mpf]:
-    """Everything of a mesh of two gears of one module, from z, m, alpha, x, A_s and r_a."""
+    """All quantities of a mesh of two gears of one module, from z, m, alpha, x, A_s and r_a."""
     given = given or {}
     z1, z2 = a.teeth, b.teeth
     m, alpha = mp.mpf(a.normal_module), mp.mpf(a.pressure_angle)

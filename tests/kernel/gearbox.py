@@ -1,6 +1,6 @@
-"""A gearbox of the kernel from Python: a thin ctypes binding of `evolvent/kernel.h`.
+"""Gearbox of the kernel in Python: a thin ctypes binding of `evolvent/kernel.h`.
 
-A `State` holds what the C caller holds; calls take states and give numpy arrays.
+A `State` contains the data of a C caller; calls take states and return numpy arrays.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ class Sizes(ctypes.Structure):
 
 
 class WheelGeometry(ctypes.Structure):
-    """What `tests/gearbox/geometry_calls.f90` tells of a wheel."""
+    """Geometry of a wheel as returned by `tests/gearbox/geometry_calls.f90`."""
 
     _fields_ = fields("c_wheel_geometry")
 
 
 class MeshGeometry(ctypes.Structure):
-    """And of a mesh."""
+    """Geometry of a mesh from the same file."""
 
     _fields_ = fields("c_mesh_geometry")
 
@@ -59,13 +59,13 @@ class Output(ctypes.Structure):
     """`evl_output`."""
 
     _fields_ = fields("evl_output")
-    offset: int  # among the values of a gearbox
+    offset: int  # offset among the values of a gearbox
     count: int
 
 
 @dataclass
 class GearboxError(Exception):
-    """A call was refused, or left the domain of the model."""
+    """Error of a call: rejected input, or a state outside the domain of the model."""
 
     code: int
     subject: int
@@ -74,13 +74,13 @@ class GearboxError(Exception):
     message: str
 
     def __str__(self) -> str:
-        """Return the kernel's sentence."""
+        """Return the kernel's message."""
         return f"{self.field}: {self.message}"
 
 
 @dataclass(frozen=True)
 class Warned:
-    """Something of a gearbox that is allowed, but worth knowing."""
+    """Warning about permitted input of a gearbox."""
 
     subject: int
     index: int
@@ -90,7 +90,7 @@ class Warned:
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened, by name."""
+    """An event by name."""
 
     name: str
     mesh: int
@@ -100,7 +100,7 @@ class Event:
 
 @dataclass
 class State:
-    """All that changes: time, continuous state with its derivative, discrete state."""
+    """Time, continuous state with its derivative, discrete state."""
 
     t: float
     y: Floats
@@ -110,16 +110,16 @@ class State:
 
     @property
     def arrays(self) -> tuple[Floats, Integers, Floats]:
-        """What a state is without its derivative."""
+        """Arrays of a state without its derivative."""
         return self.y, self.integers, self.reals
 
     @property
     def all_arrays(self) -> tuple[Floats, Floats, Integers, Floats]:
-        """And with it."""
+        """Arrays of a state with its derivative."""
         return self.y, self.yp, self.integers, self.reals
 
     def copy(self) -> State:
-        """Return a copy that shares nothing."""
+        """Return a deep copy."""
         return deepcopy(self)
 
 
@@ -129,7 +129,7 @@ class Gearbox:
     Raises
     ------
     GearboxError
-        From the constructor and from every call that the kernel does not answer with EVL_OK.
+        From the constructor and from every call that does not return EVL_OK.
     """
 
     def __init__(
@@ -165,12 +165,12 @@ class Gearbox:
             self.library.evl_gearbox_delete(ctypes.byref(self.handle))
 
     def _about(self, status: Status) -> tuple[int, int, str, str]:
-        """What a status is about; a load by its place among those that were given."""
+        """Object of a status; a load by its index in the given order."""
         index = self.load_order[status.index] if status.subject == LOAD else status.index
         return status.subject, index, status.field.decode(), status.message.decode()
 
     def check(self, code: int, status: Status) -> None:
-        """Raise a GearboxError unless a call was answered with EVL_OK."""
+        """Raise a GearboxError unless a call returned EVL_OK."""
         assert code == status.code
         if code != OK:
             raise GearboxError(code, *self._about(status))
@@ -181,7 +181,7 @@ class Gearbox:
         return name.value.decode(), units.value.decode()
 
     def _outputs(self) -> list[Output]:
-        """Return the table of outputs, with their places among the values of this gearbox."""
+        """Return the table of outputs, with their offsets among the values of this gearbox."""
         n = self.sizes.n_outputs
         entries = output_table(self.library, OUTPUTS_OF_STATE)
         assert len(entries) == n
@@ -192,11 +192,11 @@ class Gearbox:
         return entries
 
     def place(self, name: str) -> int:
-        """Place of a state by its name."""
+        """Index of a state by its name."""
         return self.names.index(name)
 
     def tracked(self, mesh: int = 0) -> slice:
-        """Places of the tracked variables of a mesh."""
+        """Indices of the tracked variables of a mesh."""
         first = self.place(f"turn_{mesh}")
         return slice(first, first + len(TRACKED))
 
@@ -208,14 +208,14 @@ class Gearbox:
         return Warned(*self._about(status))
 
     def warnings(self) -> list[Warned]:
-        """What the creation found worth knowing."""
+        """Warnings of the creation."""
         n = self.sizes.n_warnings
         found = [self._warning(index) for index in range(n + 1)]
         assert found[n] is None
         return [warned for warned in found if warned is not None]
 
     def speed_warning(self, kind: int = REST, speeds: ArrayLike | None = None) -> Warned | None:
-        """What is worth knowing of the speeds of the loads and of a start; None if nothing is."""
+        """Warning about the speeds of the loads and of a start; None if there is none."""
         return self._warning(self.sizes.n_warnings, initial(kind, speeds))
 
     def wheel_geometry(self, index: int) -> WheelGeometry:
@@ -231,7 +231,7 @@ class Gearbox:
         return geometry
 
     def quantities(self, of: int, index: int) -> dict[str, Any]:
-        """What `evl_gearbox_geometry` tells, by name: numbers, and points as lists."""
+        """Quantities of `evl_gearbox_geometry` by name: numbers, and points as lists."""
         rows = (Output * 40)()
         n = self.library.evl_gearbox_geometry(self.handle, of, index, rows)
         return {
@@ -250,7 +250,7 @@ class Gearbox:
     ) -> State:
         """State at the start; mesh_position: pitches past the start of contact.
 
-        Of a steady start; the start of contact if none is given for an equilibrium.
+        For a steady start; the start of contact if none is given for an equilibrium.
         """
         sizes = self.sizes
         state = State(
@@ -267,7 +267,7 @@ class Gearbox:
         return state
 
     def scales(self, duration: float = math.inf) -> tuple[Floats, Floats]:
-        """Scales of states and rows for the last start of a run so long."""
+        """Scales of states and rows for the last start of a run of this duration."""
         state, row = np.empty(self.sizes.n_states), np.empty(self.sizes.n_states)
         self.library.evl_gearbox_scales(self.handle, self.initial, duration, state, row)
         return state, row
@@ -276,18 +276,18 @@ class Gearbox:
         self.call(name, self.handle, *arguments)
 
     def call(self, name: str, *arguments: Any) -> None:
-        """Call a procedure that takes a status at last; raises a GearboxError."""
+        """Call a procedure with a status as last argument; raises a GearboxError."""
         status = Status()
         self.check(getattr(self.library, name)(*arguments, status), status)
 
     def _filled(self, name: str, shape: int | tuple[int, int], *arguments: Any) -> Floats:
-        """Array that a call fills."""
+        """Return the array that a call fills."""
         result = np.empty(shape, order="F")
         self._call(name, *arguments, result)
         return result
 
     def residual(self, state: State) -> Floats:
-        """F(t, y, y')."""
+        """Residual F(t, y, y')."""
         n = self.sizes.n_states
         return self._filled("evl_gearbox_residual", n, state.t, *state.all_arrays)
 
@@ -297,14 +297,14 @@ class Gearbox:
         return self._filled("evl_gearbox_jacobian", (n, n), state.t, cj, *state.all_arrays)
 
     def listed_jacobian(self, state: State, cj: float) -> Floats | None:
-        """Return the same from its entries that may differ from zero; None if all may."""
+        """Return the same from its structurally nonzero entries; None if all may be nonzero."""
         library, n, n_entries = self.library, self.sizes.n_states, ctypes.c_int()
         pattern = library.evl_pattern_create(self.handle, ctypes.byref(n_entries))
         if not pattern:
             return None
         rows, columns = (np.empty(n_entries.value, np.int32) for _ in range(2))
         library.evl_pattern_places(pattern, rows, columns)
-        assert np.all(np.diff(columns.astype(np.int64) * n + rows) > 0)  # in order, none twice
+        assert np.all(np.diff(columns.astype(np.int64) * n + rows) > 0)  # in order, no duplicates
         values = np.full(n_entries.value, np.nan)
         try:
             self.call("evl_pattern_jacobian", pattern, state.t, cj, *state.all_arrays, values)
@@ -315,7 +315,7 @@ class Gearbox:
         return result
 
     def derivative(self, state: State) -> Floats:
-        """The y' that belongs to y."""
+        """Derivative y' for y."""
         n = self.sizes.n_states
         return self._filled("evl_gearbox_derivative", n, state.t, *state.arrays)
 
@@ -323,7 +323,7 @@ class Gearbox:
 
     @cached_property
     def root_places(self) -> dict[tuple[int, str], int]:
-        """Places of the root functions: (tooth contact, or -1, and name) to index."""
+        """Indices of the root functions by (tooth contact, or -1, and name)."""
         names = self._names("test_root_name", self.sizes.n_roots)
         return {name: place for place, name in enumerate(names)}
 
@@ -347,8 +347,8 @@ class Gearbox:
     def mode(self, state: State, contact: int = 0) -> NDArray[np.int32]:
         """View of a tooth contact's pair, contact mode and friction branch, and zones if any.
 
-        A pair by the paper's rule is one tooth contact; a real pair has those of its drive flank,
-        then those of its coast flank.
+        A pair by the paper's rule is one tooth contact; a pair of gears defined by a basic rack has
+        the contacts of its drive flank, then those of its coast flank.
         """
         first = self.integer_names.index((contact, "tooth_pair"))
         n = 5 if (contact, "zone_a") in self.integer_names else 3
@@ -356,12 +356,12 @@ class Gearbox:
 
     @cached_property
     def sides(self) -> dict[int, tuple[int, str]]:
-        """Places of the sides of root functions that have one, with the names of these."""
+        """Indices of the sides of root functions, with the names of these functions."""
         names = enumerate(self.integer_names)
         return {at: name for at, name in names if name[0] >= 0 and name[1] not in HELD}
 
     def take_sides(self, state: State) -> None:
-        """Put every side that nobody has said (0) where the state lies: states made by hand."""
+        """Set every undefined side (0) from the state, for states constructed by tests."""
         roots, directions = self.roots(state), self.root_directions(state)
         for place, name in self.sides.items():
             root = self.root_places[name]
@@ -369,12 +369,12 @@ class Gearbox:
                 state.integers[place] = 1 if roots[root] * directions[root] > 0 else -1
 
     def changing(self, events: list[Event]) -> list[Event]:
-        """Return the events that change a mode, without those that are only noted: any may be."""
+        """Return the events that change a mode, without those that are only recorded."""
         noted = {name for _, name in self.sides.values()}
         return [event for event in events if event.name not in noted]
 
     def check_modes(self, state: State) -> None:
-        """Raise a GearboxError if the modes do not agree with the state."""
+        """Raise a GearboxError if the modes are inconsistent with the state."""
         self.take_sides(state)
         self.values(state, check=True)
 
@@ -383,18 +383,18 @@ class Gearbox:
         return self._filled("evl_gearbox_roots", self.sizes.n_roots, *state.arrays)
 
     def root(self, state: State, name: str, contact: int = 0) -> float:
-        """One root function of a tooth contact; 1 if it does not have it."""
+        """One root function of a tooth contact; 1 if it does not exist."""
         place = self.root_places.get((contact, name))
         return 1.0 if place is None else float(self.roots(state)[place])
 
     def root_directions(self, state: State) -> Integers:
-        """Directions that count in the present modes."""
+        """Active directions in the present modes."""
         result = np.empty(self.sizes.n_roots, np.int32)
         self.library.evl_gearbox_root_directions(self.handle, state.integers, result)
         return result
 
     def root_direction(self, state: State, name: str, contact: int = 0) -> int:
-        """Direction of one root function of a tooth contact; 0 without a meaning."""
+        """Direction of one root function of a tooth contact; 0 if inactive or not existing."""
         place = self.root_places.get((contact, name))
         return 0 if place is None else int(self.root_directions(state)[place])
 
@@ -412,7 +412,7 @@ class Gearbox:
     def apply_all(
         self, state: State, places: Sequence[int], *, time_event: bool = False
     ) -> tuple[State, list[Event]]:
-        """The same where the root functions at these places passed 0."""
+        """State after an event at which the root functions with these indices passed 0."""
         fired = np.zeros(self.sizes.n_roots, np.int32)
         fired[list(places)] = 1
         self.take_sides(state)
@@ -430,31 +430,31 @@ class Gearbox:
     # ---- outputs
 
     def pitches(self, state: State, mesh: int = 0) -> float:
-        """Pitches of the driving wheel of a mesh."""
+        """Rotation of the driving wheel of a mesh in pitches."""
         y, integers, _ = state.arrays
         return float(self.library.evl_gearbox_pitches(self.handle, mesh, y, integers))
 
     def turns(self, state: State, wheel: int = 0) -> float:
-        """Turns of a wheel in its nominal sense."""
+        """Revolutions of a wheel in its nominal direction."""
         y, integers, _ = state.arrays
         return float(self.library.evl_gearbox_turns(self.handle, wheel, y, integers))
 
     def can_turn(self, state: State, wheel: int = 0) -> bool:
-        """Whether anything turns a wheel from this state on."""
+        """Whether a wheel can rotate from this state on."""
         return bool(self.library.evl_gearbox_can_turn(self.handle, wheel, state.y, state.yp))
 
     def values(self, state: State, *, check: bool = False) -> Floats:
-        """All outputs in one array, as the kernel fills it; with `check` modes have to agree."""
+        """All outputs in one array of the kernel; with `check` modes must be consistent."""
         n = self.sizes.n_values
         return self._filled("evl_gearbox_outputs", n, state.t, *state.arrays, check)
 
     def sampled(
         self, states: Sequence[State], *names: str, n: int | None = None, check: bool = False
     ) -> Floats:
-        """Values of outputs at states that share the first one's discrete state, by a sampler.
+        """Values of outputs at states with the discrete state of the first one, by a sampler.
 
-        Of all outputs if none is named. A row each state, of which the first n count; whether the
-        states agree with that discrete state is checked if asked for.
+        All outputs if none is named. One row per state, of which the first n count. With `check`
+        the states must be consistent with that discrete state.
         """
         table = {entry.name.decode(): i for i, entry in enumerate(self.table)}
         places = np.array([table[name] for name in names or table], np.int32)
@@ -471,7 +471,7 @@ class Gearbox:
         return result.T
 
     def outputs(self, state: State) -> dict[str, Floats]:
-        """Outputs that there are by name; those with an axis are (n, 2), in space (n, 3)."""
+        """Existing outputs by name; those with an axis are (n, 2), in space (n, 3)."""
         values = self.values(state)
         result = {}
         for entry in self.table:
@@ -494,7 +494,7 @@ def event_kinds(kernel: Kernel) -> list[tuple[str, str]]:
 
 
 def output_table(library: ctypes.CDLL, of: int) -> list[Output]:
-    """One of the tables of outputs, without places."""
+    """One of the tables of outputs, without offsets."""
     table = (Output * library.evl_table(of, 0, None))()
     assert library.evl_table(of, len(table), table) == len(table)
     return list(table)

@@ -1,4 +1,4 @@
-"""Gearboxes, and states of them, at which the tests look."""
+"""Gearboxes of the tests, and states of them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ PAIRS = {
 
 
 def paper_gearbox(kernel: Kernel, **fields: Any) -> Gearbox:
-    """Make the paper's virtual setup as examples/paper.yaml has it; fields of the mesh."""
+    """Create the paper's virtual setup as in examples/paper.yaml; fields of the mesh."""
     slider = {
         **{"support_kind": SLIDER, "support_mass": 10.0},
         **{"support_stiffness": (1e9, 0.0), "support_damping": (1e5, 0.0)},
@@ -49,8 +49,8 @@ def paper_gearbox(kernel: Kernel, **fields: Any) -> Gearbox:
 def chain(kernel: Kernel, n: int, *tracking: str, sigma: int = 1, closed: bool = False) -> Gearbox:
     """Train of n wheels with every support and every load but a prescribed speed.
 
-    Wheels differ in everything; `closed`: the last one meshes with the first, a ring. Of several
-    trackings the first is that of mesh 0, the second that of mesh 1, ...
+    The wheels differ in all parameters; `closed`: the last one meshes with the first, a ring. If
+    several tracking options are given, the first is that of mesh 0, the second of mesh 1, ...
     """
     teeth = (20, 33, 27, 20)[:n]
     radii = [0.005 * z for z in teeth]
@@ -116,7 +116,7 @@ def _apex(a: float, b: float, base: float, side: int) -> tuple[float, float]:
 
 
 def prescribed(kernel: Kernel, tracking: str, sigma: int = 1) -> Gearbox:
-    """Pair with a changing speed of the driven and a table of torques on the driving wheel."""
+    """Pair with a variable speed of the driven and a torque table on the driving wheel."""
     wheels = [
         wheel(teeth=20, pitch_radius=0.2, support_kind=BEARING, support_stiffness=(1e9, 5e8)),
         wheel(teeth=30),
@@ -136,7 +136,7 @@ def prescribed(kernel: Kernel, tracking: str, sigma: int = 1) -> Gearbox:
 
 
 def worst(error: Any, tolerance: Any) -> float:
-    """Return the largest ratio of an error to its tolerance; at most 1 if all is well."""
+    """Return the largest ratio of an error to its tolerance; at most 1 on success."""
     error, tolerance = np.broadcast_arrays(
         np.abs(np.asarray(error, float)), np.asarray(tolerance, float)
     )
@@ -144,12 +144,12 @@ def worst(error: Any, tolerance: Any) -> float:
 
 
 def draw(random: np.random.Generator, size: float) -> float:
-    """Return a number of either sign and of a magnitude from size/100 to size."""
+    """Return a random number of either sign with a magnitude from size/100 to size."""
     return float(size * 10.0 ** random.uniform(-2, 0) * random.choice([-1, 1]))
 
 
 def face(gearbox: Gearbox, state: State) -> None:
-    """Let the tracked points face each other where the wheels are, by the kernel's closed form."""
+    """Set the tracked points to opposite positions at the wheels' positions, by the closed form."""
     for m in range(gearbox.sizes.n_meshes):
         if f"turn_{m}" not in gearbox.names:
             continue
@@ -179,9 +179,9 @@ def scatter(
     gap: float = 1e-6,
     share: tuple[float, float] = (0.1, 0.9),
 ) -> State:
-    """State on the path of contact, some pitches on or back, the axles displaced and moving.
+    """Random state on the path of contact, some pitches ahead or back, with moving axes.
 
-    The gap of every mesh is of the size `gap`, of either sign; the mode is OPEN whatever the gap.
+    The gap of every mesh is of magnitude `gap`, of either sign; the mode is OPEN in any case.
     `share` of its path has passed in the first mesh: near the ends a radius of curvature is small.
     """
     sizes = gearbox.sizes
@@ -225,15 +225,15 @@ def wheels_of_meshes(gearbox: Gearbox, state: State, role: str) -> list[int]:
 def press(
     gearbox: Gearbox, state: State, m: int = 0, mode: int = LOADED, friction: int = 0
 ) -> None:
-    """Put a mesh into a mode of contact and a branch of friction, whatever the state says."""
+    """Set a contact mode and a friction branch of a mesh, independently of the state."""
     gearbox.mode(state, m)[1:] = mode, friction
     for place, (contact, name) in gearbox.sides.items():
         if contact == m and name != "side":
-            state.integers[place] = 0  # where the state lies: `take_sides`
+            state.integers[place] = 0  # to be set from the state by `take_sides`
 
 
 def branch(gearbox: Gearbox, state: State, m: int = 0, knee: float = 1e-3) -> int:
-    """Branch of a Coulomb law that belongs to the sliding velocity of a mesh; knee: its end."""
+    """Branch of a Coulomb law for the sliding velocity of a mesh; knee: limit of the branch 0."""
     v_t = gearbox.outputs(state)["sliding_velocity"][m]
     return 0 if abs(v_t) <= knee else int(np.sign(v_t))
 
@@ -245,10 +245,10 @@ def in_mode(
     size: float = 1e-6,
     **options: Any,
 ) -> State:
-    """State with every mesh in a contact mode and on a branch of friction, and a gap that fits.
+    """State with every mesh in a contact mode and on a friction branch, with a consistent gap.
 
-    In a ring the last gap follows from the others; there the mesh is open if it is one. The options
-    are those of `scatter`.
+    In a ring the last gap follows from the others; there the mesh is open if the gap is positive.
+    The options are those of `scatter`.
     """
     state = scatter(gearbox, random, **options)
     n = gearbox.sizes.n_meshes
@@ -264,10 +264,10 @@ def in_mode(
 
 
 def moved(gearbox: Gearbox, after: State, before: State) -> float:
-    """Return by how much an event that keeps positions and speeds has moved the state.
+    """Return the state change of an event that preserves positions and speeds, over its tolerance.
 
-    More than 1 is too much: tracked points are put back onto (1), which moves them by the rounding
-    of the lengths that (1) compares, 1e-13 of these; everything else keeps its bits.
+    More than 1 is an error: tracked points are projected onto (1), which moves them by the rounding
+    of the lengths in (1), 1e-13 of these; all other values are bitwise unchanged.
     """
     tolerance = np.zeros(len(before.y))
     r_b = max(gearbox.wheel_geometry(i).base_radius for i in range(gearbox.sizes.n_wheels))

@@ -1,7 +1,7 @@
-"""Descriptions of gearboxes in the words of the case file, with defaults for the tests.
+"""Descriptions of gearboxes with the keys of the case file, with defaults for the tests.
 
-`wheel`, `load`, `mesh` and `initial` fill in every field that a test does not care about. Numbers
-are in SI units and radians; wheels are numbered until `case_of` names them.
+`wheel`, `load`, `mesh` and `initial` fill in all fields that a test does not set. Values are in SI
+units and radians; wheels are numbered until `case_of` names them.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ def _given(fields: dict[str, Any]) -> Block:
 
 
 def wheel(**fields: Any) -> Block:
-    """Steel wheel on a fixed axle; None for what shall follow from the mesh.
+    """Steel wheel on a fixed axle; None for quantities that follow from the mesh.
 
-    `gear` and `deviation` are blocks whose keys become the wheel's, and so does a material's.
+    The keys of the blocks `gear` and `deviation`, and of a material, become those of the wheel.
     """
     defaults = {"teeth": 20, "width": 0.1}
     steel = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0}
@@ -60,7 +60,7 @@ def support(
     support_stiffness: tuple[float, float] = (0.0, 0.0),
     support_damping: tuple[float, float] = (0.0, 0.0),
 ) -> Block:
-    """Support of any kind; of a slider the first of each pair."""
+    """Support of any kind; a slider uses the first value of each pair."""
     if support_kind == SLIDER:
         return Block(
             kind=SLIDER,
@@ -103,12 +103,12 @@ def load_of(wheel: int, kind: str, *, against_housing: bool = False, **keys: Any
 def load_like(
     kernel: Kernel, wheel: int, sample: dict[str, Any], *, against_housing: bool = False
 ) -> Block:
-    """Load of a wheel as the case file has it, angles in degrees."""
+    """Load of a wheel as in the case file, angles in degrees."""
     return load_of(wheel, against_housing=against_housing, **_in_radians(kernel, "load", sample))
 
 
 def support_like(kernel: Kernel, sample: dict[str, Any]) -> Block:
-    """Support as the case file has it, angles in degrees."""
+    """Support as in the case file, angles in degrees."""
     return Block(_in_radians(kernel, "support", sample))
 
 
@@ -153,11 +153,11 @@ def mesh(
     real: bool = False,
     **fields: Any,
 ) -> Block:
-    """Mesh with Johnson's law; friction: coefficient, or that and the regularisation velocity.
+    """Mesh with Johnson's law; friction: coefficient, or coefficient and regularisation velocity.
 
     `damping` is the coefficient of the linear law, or the name of another law with its coefficient,
-    or None for no damping; without a pressure angle the paper's rule gives it, unless the mesh is
-    one of real gears.
+    or None for no damping. Without a pressure angle the paper's rule determines it, except for
+    gears defined by a basic rack.
     """
     if not isinstance(damping, (dict, LawChoice)):
         name, coefficient = damping if isinstance(damping, tuple) else ("linear", damping)
@@ -188,9 +188,9 @@ def case_of(
     housing: Block | None = None,
     shafts: Sequence[Block] = (),
 ) -> tuple[Block, list[int]]:
-    """Put the parts into a case.
+    """Assemble a case.
 
-    Returns it, and which of the loads each is in the order of the case, wheel by wheel.
+    Returns it, and the index of each load of the case (wheel by wheel) in the given order.
     """
     order = [k for i in range(len(wheels)) for k, one in enumerate(loads) if one.wheel == i]
     root = {

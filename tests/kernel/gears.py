@@ -1,4 +1,4 @@
-"""Real gears of the kernel from Python: a thin ctypes binding.
+"""Gears defined by a basic rack in Python: a thin ctypes binding of the kernel.
 
 Those of a gearbox by `tests/gearbox/geometry_calls.f90`, gears alone by
 `tests/geometry/gear_calls.f90`.
@@ -24,7 +24,7 @@ class GearGeometry(ctypes.Structure):
     _fields_ = fields("gear_t")
 
     def fields(self) -> list[float]:
-        """All of them: the bytes between them may be any."""
+        """Values of all fields, without the padding bytes between them."""
         return [getattr(self, name) for name, _ in self._fields_]
 
 
@@ -35,7 +35,7 @@ class GearMesh(ctypes.Structure):
 
 
 def gear_description(module: float = 0.002, **given: Any) -> Block:
-    """Describe a gear; the rack of ISO 53, profile A, and what else a wheel with a module has."""
+    """Describe a gear with a module; by default with the rack of ISO 53, profile A."""
     rack = {"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_root_radius": 0.38}
     of_rack = {key.removeprefix("rack_"): given.pop(key, value) for key, value in rack.items()}
     defaults = {"module": module, "pressure_angle": np.radians(20), "profile_shift": 0.0}
@@ -43,7 +43,7 @@ def gear_description(module: float = 0.002, **given: Any) -> Block:
 
 
 def gear(kernel: Kernel, teeth: int, module: float = 0.002, **given: Any) -> GearGeometry:
-    """Geometry of a gear; raises KernelError if it is refused."""
+    """Geometry of a gear; raises KernelError if it is rejected."""
     geometry, status = GearGeometry(), Status()
     form = gear_description(module, **given)
     wheel = {"name": "w", "material": "m", "width": 1.0, "teeth": teeth, **form}
@@ -63,7 +63,7 @@ def gear_mesh(
     centre_distance: float | None = None,
     backlash: float | None = None,
 ) -> GearMesh:
-    """Geometry of two gears in mesh; raises KernelError if it is refused."""
+    """Geometry of two gears in mesh; raises KernelError if it is rejected."""
     mesh = GearMesh()
     distance = (centre_distance is not None, centre_distance or 0.0)
     gap = (backlash is not None, backlash or 0.0)
@@ -74,7 +74,7 @@ def gear_mesh(
 def mesh_geometry(
     kernel: Kernel, a: GearGeometry, b: GearGeometry, centre_distance: float
 ) -> GearMesh:
-    """Geometry of two gears at a centre distance, whether they can mesh or not."""
+    """Geometry of two gears at a centre distance, without a check that they can mesh."""
     mesh = GearMesh()
     kernel.library.test_gear_mesh_geometry(a, b, centre_distance, mesh)
     return mesh
@@ -112,7 +112,7 @@ def involute_value(kernel: Kernel, angles: ArrayLike) -> Floats:
 
 
 def involute_inverse(kernel: Kernel, involutes: ArrayLike) -> Floats:
-    """Return the angles whose involutes these are."""
+    """Return the angles with these involute functions."""
     (values,) = _floats(involutes)
     angles = np.empty(len(values))
     kernel.library.test_involute_inverse(len(values), values, angles)
@@ -120,12 +120,12 @@ def involute_inverse(kernel: Kernel, involutes: ArrayLike) -> Floats:
 
 
 def gear_of(gearbox: Gearbox, wheel: int) -> GearGeometry | None:
-    """Geometry of a wheel of a gearbox as a real gear; None if it is none."""
+    """Geometry of a wheel defined by a basic rack in a gearbox; None for other wheels."""
     geometry = GearGeometry()
     return geometry if gearbox.library.test_gear_of(gearbox.handle, wheel, geometry) else None
 
 
 def mesh_of(gearbox: Gearbox, mesh: int) -> GearMesh | None:
-    """Geometry of a mesh of a gearbox; None if it is not one of two real gears."""
+    """Geometry of a mesh of a gearbox; None unless both gears are defined by a basic rack."""
     geometry = GearMesh()
     return geometry if gearbox.library.test_mesh_of(gearbox.handle, mesh, geometry) else None

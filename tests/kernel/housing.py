@@ -1,7 +1,7 @@
-"""One pair of wheels at a state, in absolute coordinates of the housing, to fifty digits.
+"""One pair of wheels at a state, in absolute coordinates of the housing, with fifty digits.
 
-Written from section 7.1 of Kosenko & Gusev (2011) and the definition of the involute alone: nothing
-here uses deviations from a nominal motion, as the kernel does.
+Based only on section 7.1 of Kosenko & Gusev (2011) and the definition of the involute. Unlike the
+kernel, it does not use deviations from a nominal motion.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ mp.mp.dps = 50
 
 
 def vector(x: Any, y: Any) -> np.ndarray:
-    """Two numbers of fifty digits."""
+    """Vector with fifty digits."""
     return np.array([mp.mpf(x), mp.mpf(y)], dtype=object)
 
 
@@ -32,7 +32,7 @@ def cross(omega: Any, v: np.ndarray) -> np.ndarray:
 
 
 def turned(angle: Any, v: np.ndarray) -> np.ndarray:
-    """Return v turned counterclockwise."""
+    """Return v rotated counterclockwise."""
     c, s = mp.cos(angle), mp.sin(angle)
     return vector(c * v[0] - s * v[1], s * v[0] + c * v[1])
 
@@ -52,11 +52,11 @@ class Pair:
     chi: float = 0.0
     sigma: int = 1
     centre: tuple[float, float] = (0.0, 0.0)
-    reference: int = 0  # wheel whose angle is theta: a prescribed speed makes it so
+    reference: int = 0  # wheel whose angle is theta: the one with a prescribed speed
     poisson: tuple[float, float] = (0.3, 0.3)
 
     def gearbox(self, kernel: Kernel, loads: tuple[Block, ...] = (), **fields: Any) -> Gearbox:
-        """Make the gearbox; fields of the mesh."""
+        """Create the gearbox; fields of the mesh."""
         bearing = {
             **{"support_kind": BEARING, "support_mass": 5.0},
             **{"support_stiffness": (1e9, 7e8), "support_damping": (1e5, 8e4)},
@@ -147,18 +147,18 @@ class Housing:
         return nominal + self._of_wheel("speed_deviation", wheel)
 
     def axle(self, wheel: int) -> np.ndarray:
-        """Where the axle is."""
+        """Position of the axis."""
         p = self.pair
         distance = mp.mpf(p.pitch_radius) * (1 + p.ratio)
         centre = vector(*p.centre) + wheel * turned(mp.mpf(p.chi), vector(distance, 0))
         return centre + vector(*(self._y(f"displacement_{x}_{wheel}") for x in "xy"))
 
     def axle_velocity(self, wheel: int) -> np.ndarray:
-        """How fast it moves."""
+        """Velocity of the axis."""
         return vector(*(self._y(f"displacement_{x}_rate_{wheel}") for x in "xy"))
 
     def root_angle(self, wheel: int) -> mp.mpf:
-        """Angle phi of the root of the flank in mesh: that of the start, turned, and teeth on."""
+        """Angle phi of the root of the flank in mesh: start angle, rotation, and tooth number."""
         p = self.pair
         start = (p.rho_0 - p.base_pitch) / 2, (p.rho_0 + p.base_pitch) / 2
         at_start = p.sigma * (p.alpha_0 - start[wheel] / p.base_radii[wheel] + wheel * mp.pi)
@@ -169,7 +169,7 @@ class Housing:
 
     @property
     def centre_line(self) -> np.ndarray:
-        """From the driving to the driven axle."""
+        """Vector from the driving to the driven axis."""
         return self.axle(1) - self.axle(0)
 
     @property
@@ -187,7 +187,7 @@ class Housing:
         return turned(chi, t), turned(chi, e)
 
     def radius_of_curvature(self, wheel: int) -> mp.mpf:
-        """Radius of the wheel's flank where the line of action meets it."""
+        """Radius of curvature of the wheel's flank at the line of action."""
         c = self.centre_line
         chi = mp.atan2(c[1], c[0])
         roll = wheel * mp.pi + self.alpha - self.pair.sigma * (self.root_angle(wheel) - chi)
@@ -204,7 +204,7 @@ class Housing:
         return self.rho - self.radius_of_curvature(0) - self.radius_of_curvature(1)
 
     def line_point(self, wheel: int) -> np.ndarray:
-        """Where the line of action meets the wheel's flank."""
+        """Intersection of the line of action with the wheel's flank."""
         t, e = self.directions
         sign = 1 - 2 * wheel
         r_b, rho = self.pair.base_radii[wheel], self.radius_of_curvature(wheel)
@@ -254,5 +254,5 @@ class Housing:
 
 
 def wrapped(angle: mp.mpf) -> mp.mpf:
-    """Angle less whole turns, between -pi and pi."""
+    """Angle modulo whole revolutions, between -pi and pi."""
     return angle - 2 * mp.pi * mp.nint(angle / (2 * mp.pi))

@@ -1,4 +1,4 @@
-"""Housings that rest under gravity, move as described, or hang on a mount."""
+"""Housings at rest under gravity, with prescribed motion, or on a mount."""
 
 from __future__ import annotations
 

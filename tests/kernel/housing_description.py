@@ -1,4 +1,4 @@
-"""Descriptions of housings in the words of the case file, in SI units and radians."""
+"""Descriptions of housings with the keys of the case file, in SI units and radians."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def term(
 
 
 def housing(kind: str, *, terms: Sequence[Block] = (), **values: Any) -> Block:
-    """Housing with the numbers that are given; the others are 0, the orientation the ground's."""
+    """Housing with the given values; others are 0, the orientation is that of the ground."""
     result = Block(kind=kind)
     for key, first in (("translation", X), ("rotation", TURN_X)):
         of_key = [

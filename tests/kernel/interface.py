@@ -1,7 +1,7 @@
-"""The C interface of the libraries under test, as their sources declare it.
+"""C interface of the libraries under test, from the declarations in their sources.
 
-The layout of a struct is read from the headers (`evl_...`) or from the Fortran type that is
-`bind(c)`; what a call returns, from its declaration.
+The layout of a struct is read from the headers (`evl_...`) or from the `bind(c)` Fortran type; the
+result type of a call from its declaration.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ POINTERS: dict[str, Any] = {
 
 
 class Handle(ctypes.c_void_p):
-    """What a call makes; false where it is NULL."""
+    """Object created by a call; false if it is NULL."""
 
 
 @cache
@@ -48,9 +48,9 @@ def _fortran() -> str:
 
 @cache
 def _prototype(name: str) -> tuple[Any, list[str] | None]:
-    """Type that a call returns, and of each argument the kind of its value, "" by address.
+    """Result type of a call, and the kind of each argument passed by value, "" by address.
 
-    No arguments of calls in C that only tests declare: they take what ctypes takes.
+    None for C calls that only tests declare: their arguments are converted by ctypes.
     """
     header = re.search(rf"EVL_API (\w+) (\*?){name}\(([^;]*)\);", _headers())
     if header:
@@ -71,7 +71,7 @@ def _prototype(name: str) -> tuple[Any, list[str] | None]:
 
 
 def fields(name: str, **sizes: int) -> list[tuple[str, Any]]:
-    """Fields of a struct or of a type; `sizes` are those of its arrays that have names."""
+    """Fields of a struct or type; `sizes` are the values of named array lengths."""
     if name.startswith("evl_"):
         (body,) = re.findall(rf"typedef struct {{([^}}]*)}} {name};", _headers())
         sizes |= {key: int(n) for key, n in re.findall(r"(EVL_\w+) = (\d+)", _headers())}
@@ -90,7 +90,7 @@ def fields(name: str, **sizes: int) -> list[tuple[str, Any]]:
 
 
 def _argument(kind: str, value: Any) -> Any:
-    """Pass a number by its value where that is declared, arrays and structs by their address."""
+    """Pass a number by value if so declared; arrays and structs by address."""
     if isinstance(value, np.ndarray):
         assert not kind
         assert value.flags.forc
@@ -102,7 +102,7 @@ def _argument(kind: str, value: Any) -> Any:
 
 
 class Library(ctypes.CDLL):
-    """A library whose calls take arrays, structs and numbers as they are."""
+    """A library whose calls accept arrays, structs and numbers directly."""
 
     def __init__(self, path: str | Path) -> None:
         super().__init__(str(path))

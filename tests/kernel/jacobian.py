@@ -1,4 +1,4 @@
-"""The analytic Jacobian of a gearbox against extrapolated differences of its residual."""
+"""Comparison of the analytic Jacobian of a gearbox with extrapolated residual differences."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from kernel.gearbox_cases import worst
 
 
 def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndarray, np.ndarray]:
-    """dF/dy_j times unit, by central differences extrapolated to step 0, and how sure it is.
+    """Compute dF/dy_j times unit by extrapolated central differences, and its uncertainty.
 
-    Over a wide range of steps, and of each entry the value that changes least from one step and one
-    order to the next, as far as the rounding of the residual lets one tell.
+    For each entry, the value with the smallest change between steps and orders over a wide range of
+    steps is taken, down to the rounding error of the residual.
     """
     eps = np.finfo(float).eps
 
@@ -22,7 +22,7 @@ def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndar
             moved = state.copy()
             moved.y[j] += sign * step * unit
             values.append((moved.y[j], gearbox.residual(moved)))
-        # the step as it was rounded
+        # the rounded step
         return (values[0][1] - values[1][1]) / (values[0][0] - values[1][0]) * unit
 
     best = np.full(len(state.y), np.nan)
@@ -32,7 +32,7 @@ def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndar
         try:
             row = [difference(step)]
             rounding = eps * (abs(gearbox.residual(state)) + abs(state.yp)) / step
-        except GearboxError:  # so far from here the model has no answer
+        except GearboxError:  # the model has no result at this distance
             before = []
             continue
         for order in range(1, min(4, len(before) + 1)):
@@ -46,17 +46,17 @@ def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndar
 
 
 def check_jacobian(gearbox: Gearbox, state: State) -> None:
-    """Compare both parts, rows and columns in their units."""
+    """Compare both parts, with rows and columns in their units."""
     scale, row = gearbox.scales()
     cj = 1e4
     analytic = gearbox.jacobian(state, 0.0) * scale / row[:, None]
     newton = gearbox.jacobian(state, cj) * scale / row[:, None]
     listed = gearbox.listed_jacobian(state, cj)
-    if listed is not None:  # in any mode the entries that differ from zero are among those listed
+    if listed is not None:  # entries that are nonzero in any mode are in the list
         assert np.array_equal(listed, gearbox.jacobian(state, cj))
     columns = [column(gearbox, state, j, unit) for j, unit in enumerate(scale)]
     numeric, doubt = (np.stack(part, axis=1) / row[:, None] for part in zip(*columns, strict=True))
-    # the matrix that matters: of a step of 0.1 ms
+    # the relevant matrix: of a step of 0.1 ms
     largest = abs(newton).max(axis=1, keepdims=True)
     tolerance = 1e-7 * abs(analytic) + 2 * doubt + 1e-12 * largest
     assert worst(analytic - numeric, tolerance) <= 1

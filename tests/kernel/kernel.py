@@ -1,8 +1,7 @@
-"""The kernel's parts from Python: a thin ctypes binding, arrays in and arrays out.
+"""Components of the kernel in Python: a thin ctypes binding with numpy arrays.
 
-Each method is the procedure of the same name in `evolvent/kernel.h`, or with `test_` before it in
-the `*_calls.f90` of the tests of its room. Units are SI; numbers broadcast against each other as in
-numpy.
+Each method is the procedure of the same name in `evolvent/kernel.h`, or with the prefix `test_` in
+the `*_calls.f90` of the tests of its folder. Units are SI; arguments broadcast as in numpy.
 """
 
 from __future__ import annotations
@@ -43,19 +42,19 @@ class LawChoice(ctypes.Structure):
 
 
 class ContactContext(ctypes.Structure):
-    """What a law may know about a contact."""
+    """Contact quantities available to a law."""
 
     _fields_ = fields("given_contact")
 
 
 class SpurPair(ctypes.Structure):
-    """Geometry of a pair; the points read as lists of two numbers."""
+    """Geometry of a pair; points are lists of two numbers."""
 
     _fields_ = fields("c_spur_pair")
 
 
 class Flank(NamedTuple):
-    """f with its gradient and Hessian at n points."""
+    """Flank function f with its gradient and Hessian at n points."""
 
     value: Floats  # (n,)
     gradient: Floats  # (n, 2)
@@ -103,7 +102,7 @@ class Viscous(NamedTuple):
 
 @dataclass
 class KernelError(Exception):
-    """A call that takes one case was refused."""
+    """Rejection of a call for a single case."""
 
     code: int
     index: int
@@ -111,12 +110,12 @@ class KernelError(Exception):
     message: str
 
     def __str__(self) -> str:
-        """Return the kernel's sentence."""
+        """Return the kernel's message."""
         return f"{self.field}: {self.message}"
 
 
 def _floats(*values: ArrayLike) -> list[Floats]:
-    """Broadcast against each other, to contiguous one-dimensional arrays of doubles."""
+    """Broadcast to contiguous one-dimensional arrays of doubles."""
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in values))
     return [np.ascontiguousarray(a).copy() for a in arrays]
 
@@ -126,18 +125,18 @@ def _at(array: Any) -> ctypes.c_void_p:
 
 
 class Kernel:
-    """The parts of the kernel in a shared library."""
+    """Components of the kernel in a shared library."""
 
     def __init__(self, path: str | Path) -> None:
         self.library = Library(path)
 
     def checked(self, name: str, *given: Any) -> None:
-        """Call a procedure that takes a status at last.
+        """Call a procedure with a status as last argument.
 
         Raises
         ------
         KernelError
-            If the input is refused.
+            If the input is rejected.
         """
         status = Status()
         getattr(self.library, name)(*given, status)
@@ -145,7 +144,7 @@ class Kernel:
             raise _error(status)
 
     def found(self, name: str, given: Sequence[Any], n: int, *shapes: tuple[int, ...]) -> list[Any]:
-        """Call a procedure of n elements; arrays of numbers of these shapes, and the codes."""
+        """Call a procedure for n elements; return arrays of these shapes, and the codes."""
         results = [*(np.empty((n, *shape)) for shape in shapes), np.empty(n, np.int32)]
         getattr(self.library, name)(n, *given, *results)
         return results
@@ -219,7 +218,7 @@ class Kernel:
         return float(h[0]), float(force[0])
 
     def johnson_iteration(self, eta: ArrayLike, nu: ArrayLike) -> Floats:
-        """One turn of the paper's iteration."""
+        """One iteration of the paper's method."""
         given = _floats(eta, nu)
         result = np.empty(len(given[0]))
         self.library.test_johnson_iteration(len(result), *given, result)
@@ -234,7 +233,7 @@ class Kernel:
         tolerance: float = 1e-15,
         max_turns: int = 100,
     ) -> tuple[Floats, Integers, Integers]:
-        """Force per unit width by the paper's iteration, the turns, and the codes."""
+        """Force per unit width by the paper's iteration, number of iterations, and codes."""
         given = _floats(h, rho_sum, e_star, start)
         n = len(given[0])
         results = (np.empty(n), np.empty(n, np.int32), np.empty(n, np.int32))
@@ -248,7 +247,7 @@ class Kernel:
         return kinds(self.library, FAMILIES[family])
 
     def law(self, family: int, name: str, **parameters: float) -> LawChoice:
-        """Choose a law by name; parameters not given get their default."""
+        """Select a law by name; parameters not given have their defaults."""
         for index, info in enumerate(self.laws(family)):
             if info.name != name:
                 continue
@@ -261,7 +260,7 @@ class Kernel:
         raise KeyError(name)
 
     def law_validate(self, family: int, choice: LawChoice) -> None:
-        """Check a choice; raises KernelError if it is refused."""
+        """Validate a law; raises KernelError if it is rejected."""
         self.checked("test_law_validate", family, choice)
 
     def law_elastic_force(self, choice: LawChoice, **context: ArrayLike) -> LawForce:
@@ -271,7 +270,7 @@ class Kernel:
         return LawForce(*self.found("test_law_elastic_force", [choice, contexts], n, *shapes))
 
     def law_elastic_limit(self, choice: LawChoice, **context: ArrayLike) -> str:
-        """Return why the elastic force is out of its domain."""
+        """Return the reason why the elastic force is outside its domain."""
         message = ctypes.create_string_buffer(320)
         self.library.test_law_elastic_limit(choice, _contexts(context)[1], message)
         return message.value.decode()
@@ -312,14 +311,14 @@ class Kernel:
         return factor, d_v
 
     def law_friction_mode(self, choice: LawChoice, v_t: ArrayLike) -> Integers:
-        """Branch of the friction law that belongs to each sliding velocity."""
+        """Branch of the friction law for each sliding velocity."""
         (v,) = _floats(v_t)
         modes = np.empty(len(v), np.int32)
         self.library.test_law_friction_mode(len(v), choice, v, modes)
         return modes
 
     def law_friction_knee(self, choice: LawChoice) -> float:
-        """Sliding velocity at which the branch changes."""
+        """Sliding velocity at the limit of the branches."""
         return float(self.library.test_law_friction_knee(choice))
 
 

@@ -1,4 +1,4 @@
-"""The kernel's integrator of gearboxes from Python: a ctypes binding of `evolvent/kernel.h`."""
+"""The kernel's integrator of gearboxes in Python: a ctypes binding of `evolvent/kernel.h`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Counts(ctypes.Structure):
 
 
 def serves(gearbox: Gearbox) -> None:
-    """Raise a GearboxError if the integrator does not serve a gearbox."""
+    """Raise a GearboxError if the integrator does not support a gearbox."""
     gearbox.call("evl_radau_serves", gearbox.handle)
 
 
@@ -32,7 +32,7 @@ class Radau:
     Raises
     ------
     GearboxError
-        From the constructor and from every call that the kernel does not answer with EVL_OK.
+        From the constructor and from every call that does not return EVL_OK.
     """
 
     def __init__(self, gearbox: Gearbox, tolerance: float = 1e-9, max_step: float = 1.0) -> None:
@@ -49,18 +49,18 @@ class Radau:
             self.delete()
 
     def delete(self) -> None:
-        """Free it; a second time does nothing."""
+        """Free the integrator; repeated calls have no effect."""
         self.gearbox.library.evl_radau_delete(ctypes.byref(self.handle))
 
     def _call(self, name: str, *arguments: Any) -> None:
         self.gearbox.call(name, self.handle, *arguments)
 
     def start(self, state: State) -> None:
-        """Begin at a state."""
+        """Start at a state."""
         self._call("evl_radau_start", state.t, *state.arrays)
 
     def advance(self, t_stop: float, state: State) -> tuple[int, Integers]:
-        """Make one step; what it came to and which root functions fired."""
+        """Make one step; return its outcome and the root functions that fired."""
         t, outcome = ctypes.c_double(), ctypes.c_int()
         fired = np.full(self.gearbox.sizes.n_roots, -99, np.int32)
         results = (ctypes.byref(t), state.y, fired, ctypes.byref(outcome))
@@ -75,30 +75,30 @@ class Radau:
         return y
 
     def interpolate_lanes(self, t: Floats) -> Floats:
-        """States at eight times within the last step, a row each."""
+        """States at eight times within the last step, one row each."""
         y = np.empty((self.gearbox.sizes.n_states, len(t)))
         self.gearbox.library.evl_radau_interpolate_lanes(self.handle, t, y)
         return y.T
 
     def restart(self, state: State) -> None:
-        """Go on from the state that an event left."""
+        """Continue from the state after an event."""
         self.gearbox.library.evl_radau_restart(self.handle, state.t, *state.arrays)
 
     def redo(self, state: State) -> None:
-        """Take the last step back; the state is that of its start."""
+        """Undo the last step; the state is that of its start."""
         t = ctypes.c_double()
         self.gearbox.library.evl_radau_redo(self.handle, ctypes.byref(t), state.y)
         state.t = t.value
 
     def counts(self) -> Counts:
-        """What it cost."""
+        """Work counters."""
         counts = Counts()
         self.gearbox.library.evl_radau_get_counts(self.handle, counts)
         return counts
 
 
 def sight(gearbox: Gearbox, t: float = 0.0) -> tuple[Floats, float]:
-    """How far a step from t may go: in each state, and in time; the largest number if any way."""
+    """Step limits from t: for each state, and in time; the largest number if there is none."""
     reach, time = np.empty(gearbox.sizes.n_states), ctypes.c_double()
     given = (gearbox.handle, gearbox.scales()[0], t, reach, ctypes.byref(time))
     gearbox.library.lanes_sight(*given)
@@ -106,7 +106,7 @@ def sight(gearbox: Gearbox, t: float = 0.0) -> tuple[Floats, float]:
 
 
 def model(gearbox: Gearbox, states: list[State]) -> tuple[Floats, Floats]:
-    """Rates [8, n] at eight states that share the first one's modes, and df/dy at the first."""
+    """Rates [8, n] at eight states with the modes of the first one, and df/dy at the first."""
     n = gearbox.sizes.n_states
     t = np.array([state.t for state in states])
     y = np.array([state.y for state in states]).T.copy()

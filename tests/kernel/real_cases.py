@@ -1,4 +1,4 @@
-"""Real pairs at which the tests look, and states of them."""
+"""Test pairs of gears defined by a basic rack, and states of them."""
 
 from __future__ import annotations
 
@@ -46,14 +46,14 @@ PAIRS = {
     "every deviation": RealPair(deviations=ALL_DEVIATIONS),
     "every deviation, mirrored": RealPair(deviations=ALL_DEVIATIONS, sigma=-1, chi=-0.4),
 }
-# gap of the perfect drive flanks: pressed, in the middle of the backlash, the coast flanks pressed
+# gap of the perfect drive flanks: loaded, in the middle of the backlash, coast flanks loaded
 GAPS = {"drive": -2e-5, "between": 2.5e-5, "coast": 7e-5}
 
 
 def made(
     kernel: Kernel, pair: RealPair, gap: float, seed: int, tracking: str = CLOSED_FORM
 ) -> tuple[Gearbox, Teeth]:
-    """Make the gearbox with damping and friction, and a state with its pairs in their slots."""
+    """Create the gearbox with damping and friction, and a state with its pairs in their slots."""
     gearbox = pair.gearbox(
         kernel,
         (load(0, TORQUE, -50.0 * pair.sigma),),
@@ -66,7 +66,7 @@ def made(
 
 
 def settle_friction(pair: RealPair, teeth: Teeth) -> None:
-    """Put every loaded pair on the branch of friction that belongs to its sliding velocity."""
+    """Set every loaded pair to the friction branch of its sliding velocity."""
     for contact in teeth.contacts:
         if contact.gap >= 0:
             continue

@@ -1,8 +1,8 @@
-"""One pair of real gears at a state: every tooth pair on both flanks, in absolute coordinates.
+"""One pair of gears defined by a basic rack at a state: all tooth pairs, absolute coordinates.
 
-Written from docs/geometry.md and docs/deviations.md with fifty digits. Teeth are found by where
-they stand on their wheels, forces by differences of the gap: nothing here counts from the start,
-uses deviations from a nominal motion or knows the arms of the forces, as the kernel does.
+Based on docs/geometry.md and docs/deviations.md, with fifty digits. Teeth are found by their
+positions on the wheels, forces by differences of the gap. Unlike the kernel, it does not count
+from the start and uses neither deviations from a nominal motion nor lever arms of the forces.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ WIDTH = 0.02  # of both faces [m]
 
 @dataclass(frozen=True)
 class RealPair:
-    """Description of two real gears, wheel 0 driving; lengths in m, angles in rad."""
+    """Two gears defined by a basic rack, wheel 0 driving; lengths in m, angles in rad."""
 
     teeth: tuple[int, int] = (19, 34)
     module: float = 3e-3
@@ -35,18 +35,18 @@ class RealPair:
     shift: tuple[float, float] = (0.0, 0.0)
     allowance: tuple[float, float] = (0.0, 0.0)
     backlash: float = 5e-5
-    ratio: float | None = None  # contact ratio, by tips equally far from the ends; None: standard
+    ratio: float | None = None  # contact ratio, with tips equally far from the ends; None: standard
     dedendum: float = 1.25
     chi: float = 0.0
     sigma: int = 1
     centre: tuple[float, float] = (0.0, 0.0)
-    reference: int = 0  # wheel whose angle is theta: a prescribed speed makes it so
-    fixed: bool = False  # axles that do not move
+    reference: int = 0  # wheel whose angle is theta: the one with a prescribed speed
+    fixed: bool = False  # axes that do not move
     poisson: tuple[float, float] = (0.3, 0.3)
     deviations: tuple[Block | None, Block | None] = (None, None)
 
     def gearbox(self, kernel: Kernel, loads: tuple[Block, ...] = (), **fields: Any) -> Gearbox:
-        """Make the gearbox; fields of the mesh."""
+        """Create the gearbox; fields of the mesh."""
         bearing = {
             **{"support_kind": FIXED if self.fixed else BEARING, "support_mass": 5.0},
             **{"support_stiffness": (1e9, 7e8), "support_damping": (1e5, 8e4)},
@@ -95,7 +95,7 @@ class RealPair:
 
     @cached_property
     def tooth_angles(self) -> tuple[mp.mpf, mp.mpf]:
-        """Angles that a tooth fills on the base circle."""
+        """Angles of a tooth on the base circle."""
         a, m = mp.mpf(self.pressure_angle), mp.mpf(self.module)
         return tuple(  # type: ignore[return-value]
             2 * (m * (mp.pi / 2 + 2 * mp.mpf(x) * mp.tan(a)) + mp.mpf(s)) / (m * z)
@@ -105,7 +105,7 @@ class RealPair:
 
     @cached_property
     def alpha_0(self) -> mp.mpf:
-        """Working pressure angle: teeth and backlash fill the pitch."""
+        """Working pressure angle: tooth thicknesses and backlash add up to the pitch."""
         teeth = mp.fdot(self.base_radii, self.tooth_angles)
         involute = (mp.mpf(self.backlash) + teeth - self.base_pitch) / (2 * sum(self.base_radii))
         return mp.findroot(lambda a: mp.tan(a) - a - involute, self.pressure_angle)
@@ -115,7 +115,7 @@ class RealPair:
         return sum(self.base_radii) * mp.tan(self.alpha_0)
 
     def tip_radius(self, i: int) -> float:
-        """Tip radius for the wanted contact ratio [m]."""
+        """Tip radius for the specified contact ratio [m]."""
         assert self.ratio is not None
         return float(mp.hypot(self.base_radii[i], (self.rho_0 + self.ratio * self.base_pitch) / 2))
 
@@ -139,12 +139,12 @@ class RealPair:
 
     @property
     def slots(self) -> int:
-        """Places of each flank."""
+        """Number of slots of each flank."""
         return int(np.ceil(self.contact_ratio - 1e-9)) + 1
 
     @cached_property
     def formulas(self) -> tuple[Formula, Formula]:
-        """What the flanks of each wheel lack."""
+        """Deviations of the flanks of each wheel."""
         made = []
         for i in (0, 1):
             profile = Profile(
@@ -164,7 +164,7 @@ class RealPair:
 
     @cached_property
     def middles(self) -> tuple[mp.mpf, mp.mpf]:
-        """Angles of the middles of the teeth 0 at the start: they touch where contact starts."""
+        """Angles of the middles of the teeth 0 at the start, in contact at the start of contact."""
         rho = self.rho_0 - self.rho_tips[1], self.rho_tips[1]
         return tuple(  # type: ignore[return-value]
             mp.mpf(self.chi)
@@ -174,7 +174,7 @@ class RealPair:
 
 
 class Contact(NamedTuple):
-    """Two flanks that face each other on the path of contact."""
+    """Two opposite flanks on the path of contact."""
 
     flank: int
     number: int  # k, pitches since the start
@@ -185,7 +185,7 @@ class Contact(NamedTuple):
 
 
 class Force(NamedTuple):
-    """What a tooth pair does: forces [N], torques on both wheels [N m], force on axle A [N]."""
+    """Load of a tooth pair: forces [N], torques on both wheels [N m], force on axis A [N]."""
 
     normal: mp.mpf
     friction: mp.mpf
@@ -202,7 +202,7 @@ class Teeth:
     pair: RealPair
     gearbox: Gearbox
     state: State
-    q: list[mp.mpf] = field(init=False)  # angles of A and B since the start, x and y of both axles
+    q: list[mp.mpf] = field(init=False)  # angles of A and B since the start, x and y of both axes
     rates: list[mp.mpf] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -217,7 +217,7 @@ class Teeth:
             self.rates += [self._y(f"displacement_{x}_rate_{i}") for x in "xy"]
 
     def _y(self, name: str) -> mp.mpf:
-        """State by name; 0 if there is none."""
+        """State by name; 0 if it does not exist."""
         if name not in self.gearbox.names:
             return mp.mpf(0)
         return mp.mpf(float(self.state.y[self.gearbox.place(name)]))
@@ -233,7 +233,7 @@ class Teeth:
         return mp.atan2(c[1], c[0]), alpha, sum(p.base_radii) * mp.tan(alpha)
 
     def radius(self, q: list[mp.mpf], wheel: int, side: int, tooth: int) -> mp.mpf:
-        """Radius of curvature of a flank where the line of action of its side meets it."""
+        """Radius of curvature of a flank at the line of action of its side."""
         p = self.pair
         chi, alpha, _ = self.line(q)
         root = p.middles[wheel] + q[wheel] + 2 * mp.pi * tooth / p.teeth[wheel]
@@ -251,11 +251,11 @@ class Teeth:
         return gap
 
     def side(self, flank: int) -> int:
-        """+1 if the flanks of A in contact face clockwise."""
+        """Return +1 if the flanks of A in contact face clockwise, else -1."""
         return self.pair.sigma * (1 if flank == DRIVE else -1)
 
     def zone(self, wheel: int, rho: mp.mpf) -> int:
-        """Part of the profile."""
+        """Zone of the profile."""
         formula = self.pair.formulas[wheel]
         tip, root = formula.relief(TIP), formula.relief(ROOT)
         if tip and rho > formula.start(tip):
@@ -264,7 +264,7 @@ class Teeth:
 
     @cached_property
     def contacts(self) -> list[Contact]:
-        """Every pair of flanks on the path of contact: both radii below those of the tips."""
+        """All pairs of flanks on the path of contact: both radii below those of the tips."""
         p = self.pair
         found = []
         for flank in (DRIVE, COAST):
@@ -288,7 +288,7 @@ class Teeth:
         return found
 
     def first_radius(self, flank: int) -> mp.mpf:
-        """Radius of curvature that the flank of A's tooth 0 would have if it never left."""
+        """Radius of curvature of the flank of A's tooth 0, extended beyond the path of contact."""
         p, side = self.pair, self.side(flank)
         chi, alpha, _ = self.line(self.q)
         chi = p.chi + wrapped(chi - p.chi)
@@ -296,12 +296,12 @@ class Teeth:
         return p.base_radii[0] * (alpha - side * (root - chi))
 
     def number(self, flank: int, rho_a: mp.mpf) -> int:
-        """Pitches since the start: by how many A's tooth comes after its tooth 0."""
+        """Pitches since the start: number of A's tooth after its tooth 0."""
         behind = (self.first_radius(flank) - rho_a) / self.pair.base_pitch
         return int(mp.nint(behind if flank == DRIVE else -behind))
 
     def settle(self, modes: dict[tuple[int, int], int] | None = None) -> State:
-        """Put the pairs on the path into their slots: loaded where they overlap; friction linear.
+        """Assign the pairs on the path to their slots: loaded if they overlap; friction linear.
 
         modes: contact modes by (flank, number), instead.
         """
@@ -332,7 +332,7 @@ class Teeth:
     # ---- forces
 
     def gradient(self, contact: Contact) -> list[mp.mpf]:
-        """Derivatives of the gap by q, by differences."""
+        """Derivatives of the gap to q, by differences."""
         step = mp.mpf(10) ** -16
         result = []
         for i in range(6):
@@ -383,7 +383,7 @@ def state_of(
     speed: float = 3.0,
     displacement: float = 2e-6,
 ) -> Teeth:
-    """State anywhere on some turn, the gap of the perfect drive flanks as given."""
+    """State at any revolution, with a given gap of the perfect drive flanks."""
     sizes = gearbox.sizes
     state = State(
         0.7,

@@ -1,7 +1,7 @@
-"""The paper's case at 1,000 states, as the kernel of November 2026 evaluated it.
+"""The paper's case at 1,000 states, as evaluated by the kernel of November 2026.
 
-Recorded numbers are the weakest of tests: they say that a change of the kernel left the paper's
-contact alone, not that it was right. Run as a script to write the record anew, and say why.
+Recorded values are a weak test: they show that a change of the kernel did not affect the paper's
+contact, not that it was correct. Run as a script to update the record, and state the reason.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ STATES = {CLOSED_FORM: 400, ALGEBRAIC: 300, DIFFERENTIAL: 300}
 
 def evaluations(kernel: Kernel) -> Iterator[NDArray[np.float64]]:
     """Values of COLUMNS at every state."""
-    random = np.random.RandomState(20111)  # its numbers never change between versions of numpy
+    random = np.random.RandomState(20111)  # its sequence is the same in all versions of numpy
     for tracking, count in STATES.items():
         gearbox = paper_gearbox(kernel, friction=0.3, tracking=tracking)
         start = gearbox.start()

@@ -1,4 +1,4 @@
-"""Gearboxes with rigid contact, and what an impact does to their bodies, written down once more."""
+"""Gearboxes with rigid contact, and an independent model of impacts on their bodies."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ def rigid_train(
     friction: Any = FRICTION,
     rest_velocity: float = 1e-6,
 ) -> Gearbox:
-    """Train of wheels that differ in everything, on bearings; a restitution of None: elastic.
+    """Train of wheels that differ in all parameters, on bearings; restitution None: elastic.
 
-    `outer_drive`: both neighbours drive the wheel in the middle in the same sense.
+    `outer_drive`: both neighbours drive the wheel in the middle in the same direction.
     """
     teeth = (20, 33, 27, 24)[:n]
     wheels = [
@@ -86,7 +86,7 @@ def rigid_train(
 
 
 class Bodies:
-    """Speeds as one vector (omega of every wheel, then x and y of every axle) and their masses."""
+    """Speeds as one vector (omega of every wheel, then x and y of every axis) and their masses."""
 
     def __init__(self, gearbox: Gearbox, support_masses: list[float]) -> None:
         self.gearbox = gearbox
@@ -103,7 +103,8 @@ class Bodies:
     def directions(self, m: int, factor: float, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Gradient of the gap's rate, and the generalised force of a unit normal force.
 
-        `factor`: friction over normal force, along t on the driving wheel; axles at their places.
+        `factor`: friction over normal force, along t on the driving wheel; axes at their reference
+        positions.
         """
         values, geometry = self.gearbox.outputs(state), self.gearbox.mesh_geometry(m)
         a = wheels_of_meshes(self.gearbox, state, "driving")[m]
@@ -129,12 +130,12 @@ class Bodies:
 
 
 def friction_of(gearbox: Gearbox, state: State, m: int = 0, f: float = FRICTION[0]) -> float:
-    """Friction over normal force that the sliding velocity demands."""
+    """Friction over normal force for the sliding velocity."""
     return float(-f * np.clip(gearbox.outputs(state)["sliding_velocity"][m] / KNEE, -1, 1))
 
 
 def approaching(gearbox: Gearbox, random: np.random.Generator, sizes: list[float]) -> State:
-    """Flanks that touch; the gap of mesh m closes at sizes[m], everything moves at random."""
+    """Flanks in contact; the gap of mesh m closes at sizes[m], all other motion is random."""
     n = gearbox.sizes.n_wheels
     state = gearbox.start()
     for i, name in enumerate(gearbox.names):
@@ -155,7 +156,7 @@ def approaching(gearbox: Gearbox, random: np.random.Generator, sizes: list[float
 
 
 def fire(gearbox: Gearbox, state: State, roots: np.ndarray) -> tuple[State, list[Event]]:
-    """Apply an event at which any roots fired, of several meshes at once."""
+    """Apply an event at which several roots fired, also of several meshes."""
     after = state.copy()
     events = (EventRecord * (gearbox.sizes.n_events))()
     n_events, status = ctypes.c_int(-1), Status()
@@ -178,7 +179,7 @@ def fire(gearbox: Gearbox, state: State, roots: np.ndarray) -> tuple[State, list
 
 
 def close(gearbox: Gearbox, state: State, *meshes: int) -> tuple[State, list[Event]]:
-    """Close the contacts of these meshes at once."""
+    """Close the contacts of these meshes simultaneously."""
     roots = np.zeros(gearbox.sizes.n_roots)
     for m in meshes:
         roots[gearbox.root_places[m, "contact"]] = 1
@@ -186,7 +187,7 @@ def close(gearbox: Gearbox, state: State, *meshes: int) -> tuple[State, list[Eve
 
 
 def refusal(make: Callable[[], Any]) -> GearboxError:
-    """Return what the kernel says when it refuses."""
+    """Return the error of a call that the kernel rejects."""
     with pytest.raises(GearboxError) as refused:
         make()
     return refused.value

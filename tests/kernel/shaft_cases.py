@@ -1,4 +1,4 @@
-"""Trains with shafts, at which the tests look."""
+"""Test trains with shafts."""
 
 from __future__ import annotations
 
@@ -88,10 +88,10 @@ def two_stages(
 
 
 def stirred(gearbox: Gearbox, random: np.random.Generator, gap: float = -1e-6) -> State:
-    """State on the path of contact, everything displaced and moving a little."""
+    """State on the path of contact, with small displacements and velocities of all bodies."""
     ratios = np.array([gearbox.wheel_geometry(i).speed_ratio for i in range(6)])
     pitch = gearbox.wheel_geometry(PINION).angular_pitch
-    # the tables of speeds say -7 rad/s at 1 s
+    # the tables of speeds give -7 rad/s at 1 s
     state = gearbox.start(SPEEDS, speeds=-7.0 * ratios, gaps=[gap, gap], t=1.0)
     state.y[gearbox.place("reference_angle")] = -0.4 * pitch / ratios[PINION]
     for i, name in enumerate(gearbox.names):

@@ -1,4 +1,4 @@
-"""The static analysis of a mesh from Python: what `evl_gearbox_static` tells, by name."""
+"""Quasi-static analysis of a mesh in Python: results of `evl_gearbox_static` by name."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Plan(ctypes.Structure):
 
 @dataclass
 class Curve:
-    """One torque: arrays (position), (position, pair) or (harmonic), and numbers."""
+    """Results of one torque: arrays (position), (position, pair) or (harmonic), and numbers."""
 
     plan: Plan
     position: Floats
@@ -38,17 +38,17 @@ class Curve:
             raise AttributeError(name) from None
 
     def of_pair(self, place: int, name: str) -> Floats:
-        """One place for tooth pairs."""
+        """Values of one pair slot."""
         return self.values[name][:, place - self.plan.first_pair]
 
 
 def table(gearbox: Gearbox) -> list[Output]:
-    """Rows that a static analysis tells."""
+    """Output rows of a static analysis."""
     return output_table(gearbox.library, OUTPUTS_OF_STATIC)
 
 
 def static_plan(gearbox: Gearbox, mesh: int = 0, points: int = 200) -> Plan:
-    """What the analysis comes to; raises GearboxError if it is refused."""
+    """Size of the analysis; raises GearboxError if it is rejected."""
     plan = Plan()
     gearbox.call("evl_gearbox_static_plan", gearbox.handle, mesh, points, plan)
     return plan
@@ -57,7 +57,7 @@ def static_plan(gearbox: Gearbox, mesh: int = 0, points: int = 200) -> Plan:
 def static_curve(
     gearbox: Gearbox, torque: float, mesh: int = 0, points: int = 200, speed: float = 0.0
 ) -> Curve:
-    """The mesh at rest under a torque of the driving wheel, which creeps at a speed."""
+    """Quasi-static curve under a torque of the driving wheel, which turns slowly at `speed`."""
     plan = static_plan(gearbox, mesh, points)
     values = np.full(plan.n_values, -1e300)
     gearbox.call("evl_gearbox_static", gearbox.handle, mesh, points, torque, speed, values)
@@ -82,7 +82,7 @@ def static_curve(
 def pair_force_at_rest(
     gearbox: Gearbox, torque: float, first: int = 0, pitches: int = 1_000_000, mesh: int = 0
 ) -> float:
-    """The largest force of a tooth pair of a mesh at rest under a torque, in some pitches [N]."""
+    """Largest quasi-static force of a tooth pair under a torque, in some pitches [N]."""
     force = ctypes.c_double()
     given = (gearbox.handle, mesh, first, pitches, torque)
     gearbox.call("evl_gearbox_static_pair_force", *given, ctypes.byref(force))

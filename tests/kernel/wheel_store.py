@@ -1,4 +1,4 @@
-"""`evl_wheel_store` from Python: what a caller keeps of wheels that give way."""
+"""Binding of `evl_wheel_store`: the caller's cache of wheel compliances."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _Call = ctypes.CFUNCTYPE(
 
 
 class WheelStore(ctypes.Structure):
-    """Numbers by key, and how often it was asked; `alter` changes what the kernel computed."""
+    """Values by key, and call counters; `alter` changes the values computed by the kernel."""
 
     _fields_ = [("self", ctypes.c_void_p), ("find", _Call), ("keep", _Call)]
 

@@ -1,10 +1,10 @@
-"""Random pairs of gears whose teeth and bodies bend: a seed gives a case.
+"""Random pairs of gears with compliant teeth and bodies: a seed gives a case.
 
-Wheels of 12 to 120 teeth with profile shifts, thickness allowances, hubs from near the axle to near
-the root, reliefs, crowning, pitch errors and runout, under 1 to 1000 N/mm, in both senses of
-rotation, some with axles that move. Most could be built; every eighth seed draws its teeth, its hub
-and its tips with no care, so that some are refused. What is asked of the flanks holds for any c, so
-elements of order 4 to 8 do: how exact they are is asked by tests/compliance.
+Wheels of 12 to 120 teeth with profile shifts, thickness allowances, hubs from near the axis to near
+the root, reliefs, crowning, pitch errors and runout, under 1 to 1000 N/mm, in both directions of
+rotation, some with moving axes. Most could be built; for every eighth seed teeth, hub and tips are
+drawn without restrictions, so that some cases are rejected. The tested properties of the flanks
+hold for any c, so elements of order 4 to 8 suffice: tests/compliance tests their accuracy.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ Block = dict[str, Any]
 STIFFNESS = 1.4e10  # of a mesh over its width, about [Pa]
 STEEL = {"youngs_modulus": 2.06e11, "poisson_ratio": 0.3, "density": 7830.0}
 OTHER = {"youngs_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}  # cast iron
-REACH = 1.2  # modules under the root circle that a hub has to stay
+REACH = 1.2  # minimum distance of a hub from the root circle, in modules
 OUTPUTS = 200
 ERRORS = ("pitch_errors", "accuracy", "runout")
 
 
 @dataclass
 class Wheel:
-    """What is known of a wheel before its block."""
+    """Data of a wheel needed before its block."""
 
     teeth: int
     shift: float
@@ -37,7 +37,7 @@ class Wheel:
 
 
 class BendingPair:
-    """A pair in the making."""
+    """Generator of a pair."""
 
     def __init__(self, seed: int) -> None:
         self.draw = random.Random(7_000_003 * (seed + 1))
@@ -54,10 +54,10 @@ class BendingPair:
         self.force = self.line_load * self.common
         self.torque = self.force * self.radii[0]
         self.materials = [STEEL, OTHER if self.chance(0.15) else STEEL]
-        self.errors = draw.choice((None, None, None, 0, 1))  # the wheel that has errors
-        self.moves = draw.choice((None, None, 0, 1, 2))  # the axle that moves, 2: both
+        self.errors = draw.choice((None, None, None, 0, 1))  # the wheel with errors
+        self.moves = draw.choice((None, None, 0, 1, 2))  # the moving axis, 2: both
         self.pitches = draw.uniform(2.5, 4.5)
-        # 30 % too little
+        # 30 % below the equilibrium
         self.depth = 0.7 * self.line_load / STIFFNESS
         masses = [
             OTHER["density"] * math.pi * r**2 * w.width / 2
@@ -68,7 +68,7 @@ class BendingPair:
         self.speed = self.log(0.15, 3) * self.frequency * 2 * math.pi / self.wheels[0].teeth
         self.before_case = self.draw.getstate()
 
-    # Chances.
+    # Random choices.
 
     def chance(self, probability: float) -> bool:
         return self.draw.random() < probability
@@ -89,7 +89,7 @@ class BendingPair:
         return Wheel(teeth, shift, self.module * self.draw.uniform(4, 16))
 
     def hub(self, wheel: Wheel) -> Block:
-        """Where the wheel is held: in its bore, or at a diameter above it."""
+        """Support of the wheel body: in its bore, or at a diameter above it."""
         root = wheel.teeth / 2 + wheel.shift - 1.25 - 0.02
         largest = 2 * (root - REACH) * self.module
         part = self.draw.uniform(0.05, 1.1 if self.careless else 0.98)
@@ -99,7 +99,7 @@ class BendingPair:
         return {"bore": bore, "compliance": {"hub_diameter": part * largest}}
 
     def compliance(self, i: int) -> Block:
-        """How a wheel gives way."""
+        """Compliance of a wheel."""
         wheel = self.wheels[i]
         fields = self.hub(wheel)
         given = fields["compliance"]
@@ -125,7 +125,7 @@ class BendingPair:
         return fields
 
     def relief(self, wheel: Wheel, end: str) -> Block:
-        """Take material off at one end of a flank."""
+        """Relief at one end of a flank."""
         tip = self.module * (wheel.teeth + 2 + 2 * wheel.shift)
         depth = self.draw.uniform(0.3, 0.9) if end == "tip" else self.draw.uniform(1.0, 1.5)
         return {
@@ -155,7 +155,7 @@ class BendingPair:
         return fields
 
     def support(self) -> Block:
-        """Let an axle move, undamped."""
+        """Undamped support of a moving axis."""
         stiffness = STIFFNESS * self.common * self.log(0.1, 10)
         if self.chance(0.5):
             return {
@@ -187,7 +187,7 @@ class BendingPair:
         return fields
 
     def mesh(self) -> Block:
-        """How they mesh; undamped, without friction."""
+        """Mesh without damping and friction."""
         fields: Block = {
             **{"driving": "pinion", "driven": "gear"},
             **{"centre_line_angle": self.draw.uniform(-180, 180)},
@@ -203,7 +203,7 @@ class BendingPair:
         return fields
 
     def at_rest(self, *, errors: bool) -> Block:
-        """The case on fixed axles, with its errors of pitch and runout or without."""
+        """The case on fixed axes, with or without its errors of pitch and runout."""
         case = self.case()
         for wheel in case["wheels"]:
             for key in ("support", *(() if errors else ERRORS)):
@@ -211,10 +211,10 @@ class BendingPair:
         return case
 
     def slow(self, lag: float, *, coasts: bool, friction: float) -> Block:
-        """On fixed axles, damped, over a pitch of 5e5 natural periods.
+        """Case on fixed axes, damped, with 5e5 natural periods per pitch.
 
-        The torque of the driving wheel is constant, the driven one turns at a constant speed. It
-        begins with a transmission error [m].
+        The torque of the driving wheel and the speed of the driven wheel are constant. The initial
+        transmission error is `lag` [m].
         """
         case = self.at_rest(errors=True)
         speed = self.slow_speed()
@@ -243,8 +243,8 @@ class BendingPair:
         return 2e-6 * self.frequency * 2 * math.pi / self.wheels[0].teeth
 
     def case(self) -> Block:
-        """Undamped, from a start with too little deflection."""
-        self.draw.setstate(self.before_case)  # the same whenever it is asked for
+        """Undamped case, with too little initial deflection."""
+        self.draw.setstate(self.before_case)  # the same at each call
         blocks = [self.block(i) for i in range(2)]
         ratio = self.wheels[0].teeth / self.wheels[1].teeth
         for block, factor in zip(blocks, (1, 1 / ratio), strict=True):

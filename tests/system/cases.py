@@ -1,4 +1,4 @@
-"""Gearboxes that are no example: changes of the paper's, and a train of three wheels."""
+"""Gearboxes other than the examples: variants of the paper's, and a train of three wheels."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ STEEL = {"youngs_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}
 
 
 def pair(friction: float = 0.0, tracking: str = "closed_form", **simulation: Any) -> dict[str, Any]:
-    """Build the case of examples/paper.yaml to be changed; `simulation` changes its block."""
+    """Return the case of examples/paper.yaml for modification; `simulation` changes its block."""
     return {
         "format": 1,
         "materials": {"steel": dict(STEEL)},
@@ -58,7 +58,7 @@ def pair(friction: float = 0.0, tracking: str = "closed_form", **simulation: Any
 
 
 def unloaded_pair(tracking: str, **simulation: Any) -> dict[str, Any]:
-    """Build two wheels that nothing acts on but their contact, undamped and without friction."""
+    """Return two wheels without loads, damping and friction: only their contact acts on them."""
     case = pair(0.0, tracking, **simulation)
     for wheel in case["wheels"]:
         wheel["loads"] = []
@@ -77,7 +77,7 @@ def rigid(case: dict[str, Any], restitution: float = 0.0) -> dict[str, Any]:
 
 
 def train(friction: float, tracking: str, **simulation: Any) -> dict[str, Any]:
-    """Build an input wheel, an idler in bearings, an output wheel; standard teeth of 20 degrees."""
+    """Return input wheel, idler in bearings and output wheel; standard teeth of 20 degrees."""
     coulomb = {"law": "coulomb", "coefficient": friction, "regularisation_velocity": 1e-3}
     return {
         "format": 1,

@@ -1,4 +1,4 @@
-"""The runs that the system tests share."""
+"""Runs shared by the system tests."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ from system.runs import Runs
 
 @pytest.fixture(scope="session")
 def runs(executable: Path, examples: Path, tmp_path_factory: pytest.TempPathFactory) -> Runs:
-    """Make a run, or give the one made before."""
+    """Return a function that makes a run, or returns an earlier one."""
     return Runs(executable, examples, tmp_path_factory.mktemp("runs"))

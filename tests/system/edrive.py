@@ -1,4 +1,4 @@
-"""A reducer of two stages between a motor and a heavy wheel behind a soft output shaft."""
+"""Two-stage reducer between a motor and a heavy wheel behind a soft output shaft."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ TEETH = {"p1": 19, "g1": 61, "p2": 23, "g2": 77}
 
 
 def gear(name: str, module: float, shift: float, bore: float, width: float, **of: Any) -> Block:
-    """Give a gear with compliant teeth on bearings."""
+    """Return a gear with compliant teeth on bearings."""
     bearing = {"stiffness": [2.5e8, 2.5e8], "damping": [2e3, 2e3]}
     return {
         **{"name": name, "teeth": TEETH[name], "module": module, "profile_shift": shift},
@@ -20,7 +20,7 @@ def gear(name: str, module: float, shift: float, bore: float, width: float, **of
 
 
 def edrive(stiffness: float, **initial: Any) -> Block:
-    """Give the case for a stiffness of the output shaft [N m/rad]."""
+    """Return the case for a stiffness of the output shaft [N m/rad]."""
     drive = {"kind": "drive", "speed": 628.0, "torque": 120.0, "slope": -4.8}
     friction = {"law": "coulomb", "coefficient": 0.05, "regularisation_velocity": 1e-3}
     of_mesh = {"damping": {"law": "ratio", "value": 0.07}, "friction": friction}

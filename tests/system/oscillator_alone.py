@@ -1,9 +1,9 @@
-"""The oscillator with rectangular mesh stiffness by itself: closed forms from event to event.
+"""Independent oscillator with rectangular mesh stiffness: closed forms from event to event.
 
-Time in units of one over the frequency of one tooth pair, deflection in those of F/k: while pairs
-carry x'' + 2 z n x' + n x = 1 with n = 1 or 2 of them, else x'' = 1. They part where their force
-falls to zero, and touch again where x comes from below zero or, if it stays above, where the force
-returns.
+Time in units of one over the frequency of one tooth pair, deflection in units of F/k. While pairs
+carry load, x'' + 2 z n x' + n x = 1 with n = 1 or 2 of them, else x'' = 1. They separate when their
+force falls to zero. They touch again when x becomes positive or, if it stays positive, when the
+force returns.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from itertools import pairwise
 import numpy as np
 
 RATIO, DAMPING = 1.638, 0.03  # contact ratio; damping ratio of a pair
-WINDOW = 64  # pitches over which a motion is looked at that does not repeat
+WINDOW = 64  # pitches over which a non-periodic motion is evaluated
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 class Oscillator:
-    """A state that is carried from event to event; a pitch begins where the second pair comes."""
+    """State integrated from event to event; a pitch starts when the second pair enters."""
 
     def __init__(self) -> None:
         self.x, self.v, self.touches = 0.6, 0.0, True
@@ -28,7 +28,7 @@ class Oscillator:
     def pitch(
         self, omega: float, place: float, pieces: list[tuple[float, ...]] | None = None
     ) -> None:
-        """From a place in a pitch to the same in the next one.
+        """Integrate from a position in a pitch to the same position in the next one.
 
         omega: over the frequency of the mean stiffness.
         """
@@ -47,7 +47,7 @@ class Oscillator:
                 left -= passed
 
     def _carry(self, pairs: int, left: float) -> float:
-        """Flanks touch: x - 1/n = exp(-d t) (a cos w t + b sin w t)."""
+        """Integrate with contact: x - 1/n = exp(-d t) (a cos w t + b sin w t)."""
         d, w, a, b = _constants(pairs, self.x, self.v)
         # of the force over n
         c, s = a + 2 * DAMPING * self.v, b - 2 * DAMPING * (w * a + d * b)
@@ -60,7 +60,7 @@ class Oscillator:
         if math.hypot(c, s) > 1 / pairs:
             turn = (
                 math.atan2(w * s - d * c, w * c + d * s) % math.pi / w
-            )  # the force has its extrema half a turn apart
+            )  # the extrema of the force are half a cycle apart
             low = 0.0
             for k in range(math.ceil(left * w / math.pi) + 2):
                 high = min(turn + k * math.pi / w, left)
@@ -77,7 +77,7 @@ class Oscillator:
         return passed
 
     def _fly(self, left: float) -> float:
-        """Flanks are apart."""
+        """Integrate without contact."""
         x, v = self.x, self.v
         clear = v**2 >= 2 * x
         if not clear:  # of x + 2 z v
@@ -89,7 +89,7 @@ class Oscillator:
         return passed
 
     def settle(self, omega: float, place: float, most: int = 600) -> int:
-        """Go on until the motion repeats. @return after how many pitches; 0: not within `most`."""
+        """Integrate until the motion repeats. @return number of pitches; 0: not within `most`."""
         seen: list[tuple[float, float]] = []
         for _ in range(most):
             self.pitch(omega, place)
@@ -121,7 +121,7 @@ class Oscillator:
     def follow(
         self, values: Iterable[float], place: float, pitches: int = 0
     ) -> Iterator[tuple[float, float]]:
-        """Go from frequency to frequency, with the deviation at each; see `falls`."""
+        """Sweep over frequencies, and return the deviation at each; see `falls`."""
         for omega in values:
             for _ in range(pitches - WINDOW):
                 self.pitch(omega, place)
@@ -150,15 +150,15 @@ def _near(a: tuple[float, float], b: tuple[float, float]) -> bool:
 def falls(
     values: Iterable[float], place: float, pitches: int = 0, motion: Oscillator | None = None
 ) -> list[tuple[float, float, float]]:
-    """Go from frequency to frequency, each step taken at a place of the pitch.
+    """Sweep over frequencies, with each step at the same position of the pitch.
 
-    pitches: at each frequency, whatever the motion does; 0: until it repeats.
-    Frequencies between which the deviation falls by more than a quarter, and what it is then.
+    pitches: at each frequency, independent of the motion; 0: until it repeats.
+    Returns frequencies between which the deviation falls by more than a quarter, and its new value.
     """
     told = (motion or Oscillator()).follow(values, place, pitches)
     return [(a, b, after) for (a, before), (b, after) in pairwise(told) if after < before / 1.3]
 
 
 def steps(first: float, last: float, step: float = 0.005) -> list[float]:
-    """From one frequency down to another."""
+    """Frequencies from one value down to another."""
     return [round(first - k * step, 6) for k in range(round((first - last) / step) + 1)]

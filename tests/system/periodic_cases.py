@@ -1,8 +1,8 @@
-"""Random gearboxes with a common period and damping: a seed gives a case that starts on an orbit.
+"""Random damped gearboxes with a common period: a seed gives a case that starts on an orbit.
 
 Pairs and trains of two meshes, by an idler or a shaft, under speeds, torques, drives and viscous
-loads, with orders, eccentric wheels, pitch errors, reliefs, bearings, discs on shafts and housings
-that vibrate. Damping ratios of meshes, shafts and supports are 0.02 and more.
+loads, with orders, eccentric wheels, pitch errors, reliefs, bearings, discs on shafts and vibrating
+housings. Damping ratios of meshes, shafts and supports are at least 0.02.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ MOST_PITCHES = 200  # of a common period
 
 
 def periodic_case(seed: int) -> Block:
-    """Make the case of a seed."""
+    """Create the case of a seed."""
     return PeriodicCase(seed).case()
 
 
 class PeriodicCase:
-    """A case in the making."""
+    """Generator of a case."""
 
     def __init__(self, seed: int) -> None:
         self.draw = random.Random(9_000_011 * (seed + 1))
@@ -76,7 +76,7 @@ class PeriodicCase:
         return fields
 
     def add_errors(self, wheels: list[Block]) -> None:
-        """Errors of one wheel, which repeat after its turn."""
+        """Errors of one wheel, which repeat after one revolution."""
         if self.shape == "pair" and self.chance(0.3):
             wheel = self.draw.choice(wheels)
             size = self.log(3e-4, 2e-3) * self.module
@@ -118,7 +118,7 @@ class PeriodicCase:
         return z[0] / z[1] * z[2] / z[3]
 
     def add_loads(self, first: Block, last: Block) -> None:
-        """Two that balance at the speed."""
+        """Two loads in equilibrium at the speed."""
         torque, speed = self.sense * self.torque, self.sense * self.speed
         ratio = self.gear_ratio()
         kind = self.draw.choice(("speed", "speed", "viscous", "drive", "loaded drive"))
@@ -204,7 +204,7 @@ def reordered(case: Block) -> Block:
 
 
 def mirrored(case: Block) -> Block:
-    """The same case seen in a mirror: everything turns the other way."""
+    """Mirror image of the case: everything rotates in the opposite direction."""
     other = copy.deepcopy(case)
     for wheel in other["wheels"]:
         if "pitch_errors" in wheel:

@@ -1,8 +1,8 @@
-"""Pairs of real gears in which every two entries of the tables meet: a seed gives a case.
+"""Pairs of gears with all pairwise combinations of table entries: a seed gives a case.
 
-The tables of laws are the kernel's own, so that a law added to them takes part at once. Each wheel
-deviates in a way of its own; reliefs, pitch errors, loads and dampers are drawn at random, dampers
-up to such that the flanks hardly move.
+The tables of laws are the kernel's, so that new laws are included automatically. Each wheel has its
+own type of deviation; reliefs, pitch errors, loads and dampers are random, dampers up to values at
+which the flanks hardly move.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ DEVIATIONS = (
     *("crowning", "pitch errors", "accuracy", "runout"),
 )
 FACTORS = ("pinion", "gear", "contact", "damping", "friction", "integrator", "flank")
-CANDIDATES = 60  # rows that are tried for the one that brings most new pairs of entries
+CANDIDATES = 60  # candidate rows, of which the one with most new combinations is chosen
 STIFFNESS = 1.4e10  # of a tooth pair over its width [N/m2]
 
 
@@ -39,7 +39,7 @@ def levels(kernel: Kernel) -> tuple[Row, ...]:
 
 
 def met(row: Row) -> Iterator[tuple[str, str, str, str]]:
-    """Pairs of entries that meet in a row; the deviations of both wheels are one table."""
+    """Combinations of entries in a row; the deviations of both wheels are one table."""
     names = ("deviation", "deviation", *FACTORS[2:])
     for (a, first), (b, second) in itertools.combinations(zip(names, row, strict=True), 2):
         if a != b:
@@ -47,7 +47,7 @@ def met(row: Row) -> Iterator[tuple[str, str, str, str]]:
 
 
 def rows(kernel: Kernel, n: int) -> list[Row]:
-    """Rows of entries, each that of some at random in which most pairs meet for the first time."""
+    """Rows of entries: of some random candidates each the one with most new combinations."""
     draw = random.Random(13)
     tables = levels(kernel)
     seen: set[tuple[str, str, str, str]] = set()
@@ -61,12 +61,12 @@ def rows(kernel: Kernel, n: int) -> list[Row]:
 
 
 def pushing_case(kernel: Kernel, row: Row, seed: int) -> Block:
-    """Make a pair of real gears with the entries of a row."""
+    """Create a pair of gears defined by a basic rack with the entries of a row."""
     return _Case(kernel, dict(zip(FACTORS, row, strict=True)), random.Random(1000 + seed)).case()
 
 
 class _Case:
-    """A case in the making."""
+    """Generator of a case."""
 
     def __init__(self, kernel: Kernel, entries: dict[str, str], draw: random.Random) -> None:
         self.kernel, self.entries, self.draw = kernel, entries, draw
@@ -87,7 +87,7 @@ class _Case:
         return math.exp(self.draw.uniform(math.log(low), math.log(high)))
 
     def law(self, family: int, name: str) -> Block:
-        """Choose a law of a family, with values for its parameters."""
+        """Select a law of a family, with values for its parameters."""
         (info,) = [law for law in self.kernel.laws(family) if law.name == name]
         block: Block = {"law": name}
         for given in info.rows:
@@ -96,7 +96,7 @@ class _Case:
         return block
 
     def value(self, key: str, unit: str) -> float:
-        """Draw a value of a law's parameter; one that nobody thought of fails."""
+        """Draw a value of a law's parameter; an unknown parameter fails."""
         frequency = math.sqrt(self.stiffness / self.mass)
         linear = 2 * self.log(0.02, 20) * self.stiffness / frequency  # damping ratio 0.02 to 20
         speed = self.log(1e-3, 2e-2)
@@ -118,7 +118,7 @@ class _Case:
         return values[key, unit]
 
     def deviation(self, kind: str, teeth: int) -> Block:
-        """Deviate in one way."""
+        """Deviations of one type."""
         amount = self.log(1e-3, 8e-3) * self.module
         tip = self.module * (teeth + 2)
         if kind.endswith(("tip", "root")):
@@ -137,7 +137,7 @@ class _Case:
         }[kind]
 
     def case(self) -> Block:
-        """Put it together. On the coast flank the driven wheel drives, in the same sense."""
+        """Assemble the case. On the coast flank the driven wheel drives, in the same direction."""
         names = ("pinion", "gear")
         wheels: list[Block] = [
             {

@@ -1,10 +1,10 @@
 """Random gearboxes: a seed gives a case, the same on every machine.
 
-A gearbox is a tree: a first pair of wheels, to which further meshes are added at the teeth of a
-wheel that is there (an idler) or by a shaft with another pinion on it, and discs on shafts. Every
-second seed is made to lose contact. What could not run is left out: teeth that undercut or come to
-a point, initial speeds that do not agree along the train, a steady start where nothing is steady,
-and pairs by the paper's rule that turn back below their base circle.
+A gearbox is a tree. To a first pair of wheels, further meshes are added at the teeth of an existing
+wheel (an idler) or by a shaft with another pinion on it, and discs on shafts. Every second seed is
+constructed to lose contact. Invalid cases are excluded: undercut or pointed teeth, inconsistent
+initial speeds along the train, a steady start without a steady state, and pairs by the paper's rule
+that turn back below their base circle.
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ from typing import Any
 
 STEEL = {"youngs_modulus": 2.06e11, "poisson_ratio": 0.3, "density": 7830.0}
 DENSITY = STEEL["density"]
-STIFFNESS = 1.4e10  # of a tooth pair over its width [N/m2], for laws that state one
-KNOTS = 8  # of a period of a fluctuating speed or torque
+STIFFNESS = 1.4e10  # of a tooth pair over its width [N/m2], for laws with a given stiffness
+KNOTS = 8  # per period of a fluctuating speed or torque
 HARMONIC = [math.sin(2 * math.pi * i / KNOTS) for i in range(KNOTS)]
 
 Block = dict[str, Any]
 
 
 def loses_contact(seed: int) -> bool:
-    """Whether the gearbox of a seed is made to lose contact."""
+    """Whether the gearbox of a seed is constructed to lose contact."""
     return seed % 2 == 1
 
 
 def random_gearbox(seed: int) -> Block:
-    """Make the case of a seed."""
+    """Create the case of a seed."""
     return Gearbox(seed).case()
 
 
 class Gearbox:
-    """A gearbox in the making."""
+    """Generator of a gearbox."""
 
     def __init__(self, seed: int) -> None:
         self.random = random.Random(seed)
@@ -41,13 +41,13 @@ class Gearbox:
         self.meshes: list[Block] = []
         self.shafts: list[Block] = []
         self.ratio: dict[str, float] = {}  # speed of each wheel over that of the first
-        self.rack: dict[str, Block] = {}  # what wheels in mesh have to share, by wheel
+        self.rack: dict[str, Block] = {}  # common parameters of wheels in mesh, by wheel
         self.losing = loses_contact(seed)
-        self.shaken = self.chance(0.1)  # by its housing
+        self.shaken = self.chance(0.1)  # by motion of the housing
         self.draw_size()
         self.build()
 
-    # Chances.
+    # Random choices.
 
     def chance(self, probability: float) -> bool:
         return self.random.random() < probability
@@ -67,7 +67,7 @@ class Gearbox:
     # Sizes.
 
     def draw_size(self) -> None:
-        """Choose module, speed and load of the first pair, and how long it runs."""
+        """Draw module, speed and load of the first pair, and the duration."""
         self.module = self.log_uniform(1e-3, 5e-3)
         self.width = self.module * self.uniform(6, 14)
         self.speed = self.choice(-1, 1) * self.log_uniform(10, 300)  # [rad/s]
@@ -96,7 +96,7 @@ class Gearbox:
             self.add_disc(self.wheels[-1]["name"])
 
     def new_rack(self) -> Block:
-        """Draw what wheels in mesh share."""
+        """Draw the common parameters of wheels in mesh."""
         if self.real:
             angle = self.choice(20, 20, 22.5, 25)
             return {
@@ -121,7 +121,7 @@ class Gearbox:
         return wheel
 
     def add_deviations(self, wheel: Block) -> None:
-        """Give a real gear tip relief, pitch errors, crowning or runout, or none of them."""
+        """Add tip relief, pitch errors, crowning or runout to a gear with a basic rack, or none."""
         module, teeth = wheel["module"], wheel["teeth"]
         tip = module * (teeth + 2 + 2 * wheel["profile_shift"])
         if self.chance(0.3):
@@ -138,7 +138,7 @@ class Gearbox:
             wheel["runout"] = {"amount": 2e-3 * module, "phase": self.uniform(-180, 180)}
 
     def support(self, radius: float) -> Block:
-        """Let the axle move."""
+        """Support of a moving axis."""
         stiffness = STIFFNESS * self.width * self.log_uniform(0.03, 10)
         mass = DENSITY * math.pi * radius**2 * self.width * self.uniform(0.2, 2)
         damping = 2 * self.uniform(0.01, 0.2) * math.sqrt(stiffness * mass)
@@ -154,7 +154,7 @@ class Gearbox:
         }
 
     def add_mesh(self, driving: str) -> None:
-        """Add a wheel that a wheel with teeth drives."""
+        """Add a wheel driven by an existing wheel with teeth."""
         driver = next(w for w in self.wheels if w["name"] == driving)
         teeth = self.integer(18, 60)
         name = f"w{len(self.wheels)}"
@@ -176,7 +176,7 @@ class Gearbox:
         self.meshes.append(mesh)
 
     def add_pinion_on_shaft(self, at: str) -> str:
-        """Put another wheel with teeth on the axis of a wheel."""
+        """Add another wheel with teeth on the axis of a wheel."""
         name = f"w{len(self.wheels)}"
         wheel = self.add_gear(name, self.ratio[at], self.new_rack(), self.integer(18, 30))
         wheel["axial_position"] = 3 * self.width * (1 + len(self.shafts))
@@ -184,7 +184,7 @@ class Gearbox:
         return name
 
     def add_disc(self, at: str) -> None:
-        """Put a motor or a load on the axis of a wheel."""
+        """Add a motor or a load on the axis of a wheel."""
         name = f"w{len(self.wheels)}"
         radius = self.module * self.uniform(15, 40)
         disc = {"name": name, "radius": radius, "width": 2 * self.width, "material": "steel"}
@@ -237,7 +237,7 @@ class Gearbox:
         if law == "one_sided":
             depth = self.force / (STIFFNESS * self.width)
             return {"law": law, "coefficient": 2 * linear / depth}
-        # the v0_min with which docs/integrators.md was measured; that of the mesh damps less
+        # the v0_min used for docs/integrators.md; that of the mesh damps less
         return {"law": law, "restitution": self.uniform(0.3, 0.95), "v0_min": 1e-3}
 
     def friction(self) -> Block:
@@ -257,7 +257,7 @@ class Gearbox:
     # Loads and start.
 
     def case(self) -> Block:
-        """Add loads and a start, and give the case."""
+        """Add loads and a start, and return the case."""
         start = self.add_losing_loads() if self.losing else self.add_steady_loads()
         case: Block = {
             **{"format": 1, "materials": {"steel": dict(STEEL)}, "wheels": self.wheels},
@@ -285,17 +285,17 @@ class Gearbox:
         return case
 
     def outputs(self) -> list[Block]:
-        """Wheels that drive no other, or the last one: those that carry the load."""
+        """Wheels that drive no other, or the last one: those with the output loads."""
         busy = {"w0"} | {mesh["driving"] for mesh in self.meshes}
         busy |= {wheel for shaft in self.shafts for wheel in shaft["wheels"][:1]}
         return [wheel for wheel in self.wheels if wheel["name"] not in busy] or self.wheels[-1:]
 
     def add_steady_loads(self) -> Block:
-        """Drive the train by a torque or a speed against what holds it up."""
+        """Drive the train by a torque or a speed against resisting loads."""
         share = self.torque / len(self.outputs())
         for wheel in self.outputs():
             speed = self.speed * self.ratio[wheel["name"]]
-            torque = share / self.ratio[wheel["name"]]  # that carries its share of the power
+            torque = share / self.ratio[wheel["name"]]  # torque for its share of the power
             if self.chance(0.7):
                 load = {"kind": "viscous", "coefficient": abs(torque / speed)}
             else:
@@ -313,7 +313,7 @@ class Gearbox:
         return self.choice(steady, steady, moving, rest)
 
     def add_losing_loads(self) -> Block:
-        """Make the flanks part: by a fluctuating drive, a reversal of the torque, or a gap."""
+        """Make the flanks separate by a fluctuating drive, a torque reversal or a gap."""
         kind = self.choice("speed", "torque", "reversal", "gap")
         if kind in ("torque", "reversal") and not self.can_turn_back():
             kind = "gap"
@@ -341,10 +341,10 @@ class Gearbox:
         return self.speeds(gap=kind == "gap")
 
     def can_turn_back(self) -> bool:
-        """Whether no path of contact comes to an end when the wheels turn backwards.
+        """Whether the path of contact of every mesh is long enough when the wheels turn backwards.
 
-        A pair by the paper's rule turns back one pitch before the pair behind takes over: so its
-        path has to begin more than a pitch from the base circle.
+        A pair by the paper's rule turns back one pitch before the following pair takes over. Its
+        path must therefore start more than a pitch from the base circle.
         """
         teeth = {wheel["name"]: wheel.get("teeth", 0) for wheel in self.wheels}
         for mesh in self.meshes:
@@ -355,20 +355,20 @@ class Gearbox:
         return True
 
     def fluctuation(self, period: float, value: Any) -> tuple[list[float], list[float]]:
-        """Knots of a harmonic, from 0 past the end of the run."""
+        """Knots of a harmonic, from 0 beyond the end of the run."""
         n = math.ceil(KNOTS * self.duration / period) + 1
         times = [period * i / KNOTS for i in range(n)]
         return times, [value(HARMONIC[i % KNOTS]) for i in range(n)]
 
     def torque_load(self, part: float | list[float], time: list[float] | None = None) -> Block:
-        """Part of the nominal torque in the sense of the nominal speed, constant or a table."""
+        """Fraction of the nominal torque in the nominal direction, constant or a table."""
         full = math.copysign(self.torque, self.speed)
         if isinstance(part, float):
             return {"kind": "torque", "value": part * full}
         return {"kind": "table", "time": time, "torque": [value * full for value in part]}
 
     def speeds(self, gap: bool = False) -> Block:
-        """Start with the nominal speeds, and with gaps or with the flanks touching."""
+        """Start with the nominal speeds, and with gaps or with the flanks in contact."""
         speeds = {name: self.speed * ratio for name, ratio in self.ratio.items()}
         start: Block = {"kind": "speeds", "speeds": speeds}
         if gap:

@@ -1,4 +1,4 @@
-"""Seeds of the random sets of cases: some always, all of them with --long."""
+"""Seeds of the random sets of cases: some in every run, all of them with --long."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 
 def seeds(always: Iterable[int], n: int, without: Iterable[int] = ()) -> list[Any]:
-    """Give the first n seeds as parameters, those that are not tested `always` marked `long`."""
+    """Return the first n seeds as parameters; those not in `always` are marked `long`."""
     short = sorted(set(always))
     rest = [seed for seed in range(n) if seed not in {*short, *without}]
     return [*short, *(pytest.param(seed, marks=pytest.mark.long) for seed in rest)]

@@ -1,4 +1,4 @@
-"""Pairs of real gears as cases."""
+"""Cases with pairs of gears defined by a basic rack."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def real_pair(
     mesh: dict[str, Any] | None = None,
     **simulation: Any,
 ) -> dict[str, Any]:
-    """Two gears of 20 degrees on fixed axles; fields of each wheel, of the mesh, of the run."""
+    """Two gears of 20 degrees on fixed axes; fields of each wheel, of the mesh, of the run."""
     names = ("pinion", "gear")
     return {
         "format": 1,
@@ -71,7 +71,7 @@ def base_pitch(module: float = 3e-3) -> float:
 def tip_diameters(
     teeth: tuple[int, int], ratio: float, module: float = 3e-3, alpha: float = ALPHA
 ) -> tuple[float, float]:
-    """Tip diameters of a pair without backlash that has a contact ratio, its path in the middle."""
+    """Tip diameters of a zero-backlash pair with a contact ratio and a symmetric path."""
     base = [module * z / 2 * math.cos(alpha) for z in teeth]
     line = sum(base) * math.tan(alpha)
     rho = (line + ratio * math.pi * module * math.cos(alpha)) / 2

@@ -1,6 +1,6 @@
-"""What a random pair of gears may be refused for; whoever draws pairs holds them against this."""
+"""Permitted reasons for the rejection of a random pair of gears."""
 
-# Its teeth, its hub, how the wheels fit, and loads beyond the range of its teeth and edges.
+# Its teeth, its hub, the fit of the wheels, and loads beyond the range of teeth and tip edges.
 OF_A_PAIR = (
     *("the teeth are undercut", "the tooth is pointed", "thick at the tip, less than 0.1 modules"),
     *(

@@ -40,55 +40,55 @@ from evolvent import check_history  # noqa: E402
 from system.refusals import OF_A_PAIR  # noqa: E402
 from system.wide_gearboxes import OUTPUTS, Block, kind_of, wide_case  # noqa: E402
 
-# Of CPU that a run may take, twice what is asked for since machines differ; at a part of its
+# CPU time limit of a run, twice the required time since machines differ; at a fraction of the
 # tolerance.
 SECONDS, TIGHT_SECONDS = 10, 40
-DONE, REFUSED, ENDED = 0, 3, 4  # exit codes that are promised here
-# Of the motion's own range; half of the pairs of runs agree to 1e-8.
+DONE, REFUSED, ENDED = 0, 3, 4  # exit codes permitted here
+# Of the range of the motion; half of the pairs of runs agree to 1e-8.
 WITHIN = 1e-4
-LAST_DIGITS = 1e-10  # by which a case is changed to see whether it amplifies errors
-# What that has to move for a motion to count as chaotic, as in docs/integrators.md; and how much
-# farther apart its integrators may be then, whose errors are to those digits as 1e-6 to 1e-10.
+LAST_DIGITS = 1e-10  # perturbation of a case to detect amplification of errors
+# Response to it above which a motion counts as chaotic, as in docs/integrators.md; and the
+# permitted ratio of the integrators' difference to it, whose errors are 1e-6 against 1e-10.
 CHAOTIC, FARTHER = 1e-7, 1e4
-SHARE = 0.1  # of what is wrong that may be left at a part of the tolerance
-PARTS = (1e-2, 1e-4)  # these: what is left of an error may still be one of few events at the first
+SHARE = 0.1  # permitted fraction of an error that remains at a fraction of the tolerance
+PARTS = (1e-2, 1e-4)  # these fractions: at the first one, an error may still depend on few events
 LEAST_TOLERANCE = 1e-13  # of radau
 
-# What a valid case may be refused for: as a pair of gears, or as a start that is none.
+# Permitted reasons to reject a valid case: the pair of gears, or an invalid start.
 REFUSALS = (
     *OF_A_PAIR,
     *("there is no steady state", "is on a slope of its deviating flanks"),
-    "has left the involute",  # by gaps that are too wide
+    "has left the involute",  # gaps that are too wide
 )
-# What ends a run: a state that the model does not know.
+# Permitted reasons for the end of a run: a state outside the model.
 ENDS = (
     *("fillet of the", "off its path of contact", "past both ends of its path of contact"),
     *("has left the involute", "lies inside its wheel's base circle", "of the Johnson force"),
     *("impacts without end", "do not end at this instant"),
     "no other pair was on the path to keep them apart",  # rigid flanks
-    "the integrator cannot go on",  # IDA under loads that no digits resolve
+    "the integrator cannot go on",  # IDA under loads beyond double precision
 )
 
 
-ENDED_IN_WORDS = ("refused", "ended")  # of what `unfinished` tells
+ENDED_IN_WORDS = ("refused", "ended")  # outcomes of `unfinished`
 
 Wrong = list[tuple[str, float, float]]  # invariants, worst value, bound
 
 
 @dataclass(frozen=True)
 class Judged:
-    """What became of a seed."""
+    """Verdict on a seed."""
 
     seed: int
     kind: str
     outcome: str
     words: str
-    apart: float  # of both integrators, over the range of the motion
+    apart: float  # difference of both integrators, over the range of the motion
     cpu: float  # of all runs [s]
 
     @property
     def is_sound(self) -> bool:
-        """Whether it is as promised."""
+        """Whether the outcome is permitted."""
         return self.outcome in SOUND
 
 
@@ -100,7 +100,7 @@ SOUND = (
 
 @dataclass(frozen=True)
 class Ran:
-    """A run: its exit code, its words, its CPU time and its history."""
+    """A run: exit code, messages, CPU time and history."""
 
     code: int
     words: str
@@ -114,7 +114,7 @@ class Ran:
 
 
 class Judge:
-    """Judges seeds with a program, in a folder of its own."""
+    """Judges seeds with a program, in its own folder."""
 
     def __init__(self, program: Path, folder: Path) -> None:
         self.program, self.folder = program, folder
@@ -127,7 +127,7 @@ class Judge:
         return Judged(seed, kind_of(seed), outcome, words, apart, round(self.cpu, 3))
 
     def judge(self, case: Block) -> tuple[str, str, float]:
-        """Give outcome, words and how far the integrators are apart."""
+        """Return outcome, message and difference of the integrators."""
         first = self.run(case)
         if first.code != DONE:
             return *unfinished(first), 0.0
@@ -150,7 +150,7 @@ class Judge:
         return *self.explain(case, first, apart), apart
 
     def weigh(self, case: Block, run: Ran, wrong: Wrong, *settings: str) -> tuple[str, str]:
-        """Judge broken invariants: a run has to say so, and a smaller tolerance to mend them."""
+        """Judge violated invariants: a run must report them, a smaller tolerance remove them."""
         words = "; ".join(f"{name} {worst:.3g}, bound {bound:.3g}" for name, worst, bound in wrong)
         assert run.history is not None
         said = run.history.attrs["invariants"]
@@ -169,7 +169,7 @@ class Judge:
         return "broken", words
 
     def explain(self, case: Block, first: Ran, apart: float) -> tuple[str, str]:
-        """Say whether the motion amplifies errors, or a smaller tolerance brings both together."""
+        """Determine if errors are amplified, or a smaller tolerance removes the difference."""
         changed = self.run(in_last_digits(case))
         if changed.code != DONE and unfinished(changed)[0] not in ENDED_IN_WORDS:
             return unfinished(changed)
@@ -219,7 +219,7 @@ class Judge:
 
 
 def unfinished(run: Ran) -> tuple[str, str]:
-    """Outcome and words of a run that did not come to its end."""
+    """Outcome and message of a run that did not reach its end."""
     last = re.sub(r"^\S*case\.yaml", "case.yaml", run.last)
     last = re.sub(r"; the history up to there is in .*", "", last)
     if run.code in (-signal.SIGXCPU, -signal.SIGKILL):
@@ -232,7 +232,7 @@ def unfinished(run: Ran) -> tuple[str, str]:
 
 
 def wrong_in(run: Ran) -> Wrong:
-    """Invariants that a run broke that came to its end: name, worst value, bound."""
+    """Violated invariants of a complete run: name, worst value, bound."""
     assert run.history is not None
     outputs = len(run.history["time"])
     if outputs != OUTPUTS + 1:
@@ -242,13 +242,13 @@ def wrong_in(run: Ran) -> Wrong:
 
 
 def tightened(case: Block, part: float) -> str:
-    """Setting of a part of a case's tolerance."""
+    """Setting for a fraction of a case's tolerance."""
     tolerance = part * case["simulation"].get("tolerance", 1e-9)
     return f"simulation.tolerance={max(tolerance, LEAST_TOLERANCE)}"
 
 
 def is_radaus(case: Block) -> bool:
-    """Whether radau may run it."""
+    """Whether radau supports the case."""
     closed = all(mesh.get("tracking") in (None, "closed_form") for mesh in case["meshes"])
     soft = all(mesh.get("contact", {}).get("law") != "rigid" for mesh in case["meshes"])
     return closed and soft and case.get("housing", {}).get("kind") != "mounted"
@@ -266,7 +266,7 @@ def distance(one: Ran, other: Ran) -> float:
 
 
 def in_last_digits(case: Block) -> Block:
-    """Give the case with widths, which are in loads' and contacts' way, and gaps changed."""
+    """Return the case with perturbed gaps, and widths, which affect loads and contacts."""
     changed: Block = json.loads(json.dumps(case))
     for i, wheel in enumerate(changed["wheels"]):
         wheel["width"] *= 1 + LAST_DIGITS * (-1) ** i
@@ -290,14 +290,14 @@ def judged_here(seed: int) -> Judged:
 
 
 def read(results: Path) -> list[dict[str, Any]]:
-    """Rows of a file of results, of each seed the last one."""
+    """Rows of a file of results, the last one of each seed."""
     lines = results.read_text().splitlines() if results.exists() else []
     rows = (json.loads(line) for line in lines)
     return list({row["seed"]: row for row in rows}.values())
 
 
 def summary(rows: list[dict[str, Any]], say: Callable[[str], None]) -> None:
-    """Tell how many of each kind came out how, and what is not as promised."""
+    """Report outcomes by kind, and those that are not permitted."""
     outcomes = Counter(row["outcome"] for row in rows)
     by_kind = Counter((row["kind"], row["outcome"]) for row in rows)
     say("| kind | " + " | ".join(outcomes) + " |")
@@ -310,7 +310,7 @@ def summary(rows: list[dict[str, Any]], say: Callable[[str], None]) -> None:
 
 
 def main() -> None:
-    """Run the seeds that are not in the results yet, two at a time, and tell what came out."""
+    """Run the seeds without results, two at a time, and report the outcomes."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path)
     parser.add_argument("--seeds", type=int, default=0, help="up to, without this one")

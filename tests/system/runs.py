@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 TRACKINGS = ("closed_form", "algebraic", "differential")
-TRACKED = TRACKINGS[1:]  # those that track points instead of using their closed form
+TRACKED = TRACKINGS[1:]  # those that track points instead of using the closed form
 FRICTIONLESS, FRICTION = "paper.yaml", "paper-friction.yaml"
 
 RIGID = ("meshes.0.contact={law: rigid}", "meshes.0.damping={law: none}")  # settings
@@ -20,11 +20,11 @@ RIGID = ("meshes.0.contact={law: rigid}", "meshes.0.damping={law: none}")  # set
 
 @dataclass(frozen=True)
 class Run:
-    """What a run left: its messages, and its history in memory."""
+    """Result of a run: its messages, and its history in memory."""
 
     exit_code: int
     messages: str  # on stderr
-    path: Path  # of the history; that of the partial one if the run failed
+    path: Path  # of the history; of the partial one if the run failed
     history: xr.Dataset
     events: xr.Dataset
 
@@ -35,7 +35,7 @@ class Run:
 
 @dataclass
 class Runs:
-    """Makes runs, and remembers them: ``runs("paper.yaml", "simulation.duration=20")``."""
+    """Makes and caches runs: ``runs("paper.yaml", "simulation.duration=20")``."""
 
     executable: Path
     examples: Path
@@ -43,7 +43,7 @@ class Runs:
     made: dict[str, Run] = field(default_factory=dict)
 
     def __call__(self, case: str | dict[str, Any], *settings: str, copy: int = 0) -> Run:
-        """Run a case with changes by --set; another `copy` is another run of the same.
+        """Run a case with changes by --set; another `copy` repeats the run.
 
         The case is the name of an example, or the content of a case file.
         """
@@ -79,11 +79,11 @@ class Runs:
 
 
 def named_kinds(kind: xr.DataArray) -> xr.DataArray:
-    """Kinds of events by their names."""
+    """Names of the kinds of events."""
     names = dict(zip(kind.attrs["flag_values"], kind.attrs["flag_meanings"].split(), strict=True))
     return kind.copy(data=np.array([names[value] for value in kind.values], dtype="U31"))
 
 
 def tracking(kind: str) -> str:
-    """Setting that chooses the tracking of the first mesh."""
+    """Setting for the tracking of the first mesh."""
     return f"meshes.0.tracking={kind}"

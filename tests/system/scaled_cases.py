@@ -1,7 +1,7 @@
-"""A case in other units: the same gearbox, all lengths, times and masses times a factor each.
+"""A case in other units: the same gearbox with all lengths, times and masses multiplied by factors.
 
-Which unit a number has is told by the program's own table of keys, `evolvent show --keys`, so that
-a key added to it is scaled at once. Numbers that a case leaves to a default do not scale.
+The unit of a value is read from the program's table of keys, `evolvent show --keys`, so that new
+keys are scaled automatically. Values that a case leaves to a default are not scaled.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ UNITS = {
 class Row:
     """A key of a block."""
 
-    only: tuple[str, ...]  # kinds or laws that have it; empty: all
+    only: tuple[str, ...]  # kinds or laws with this key; empty: all
     type: str
     unit: str
 
@@ -43,7 +43,7 @@ class Scales:
     mass: float = 1.0
 
     def of(self, unit: str, block: Block) -> float:
-        """Give the factor of a unit."""
+        """Return the factor of a unit."""
         if unit == "N/m^exponent":
             length, time, mass = 1 - block["exponent"], -2, 1
         else:
@@ -68,7 +68,7 @@ def keys(program: Path) -> dict[str, dict[str, list[Row]]]:
 
 
 def scaled_case(program: Path, case: Block, scales: Scales) -> Block:
-    """Give the case with every number times the factor of its unit."""
+    """Return the case with every value multiplied by the factor of its unit."""
     table = keys(program)
 
     def scaled(value: Any, row: Row, block: Block) -> Any:

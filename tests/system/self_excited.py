@@ -1,7 +1,7 @@
-"""A pair whose axle is shaken by falling friction, and whether radau follows what friction feeds.
+"""Friction-induced vibration of a pair with decreasing friction, and whether radau resolves it.
 
-What is compared are mean, standard deviation and 98 % range of the force of each mesh after the
-first quarter of the run.
+Compared are mean, standard deviation and 98 % range of the force of each mesh after the first
+quarter of the run.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ import xarray as xr
 
 from system.stribeck_gearboxes import stribeck_gearbox
 
-START = 0.25  # of the run: the initial shock is left out
-SMALL = 0.01  # of the mean force: deviations and ranges below that count as that
-WITHIN = 0.05  # of each statistic: what an onset that comes from below the tolerance leaves open
+START = 0.25  # fraction of the run that is omitted: the initial transient
+SMALL = 0.01  # of the mean force: lower limit of deviations and ranges
+WITHIN = 0.05  # of each statistic: uncertainty of an onset that grows from below the tolerance
 
 RADAU = "simulation.integrator=radau"
 SMALL_STEPS = "simulation.max_step=1e-5"
-REFUSED = 3  # exit code of a case that is no case, or has no start
+REFUSED = 3  # exit code of an invalid case, or one without a valid start
 OTHER_SMALL_STEPS = "simulation.max_step=8.3e-6"
 
-PITCH = 3.07e-2  # between two changes of the teeth [s]
+PITCH = 3.07e-2  # between two tooth changes [s]
 
 
 def self_excited(**friction: Any) -> dict[str, Any]:
-    """Make a small, heavily loaded pair on a light bearing, its contact damped well.
+    """Create a small, heavily loaded pair on a light bearing, with a well damped contact.
 
-    The bearing's mode of 3.6 kHz is damped where friction rises, near the pitch point, and grows on
-    the rest of the path of contact: damping ratios down to -0.25.
+    The bearing's mode of 3.6 kHz is damped near the pitch point, where friction increases, and
+    grows on the rest of the path of contact: damping ratios down to -0.25.
     """
     law = {
         "law": "stribeck",
@@ -90,23 +90,23 @@ def statistics(history: Any) -> np.ndarray:
 
 
 def difference(history: Any, reference: Any) -> float:
-    """Largest difference of the statistics to those of a reference, relative to them."""
+    """Largest difference of the statistics from those of a reference, relative to the reference."""
     exact = statistics(reference)
     return float((abs(statistics(history) - exact) / abs(exact)).max())
 
 
 @dataclass(frozen=True)
 class Judged:
-    """What became of a random gearbox."""
+    """Verdict on a random gearbox."""
 
-    verdict: str  # "agrees", "differs", "chaotic" (nor do small steps), "refused" or "failed"
-    said: str  # the warning that a vibration or a motion feeds itself, empty if there was none
+    verdict: str  # "agrees", "differs", "chaotic" (small steps differ, too), "refused" or "failed"
+    said: str  # warning about a self-excited vibration or motion; empty without a warning
     difference: float  # of the statistics
-    words: str  # of the run, on the terminal
+    words: str  # messages of the run
 
     @property
     def is_sound(self) -> bool:
-        """Whether the run was right or warned, or the case was refused."""
+        """Whether the run was correct or warned, or the case was rejected."""
         if self.verdict == "differs":
             return self.said != ""
         return self.verdict in ("agrees", "chaotic", "refused")
@@ -117,10 +117,10 @@ class Judged:
 
 
 def judge(program: Path, seed: int) -> Judged:
-    """Compare radau by default with radau of small steps in the falling gearbox of a seed.
+    """Compare radau by default with radau in small steps for the gearbox of a seed.
 
-    Where they do not agree, other small steps tell whether the motion is chaotic: then nothing can
-    be asked of it.
+    If they differ, a second run with small steps shows whether the motion is chaotic: then no
+    agreement is required.
     """
     with tempfile.TemporaryDirectory() as folder:
         case = Path(folder) / "case.yaml"
@@ -140,7 +140,7 @@ def judge(program: Path, seed: int) -> Judged:
 
 
 def _run(program: Path, case: Path, *settings: str) -> tuple[Any, str, int]:
-    """Return the forces, the words and the exit code; no forces if the run failed."""
+    """Return the forces, the messages and the exit code; no forces if the run failed."""
     output = case.with_suffix(".h5")
     options = [word for setting in (RADAU, *settings) for word in ("--set", setting)]
     command = [program, "run", case, "-o", output, *options]

@@ -1,4 +1,4 @@
-"""A slow run beside the mesh at rest: by how much their transmission errors differ."""
+"""Difference of the transmission errors of a slow run and of the quasi-static analysis."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
-SETTLED = 5  # outputs after which what has vibrated at first is over
+SETTLED = 5  # outputs after which the initial vibration has decayed
 
 
 def places_of(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, int, Any]:
-    """Where a run stands among the positions of a curve, how many those are, and its forces.
+    """Indices of a run's outputs in the positions of a curve, their number, and the run's forces.
 
-    The place and number of the pair with the largest force say it.
+    They follow from the position and number of the pair with the largest force.
     """
     pitch, points = float(curve.base_pitch), int(curve.attrs["points"])
     along = pitch if float(curve.torque[0]) > 0 else -pitch
@@ -29,10 +29,10 @@ def places_of(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, int, Any]:
 
 
 def apart(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, Any]:
-    """Difference of the transmission errors over that at rest, and what friction forces differ.
+    """Relative difference of the transmission errors, and the difference of the friction forces.
 
-    The curve has one torque, and speeds if flanks rub. Where errors take up the backlash both
-    flanks press, of which the curve does not know: these outputs are left out.
+    The curve has one torque, and speeds if there is friction. Outputs at which errors take up the
+    backlash are omitted: both flanks carry load, which the curve does not include.
     """
     run = run.isel(time=slice(SETTLED, None))
     at, points, forces = places_of(curve, run)

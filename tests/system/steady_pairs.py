@@ -12,12 +12,12 @@ from system.bending_pairs import BendingPair
 Block = dict[str, Any]
 PITCHES = 5
 POINTS = 40  # outputs in a pitch
-# At 1e-12 the integration's own error over five pitches is above 1e-9 of two of the 500 pairs.
+# At 1e-12 the integration error over five pitches exceeds 1e-9 for two of the 500 pairs.
 TOLERANCE = 1e-13
 
 
 def steady_pair(seed: int, *, rounding: bool = False) -> Block:
-    """Give a damped pair of the random set, driven by a torque against a viscous load."""
+    """Return a damped pair of the random set, driven by a torque against a viscous load."""
     pair = BendingPair(seed)
     draw = random.Random(9_000_001 * (seed + 1))
     case: Block = pair.case()
@@ -56,7 +56,7 @@ def steady_pair(seed: int, *, rounding: bool = False) -> Block:
 
 
 def in_another_order(case: Block) -> Block:
-    """Turn the lists of wheels, meshes, shafts and loads around."""
+    """Reverse the lists of wheels, meshes, shafts and loads."""
     other: Block = copy.deepcopy(case)
     for wheel in other["wheels"]:
         wheel.get("loads", []).reverse()

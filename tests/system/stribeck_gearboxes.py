@@ -1,9 +1,9 @@
-"""Gearboxes in which friction falls with the sliding velocity: a seed gives a case.
+"""Gearboxes with friction that decreases with the sliding velocity: a seed gives a case.
 
 Every other one is a random gearbox that keeps contact, turns slowly and has Stribeck's law in every
-mesh: most of them vibrate all the time. The others are quiet pairs: a contact that is damped well,
-an axle in a light bearing, and events far apart. Their vibrations come to rest, and grow later from
-next to nothing where friction falls.
+mesh: most of them vibrate all the time. The others are quiet pairs: a well damped contact, an axis
+in a light bearing, and rare events. Their vibrations decay, and later grow from almost nothing
+where friction decreases.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def is_quiet(seed: int) -> bool:
 
 
 def stribeck_gearbox(seed: int) -> Block:
-    """Make the case of a seed."""
+    """Create the case of a seed."""
     made = _QuietPair(seed) if is_quiet(seed) else _SlowGearbox(seed)
     case = made.case()
     simulation = case["simulation"]
@@ -33,7 +33,7 @@ def stribeck_gearbox(seed: int) -> Block:
 
 
 class _Falling(Gearbox):
-    """A gearbox with friction that falls."""
+    """A gearbox with decreasing friction."""
 
     def __init__(self, seed: int) -> None:
         super().__init__(2 * seed)  # an even seed keeps contact
@@ -46,7 +46,7 @@ class _Falling(Gearbox):
 
     def friction(self) -> Block:
         kinetic = self.uniform(0.1, 0.25)
-        sliding = 5 * self.module * abs(self.speed)  # about a pitch from the pitch point
+        sliding = 5 * self.module * abs(self.speed)  # at about a pitch from the pitch point
         return {
             "law": "stribeck",
             "static_coefficient": kinetic * self.uniform(1.3, 2),
@@ -57,7 +57,7 @@ class _Falling(Gearbox):
 
 
 class _SlowGearbox(_Falling):
-    """Anything that turns slowly."""
+    """Any gearbox that turns slowly."""
 
     def damping(self, driver: Block, driven: Block) -> Block:
         damping = super().damping(driver, driven)

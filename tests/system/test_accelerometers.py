@@ -1,4 +1,4 @@
-"""Accelerometers in a history: a mounted housing in free vibration, by closed forms."""
+"""Accelerometers in a history: free vibration of a mounted housing, against closed forms."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HEIGHT, DEPTH = 0.3, 0.1  # y and z of the accelerometers
 
 
 def vibrating() -> dict[str, Any]:
-    """Build a housing whose centre of mass, wheels and mount lie on the x axis."""
+    """Return a housing whose centre of mass, wheels and mount are on the x axis."""
     case = unloaded_pair("closed_form", duration=0.2, output_interval=1e-3, tolerance=1e-11)
     point = [0.0, HEIGHT, DEPTH]
     case["housing"] = {
@@ -50,12 +50,12 @@ def test_a_housing_on_springs_swings_to_and_fro(run: Run) -> None:
     omega = np.sqrt(STIFFNESS / (MASS + float(h["mass"].sum())))
     told = h["accelerometer_acceleration"].sel(accelerometer="along").values
     expected = -SPEED * omega * np.sin(omega * h["time"].values)
-    # seven oscillations by steps whose errors are 1e-11 of the scales
+    # seven oscillations by steps with errors of 1e-11 of the scales
     np.testing.assert_allclose(told, expected, rtol=0, atol=1e-8 * SPEED * omega)
 
 
 def test_a_housing_on_torsion_springs_is_a_pendulum(run: Run) -> None:
-    """The moment is that of a pendulum, K sin theta, whose motion is Jacobi's."""
+    """The moment is that of a pendulum, K sin theta, with Jacobi's solution."""
     h = run.history
     inertia = INERTIA + float(h["transverse_inertia"].sum())
     omega = np.sqrt(TURN_STIFFNESS / inertia)
@@ -66,7 +66,7 @@ def test_a_housing_on_torsion_springs_is_a_pendulum(run: Run) -> None:
     expected = moment * HEIGHT - rate**2 * DEPTH
     size = np.abs(expected).max()
     np.testing.assert_allclose(told, expected, rtol=0, atol=1e-8 * size)
-    assert np.abs(rate**2 * DEPTH).max() > 1e-4 * size  # the centripetal part counts
+    assert np.abs(rate**2 * DEPTH).max() > 1e-4 * size  # the centripetal part is significant
 
 
 def test_the_history_names_them(run: Run) -> None:

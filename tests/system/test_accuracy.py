@@ -1,4 +1,4 @@
-"""How accurate a run is, and that it depends neither on the tracking nor on chance."""
+"""Accuracy of a run, and its independence of tracking and of rounding."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_the_three_trackings_give_the_same_events(runs, case, kind):
     apart = np.abs(run.events["time"].values - closed_form.events["time"].values)
     switch = run.events["kind"].values == "tooth_switch"
     assert apart[switch].max() <= 2e-9
-    # Sliding crosses the ends of the friction law slowly, so these times depend more on the errors.
+    # Sliding crosses the limits of the friction law slowly, so these times have larger errors.
     assert apart.max() <= 2e-6
 
 

@@ -1,4 +1,4 @@
-"""Both flanks: rattle across the backlash, torque reversal, starts from a gap, mirror images."""
+"""Both flanks: rattle across the backlash, torque reversal, start from a gap, mirror images."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def approach(omega: np.ndarray) -> np.ndarray:
 
 
 def momentum(omega: np.ndarray) -> np.ndarray:
-    """Momentum that contacts leave alone [N s]: they give each wheel a torque of F r_b."""
+    """Momentum that contacts preserve [N s]: they give each wheel a torque of F r_b."""
     return INERTIA_A * omega[:, 0] / BASE_A - INERTIA_B * omega[:, 1] / BASE_B
 
 
@@ -58,7 +58,7 @@ DRAG, SHAKE, CYCLE = 0.05, 1.5, 4e-3  # [N m], [N m], [s]
 
 
 def rattle(contact: dict[str, Any], damping: dict[str, Any], **simulation: Any) -> dict[str, Any]:
-    """Build a lightly loaded gear behind a pinion whose torque, and so its speed, fluctuates."""
+    """Return a lightly loaded gear driven by a pinion with fluctuating torque and speed."""
     times = [CYCLE / 2 * k for k in range(16)]
     shake = {"kind": "table", "time": times, "torque": [SHAKE * (-1) ** (k + 1) for k in range(16)]}
     start = {"kind": "speeds", "speeds": {"pinion": -60.0, "gear": 40.0}}
@@ -72,7 +72,7 @@ def rattle(contact: dict[str, Any], damping: dict[str, Any], **simulation: Any) 
 
 
 def table_impulse(start: float, end: float) -> float:
-    """Integral of the pinion's torque [N m s]; it is linear between its knots."""
+    """Integral of the pinion's torque [N m s], which is linear between its knots."""
     t = np.union1d(np.linspace(start, end, 2), np.arange(16) * CYCLE / 2)
     t = t[(t >= start) & (t <= end)]
     values = np.interp(t, np.arange(16) * CYCLE / 2, SHAKE * (-1.0) ** (np.arange(16) + 1))
@@ -93,14 +93,14 @@ def test_every_impact_of_compliant_flanks_keeps_momentum_and_energy(runs, contac
     events = run.events
     kind, flank, time = (events[name].values for name in ("kind", "flank", "time"))
     before, after = speeds(events, "before"), speeds(events, "after")
-    np.testing.assert_array_equal(before, after)  # nothing jumps
+    np.testing.assert_array_equal(before, after)  # no discontinuity
     work, lost = (events[n].sel(side="after").values for n in ("load_work", "dissipated_energy"))
     impacts = {0: 0, 1: 0}
     first = None
     for i in range(len(kind)):
         if kind[i] == "contact_closed" and first is None:
             first = i
-        if kind[i] != "contact_opened" or first is None:  # the first to open touched at the start
+        if kind[i] != "contact_opened" or first is None:  # the first was closed at the start
             continue
         if i + 1 < len(kind) and kind[i + 1] == "contact_opened" and time[i + 1] == time[i]:
             continue  # another pair of the flank opens at the same time
@@ -125,7 +125,7 @@ def test_rattle_of_undamped_flanks_loses_nothing(runs):
     run = runs(rattle(*COMPLIANT["undamped"]))
     lost = run.history["dissipated_energy"].values
     kind, time = run.events["kind"].values, run.events["time"].values
-    # pairs that come or go under load bring or take their energy; nothing else does
+    # only pairs that enter or leave under load change the energy
     booked = np.isin(kind, ("pair_entered", "pair_left"))
     jumps = run.events["dissipated_energy"].diff("side").values[:, 0]
     assert np.all(jumps[~booked] == 0)
@@ -164,7 +164,7 @@ def test_every_impact_of_rigid_flanks_follows_newton(runs):
 
 
 def reversal(contact: dict[str, Any], damping: dict[str, Any]) -> dict[str, Any]:
-    """Build a pair whose torque turns round within a millisecond."""
+    """Return a pair whose torque reverses within a millisecond."""
     table = {"kind": "table", "time": [0, 4e-3, 5e-3], "torque": [-10, -10, 10]}
     return real_pair(
         TEETH,
@@ -192,11 +192,11 @@ def test_a_reversed_torque_is_carried_by_the_other_flanks(runs, kind):
     assert np.all(history["coast_force"].values[early] == 0)
     assert np.all(drive.values[early] > 0)
     assert np.all(drive.values[late] == 0)
-    # the wheels move as one: their torques and inertias say the force between them
+    # the wheels move as one body: torques and inertias determine the force between them
     load = history["load_torque"].values[late]
     acceleration = load[:, 1] / INERTIA_B * BASE_B + load[:, 0] / INERTIA_A * BASE_A
     force = history["coast_force"].values[late, 0]
-    # a vibration may be left of compliant flanks
+    # compliant flanks may still vibrate
     assert force.mean() == pytest.approx((acceleration * MASS).mean(), rel=0.02)
     if kind == "rigid":
         np.testing.assert_allclose(force, acceleration * MASS, rtol=1e-6)
@@ -230,7 +230,7 @@ def test_flanks_that_start_apart_meet_when_the_gap_has_been_run_through(runs, la
 
 @pytest.mark.parametrize("contact", ["johnson", "rigid"])
 def test_both_senses_of_rotation_are_mirror_images(runs, contact):
-    """Deviations too: pitch errors run the other way round, with the other sign."""
+    """Also with deviations: pitch errors in reverse order, with the opposite sign."""
     errors = [1e-6 * ((3 * k * k + k) % 7) for k in range(TEETH[1])]
     found = []
     for sign, sense in ((1, "clockwise"), (-1, "counterclockwise")):

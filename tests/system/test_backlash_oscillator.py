@@ -1,7 +1,7 @@
-"""One degree of freedom with backlash, against a program that knows nothing of gears.
+"""One degree of freedom with backlash, against an independent program without gears.
 
 Natural frequency 1586 Hz, damping ratio 0.05, excited at 0.9 times that by a triangle wave of 60 %
-of the mean: a stable motion of the period of the load, in which contact is lost once a period.
+of the mean: a stable motion with the period of the load, in which contact is lost once a period.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ OSCILLATOR = Oscillator(
 
 @pytest.fixture(scope="module")
 def pair_run(runs) -> Run:
-    """The same as a pair of wheels: the pinion turns evenly, the load is on the gear."""
+    """Equivalent pair of wheels: the pinion has a constant speed, the load is on the gear."""
     o = OSCILLATOR
     time, force = o.knots(PERIODS)
     speeds = {"pinion": -60.0, "gear": 40.0}
@@ -95,7 +95,7 @@ def test_contact_is_lost_and_found_at_the_same_times(pair_run, solution):
 
 
 def test_the_motion_becomes_periodic_and_loses_contact_in_every_period(solution):
-    """What the parameters are chosen for."""
+    """Purpose of the parameters."""
     x = solution.x[: PERIODS * ROWS].reshape(PERIODS, ROWS)
     assert abs(x[-1] - x[-2]).max() <= 1e-3 * abs(x).max()
     assert (x.min(axis=1) < -5e-7).all()

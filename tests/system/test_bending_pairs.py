@@ -1,6 +1,6 @@
-"""Random pairs whose teeth bend keep their energy and rest as they run, or are refused by name.
+"""Random compliant pairs: energy balance, agreement with static analysis, or a permitted rejection.
 
-``pytest tests/system/test_bending_pairs.py --long`` looks at 300, without it at 30.
+``pytest tests/system/test_bending_pairs.py --long`` tests 300, without it 30.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Files:
         self.evolvent, self.folder = evolvent, folder
 
     def __call__(self, command: str, case: dict[str, Any], *words: str) -> xr.Dataset | None:
-        """Give what a command writes; None if it refuses the case in one line that is known."""
+        """Return the output of a command; None if it rejects the case with a permitted message."""
         file, result = self.folder / "case.yaml", self.folder / f"{command}.h5"
         file.write_text(json.dumps(case))
         done = self.evolvent(command, file, "-o", result, *words)
@@ -47,7 +47,7 @@ class Files:
         last = done.stderr.splitlines()[-1]
         assert done.returncode in CODES, done.stderr
         assert any(words in last for words in OF_A_PAIR), last
-        assert re.search(r"[0-9]", last.split("case.yaml")[-1]), last  # a value, or a place
+        assert re.search(r"[0-9]", last.split("case.yaml")[-1]), last  # a value, or a location
         return None
 
 
@@ -58,7 +58,7 @@ def files(evolvent: Evolvent, tmp_path: Path) -> Files:
 
 @every_pair
 def test_a_pair_that_bends_keeps_its_energy(files: Files, seed: int) -> None:
-    """Undamped, from too little deflection, through some pitches, whatever touches or leaves."""
+    """Undamped, from too little deflection, over some pitches, with any changes of contact."""
     pair = BendingPair(seed)
     case = pair.case()
     history = files("run", case)
@@ -70,13 +70,13 @@ def test_a_pair_that_bends_keeps_its_energy(files: Files, seed: int) -> None:
     assert spread <= 1e-5 * float(history.potential_energy.max()) + rounding
     assert history.attrs["invariants"] == "held"
     bends = any(w["compliance"].get("model") != "none" for w in case["wheels"])
-    if bends and case["meshes"][0].get("edge_contact") != "false":  # no pair brings or takes any
+    if bends and case["meshes"][0].get("edge_contact") != "false":  # no pair adds or removes energy
         assert float(abs(history.dissipated_energy).max()) == 0
 
 
 @every_pair
 def test_a_mesh_gets_stiffer_with_its_load(files: Files, seed: int) -> None:
-    """Contacts do, and more pairs carry: the mean secant over six torques up to the load's."""
+    """Contacts stiffen and more pairs carry: mean secant over six torques up to the load's."""
     pair = BendingPair(seed)
     torques = f"{pair.torque / 20!r}:{pair.torque!r}:6"
     curves = files("static", pair.at_rest(errors=True), "--torque", torques, "--points", "24")
@@ -94,8 +94,8 @@ def test_a_mesh_gets_stiffer_with_its_load(files: Files, seed: int) -> None:
 def test_forces_at_rest_are_the_gradient_of_the_energy(files: Files, seed: int) -> None:
     """T_A/r_bA from differences of U and h along the positions, and along the torques.
 
-    dU = (F_A - F_B) dx + F_B dh, where the force on B follows from its differences at rest of A.
-    Where a pair comes, goes, or passes the start of a relief, they are differences over a corner.
+    dU = (F_A - F_B) dx + F_B dh, where the force on B follows from its differences with A at rest.
+    Where a pair enters, leaves, or passes the start of a relief, the differences span a corner.
     """
     pair = BendingPair(seed)
     step = 1e-3
@@ -118,10 +118,10 @@ def test_forces_at_rest_are_the_gradient_of_the_energy(files: Files, seed: int) 
 
 
 def see_slow_run(files: Files, seed: int, **of_mesh: str) -> None:
-    """Hold a slow damped run against the mesh at rest: its transmission error over a pitch.
+    """Compare the transmission error of a slow damped run over a pitch with static analysis.
 
-    Between them lie damping and inertia at 2e-6 of f_0. Every second pair coasts, half of them rub,
-    some have errors.
+    The difference is due to damping and inertia at 2e-6 of f_0. Every second pair coasts, half of
+    them have friction, some have errors.
     """
     pair = BendingPair(seed)
     coasts, rubs = seed % 2 == 1, seed % 4 < 2
@@ -142,14 +142,14 @@ def see_slow_run(files: Files, seed: int, **of_mesh: str) -> None:
     if run is None:
         return
     off, friction = apart(curve, run)
-    if rubs:  # while a pair sticks at the pitch point, wheels do not slide as they turn
+    if rubs:  # while a pair sticks at the pitch point, the wheels do not slide as they turn
         slides = friction < 1e-3 * pair.force
         assert slides.mean() > 0.6
         assert float(np.abs(curve.pair_friction_force.sum("pair")).max()) > 1e-2 * pair.force
         off = off[slides]
     assert off.size > 30
     assert np.median(off) < 1e-6
-    assert np.quantile(off, 0.8) < 5e-6  # the rest: corners of the curve, where a pair has come
+    assert np.quantile(off, 0.8) < 5e-6  # the rest: corners of the curve, after the entry of a pair
 
 
 @every_third
@@ -159,11 +159,11 @@ def test_a_slow_damped_run_is_the_mesh_at_rest(files: Files, seed: int) -> None:
 
 @pytest.mark.parametrize("seed", [20, 44, 45, 161, 276])
 def test_slow_pairs_without_edges_come_to_their_end(files: Files, seed: int) -> None:
-    """Where a pair comes or goes under load, wheels slide through friction's knee in 1 ns."""
+    """When a pair enters or leaves under load, sliding passes the friction knee within 1 ns."""
     see_slow_run(files, seed, edge_contact="false")
 
 
 def test_few_of_the_pairs_are_refused(files: Files) -> None:
-    """Else they would ask little."""
+    """Otherwise the tests would cover little."""
     refused = [seed for seed in range(SHORT) if files("static", BendingPair(seed).case()) is None]
     assert len(refused) <= SHORT // 6, refused

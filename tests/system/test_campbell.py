@@ -1,4 +1,4 @@
-"""evolvent-post campbell on real cases: natural frequencies of the program, orders by the teeth."""
+"""evolvent-post campbell on actual cases: natural frequencies and orders."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_orders_meet_the_natural_frequency_of_the_program_at_speeds_by_the_teeth
 
 
 def test_modes_have_the_numbers_that_the_program_gives_them(campbell, evolvent, examples):
-    """A train has modes that do not oscillate between those that do: they have no number."""
+    """In a train, non-oscillatory modes without a number are among the oscillatory ones."""
     case = examples / "tutorial-train.yaml"
     done = evolvent("modes", case, "--mean", "--json")
     modes = json.loads(done.stdout)["modes"]
@@ -132,7 +132,7 @@ def test_all_stages_of_a_train_have_their_orders(campbell, examples):
         {
             "1 x mesh first": 20.0,
             "1 x mesh second": 20 / 47 * 23,
-            "1 x wheel motor": 1.0,  # pinion-1 turns as fast, and comes once
+            "1 x wheel motor": 1.0,  # pinion-1 has the same speed, and is listed once
             "1 x wheel gear-1": 20 / 47,
             "1 x wheel gear-2": 20 / 47 * 23 / 53,
         },

@@ -1,4 +1,4 @@
-"""Pairs of real gears whose teeth and bodies bend: static, energy, integrators, what they show."""
+"""Pairs of gears with compliant teeth and bodies: static analysis, energy, integrators, outputs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ both_integrators = pytest.mark.parametrize("integrator", ["radau", "ida"])
 def bending_pair(
     speed: float, pitches: float, initial: dict[str, Any], *, outputs: int = 400, **given: Any
 ) -> dict[str, Any]:
-    """Two wheels of 50 teeth at 150 N/mm, held at their bores; what the mesh has besides."""
+    """Two wheels of 50 teeth at 150 N/mm, held at their bores; further keys of the mesh."""
     simulation = {key: given.pop(key) for key in ("tolerance", "integrator") if key in given}
     wheel = {"bore": BORE, "compliance": {}}
     wheel |= given.pop("of_wheels", {})
@@ -78,7 +78,7 @@ EDGES: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("given", EDGES.values(), ids=EDGES)
 def test_energy_is_kept_through_twenty_pitches(runs: Runs, given: dict[str, Any]) -> None:
-    """From a start with 30 % too little deflection: nothing is booked where pairs come and go."""
+    """From a start with 30 % too little deflection: no energy is booked as pairs come and go."""
     left = []
     for tolerance in (1e-8, 1e-12):
         case = bending_pair(FAST, 20, start(FAST, 8e-6), tolerance=tolerance, outputs=2000, **given)
@@ -94,7 +94,7 @@ def test_energy_is_kept_through_twenty_pitches(runs: Runs, given: dict[str, Any]
 
 @both_integrators
 def test_pressure_of_a_run_is_that_of_rounded_edges(runs: Runs, integrator: str) -> None:
-    """Outputs and their largest value over the run: between the first touch and the path."""
+    """Outputs and their maximum over the run: between first contact and the path of contact."""
     rounding = 3e-4
     given = {"of_wheels": {"tip_rounding": rounding}, "damping": {"law": "ratio", "value": 0.07}}
     driven = viscous(FORCE * BASE_RADIUS / FAST)
@@ -113,7 +113,7 @@ def test_pressure_of_a_run_is_that_of_rounded_edges(runs: Runs, integrator: str)
     per_curvature = force[on_edge] / WIDTH * float(h.effective_modulus[0]) / np.pi
     of_mate = pressure[on_edge] ** 2 / per_curvature - 1 / rounding
     tip = np.sqrt((0.078 - rounding) ** 2 - BASE_RADIUS**2) + rounding
-    # further out on the mate than where its path begins: the foot turns round there
+    # further out on the mate than the start of its path: the foot point reverses there
     start = float(h.line_of_action_length[0]) - tip
     assert (of_mate < (1 + 1e-3) / start).all()
     assert (of_mate > 1 / (start + 1e-3)).all()
@@ -124,7 +124,7 @@ def test_pressure_of_a_run_is_that_of_rounded_edges(runs: Runs, integrator: str)
 
 @both_integrators
 def test_energy_is_kept_without_edges_through_twenty_pitches(runs: Runs, integrator: str) -> None:
-    """From a start with 30 % too little deflection; what pairs bring and take is booked."""
+    """From a start with 30 % too little deflection; energy at entry and exit of pairs is booked."""
     left = []
     for tolerance in (1e-8, 1e-12):
         case = bending_pair(
@@ -140,7 +140,7 @@ def test_energy_is_kept_without_edges_through_twenty_pitches(runs: Runs, integra
 
 
 def test_a_slow_run_is_the_mesh_at_rest(runs: Runs, kernel: Kernel) -> None:
-    """Over a pitch, edges and all; h is 3e-8 of h behind, by inertia and damping."""
+    """Over a pitch, with corner contact; h lags by 3e-8 of h, by inertia and damping."""
     slow = 2e-3
     damping = {"law": "ratio", "value": 0.07}
     case = bending_pair(
@@ -190,9 +190,9 @@ def test_a_pair_first_touches_where_another_program_says(runs: Runs) -> None:
 
 
 def tips_in_fillets(amount: float, **given: Any) -> dict[str, Any]:
-    """The path begins 40 um of roll above the fillet; a steep relief lets the edge begin below.
+    """The path starts 40 um of roll above the fillet; with a steep relief the edge starts below.
 
-    Where it is steeper the flank goes on so far that its edge never carries.
+    With a steeper one the flank extends so far that its edge never carries load.
     """
     wheel = {"tip_alteration": 0.17, "tip_relief": {"amount": amount, "diameter": 0.156}}
     given |= {"of_wheels": wheel, "tooth_coupling": "false"}
@@ -225,7 +225,7 @@ def test_a_tip_in_the_fillet_of_its_mate_is_refused_at_rest(
     assert "wheel touches the fillet of the" in done.stderr
 
 
-# teeth, profile shift of the pinion, its torque [N m]; what is said
+# teeth, profile shift of the pinion, its torque [N m]; message
 TOO_MUCH = {
     "14/80": (14, 0.2, 200.0, "N with a tip edge 0.4 pitches off its path of contact"),
     "20/80": (20, 0.0, 1000.0, "N with a tip edge 0.4 pitches off its path of contact"),
@@ -234,8 +234,8 @@ TOO_MUCH = {
 
 @both_integrators
 def test_a_pair_past_both_ends_of_its_path_ends_a_run(runs: Runs, integrator: str) -> None:
-    """A path of 9 um, where teeth yield by more than that."""
-    (tip, _) = tip_diameters((TEETH, TEETH), 0.0251)  # less what backlash takes
+    """A path of 9 um, with a larger deflection of the teeth."""
+    (tip, _) = tip_diameters((TEETH, TEETH), 0.0251)  # less the backlash
     case = bending_pair(
         *(FAST, 0.1, start(FAST, 2e-5)),
         **{"integrator": integrator, "of_wheels": {"tip_diameter": tip}},
@@ -250,7 +250,7 @@ def test_a_pair_past_both_ends_of_its_path_ends_a_run(runs: Runs, integrator: st
 def test_what_edges_cannot_carry_ends_a_run(
     runs: Runs, integrator: str, teeth: int, shift: float, load: float, said: str
 ) -> None:
-    """Far off the path, where nothing is known of them."""
+    """Far off the path, where the model of tip edges is not valid."""
     speed = 150.0
     start_here = {"pinion": -speed, "gear": speed * teeth / 80}
     held = {"bore": 0.008, "compliance": {}}
@@ -272,7 +272,7 @@ def test_what_edges_cannot_carry_ends_a_run(
 
 
 def test_both_integrators_have_one_motion(runs: Runs) -> None:
-    """Between them lie the errors of both tolerances, 1e-10 of the scales a step."""
+    """The difference is the error of both tolerances, 1e-10 of the scales per step."""
     found = []
     for integrator in ("radau", "ida"):
         case = bending_pair(FAST, 6, start(FAST, 8e-6), tolerance=1e-11, integrator=integrator)
@@ -288,9 +288,9 @@ def test_both_integrators_have_one_motion(runs: Runs) -> None:
 
 @pytest.mark.parametrize(("coupling", "largest"), [("true", 1.5), ("false", 1.9)])
 def test_pairs_of_a_damped_mesh_push_and_share(runs: Runs, coupling: str, largest: float) -> None:
-    """As an engineer expects: forces push, their mean is the load's, contact is kept.
+    """Expected properties: no adhesive forces, mean forces of the load, no loss of contact.
 
-    Edges touch before and after the path: no pair takes its load at once.
+    Edges are in contact before and after the path: no pair takes its load at once.
     """
     damping = {"law": "ratio", "value": 0.07}
     case = bending_pair(
@@ -311,17 +311,17 @@ def test_pairs_of_a_damped_mesh_push_and_share(runs: Runs, coupling: str, larges
 
 
 def test_one_pair_has_the_stiffness_that_its_compliance_says(runs: Runs) -> None:
-    """dF/dh at the pitch point: Johnson's, and C = c_A + c_B of the other program in series."""
+    """At the pitch point, dF/dh is Johnson's and C = c_A + c_B of the other program in series."""
     run = runs(bending_pair(FAST, 0.1, start(FAST, 8e-6), outputs=2))
     h = run.history
-    rho = 0.075 * np.sin(np.radians(20))  # the third place of the table, nearly: E c 6.2578
+    rho = 0.075 * np.sin(np.radians(20))  # close to the third position of the table: E c 6.2578
     assert rho == pytest.approx(0.025652, abs=1e-5)
     compliance = 2 * np.interp(rho, [0.023299863, 0.026475907], [5.10490, 6.25779]) / E
     e_star = float(h.effective_modulus.values.ravel()[0])
     load = float(h.reference_force.values.ravel()[0]) / WIDTH
     johnson = (np.log(4 * np.pi * e_star * 2 * rho / load) - 2) / (np.pi * e_star)
     stiffness = WIDTH / (johnson + compliance)
-    # c is straight between two places of the table: 1 %
+    # c is linear between two positions of the table: 1 %
     assert float(h.reference_stiffness.values.ravel()[0]) == pytest.approx(stiffness, rel=1e-2)
     frequency = np.sqrt(stiffness / float(h.reference_mass.values.ravel()[0])) / (2 * np.pi)
     assert float(h.natural_frequency.values.ravel()[0]) == pytest.approx(frequency, rel=5e-3)

@@ -1,6 +1,6 @@
-"""Bits that flip, files that are cut, blocks that are zeroed: refused by name, or read right.
+"""Bit flips, truncated files, zeroed blocks: rejected with the file name, or read correctly.
 
-Each seed is some damages of one kind of file; docs/random_sets.md has what came out.
+Each seed is some damages of one kind of file; docs/random_sets.md gives the results.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from evolvent.sweep.design import Design, read_design
 from system.random_sets import seeds
 
 EACH = 25  # damages of a seed
-BLOCK = 512  # bytes that are zeroed at once, as a disk loses them
+BLOCK = 512  # bytes of a zeroed block, as lost by a disk
 SEAL = 64
 Outcomes = Counter[str]
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
@@ -34,7 +34,7 @@ TORQUE = "wheels.pinion.loads.0.value"
 
 
 def damaged(content: bytes, chance: random.Random) -> tuple[bytes, range]:
-    """Damage a file, and tell which bytes are other ones."""
+    """Damage a file, and return the changed bytes."""
     kind = chance.choice(["flip", "flip", "flip", "cut", "zeros"])
     place = chance.randrange(len(content))
     if kind == "cut":
@@ -52,7 +52,7 @@ def damaged(content: bytes, chance: random.Random) -> tuple[bytes, range]:
 
 
 def assert_refused(done: subprocess.CompletedProcess[str], name: str) -> None:
-    """One line that names the file, and the exit code of a bad case."""
+    """One line with the name of the file, and the exit code of an invalid case."""
     assert done.returncode == 3, done
     assert name in done.stderr.splitlines()[-1], done
     assert all(line.startswith(("evolvent: ", name)) or name in line
@@ -60,7 +60,7 @@ def assert_refused(done: subprocess.CompletedProcess[str], name: str) -> None:
 
 
 def same(one: Design, other: Design) -> bool:
-    """Whether two designs are the same in all that is told of them."""
+    """Whether two designs agree in all their data."""
     return one.hash == other.hash and all(
         a.name == b.name and a.units == b.units and np.array_equal(a.values, b.values)
         for a, b in zip(one.parameters, other.parameters, strict=True)
@@ -99,7 +99,7 @@ def journals(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
     for _ in range(EACH):
         path.write_bytes(damaged(content, chance)[0])
         told = [json.loads(line) for line in evolvent("records", "r").stdout.splitlines()]
-        for row in told[1:]:  # what counts is what was written
+        for row in told[1:]:  # the written rows count
             expected = {"journal": 0, **rows[row["case"]]}
             del expected["check"]
             assert row == expected
@@ -115,7 +115,7 @@ def journals(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
 
 
 def timeless(row: dict[str, Any]) -> dict[str, Any]:
-    """A row without what no two runs have in common."""
+    """A row without the fields that differ between runs."""
     return {k: v for k, v in row.items() if k not in ("journal", "at", "cpu_time", "check")}
 
 
@@ -151,7 +151,7 @@ def histories(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
                 with open_recording(path), h5py.File(path) as file:
                     assert contents(file) == expected
                 found["right"] += 1
-            else:  # of a file that was cut, or whose end is zeros
+            else:  # truncated, or zeros at the end
                 assert where.stop == len(content)
                 found["warned"] += 1
         except HistoryError as error:
@@ -160,7 +160,7 @@ def histories(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
 
 
 def stacks(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
-    """Histories of a batch, as `evolvent-sweep collect --copy-histories` and --resume find them."""
+    """Histories of a batch, as read by `evolvent-sweep collect --copy-histories` and --resume."""
     path, found = folder / "design.h5", Counter[str]()
     write_design(
         path, {TORQUE: [-1.0, -2.0, -3.0]}, paper_case(0.01), histories="normal_force angle"
@@ -184,14 +184,14 @@ def stacks(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
             found["right"] += 1
         except SweepError as error:
             found["refused" if str(error).startswith(str(stack)) else "without its name"] += 1
-        if where.stop < len(content) - SEAL:  # else its own check sum may be gone
+        if where.stop < len(content) - SEAL:  # else its own checksum may be lost
             done = evolvent("batch", path, "-o", "r", "--resume", "-q")
             assert done.returncode == 0 or "check sum is wrong" in done.stderr, done
     return found
 
 
 def values_begin(content: bytes) -> int:
-    """Where a stack's values begin, as its check sum tells."""
+    """Start of a stack's values, from its checksum line."""
     return int(content[-SEAL:].split(b" of the first ")[1].split()[0])
 
 

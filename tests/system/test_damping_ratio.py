@@ -1,4 +1,4 @@
-"""The damping ratio of a mesh: vibrations in runs and in modes are those of the oscillator."""
+"""Damping ratio of a mesh: vibrations in runs and in modes agree with those of an oscillator."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ BY_RATIO = {"law": "ratio", "value": RATIO}
 
 
 def handover(loads: list[list[dict[str, Any]]], simulation: dict[str, Any], **mesh) -> dict:
-    """Two wheels that are stated by a pressure angle: one tooth pair in contact at a time."""
+    """Two wheels defined by a pressure angle: one tooth pair in contact at a time."""
     wheels = [
         {"name": name, "teeth": z, "width": 0.02, "material": "steel", "inertia": j, "loads": on}
         for name, z, j, on in zip(("a", "b"), TEETH, INERTIA, loads, strict=True)
@@ -49,7 +49,7 @@ def handover(loads: list[list[dict[str, Any]]], simulation: dict[str, Any], **me
 
 
 def real(contact: dict[str, Any], z: tuple[int, int] = (25, 36), **mesh) -> dict:
-    """Real gears without deviations; no friction, so that only the contact is linearised."""
+    """Gears without deviations; no friction, so that only the contact is linearised."""
     case = handover(
         [
             [{"kind": "torque", "value": -TORQUE}],
@@ -63,7 +63,7 @@ def real(contact: dict[str, Any], z: tuple[int, int] = (25, 36), **mesh) -> dict
     for wheel, teeth in zip(case["wheels"], z, strict=True):
         wheel.update(teeth=teeth, module=3e-3)
     case["meshes"][0].update(backlash=1e-5)
-    # balanced by a torque, but for a trace of speed that makes the steady state unique
+    # in equilibrium with a torque; a trace of damping makes the steady state unique
     case["wheels"][1]["loads"].append({"kind": "torque", "value": -TORQUE * z[1] / z[0]})
     return case
 
@@ -111,7 +111,7 @@ def free_vibration(evolvent, tmp_path, case: dict) -> tuple[np.ndarray, np.ndarr
 
 
 def released(overload: float, periods: float, omega: float, **mesh) -> dict:
-    """Balanced torques at rest, the flanks pressed together by more than the torques do."""
+    """Balanced torques at rest, with an initial penetration above the equilibrium."""
     return handover(
         BALANCED,
         {
@@ -133,11 +133,11 @@ def test_a_free_vibration_has_the_damping_ratio_of_the_case(evolvent, tmp_path, 
     expected = np.exp(-RATIO * OMEGA * time) * (
         np.cos(damped * time) + RATIO * OMEGA / damped * np.sin(damped * time)
     )
-    # the wheels hardly turn; what IDA lets pass at 1e-12
+    # the wheels hardly turn; the error of IDA at 1e-12
     np.testing.assert_allclose(h / H_0 - 1, 0.5 * expected, rtol=0, atol=1e-7)
     peaks = [i for i in range(1, len(h) - 1) if h[i] > h[i - 1] and h[i] > h[i + 1]]
     decrement = np.polyfit(range(len(peaks)), np.log(h[peaks] / H_0 - 1), 1)[0]
-    # 50 points a period: peaks are off by at most (pi/50)^2/2 of their height
+    # 50 points per period: peaks are off by at most (pi/50)^2/2 of their height
     assert -decrement == pytest.approx(2 * math.pi * RATIO / math.sqrt(1 - RATIO**2), rel=2e-3)
 
 
@@ -150,7 +150,7 @@ def test_a_small_vibration_on_johnsons_contact_has_the_damping_ratio_too(evolven
     expected = np.exp(-RATIO * omega * time) * (
         np.cos(damped * time) + RATIO * omega / damped * np.sin(damped * time)
     )
-    # the law is curved: an amplitude of 1e-3 moves the stiffness by less than 1e-3
+    # the law is nonlinear: an amplitude of 1e-3 changes the stiffness by less than 1e-3
     np.testing.assert_allclose((h / h_0 - 1) / 1e-3, expected, rtol=0, atol=2e-3)
 
 
@@ -187,7 +187,7 @@ def test_the_mean_is_that_of_the_pairs_in_contact(modes_of, shown):
     ((name, mesh),) = shown(case)["meshes"].items()
     found = modes_of(case, "--mean")
     pairs = found["state"]["meshes"][name]["pairs_in_contact"]
-    # the ends of the path are met within a place of 997, under load they move by h_0/p_b = 1e-4
+    # the ends of the path are resolved to 1/997 of a pitch; under load they move by h_0/p_b = 1e-4
     assert pairs == pytest.approx(mesh["contact_ratio"], abs=2e-3)
     mode = fastest(found)
     frequency = mesh["natural_frequency"] * math.sqrt(pairs)
@@ -222,7 +222,7 @@ def test_the_resolved_case_says_the_v0_min_that_was_used(evolvent, shown, tmp_pa
     assert resolved["meshes"][0]["damping"] == {**damping, "v0_min": v0_min}
     mesh = of_show["meshes"]["a-b"]
     assert static == pytest.approx({key: mesh[key] for key in static}, rel=1e-15)
-    # the case that a history carries is run again to the same bits
+    # the case stored in a history reproduces it to the bit
     assert evolvent("run", written(resolved, tmp_path), "-o", path, "-q").returncode == 0
     with open_history(path) as history:
         np.testing.assert_array_equal(history.normal_force.values, first)
@@ -236,7 +236,7 @@ def test_the_examples_of_real_gears_are_damped_like_real_meshes(evolvent, exampl
 
 
 def test_stiffness_that_jumps_with_the_pairs_gives_dynamic_forces(runs):
-    """Without relief the force rings up to about twice the mean (recorded: 1.95 at its outputs)."""
+    """Without relief the force reaches about twice the mean (recorded: 1.95 at its outputs)."""
     history = runs("spur-pair.yaml").history
     force = history.normal_force.values[history.time.values > 0.025]
     assert 1.85 < force.max() / force.mean() < 2.1

@@ -1,4 +1,4 @@
-"""Where the kernel finds contact, the drawn teeth of the same history touch."""
+"""Drawn teeth of a history touch at the contacts of the kernel."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from evolvent.physics.teeth import drawn_meshes, drawn_wheels
 
-CHORD = 1e-6  # by how much a drawn chord may leave its involute [m]
+CHORD = 1e-6  # deviation of a drawn chord from its involute [m]
 PITCH_ERRORS = 2e-6  # of class 1; they are not drawn [m]
 ROWS = 15
 

@@ -1,4 +1,4 @@
-"""A lightly loaded two-stage reducer of an electric drive, shaken by its torque ripple."""
+"""A lightly loaded two-stage reducer of an electric drive, excited by its torque ripple."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def shaft(name: str, wheels: list[str], stiffness: str, damping: str) -> dict[st
 
 
 def reducer() -> dict[str, Any]:
-    """19/61 and 23/77 teeth at 1500 rpm, 10 N m with a ripple of 15 N m twice a revolution."""
+    """19/61 and 23/77 teeth at 1500 rpm, 10 N m with a ripple of 15 N m twice per revolution."""
     motor = {
         **{"name": "motor", "inertia": "0.03 kg m2", "mass": "15 kg", "width": "100 mm"},
         "material": "steel",

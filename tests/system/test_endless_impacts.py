@@ -1,4 +1,4 @@
-"""Impacts without end: a run says so, with mesh and time, after a bounded number of them."""
+"""Unlimited impacts: a run reports them, with mesh and time, after a bounded number."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from system.runs import Runs
 START = (
     "simulation.initial={kind: speeds, speeds: {pinion: -1, gear: 0.66}, gaps: {pinion-gear: 1e-5}}"
 )
-BOUNCES = 1500  # of restitution 0.9: 400 until a bounce is rounding of the time, and 1000 after
+BOUNCES = 1500  # restitution 0.9: 400 until a bounce is rounding of the time, and 1000 more
 
 
 @pytest.mark.parametrize("rest_velocity", [1e-10, 1e-13, 1e-100, 1e-300])

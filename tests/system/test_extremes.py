@@ -1,4 +1,4 @@
-"""Extremes over a run: whatever the outputs miss is in them, and the outputs do not matter."""
+"""Extremes over a run include values between outputs, and do not depend on the outputs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from system.runs import TRACKED, TRACKINGS
 INTEGRATORS = ("radau", "ida")
 GEARS = "spur-pair.yaml"
 STRONG = "meshes.0.damping={law: hunt_crossley, restitution: 0.8, v0_min: 1.0e-3}"
-# without friction and with constant laws, so that the force of both pairs is what a line says
+# without friction and with constant laws: the force of both pairs is a linear function
 LINEAR = (
     "meshes.0.contact={law: linear, stiffness: 5.0e8}",
     "meshes.0.damping={law: linear, coefficient: 2.0e3}",
@@ -76,8 +76,8 @@ def test_extremes_do_not_depend_on_the_output_interval(runs, name):
     settings = (STRONG, "simulation.duration=0.02", integrator(name))
     histories = [runs(GEARS, *settings, every(dt)).history for dt in (2e-5, 1e-6, 2e-7)]
     for other in histories[1:]:
-        assert_same(histories[0], other, 1e-9)  # asked are 1e-6; the steps are the same
-    # the outputs do depend on it: the largest force is that of the instant after an event
+        assert_same(histories[0], other, 1e-9)  # required are 1e-6; the steps are the same
+    # the outputs do depend on it: the largest force is that right after an event
     peaks = [float(history["normal_force"].max()) for history in histories]
     assert peaks[0] < 0.8 * float(histories[0]["normal_force_max"][0])
     assert peaks[0] < peaks[1] < peaks[2] < float(histories[0]["normal_force_max"][0])
@@ -99,8 +99,8 @@ def test_the_extremes_of_a_vibration_are_those_of_very_fine_outputs(runs, name):
     smooth = set()
     for extreme in told_extremes(run.history):
         miss = abs(sampled(fine, extreme) - extreme.value.values) / unit(run.history, extreme)
-        # 9 kHz: half a step beside the peak of a parabola misses (2 pi 9e3 * 2e-8)**2/2; where a
-        # curve jumps, the outputs miss what it moves in a whole step
+        # 9 kHz: half a step beside the peak of a parabola misses (2 pi 9e3 * 2e-8)**2/2; at a jump
+        # of the curve, the outputs miss its change over a whole step
         if abs(run.events["time"] - float(extreme.time[0])).min() > 1e-7:
             smooth.add(extreme.output)
             assert miss.max() <= 1e-6, extreme.value.name
@@ -111,7 +111,7 @@ def test_the_extremes_of_a_vibration_are_those_of_very_fine_outputs(runs, name):
 @pytest.mark.parametrize("shape", ["linear", "parabolic"])
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_the_largest_pressure_of_relieved_flanks_is_that_of_very_fine_outputs(runs, name, shape):
-    """Curvature, force and place on the flank change at once; the relief works where it is."""
+    """Curvature, force and position on the flank change together; the relief acts there."""
     settings = (
         f"wheels.pinion.tip_relief={{amount: 1.0e-5, diameter: 0.059, shape: {shape}}}",
         f"wheels.gear.tip_relief={{amount: 1.4e-5, diameter: 0.1035, shape: {shape}}}",
@@ -146,7 +146,7 @@ def test_the_force_just_after_an_event_counts_though_no_output_lies_there(runs, 
         run.events["angle_deviation_1"].values[entered, 1]
         * run.events["speed_deviation_1"].values[entered, 1]
     )
-    # two pairs press alike from the instant in which the second one comes
+    # two pairs have equal forces when the second one enters
     forces = 2 * (5e8 * moved + sense * 2e3 * speed)
     assert float(run.history["normal_force_max"][0]) >= forces.max() * (1 - 1e-9)
     assert float(run.history["normal_force"].max()) < forces.max()
@@ -172,7 +172,7 @@ def test_no_output_exceeds_an_extreme_and_the_interval_does_not_matter(runs, cas
     interval = float(history["time"][1] - history["time"][0])
     finer = runs(case, *shorter, every(interval / 7)).history
     assert verdict(finer) == "pass"
-    # IDA looks for events between outputs, too: the time of one may differ by rounding
+    # IDA also locates events between outputs: their times may differ by rounding
     assert_same(history, finer, 1e-6)
 
 
@@ -191,7 +191,7 @@ def test_where_an_extreme_is_told_the_motion_has_that_value(runs):
 
 def test_a_run_that_fails_tells_the_extremes_so_far(runs):
     case = pair(duration=0.02)
-    # more than Johnson's law can bear, after a while
+    # beyond the limit of Johnson's law, after some time
     table = {"kind": "table", "time": [0, 0.01, 0.0101], "torque": [-1, -1, -1e10]}
     case["wheels"][0]["loads"] = [table]
     run = runs(case)

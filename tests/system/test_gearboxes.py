@@ -1,4 +1,4 @@
-"""Gearboxes that are not the paper's: other directions, supports, loads, more wheels."""
+"""Gearboxes other than the paper's: other directions, supports, loads, more wheels."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_the_direction_of_the_centre_line_does_not_matter(runs, kind, angle):
     case["meshes"][0]["centre_line_angle"] = angle
     case["wheels"][1]["support"]["direction"] = angle
     turned, original = runs(case), runs(pair(0.3, kind))
-    # Other roundings choose other steps: what is allowed is well below the integrator's error.
+    # Different rounding leads to different steps; the bound is well below the integration error.
     for name in (*FORCES_AND_LAGS, *ENERGIES, "angular_velocity"):
         assert difference(original.history[name], turned.history[name]) <= 1e-8, name
     assert turned.events["kind"].values.tolist() == original.events["kind"].values.tolist()
@@ -117,11 +117,11 @@ def test_a_train_does_the_same_in_every_tracking(runs, tracked):
 
 def test_the_steady_state_of_a_train_is_that_of_statics(runs, kind):
     history = runs(train(0.0, kind, initial={"kind": "steady"})).history
-    force = 5.0 / (0.05 * math.cos(math.radians(20)))  # [N]: the idler hands it on
+    force = 5.0 / (0.05 * math.cos(math.radians(20)))  # [N]: the idler transmits it
     speeds = np.array([-((47 / 20) ** 2), 47 / 31 * 47 / 20, -47 / 20]) * 5.0 / 2.0
     np.testing.assert_allclose(history["normal_force"], force, rtol=1e-9)
     np.testing.assert_allclose(history["angular_velocity"] - speeds, 0, atol=1e-9 * abs(speeds[0]))
-    # Both contacts push the idler: the first along its line of action, the second against its.
+    # Both contacts load the idler: the first along its line of action, the second against its own.
     last = history.isel(time=-1)
     pushed = force * (line_of_action(last, 0) - line_of_action(last, 1))
     spring = np.array([2e8, 3e8]) * last["centre_displacement"].sel(wheel="idler").values
@@ -129,7 +129,7 @@ def test_the_steady_state_of_a_train_is_that_of_statics(runs, kind):
 
 
 def line_of_action(state: xr.Dataset, mesh: int) -> np.ndarray:
-    """Direction in which the driving wheel of a mesh pushes the driven one, axles displaced."""
+    """Direction of the force on the driven wheel of a mesh, with displaced axes."""
     axles = (state["centre"] + state["centre_displacement"]).transpose("wheel", "axis").values
     driving, driven = (int(state[f"{side}_wheel"][mesh]) for side in ("driving", "driven"))
     line = axles[driven] - axles[driving]
@@ -154,7 +154,7 @@ def test_a_prescribed_speed_is_kept_and_its_torque_reported(runs, kind):
     np.testing.assert_allclose(history["angular_velocity"][:, 0], expected, atol=1e-12)
     assert {0.5, 1.0} <= set(run.times("table_knot").tolist())
     assert broken_invariants(run) == []  # the torques and energies, with the reported torque
-    # Long after the last knot the gear hardly accelerates: statics.
+    # Long after the last knot the gear hardly accelerates: quasi-static.
     last = history.isel(time=-1)
     contact = float(last["normal_force"][0] * last["base_radius"][0])
     contact += float(last["friction_force"][0] * last["friction_arm_driving"][0])
@@ -183,7 +183,7 @@ def test_a_table_of_torques_is_followed_from_knot_to_knot(runs, kind):
     np.testing.assert_allclose(history["load_torque"][:, 0], expected, rtol=0, atol=1e-13)
     np.testing.assert_allclose(run.times("table_knot"), knots["time"], rtol=1e-14)
     power = (history["load_torque"] * history["angular_velocity"]).sum("wheel").values
-    # Simpson's rule from knot to knot: what is left are the contact's oscillations after each.
+    # Simpson's rule from knot to knot: the error is due to contact vibrations after each knot.
     pieces = np.searchsorted(time, [0, *knots["time"], 2.0]).tolist()
     work = sum(simpson(power[a : b + 1], x=time[a : b + 1]) for a, b in pairwise(pieces))
     assert float(history["load_work"][-1]) == pytest.approx(work, rel=1e-6)
@@ -200,7 +200,7 @@ def test_several_loads_on_a_wheel_add_up(runs, kind):
         assert difference(whole[name], split[name]) <= 1e-9, name
 
 
-# ---- many turns ----------------------------------------------------------------------------------
+# ---- many revolutions ----------------------------------------------------------------------------
 
 
 def test_many_revolutions_are_counted(runs, kind):
@@ -227,13 +227,13 @@ def test_the_wheels_turn_in_the_ratio_of_their_teeth(runs, kind):
     case["wheels"][0]["loads"][0]["value"] = -200.0
     history = runs(case).history
     lag = history["base_radius"].values @ history["angle"].values.T
-    # The sum of two arcs of many metres: what is left is the transmission error, and rounding.
+    # The sum of two arcs of many metres: the remainder is the transmission error, and rounding.
     np.testing.assert_allclose(-lag, history["transmission_error"][:, 0], rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("knot", [1.4, 0.3 - 1e-16, 0.7 + 1e-16])
 def test_a_knot_within_rounding_of_an_output_is_at_the_same_time(runs, knot):
-    """1400 intervals of 1 ms are not exactly 1.4 s; IDA refuses a step that short."""
+    """1400 intervals of 1 ms are not exactly 1.4 s; IDA rejects a step that short."""
     case = pair(0.0, duration=1.5)
     table = {"time": [0.0, knot, knot + 0.01], "torque": [-1.0, -1.0, -1.0]}
     case["wheels"][0]["loads"] = [{"kind": "table", **table}]

@@ -1,4 +1,4 @@
-"""A housing that moves: conservation laws, gyroscopic moments, apparent forces, limits."""
+"""Moving housing: conservation laws, gyroscopic moments, apparent forces, limits."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ BODY = {
     "inertia": [20.0, 35.0, 40.0],
     "products_of_inertia": [1.0, -2.0, 3.0],
 }
-# of the wheels and what slides with them, as in the cases below
+# of the wheels and the masses that move with them, as in the cases below
 SUPPORT_MASS = np.array([0.0, 10.0])
 
 
 def rotated(orientation: Any, x: Any) -> Any:
-    """Turn vectors in the housing frame into vectors in the ground frame; rows are times."""
+    """Rotate vectors in the housing frame into the ground frame; rows are times."""
     p0, q = orientation[:, :1], orientation[:, 1:]
     along = 2 * q * (q * x).sum(axis=1, keepdims=True)
     return (p0**2 - (q * q).sum(axis=1, keepdims=True)) * x + along + 2 * p0 * np.cross(q, x)
@@ -38,7 +38,7 @@ def in_space(plane: Any, z: float | Any) -> Any:
 
 
 def loose() -> dict[str, Any]:
-    """Build a case in which no force comes from outside and nothing is lost."""
+    """Return a case without external forces and dissipation."""
     case = pair()
     case["wheels"][0]["loads"] = []
     case["wheels"][0]["axial_position"] = 0.03
@@ -82,7 +82,7 @@ def momenta(run: Run) -> tuple[Any, Any]:
     )
 
     def body(mass: float, centre: Any, rate: Any, spin: Any) -> tuple[Any, Any]:
-        """Momenta of a body with its place, relative velocity and own angular momentum."""
+        """Momenta of a body from its position, relative velocity and own angular momentum."""
         linear = mass * (velocity + rotated(orientation, np.cross(omega, centre) + rate))
         place = position + rotated(orientation, centre)
         return linear, np.cross(place, linear) + rotated(orientation, spin)
@@ -119,7 +119,7 @@ def test_without_forces_from_outside_momentum_and_angular_momentum_are_conserved
 def test_without_losses_energy_is_conserved(free: Run) -> None:
     h = free.history
     energy = h["kinetic_energy"] + h["potential_energy"]
-    # A flank that parts takes what its force has left below the root: D is 2e-8 J.
+    # A separating flank removes the force that remains below the root: D is 2e-8 J.
     assert float(abs(energy - energy[0]).max()) < 1e-9 * float(energy[0])
     assert float(h["dissipated_energy"].max()) < 1e-9 * float(energy[0])
     assert not h["load_work"].values.any()
@@ -132,7 +132,7 @@ def test_without_losses_energy_is_conserved(free: Run) -> None:
 def test_a_mounted_housing_moves_alike_in_other_units(
     runs: Runs, kind: str, length: float, mass: float
 ) -> None:
-    """Small moments of inertia and torques keep their digits beside accelerations."""
+    """Small moments of inertia and torques are accurate in the presence of accelerations."""
     mount = {"stiffness": [1e7] * 3, "rotational_stiffness": [1e6] * 3}
     case = loose() if kind == "loose" else mounted(mount=mount)
     other = scaled_case(runs.executable, case, Scales(length=length, mass=mass))
@@ -144,7 +144,7 @@ def test_a_mounted_housing_moves_alike_in_other_units(
         ("kinetic_energy", mass * length**2),
     ):
         size = float(abs(here[name]).max())
-        # Powers of two round nothing: 0 in small units; in large ones 7e-12, by other pivots.
+        # Powers of two are exact: 0 in small units; in large ones 7e-12, by different pivots.
         np.testing.assert_allclose(there[name] / unit, here[name], rtol=0, atol=1e-10 * size)
 
 
@@ -175,12 +175,12 @@ def test_a_turn_about_x_makes_the_gyroscopic_moment_of_the_wheels(runs: Runs) ->
     largest = float(abs(expected).max())
     assert float(abs(moment.sel(space="y") - expected).max()) < 1e-9 * largest
     assert float(abs(moment.sel(space="x")).max()) < 1e-9 * largest
-    # about z: the reactions of motor and brake, which are bolted to the housing
+    # about z: the reactions of motor and brake, which are fixed to the housing
     np.testing.assert_allclose(moment.sel(space="z"), -h["load_torque"], rtol=1e-12)
 
 
 def turning(rate: float, slider: bool) -> dict[str, Any]:
-    """Build the paper's pair in a housing that turns about z, its torques against the housing."""
+    """Return the paper's pair in a housing rotating about z, its torques against the housing."""
     case = pair(duration=1.0)
     case["wheels"][0]["loads"][0]["against"] = "housing"
     case["wheels"][1]["loads"][0]["against"] = "housing"
@@ -205,10 +205,10 @@ def test_a_steady_turn_about_z_moves_the_slider_by_the_centrifugal_force(runs: R
     still = runs({**turning(rate, slider=True), "housing": {"kind": "fixed"}}).history
     h = runs(turning(rate, slider=True)).history
     mass = float(h["mass"][1]) + 10.0
-    # the contact's force on the slider is the same in both
+    # the contact force on the slider is the same in both
     moved = (h - still)["centre_displacement"].sel(wheel="gear", axis="x")[-100:]
     expected = mass * distance * rate**2 / (stiffness - mass * rate**2)
-    np.testing.assert_allclose(moved, expected, rtol=2e-7)  # but for its direction: 7e-8
+    np.testing.assert_allclose(moved, expected, rtol=2e-7)  # except for its direction: 7e-8
     np.testing.assert_allclose(moved, mass * distance * rate**2 / stiffness, rtol=1e-5)
 
 
@@ -222,7 +222,7 @@ def test_torques_against_the_ground_feel_the_turn_of_the_housing(runs: Runs) -> 
 
 
 def mounted(**body: Any) -> dict[str, Any]:
-    """Build the paper's pair in a mounted housing."""
+    """Return the paper's pair in a mounted housing."""
     return {**pair(friction=0.3, duration=0.5), "housing": {**BODY, **body}}
 
 
@@ -237,7 +237,7 @@ def test_a_heavy_mounted_housing_tends_to_the_fixed_one(runs: Runs) -> None:
         difference = abs(h["normal_force"] - fixed["normal_force"])[settled].max()
         differences.append(float(difference / fixed["normal_force"].max()))
     assert differences[1] < 1e-5
-    assert differences[1] < differences[0] / 30  # inversely with the mass
+    assert differences[1] < differences[0] / 30  # inversely proportional to the mass
 
 
 def test_a_still_prescribed_housing_is_a_fixed_one(runs: Runs) -> None:
@@ -273,7 +273,7 @@ def test_a_steady_start_finds_the_pose_in_which_weight_and_torques_balance(runs:
         "initial": {"kind": "steady"},
     }
     h = runs(case).history
-    # It stays where it is, and the mount carries the weight.
+    # It stays at rest, and the mount carries the weight.
     sagged = h["housing_position"]
     assert float(abs(sagged - sagged[0]).max()) < 1e-9 * float(abs(sagged[0]).max())
     mass = BODY["mass"] + float(h["mass"].sum()) + SUPPORT_MASS.sum()
@@ -291,7 +291,7 @@ def frequencies(evolvent_modes: dict[str, Any]) -> Any:
 
 
 def modes(runs: Runs, case: dict[str, Any]) -> dict[str, Any]:
-    """Return what `evolvent modes` says of a case."""
+    """Return the result of `evolvent modes` for a case."""
     file = runs.folder / "modes.yaml"
     file.write_text(json.dumps(case))
     command = [runs.executable, "modes", file, "--json"]
@@ -300,7 +300,7 @@ def modes(runs: Runs, case: dict[str, Any]) -> dict[str, Any]:
 
 
 def undamped(**mount: Any) -> dict[str, Any]:
-    """Build a balanced mounted housing: the mount holds the centre of mass of everything."""
+    """Return a balanced mounted housing: the mount is at the centre of mass of the gearbox."""
     case = mounted(centre_of_mass=[0.0, 0.0, 0.0], products_of_inertia=[0, 0, 0])
     case["meshes"][0]["friction"] = {"law": "none"}
     masses = 7800 * np.pi * 0.1 * np.array([0.2, 0.3]) ** 2 + SUPPORT_MASS
@@ -315,17 +315,17 @@ def test_modes_of_a_mounted_housing_have_the_frequencies_of_closed_forms(runs: R
     found = frequencies(modes(runs, case))
     masses = 7800 * np.pi * 0.1 * np.array([0.2, 0.3]) ** 2 + SUPPORT_MASS
     mass = BODY["mass"] + masses.sum()
-    # Along z nothing but the whole mass moves; along x and y the slider gives by 1e-4.
+    # Along z the whole mass moves; along x and y the slider yields by 1e-4.
     assert np.abs(found / np.sqrt(stiffness[2] / mass) - 1).min() < 1e-9
-    # About x: every inertia about the axis through the centres, none of it off that axis.
+    # About x: all inertias about the axis through the centres, with no mass off that axis.
     discs = 7800 * np.pi * 0.1 * np.array([0.2, 0.3]) ** 2
     across = (discs * (3 * np.array([0.2, 0.3]) ** 2 + 0.1**2) / 12).sum()
-    # The gyroscopic moments of the turning wheels change it by 1e-7.
+    # The gyroscopic moments of the wheels change it by 1e-7.
     assert np.abs(found / np.sqrt(1e5 / (BODY["inertia"][0] + across)) - 1).min() < 1e-6
 
 
 def test_a_mounted_housing_rings_at_the_frequency_of_its_mode(runs: Runs) -> None:
-    """About y: the turn couples with nothing else, and the history counts its periods."""
+    """About y: this rotation is uncoupled, and the periods are counted in the history."""
     case = undamped(stiffness=[1e5, 2e5, 3e5], rotational_stiffness=[1e5, 4e5, 1e5])
     case["housing"]["angular_velocity"] = [0.0, 1e-5, 0.0]
     case["simulation"] = {"duration": 0.5, "output_interval": 1e-4, "tolerance": 1e-11}

@@ -1,4 +1,4 @@
-"""Teeth of an idler of real gears: one number for one tooth, whichever mesh it is in."""
+"""Teeth of an idler defined by a basic rack: the same number of a tooth in both meshes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from system.cases import STEEL
 
 
 def test_both_meshes_of_an_idler_give_a_tooth_the_same_number(runs):
-    """The middle of a tooth, from where it is touched, is at its number times the pitch."""
+    """The middle of a tooth, from its contact position, is at its number times the pitch."""
     gear = {"module": 3e-3, "width": 0.03, "material": "steel"}
     wheels = [{"name": n, "teeth": z, **gear} for n, z in (("a", 23), ("b", 31), ("c", 20))]
     wheels[0] |= {"centre": [0, 0], "loads": [{"kind": "torque", "value": -50}]}

@@ -1,4 +1,4 @@
-"""Rigid contacts that open, strike, bounce and come to rest, against closed forms."""
+"""Rigid contacts that open, close, bounce and settle, against closed forms."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def kind(request):
 
 
 def free_pair(kind: str, restitution: float, **simulation: Any) -> dict[str, Any]:
-    """Two wheels on fixed axles, nothing lost but in impacts."""
+    """Two wheels on fixed axes, with dissipation only in impacts."""
     return rigid(unloaded_pair(kind, **simulation), restitution)
 
 
@@ -47,9 +47,9 @@ def test_the_contact_opens_when_its_force_falls_through_zero(runs, kind):
     closed = history.sel(time=slice(0, opened))
     assert np.abs(closed["gap"]).max() <= 1e-18
     balance = 2 * FALL * (opened - closed["time"].values) / MOBILITY
-    # the tolerance of what IDA interpolates, of the largest value
+    # the tolerance of IDA's interpolation, of the largest value
     np.testing.assert_allclose(closed["normal_force"][:, 0], balance, rtol=0, atol=4e-9)
-    # From there on the gap grows as the third power: kappa'' rises as M_A does.
+    # From here the gap grows with the third power: kappa'' increases like M_A.
     apart = history.sel(time=slice(opened + 0.05, None))
     cube = 2 * FALL * (apart["time"].values - opened) ** 3 / 6
     np.testing.assert_allclose(apart["gap"][:, 0], cube, rtol=1e-7)
@@ -92,7 +92,7 @@ def test_an_impact_leaves_the_speeds_that_restitution_and_momentum_say(runs, kin
 
 
 def fall(kind: str, restitution: float, gap: float, duration: float) -> dict[str, Any]:
-    """Let the pinion be driven against the resting gear across a gap."""
+    """The pinion is driven across a gap against the gear at rest."""
     start = {"kind": "rest", "gaps": {"pinion-gear": gap}}
     case = free_pair(kind, restitution, duration=duration, initial=start)
     case["wheels"][0]["loads"] = [{"kind": "torque", "value": -1.0}]
@@ -107,7 +107,7 @@ def test_bounces_follow_the_geometric_series_until_the_approach_is_too_slow(runs
     while speed > 1e-6:  # the default of rest_velocity
         speed *= restitution
         times.append(times[-1] + 2 * speed / FALL)
-    # Times inherit rounding of the root only, but each impact adds its own.
+    # Times inherit the rounding of the root only, but each impact adds its own.
     np.testing.assert_allclose(run.times("impact"), times[:-1], rtol=1e-9)
     for name in ("impacts_ended", "contact_closed"):
         np.testing.assert_allclose(run.times(name), times[-1:], rtol=1e-9)
@@ -117,7 +117,7 @@ def test_bounces_follow_the_geometric_series_until_the_approach_is_too_slow(runs
     assert np.all(closed["contact_mode"] == 1)
     assert np.abs(closed["gap"]).max() <= 1e-18
     assert np.abs(closed["gap_rate"]).max() <= 1e-18
-    # F_n moves the gear along: M_A over both inertias.
+    # F_n accelerates the gear as well: M_A over both inertias.
     np.testing.assert_allclose(closed["normal_force"], FALL / MOBILITY, rtol=1e-9)
 
 
@@ -147,11 +147,11 @@ def test_full_restitution_keeps_energy_and_height_over_many_impacts(runs, kind):
     assert np.abs(history["gap"][:, 0] - height).max() <= 1e-6 * gap
 
 
-# ---- flanks that share a wheel
+# ---- flanks with a common wheel
 
 
 def split(kind: str, restitution: float, gaps: tuple[float, float], duration: float) -> Any:
-    """Let a pinion fall on two gears at once: an impact with one takes it from the other."""
+    """A pinion strikes two gears at once: an impact with one takes momentum from the other."""
     case = fall(kind, restitution, 0.0, duration)
     case["simulation"]["initial"]["gaps"] = dict(zip(("left", "right"), gaps, strict=True))
     pinion, gear = case["wheels"]
@@ -166,9 +166,9 @@ def split(kind: str, restitution: float, gaps: tuple[float, float], duration: fl
 
 @pytest.mark.parametrize("restitution", [0.0, 0.1, 0.3, 0.5, 0.7, 0.9])
 def test_a_pinion_between_two_equal_gears_bounces_on_both_at_once(runs, kind, restitution):
-    """They strike at one instant up to rounding, where each impact drives the other flanks on.
+    """Impacts are simultaneous up to rounding, and each impact closes the other flanks further.
 
-    One after the other, they opened each other without end.
+    Processed one after the other, they opened each other endlessly.
     """
     gap, rest = 1e-4, 1e-6
     speed = math.sqrt(2 * FALL * gap)
@@ -177,12 +177,12 @@ def test_a_pinion_between_two_equal_gears_bounces_on_both_at_once(runs, kind, re
         speed *= restitution
         times.append(times[-1] + 2 * speed / FALL)
     run = runs(split(kind, restitution, (gap, gap), times[-1] + 0.02))
-    # The tolerance of the run, 1e-9, adds up over 70 bounces; 1.1e-9 was the worst.
+    # The tolerance of the run, 1e-9, accumulates over 70 bounces; 1.1e-9 was the worst.
     np.testing.assert_allclose(run.times("impact"), np.repeat(times[:-1], 2), rtol=4e-9)
     np.testing.assert_allclose(run.times("contact_closed"), np.repeat(times[-1:], 2), rtol=4e-9)
     assert run.times("contact_opened").size == 0
     closed = run.history.sel(time=slice(times[-1], None))
-    force = FALL / (MOBILITY + BASE_A**2 / INERTIA_A)  # r_A M/J_A over what both forces do to a gap
+    force = FALL / (MOBILITY + BASE_A**2 / INERTIA_A)  # r_A M/J_A over the effect of both on a gap
     np.testing.assert_allclose(closed["normal_force"], force, rtol=1e-9)
     assert np.abs(closed["gap"]).max() <= 1e-18
     assert [v for v in check_history(run.history) if v.failed] == []
@@ -204,7 +204,7 @@ def test_a_pinion_that_bounces_between_two_gears_gains_no_energy(runs, restituti
 
 
 def test_friction_that_holds_the_flanks_fast_ends_the_run_with_a_diagnosis(runs, kind):
-    """f l_B > r_bB on approach: no impulse parts the flanks."""
+    """f l_B > r_bB on approach: no impulse separates the flanks."""
     start = {"kind": "speeds", "speeds": {"pinion": -1.0, "gear": 0.5}}
     case = free_pair(kind, 0.5, duration=0.1, initial=start)
     case["wheels"][1]["inertia"] = 1e-3
@@ -215,7 +215,7 @@ def test_friction_that_holds_the_flanks_fast_ends_the_run_with_a_diagnosis(runs,
 
 
 def test_wheels_that_are_thrown_about_come_back_to_rest_in_contact(runs, kind):
-    """Friction, a slider, a torque that turns round: energy balances through all impacts."""
+    """Friction, a slider, a torque reversal: energy balances through all impacts."""
     case = rigid(pair(0.3, kind, duration=2.5, output_interval=1e-4), 0.4)
     table = {"time": [0, 1, 1.01, 1.2, 1.21], "torque": [-1, -1, 1, 1, -1]}
     case["wheels"][0]["loads"] = [{"kind": "table", **table}]

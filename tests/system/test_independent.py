@@ -1,4 +1,4 @@
-"""The program agrees with the independent program of tests/reference, in every tracking."""
+"""Agreement of the program with the independent program of tests/reference, in every tracking."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from gearbox_reference import solve
 
 from evolvent import check_history, open_events, open_history
 
-# Agreement that is claimed, of the largest value. The independent program is good to 4e-9
-# (measured by tightening it), the integrator at its default tolerance to 6e-7.
+# Claimed agreement, relative to the largest value. The independent program is accurate to 4e-9
+# (measured by a smaller tolerance), the integrator at its default tolerance to 6e-7.
 TOLERANCE = 1e-6
 CASES = {"paper.yaml": 0.0, "paper-friction.yaml": 0.3}
 TRACKINGS = ("closed_form", "algebraic", "differential")
@@ -99,7 +99,7 @@ def test_friction_changes_its_law_as_often_and_at_the_same_instants(history_file
             np.isin(events["kind"].values, ["sliding_began", "sliding_ended"])
         ]
     expected = [t for t, name, _ in reference["events"] if name in ("above", "below")]
-    # The sliding velocity crosses delta slowly: 2e-6 s is what different trackings agree to.
+    # The sliding velocity crosses delta slowly: different trackings agree to 2e-6 s.
     np.testing.assert_allclose(kinks, expected, rtol=0, atol=2e-6)
 
 

@@ -1,4 +1,4 @@
-"""Both integrators do the same, each where it serves."""
+"""Agreement of both integrators, for cases that they support."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from system.runs import FRICTION, FRICTIONLESS, Run, tracking
 IDA, RADAU = ("simulation.integrator=ida", "simulation.integrator=radau")
 TIGHT = "simulation.tolerance=1e-13"
 
-# Settings of examples: shorter than the example where a second shows all that it has.
+# Settings of examples: shorter than the example if a second covers all of its behaviour.
 SETTINGS = {
     FRICTIONLESS: (tracking("closed_form"),),
     FRICTION: (tracking("closed_form"),),
@@ -30,7 +30,7 @@ EXAMPLES = {
 
 
 def rattle() -> dict[str, Any]:
-    """Build two real gears with backlash; the pinion's speed changes, so both flanks meet."""
+    """Return two gears with backlash; the pinion's speed varies, so both flanks make contact."""
     knots = [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3]
     speeds = [-50, -52, -48, -52, -48, -52, -50]
     gear = {"module": 0.003, "width": 0.03, "material": "steel"}
@@ -50,7 +50,7 @@ def rattle() -> dict[str, Any]:
 
 
 def knots(sense: int) -> dict[str, Any]:
-    """Build a pair under a table of torques that turns it in one sense or the other."""
+    """Return a pair under a table of torques that turns it in either direction."""
     case = pair(0.3, duration=0.5)
     table = {"kind": "table", "time": [0, 0.1, 0.1013, 0.3, 0.4], "torque": [0, -1, -2, -2, -0.5]}
     table["torque"] = [sense * value for value in table["torque"]]

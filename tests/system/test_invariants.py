@@ -1,4 +1,4 @@
-"""What must hold at every time of a run, computed here from the written history."""
+"""Invariants of a run at all times, evaluated independently from the written history."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def largest_penetration(history: xr.Dataset) -> float:
 
 
 def separation(history: xr.Dataset) -> Any:
-    """R (inv alpha - inv alpha_0) [m] for an axle that moves along the centre line.
+    """R (inv alpha - inv alpha_0) [m] for an axis that moves along the centre line.
 
-    Its derivative by the centre distance is sin(alpha): by the midpoint rule, whose error is below
-    1e-20 of the nanometres that the axle moves.
+    Its derivative to the centre distance is sin(alpha): by the midpoint rule, whose error is below
+    1e-20 for displacements of nanometres.
     """
     base = float(history["base_radius"].sum())
     start = float(np.diff(history["centre"].sel(axis="x"))[0])
@@ -31,13 +31,13 @@ def separation(history: xr.Dataset) -> Any:
 
 
 def transmission_error(history: xr.Dataset) -> Any:
-    """Lag [m] by (19), from the deviations of the angles; the centre line keeps its direction."""
+    """Lag [m] by (19), from the deviations of the angles; constant centre line direction."""
     lag = (history["base_radius"] * history["angle_deviation"]).sum("wheel").values
     return -float(history["flank"][0]) * lag
 
 
 def check_tracking(history: xr.Dataset) -> None:
-    """Check what holds where points are tracked."""
+    """Check the invariants of tracked points."""
     base = history["base_radius"].values
     ratio = history["gradient_ratio"].values * base[0] / base[1]
     assert np.abs(ratio + 1).max() <= 1e-12
@@ -57,7 +57,7 @@ def test_points_stay_on_flanks_and_on_the_line_of_action(runs, case, kind):
     check_tracking(runs(case, tracking(kind)).history)
 
 
-# One test a run: it takes a third of a minute.
+# One test per run: it takes a third of a minute.
 @pytest.mark.parametrize("kind", TRACKED)
 def test_nothing_drifts_over_500_s(runs, kind):
     history = runs(FRICTION, tracking(kind), *LONG).history
@@ -69,7 +69,7 @@ def test_nothing_drifts_over_500_s(runs, kind):
 @pytest.mark.parametrize("kind", TRACKINGS)
 @pytest.mark.parametrize("case", CASES)
 def test_contact_points_lie_on_the_common_tangent_of_the_base_circles(runs, case, kind):
-    # Positions in the housing have the rounding of the housing: a few units of the last place.
+    # Positions in the housing have the rounding of the housing: a few units in the last place.
     rounding = 16 * np.finfo(float).eps * 0.5
     history = runs(case, tracking(kind)).history
     base = history["base_radius"].values
@@ -86,8 +86,8 @@ def test_contact_points_lie_on_the_common_tangent_of_the_base_circles(runs, case
     from_b = point_b - axle_b + base[1] * across
     assert np.abs((from_a * across).sum(1)).max() <= rounding
     assert np.abs((from_b * across).sum(1)).max() <= rounding
-    # The radius of curvature of an involute grows by r_b for each radian that the wheel turns; the
-    # angle of the whole run and arccos of nearly 1 have errors of their own.
+    # The radius of curvature of an involute grows by r_b per radian of rotation; the angle of the
+    # whole run and arccos near 1 have their own errors.
     turned = -sigma * history["angle"].sel(wheel="pinion").values
     pitches = history["tooth_pair"][:, 0].values
     rho = float(history["rho_start_driving"][0]) - pitches * float(history["base_pitch"][0])
@@ -120,7 +120,7 @@ def test_torques_balance_at_every_output(runs, kind, wheel):
 
 
 def derivative(values: Any, interval: float) -> Any:
-    """Central difference of the eighth order; the four values at either end have none."""
+    """Central difference of eighth order; the four values at either end are NaN."""
     result = np.full_like(values, np.nan)
     n = len(values)
     weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
@@ -132,7 +132,7 @@ def derivative(values: Any, interval: float) -> Any:
 
 
 def smooth(run: Run, margin: float) -> Any:
-    """Which outputs are farther than a margin [s] from every event, start and end."""
+    """Mask of the outputs that are farther than a margin [s] from every event, start and end."""
     time = run.history["time"].values
     corners = np.concatenate((run.events["time"].values, time[[0, -1]]))
     return np.abs(time[:, None] - corners).min(axis=1) > margin
@@ -148,7 +148,7 @@ def test_torques_balance_with_the_acceleration_that_the_speeds_show(runs, kind, 
     acceleration = derivative(history["angular_velocity"][:, wheel].values, interval)
     inertia = float(history["inertia"][wheel])
     left = inertia * acceleration - history["load_torque"][:, wheel].values - contact
-    calm = smooth(run, 0.15)  # oscillations after an event are over then; the stencil reaches 0.04
+    calm = smooth(run, 0.15)  # oscillations after an event have decayed; the stencil covers 0.04
     approach = history["sliding_velocity"][:, 0].values > 0
     for part in (calm & approach, calm & ~approach):
         assert part.sum() > 100
@@ -156,7 +156,7 @@ def test_torques_balance_with_the_acceleration_that_the_speeds_show(runs, kind, 
 
 
 def check_energy(history: xr.Dataset, least_input: float) -> None:
-    """Check that energy neither appears nor gets lost, relative to the work put in."""
+    """Check that energy is conserved, relative to the work put in."""
     power = history["load_torque"] * history["angular_velocity"]
     gross = float(power.clip(min=0).sum("wheel").integrate("time"))
     assert gross > least_input  # [J]
@@ -177,5 +177,5 @@ def test_the_work_of_the_loads_is_the_integral_of_their_power(runs, case, kind):
     history = runs(case, tracking(kind)).history
     power = (history["load_torque"] * history["angular_velocity"]).sum("wheel")
     work = float(history["load_work"][-1])
-    # The trapezoidal rule over a millisecond is good to 1e-6 of it.
+    # The error of the trapezoidal rule over a millisecond is 1e-6.
     assert float(power.integrate("time")) == pytest.approx(work, rel=1e-5)

@@ -1,7 +1,7 @@
-"""Whatever changes in an integration is kept when it is put away; the rest is known by name.
+"""Checkpoints contain all variable components of an integration; exceptions are listed by name.
 
-A component that is added to one of these types or structs, and neither kept nor listed here with
-the reason, fails: the bits of a run that goes on would be wrong only where that component matters.
+A component added to one of these types or structs must be saved, or listed here with the reason.
+Otherwise a resumed run would differ, but only in cases that use that component.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def alike(reason: str, names: str) -> dict[str, str]:
     return dict.fromkeys(names.split(), reason)
 
 
-#: type: file of the type, file and name of the procedure that keeps it, what stands before its
-#: components there, and what is not kept.
+#: type: file of the type, file and name of the procedure that saves it, prefix of its
+#: components there, and components that are not saved.
 TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
     "radau_t": (
         "integrator/radau.f90",
@@ -171,10 +171,10 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
     ),
 }
 
-#: Kept as it lies in memory.
+#: Saved as raw memory.
 PLAIN_TYPES = ("lane_slot",)
 
-#: struct: file of it, file and function that keeps it, and what is not kept.
+#: struct: its file, file and function that saves it, and members that are not saved.
 STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
     "integration": (
         "integrate/integration.h",
@@ -297,7 +297,7 @@ STRUCTS["batch_sink"] = (
     },
 )
 
-#: Kept as they lie in memory, so that they may hold no pointer.
+#: Saved as raw memory, so that they may hold no pointer.
 PLAIN_STRUCTS = {
     "integrate_counts": "integrate/dae.h",
     "dae_growth": "integrate/dae.h",
@@ -379,7 +379,7 @@ def test_every_component_of_a_type_is_kept_or_known_not_to_change(name: str) -> 
         if thing.startswith(before + "%")
     }
     assert names - of_self == set(constants)
-    assert parent in (None, "ode_model", "stage_counts", "piece_t")  # which do not change
+    assert parent in (None, "ode_model", "stage_counts", "piece_t")  # these do not change
 
 
 @pytest.mark.parametrize("name", TYPES)
@@ -396,7 +396,7 @@ def test_a_type_within_a_kept_one_is_kept_too(name: str) -> None:
 
 
 def test_what_is_kept_as_it_lies_in_memory_lies_there_as_a_whole() -> None:
-    """No component is allocated elsewhere, however deep."""
+    """No component is allocated elsewhere, at any depth."""
     files = [*(ROOT / "src").glob("*/*.f90")]
     texts = {path: path.read_text() for path in files}
     todo, seen = list(PLAIN_TYPES), set()

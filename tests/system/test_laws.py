@@ -1,4 +1,4 @@
-"""The paper's case with every force law: invariants hold, the steady state is the law's."""
+"""The paper's case with every force law: invariants hold, the steady state follows the law."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CONTACTS = {
     "yang_lin": "",
     "power": ", coefficient: 1e13, exponent: 1.5",
 }
-# Without damping, or with little, the contact rings for thousands of oscillations.
+# With little or no damping, the contact vibrates for thousands of oscillations.
 DAMPINGS = {
     "none": "",
     "linear": ", coefficient: 1e4",
@@ -40,12 +40,12 @@ FRICTIONS = {
 
 
 def setting(family: str, law: str, parameters: str) -> str:
-    """Setting that gives the mesh another law."""
+    """Setting for another law of the mesh."""
     return f"meshes.0.{family}={{law: {law}{parameters}}}"
 
 
 def with_laws(runs, *settings: str, duration: float = 5.0):
-    """Run the paper's case with friction, and check what holds whatever the laws."""
+    """Run the paper's case with friction, and check the invariants."""
     run = runs(FRICTION, *settings, f"simulation.duration={duration}")
     assert run.exit_code == 0, run.messages
     assert [
@@ -63,7 +63,7 @@ def test_every_elastic_law_runs_with_friction_and_keeps_the_invariants(runs, law
 
 @pytest.mark.parametrize("law", DAMPINGS)
 def test_every_viscous_law_runs_with_friction_and_keeps_the_invariants(runs, law):
-    # undamped, 5 s cost seconds of CPU
+    # undamped, 5 s take seconds of CPU
     duration = 1.0 if law == "none" else 5.0
     run = with_laws(runs, setting("damping", law, DAMPINGS[law]), duration=duration)
     lost = run.history["dissipated_energy"].values
@@ -125,5 +125,5 @@ def test_the_steady_penetration_is_that_of_the_law_under_the_torque(runs, law):
     )
     force = 1.0 / BASE_PINION
     np.testing.assert_allclose(run.history["normal_force"], force, rtol=1e-9)
-    # the slider gives way by 5e-9 m, and rho by less than 1e-6 of it
+    # the slider yields by 5e-9 m, and rho by less than 1e-6 of it
     np.testing.assert_allclose(run.history["penetration"], PENETRATION[law](force), rtol=1e-6)

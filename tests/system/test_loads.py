@@ -18,7 +18,7 @@ INERTIA = 1.0
 
 
 def loaded(name: str) -> dict[str, Any]:
-    """Build a pair with one more load on its driving wheel, which stays pressed to the other."""
+    """Return a pair with an additional load on its driving wheel, without loss of contact."""
     sample = SAMPLES[name]
     case = pair(0.1, duration=0.2, tolerance=1e-11)
     case["wheels"][0]["loads"] = [{"kind": "torque", "value": -9.0}, dict(sample)]
@@ -42,7 +42,7 @@ def harmonic(**fields: float) -> dict[str, Any]:
 
 
 def apart(*loads: dict[str, Any], **simulation: Any) -> dict[str, Any]:
-    """Build two wheels that do not touch, each under a load."""
+    """Return two wheels without contact, each under a load."""
     case = unloaded_pair("closed_form", **simulation)
     for wheel, load in zip(case["wheels"], loads, strict=True):
         wheel["inertia"] = INERTIA
@@ -63,7 +63,7 @@ def column(run: Run, name: str, wheel: int) -> Any:
 def test_a_free_wheel_under_a_torque_over_time_moves_as_the_integral_of_the_cosine(
     runs, integrator, max_step
 ):
-    """The longest step is the period, over which the torque comes back, or a small part of it."""
+    """The longest step is the period, after which the torque repeats, or a small fraction of it."""
     omega, amplitude = 2 * np.pi * 50.0, 5.0
     load = harmonic(amplitude=amplitude, frequency=50.0, phase=90.0)
     still = harmonic(amplitude=0.0, order=1.0)
@@ -71,7 +71,7 @@ def test_a_free_wheel_under_a_torque_over_time_moves_as_the_integral_of_the_cosi
     run = runs(case, integrator, f"simulation.max_step={max_step}")
     t = run.history["time"].values
     speed, angle = amplitude / (INERTIA * omega), amplitude / (INERTIA * omega**2)
-    # a hundred thousand tolerances of steps in 0.2 s, of the scale of a speed reached in a second
+    # a hundred thousand step tolerances in 0.2 s, of the scale of a speed reached in a second
     np.testing.assert_allclose(
         column(run, "angular_velocity", 0), speed * np.sin(omega * t), rtol=0, atol=1e-6 * speed
     )
@@ -84,10 +84,9 @@ def test_a_free_wheel_under_a_torque_over_time_moves_as_the_integral_of_the_cosi
 def test_the_speed_of_free_wheels_under_a_torque_by_order_follows_from_their_angle(
     runs, integrator
 ):
-    """Energy: J phi'^2/2 + A/n cos(n phi + p) is constant, over many turns.
+    """Energy: J phi'^2/2 + A/n cos(n phi + p) is constant, over many revolutions.
 
-    The torque on the second wheel is the one that keeps its speed in proportion, so that the flanks
-    stay apart.
+    The torque on the second wheel keeps its speed proportional, so that the flanks stay apart.
     """
     amplitude, order, phase, start, ratio = 40.0, 4.5, 25.0, 12.0, 20 / 30
     loads = [
@@ -103,7 +102,7 @@ def test_the_speed_of_free_wheels_under_a_torque_by_order_follows_from_their_ang
     p = np.radians(phase)
     gained = amplitude / order * (np.cos(p) - np.cos(order * angle + p))
     assert angle[-1] > 2 * np.pi * 10
-    assert np.ptp(gained) > 0.2 * start**2 / 2  # it changes the speed for all to see
+    assert np.ptp(gained) > 0.2 * start**2 / 2  # it changes the speed significantly
     np.testing.assert_allclose(speed, np.sqrt(start**2 + 2 * gained / INERTIA), rtol=1e-7)
     torque = amplitude * np.sin(order * angle + p)
     np.testing.assert_allclose(column(run, "load_torque", 0), torque, rtol=0, atol=1e-9 * amplitude)
@@ -151,7 +150,7 @@ def test_a_free_wheel_comes_to_the_speed_of_a_drive_without_torque_as_an_exponen
 @pytest.mark.parametrize("slope", [-0.1, -5.0, -1e4])
 @pytest.mark.parametrize("against", ["torque", "viscous"])
 def test_a_steady_start_finds_the_speed_at_which_a_drive_balances_the_load(runs, slope, against):
-    """And stays there: the speed is a straight line, the force that of the torque."""
+    """The speed stays there: it is a straight line, the force that of the torque."""
     speed, torque, ratio, coefficient, resisting = -7.0, -0.6, 20 / 30, 0.3, -1.5
     case = pair(0.0, duration=0.05, tolerance=1e-11, initial={"kind": "steady"})
     if against == "viscous":
@@ -172,7 +171,7 @@ def test_a_steady_start_finds_the_speed_at_which_a_drive_balances_the_load(runs,
 
 @pytest.mark.parametrize("against", [[{"kind": "torque", "value": -1.5}], []], ids=["load", "none"])
 def test_the_nominal_load_of_a_drive_is_that_of_its_operating_point(runs, against):
-    """At standstill it would bring ten thousand times as much."""
+    """At standstill its torque would be ten thousand times as large."""
     case = pair(0.0, duration=0.01)
     case["wheels"][0]["loads"] = [drive(-7.0, -1.0, -1.5e3)]
     case["wheels"][1]["loads"] = against

@@ -1,4 +1,4 @@
-"""Rows of many wheels: they run, and what is found mesh by mesh is what is found at once."""
+"""Rows of many wheels: they run, and results found mesh by mesh equal those found at once."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ def unit(history: xr.Dataset, extreme: Extreme) -> float:
 
 
 def test_a_row_of_200_wheels_runs_in_the_memory_of_an_ordinary_process(runs):
-    """Its Jacobian has 1202 rows: a full one would not fit where a process keeps its variables."""
+    """Its Jacobian has 1202 rows: a full one would exceed the stack of a process."""
     steady = {"initial": {"kind": "steady"}}
     run = runs(bearing_row(200, duration=1e-3, output_interval=5e-4, tolerance=1e-6, **steady))
     assert run.exit_code == 0, run.messages
     assert run.history.sizes["wheel"] == 200
-    assert float(run.history["normal_force"].min()) > 0  # the load is carried through all of it
-    assert run.history.attrs["invariants"] == "held"  # looked at along the run
+    assert float(run.history["normal_force"].min()) > 0  # the load is transmitted through all of it
+    assert run.history.attrs["invariants"] == "held"  # checked during the run
 
 
 @pytest.mark.parametrize("wheels", [5, 14])
 def test_extremes_of_each_mesh_do_not_depend_on_how_many_there_are(runs, wheels):
-    """A row at whose ends nothing happens yet: its first meshes move as those of a shorter one.
+    """First meshes of a row with undisturbed ends: they move as those of a shorter one.
 
-    Up to eight meshes are looked at all at once, more one by one.
+    Up to eight meshes are evaluated at once, more one by one.
     """
     histories = []
     for output in (1e-4, 2e-6):
@@ -57,8 +57,8 @@ def test_extremes_of_each_mesh_do_not_depend_on_how_many_there_are(runs, wheels)
         sampled = values.max(others) if extreme.is_largest else values.min(others)
         beyond = (extreme.value - sampled).values * (1 if extreme.is_largest else -1)
         beyond /= unit(coarse, extreme)
-        # outputs lie on the same curves: they pass no extreme, and come near each of them, within
-        # (2 pi f dt)**2/8 of a vibration of 6 kHz, and the slope times dt where a curve jumps
+        # outputs are on the same curves: they exceed no extreme, and approach each of them within
+        # (2 pi f dt)**2/8 of a vibration of 6 kHz, and the slope times dt at a jump of the curve
         assert beyond.min() >= -1e-6, extreme.value.name
         assert beyond.max() <= 0.02, extreme.value.name
 

@@ -1,7 +1,7 @@
-"""Losses over runs: their integrals, with what events take, are the energy that is dissipated.
+"""Losses over runs: their integrals, with those of events, equal the dissipated energy.
 
-Every variable in watts counts, and every entry of the tables of damping laws and supports takes
-part; tests/answers/test_losses.py looks at single states, to rounding.
+Every variable in watts is included, with every entry of the tables of damping laws and supports;
+tests/answers/test_losses.py tests single states, to rounding.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def fine(case: dict[str, Any], duration: float) -> dict[str, Any]:
 
 
 def losses(run: Run) -> dict[str, Any]:
-    """Powers lost over time, each the sum over all wheels, meshes or shafts."""
+    """Power losses over time, each the sum over all wheels, meshes or shafts."""
     assert run.exit_code == 0, run.messages
     return {
         str(name): variable.values.reshape(variable.sizes["time"], -1).sum(axis=1)
@@ -96,7 +96,7 @@ def test_impacts_of_a_rigid_contact_are_jumps(runs) -> None:
 
 
 def test_the_acceleration_of_an_axle_is_the_rate_of_its_velocity(runs) -> None:
-    """By differences of fourth order, where the interval has no event; a fixed axle has none."""
+    """By differences of fourth order in intervals without events; zero for a fixed axis."""
     case = loaded("torque")
     case["wheels"][1]["support"] = dict(SUPPORTS["bearing"])
     run = runs(fine(case, 0.02))

@@ -1,4 +1,4 @@
-"""Natural modes: against eigenproblems assembled by hand, closed forms, and the time history."""
+"""Natural modes: against independent eigenproblems, closed forms, and time histories."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STEEL = {"youngs_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800}
 
 @pytest.fixture
 def modes_of(evolvent) -> Callable[..., dict[str, Any]]:
-    """What `evolvent modes ... --json` prints."""
+    """Output of `evolvent modes ... --json`."""
 
     def run(*words) -> dict[str, Any]:
         result = evolvent("modes", *words, "--json")
@@ -35,7 +35,7 @@ def modes_of(evolvent) -> Callable[..., dict[str, Any]]:
 
 @pytest.fixture
 def write_case(tmp_path) -> Callable[..., str]:
-    """Write a case, in JSON, which is YAML; what it does not say is as the schema has it."""
+    """Write a case in JSON, which is valid YAML; omitted keys have the defaults of the schema."""
 
     def write(wheels: list[dict], meshes: list[dict], **simulation) -> str:
         wheels = [{"width": 0.1, "material": "steel", **wheel} for wheel in wheels]
@@ -99,7 +99,7 @@ def test_the_papers_case_has_the_eigenvalues_of_the_problem_assembled_by_hand(mo
 
 
 def test_the_papers_case_has_the_recorded_digits(modes_of, examples):
-    # Recorded from a program in C written before this one; four digits, three of the real parts.
+    # Recorded from an earlier program in C; four digits, three of the real parts.
     _, slider, contact = eigenvalues(modes_of(examples / "paper.yaml"))
     assert (round(contact.real), round(contact.imag)) == (-146, 7206)
     assert (round(slider.real), round(slider.imag)) == (-216, 2069)
@@ -123,7 +123,7 @@ def test_all_trackings_have_the_same_modes(modes_of, examples):
     expected = eigenvalues(modes_of(examples / "paper.yaml", *setting))
     for tracking in ("algebraic", "differential"):
         setting = ("--set", f"meshes.0.tracking={tracking}")
-        # the same matrix but for the order of the states; rounding as above
+        # the same matrix except for the order of the states; rounding as above
         np.testing.assert_allclose(
             eigenvalues(modes_of(examples / "paper.yaml", *setting)), expected, rtol=1e-11
         )
@@ -131,7 +131,7 @@ def test_all_trackings_have_the_same_modes(modes_of, examples):
 
 @pytest.mark.parametrize("across", [0, 2e4], ids=["along the centre line", "both ways"])
 def test_the_mirrored_flank_has_the_same_modes(modes_of, examples, across):
-    """Also of a gear that moves across the centre line, which turns then."""
+    """Also for a gear that moves across the centre line, whose direction then changes."""
     support = (
         "wheels.gear.support={kind: bearing, mass: 10, stiffness: [1e9, 3e8], damping: [1e5, %g]}"
     )
@@ -145,7 +145,7 @@ def test_the_mirrored_flank_has_the_same_modes(modes_of, examples, across):
     expected = modes_of(examples / "paper.yaml", *moves)
     np.testing.assert_allclose(eigenvalues(mirrored), eigenvalues(expected), rtol=1e-11)
     for key in ("penetration", "transmission_error"):
-        # Mirroring turns the wheels' rotations round, and with them the phase reference.
+        # Mirroring reverses the wheels' rotations, and with them the phase reference.
         np.testing.assert_allclose(
             np.abs(column(mirrored, "meshes", key)),
             np.abs(column(expected, "meshes", key)),
@@ -171,7 +171,7 @@ def free_pair(**simulation) -> tuple[list[dict], list[dict], dict]:
 
 
 def contact_stiffness(h: float) -> float:
-    """Of the paper's pair at a penetration, fixed axles: dF/dh + dF/d(rho_A + rho_B) [N/m]."""
+    """Stiffness of the paper's pair on fixed axes: dF/dh + dF/d(rho_A + rho_B) [N/m]."""
     rho = 0.5 * math.sin(PAPER_ANGLE)
     load = 5.0
     for _ in range(60):  # fixed point of (13) for the force at h: contracts by 0.05
@@ -183,7 +183,7 @@ def contact_stiffness(h: float) -> float:
 
 
 def mobility(*radii: float) -> float:
-    """Of the contact between free discs of these pitch radii: the sum of r_b^2/J [1/kg]."""
+    """Contact mobility of free discs of these pitch radii: the sum of r_b^2/J [1/kg]."""
     return sum((r * math.cos(PAPER_ANGLE)) ** 2 / Wheel(20, r, 0.1, (0, 0)).inertia for r in radii)
 
 
@@ -201,7 +201,7 @@ def test_a_free_pair_without_damping_rings_for_ever_at_the_closed_forms_frequenc
         math.sqrt(contact_stiffness(h) * mobility(0.2, 0.3)), rel=1e-12
     )
     a, b = column(found, "wheels", "arc")[:, 0]
-    # Free bodies keep their momentum: J_A phi_A/r_bA and J_B phi_B/r_bB are alike.
+    # Momentum of free bodies: J_A phi_A/r_bA and J_B phi_B/r_bB are equal.
     assert b / a == pytest.approx(mobility(0.3) / mobility(0.2), rel=1e-12)
 
 
@@ -237,7 +237,7 @@ def test_parted_flanks_leave_each_wheel_a_rigid_body_mode(modes_of, write_case):
 
 
 def test_parted_flanks_leave_each_side_of_a_train_a_rigid_body_mode(modes_of, write_case):
-    """Discs on shafts behind one wheel: that side turns as a whole only up to rounding."""
+    """Discs on shafts behind one wheel: the rotation of that side is rigid only up to rounding."""
     apart = {"kind": "rest", "gaps": {"a-b": 1e-6}}
     wheels, meshes, _ = free_pair()
     inertia = {"c": 0.3, "d": 0.7, "e": 0.11, "f": 1.3}
@@ -362,7 +362,7 @@ def test_with_friction_the_modes_are_those_of_the_independent_programs_derivativ
                 0.0,
             ]
         )
-    free = slice(1, 6)  # all but the angle, whose place in the mesh is held, and the energies
+    free = slice(1, 6)  # all but the angle, whose mesh position is fixed, and the energies
     steps = [3e-13, 1e-12, 1e-5, 1e-9, 1e-9]
     derivatives = np.empty((5, 5))
     for j, step in enumerate(steps):
@@ -416,8 +416,8 @@ def test_the_history_rings_after_a_step_of_the_torque_as_the_modes_say(
     _, slider, contact = eigenvalues(modes_of(case))
     assert len(found) == 2
     for fitted, mode in zip(found, (slider, contact), strict=True):
-        # The step changes the force by 1e-3, Johnson's stiffness by a twentieth of that; h rings by
-        # 1e-3, and so the fit has three digits less than the history's nine.
+        # The step changes the force by 1e-3, Johnson's stiffness by a twentieth of that; h vibrates
+        # by 1e-3, and so the fit has three digits less than the history's nine.
         assert fitted.imag == pytest.approx(mode.imag, rel=1e-3)
         assert fitted.real == pytest.approx(mode.real, rel=1e-3)
 
@@ -426,7 +426,7 @@ def test_the_history_rings_after_a_step_of_the_torque_as_the_modes_say(
 def test_a_mesh_that_carries_load_is_said_to_be_loaded(
     modes_of: Callable[..., dict[str, Any]], tmp_path: Path, seed: int
 ) -> None:
-    """Whichever of its tooth pairs carries: on drive flanks or, from rest, on coast flanks."""
+    """For any of its tooth pairs: on drive flanks or, from rest, on coast flanks."""
     case = steady_pair(seed)
     path = tmp_path / "case.yaml"
     backwards = f"wheels.0.loads.0.value={-case['wheels'][0]['loads'][0]['value']}"

@@ -1,4 +1,4 @@
-"""No run goes on without end: it may take so many steps, and says what it would need."""
+"""Limit of the number of steps: no run is endless, and it reports the limit that it would need."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from evolvent import check_history
 from system.runs import Run, Runs
 from system.wide_gearboxes import wide_case
 
-AT_ONCE = 1000  # steps that IDA may make before it looks
+AT_ONCE = 1000  # steps of IDA between two checks
 OUT_OF_STEPS = re.compile(
     r"t = \S+ s: (?P<made>\d+) steps are over and the run is not; at this pace the rest takes "
     r"(?P<more>\S+) more, \S+ (s|min|h|days|years) of CPU; raise simulation.max_steps"
@@ -52,7 +52,7 @@ def test_steps_that_are_not_needed_change_nothing(runs: Runs, limit: str) -> Non
 
 @pytest.mark.parametrize("seed", [59, 9139])
 def test_gearboxes_that_take_very_long_say_so(executable: Path, tmp_path: Path, seed: int) -> None:
-    """Rigid flanks that strike each other 6000 times and more."""
+    """Rigid flanks with 6000 impacts and more."""
     case, most = tmp_path / "case.yaml", 20_000
     case.write_text(json.dumps(wide_case(executable, seed)))
     command = [executable, "run", case, "-o", tmp_path / "h.h5", "--set"]
@@ -70,7 +70,7 @@ def test_gearboxes_that_take_very_long_say_so(executable: Path, tmp_path: Path, 
 def test_a_tolerance_below_rounding_takes_no_more_steps_for_that(
     executable: Path, tmp_path: Path, seed: int
 ) -> None:
-    """A tonne beside 1e-4 N m, dampers of 3e16 N s/m2, housings of micrometres: millions once."""
+    """A tonne and 1e-4 N m, dampers of 3e16 N s/m2, housings of micrometres: once millions."""
     case, history = tmp_path / "case.yaml", tmp_path / "h.h5"
     case.write_text(json.dumps(wide_case(executable, seed)))
     command = [executable, "run", case, "-o", history, "--set", "simulation.max_steps=300000"]

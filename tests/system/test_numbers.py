@@ -1,4 +1,4 @@
-"""Numbers of a case over whole periods: against other programs and quadrature elsewhere."""
+"""Metrics of a case over whole periods: against other programs and independent quadrature."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ INERTIA = 1e-3
 
 
 def rectangular(omega: float, pitches: int, window: int, integrator: str) -> dict[str, Any]:
-    """One degree of freedom whose stiffness is k or 2 k, by pairs that know nothing of each other.
+    """One degree of freedom with stiffness k or 2 k, by independent pairs.
 
-    The driving wheel turns evenly, so slowly is the driven wheel pressed that no pair comes early:
-    F/(k p_b) is 7.5e-7.
+    The driving wheel has a constant speed. The driven wheel has so little load that no pair enters
+    early: F/(k p_b) is 7.5e-7.
     """
     base_pitch = math.pi * MODULE * math.cos(PRESSURE_ANGLE)
     distance = TEETH * MODULE
@@ -78,10 +78,10 @@ def rectangular(omega: float, pitches: int, window: int, integrator: str) -> dic
 def test_rectangular_stiffness_has_the_deviation_of_an_independent_program(
     runs, omega, expected, parts, integrator
 ):
-    """At twice the frequency of the mean stiffness the flanks part, with the period of two pitches.
+    """At twice the mean-stiffness frequency the flanks separate, with a period of two pitches.
 
-    Figures of an event-driven integration of the oscillator by itself; F/(k p_b) shifts what comes
-    and goes by 1e-6 of a pitch.
+    Values of an event-driven integration of the independent oscillator; F/(k p_b) shifts entry and
+    exit by 1e-6 of a pitch.
     """
     run = runs(rectangular(omega, 700, 60, integrator))
     assert run.exit_code == 0, run.messages
@@ -112,11 +112,11 @@ MASS, CONTACT, HALF_GAP = 0.23, 3.8e8, 1e-4
 
 
 def oscillator(omega: float, gap: float) -> dict[str, Any]:
-    """A mass between two stops, pressed by 0.1 k b, with a harmonic force of 0.05 k b."""
+    """A mass between two stops, preloaded by 0.1 k b, with a harmonic force of 0.05 k b."""
     base = 0.075 * math.cos(PRESSURE_ANGLE)
     frequency = omega * math.sqrt(CONTACT / MASS) / (2 * math.pi)
     period, unit = 1 / frequency, CONTACT * HALF_GAP * base
-    speed = 2 * math.pi * frequency / 20  # a pitch a period
+    speed = 2 * math.pi * frequency / 20  # one pitch per period
     return {
         "format": 1,
         "materials": {"steel": dict(STEEL)},
@@ -166,18 +166,18 @@ def oscillator(omega: float, gap: float) -> dict[str, Any]:
 def test_backlash_oscillator_has_the_deviation_of_an_independent_program(
     runs, omega, gap, expected
 ):
-    """At 0.7 there is a motion without impacts besides: it starts apart to come to the other."""
+    """At 0.7 a motion without impacts exists, too: the run starts apart to reach the other."""
     run = runs(oscillator(omega, gap))
     assert run.exit_code == 0, run.messages
     deviation = number(run, "transmission_error_standard_deviation") / HALF_GAP
     assert deviation == pytest.approx(expected, rel=1e-3)
-    assert number(run, "impacts") == 100  # one a period
+    assert number(run, "impacts") == 100  # one per period
     assert number(run, "share_coast_flanks") == 0
 
 
 @pytest.mark.parametrize("omega", np.linspace(0.2, 0.45, 16).tolist())
 def test_extremes_of_one_period_are_those_of_the_linear_oscillator(runs, omega):
-    """Closed form, flanks always pressed; wherever in a step of the integration a peak lies."""
+    """Closed form, flanks always in contact; a peak may be anywhere in an integration step."""
     case = oscillator(omega, -1e-5)
     period = 2 * math.pi / (omega * math.sqrt(CONTACT / MASS))
     case["simulation"].update(duration=60.3 * period, numbers={"from": 58.6 * period})
@@ -192,10 +192,10 @@ def test_extremes_of_one_period_are_those_of_the_linear_oscillator(runs, omega):
         assert extreme == pytest.approx(mean + sense * swing, abs=1e-7 * swing), which
 
 
-# ---- quadrature elsewhere ----
+# ---- independent quadrature ----
 
 FINE = (
-    "meshes.0.friction={law: none}",  # it would begin and end to slide within a microsecond
+    "meshes.0.friction={law: none}",  # sliding would start and stop within a microsecond
     "simulation.duration=6.7e-3",
     "simulation.output_interval=2e-7",
     "simulation.tolerance=1e-10",
@@ -205,7 +205,7 @@ FINE = (
 
 @pytest.fixture(scope="module")
 def fine(runs: Runs) -> Run:
-    """A mesh whose force jumps where pairs come and go, at very many outputs."""
+    """A mesh whose force jumps at entry and exit of pairs, with very many outputs."""
     run = runs("spur-pair.yaml", *FINE)
     assert run.exit_code == 0, run.messages
     assert int(run.history["window_periods"]) == 2
@@ -213,7 +213,7 @@ def fine(runs: Runs) -> Run:
 
 
 def pieces(run: Run, values: Floats) -> list[tuple[float, float, CubicSpline]]:
-    """Splines between the events of a window; the last tenths of an output step they go on."""
+    """Splines between the events of a window, extrapolated by a fraction of an output step."""
     begin, end = (float(run.history[f"window_{which}"]) for which in ("begin", "end"))
     time = run.history["time"].values
     events = np.unique(run.events["time"].values)
@@ -253,7 +253,7 @@ def harmonics(run: Run, values: Floats) -> Floats:
 
 @pytest.mark.parametrize("quantity", ["transmission_error", "normal_force", "angular_acceleration"])
 def test_numbers_are_integrals_between_the_events(fine, quantity):
-    """1e-8 of the size of the quantity; splines at steps of 2e-7 s are as good as that."""
+    """To 1e-8 of the quantity, the accuracy of splines at steps of 2e-7 s."""
     values = fine.history[quantity].values[:, 0]
     span = float(fine.history["window_end"]) - float(fine.history["window_begin"])
     mean = integral(fine, values) / span
@@ -281,7 +281,7 @@ def test_extremes_are_those_of_very_many_outputs(fine):
         values = history[quantity].values[inside.values, 0]
         size = np.ptp(values)
         high, low = (number(fine, f"{quantity}_{end}") for end in ("max", "min"))
-        # a peak just after an event may lie between two outputs
+        # a peak just after an event may be between two outputs
         assert values.max() - 1e-7 * size <= high <= values.max() + 1e-3 * size
         assert values.min() - 1e-3 * size <= low <= values.min() + 1e-7 * size
         assert number(fine, f"{quantity}_peak_to_peak") == pytest.approx(high - low, rel=1e-12)
@@ -302,7 +302,7 @@ def numbers(run: Run) -> dict[str, Floats]:
 
 @pytest.mark.parametrize("example", ["spur-pair", "compliant-pair", "two-stage-gears", "rattle"])
 def test_both_integrators_find_the_same(runs, example):
-    """In lanes and one by one; to what tolerance 1e-9 leaves of accelerations."""
+    """In lanes and one by one; to the accuracy of accelerations at a tolerance of 1e-9."""
     found = [
         numbers(runs(f"{example}.yaml", "simulation.numbers={}", f"simulation.integrator={which}"))
         for which in ("radau", "ida")
@@ -311,7 +311,7 @@ def test_both_integrators_find_the_same(runs, example):
         size = np.nanmax(np.abs(values), initial=0.0)
         if name.startswith("window_angular_acceleration_mean"):
             size = np.nanmax(found[0]["window_angular_acceleration_rms"])
-        if name.endswith("phase"):  # of what is almost nothing it is noise
+        if name.endswith("phase"):  # the phase of a negligible amplitude is noise
             amplitude = found[0][name.replace("phase", "amplitude")]
             clear = amplitude > 1e-3 * amplitude.max(axis=-1, keepdims=True)
             difference = np.where(clear, values - found[1][name], 0)
@@ -334,7 +334,7 @@ def test_numbers_do_not_depend_on_the_outputs(runs):
 @pytest.mark.parametrize("start", ["", ", position: 0.6", ", position: 7.3"])
 @pytest.mark.parametrize("wheel", ["pinion", "gear"])
 def test_turns_count_from_where_the_wheel_starts(runs, start, wheel):
-    """A window from 0 has its first turn at 0, wherever in a pitch the motion starts."""
+    """In a window from 0 the first revolution starts at 0, for any start position in a pitch."""
     run = runs(
         "spur-pair.yaml",
         f"simulation.initial={{kind: steady{start}}}",
@@ -382,7 +382,7 @@ def test_impacts_are_closings_after_a_flight(runs):
 
 
 def test_accelerometers_and_moving_axles_have_numbers(runs):
-    """A shaken housing: one of its points goes as prescribed, over ten shakes a turn."""
+    """A moving housing: one of its points moves as prescribed, with ten cycles per revolution."""
     shake, speed, amplitude = 250.0, 1500 * 2 * math.pi / 60, 1e-6
     run = runs(
         "spur-pair.yaml",

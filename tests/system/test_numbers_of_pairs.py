@@ -1,4 +1,4 @@
-"""Numbers of meshes in which two, three and more pairs share the load, and of trains."""
+"""Metrics of meshes in which two, three and more pairs share the load, and of trains."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from system.test_numbers import HARMONICS, MODULE, number
 
 TEETH, ANGLE = 80, math.radians(14.5)
 BASE = TEETH * MODULE / 2 * math.cos(ANGLE)
-PITCH = 2 * math.pi / TEETH  # also the time of one [s]: the driving wheel turns by 1 rad/s
+PITCH = 2 * math.pi / TEETH  # also its duration [s]: the driving wheel turns at 1 rad/s
 
 
 def slow_pair(
     ratio: float, force: float, rotation: str = "clockwise", errors: list[float] | None = None
 ) -> dict[str, Any]:
-    """Even wheels with this contact ratio, so slow that they do not vibrate."""
+    """Wheels without errors with this contact ratio, so slow that they do not vibrate."""
     distance = TEETH * MODULE
     path = ratio * math.pi * MODULE * math.cos(ANGLE)
     tip = 2 * math.hypot(BASE, (path + distance * math.sin(ANGLE)) / 2)
@@ -62,7 +62,7 @@ def slow_pair(
     }
 
 
-# ---- how many pairs are in contact
+# ---- number of pairs in contact
 
 SHARES = ("no_contact", "one_pair", "two_pairs", "more_pairs")
 
@@ -80,12 +80,12 @@ def test_shares_of_the_time_are_those_of_the_contact_ratio(runs, ratio):
     run = runs(slow_pair(ratio, 1.0))
     assert run.exit_code == 0, run.messages
     told = [number(run, f"share_{name}") for name in SHARES]
-    # under 1 N the flanks yield by 1e-5 of a base pitch, and pairs come and go that much later
+    # under 1 N the flanks deflect by 1e-5 of a base pitch, and pairs enter and leave later by that
     np.testing.assert_allclose(told, expected_shares(ratio), atol=1e-4)
 
 
 def test_a_batch_counts_three_pairs_and_more_at_its_outputs(evolvent, tmp_path: Path):
-    """A border between two outputs counts up to half of their distance, a hundredth of a pitch."""
+    """A change between two outputs counts up to half of their distance, a hundredth of a pitch."""
     case = slow_pair(2.3, 1.0)
     del case["simulation"]["numbers"]
     case["simulation"] |= {"duration": 4 * PITCH, "output_interval": PITCH / 100}
@@ -98,11 +98,11 @@ def test_a_batch_counts_three_pairs_and_more_at_its_outputs(evolvent, tmp_path: 
     np.testing.assert_allclose(told, expected_shares(2.3), atol=0.01)
 
 
-# ---- a tooth that stands out
+# ---- a protruding tooth
 
 
 def with_a_proud_tooth(rotation: str, tooth: int, force: float) -> dict[str, Any]:
-    """Three pairs and more at once, and one tooth that stands 2 um ahead on the driving flank."""
+    """Three pairs and more at once, and one tooth that protrudes by 2 um on the driving flank."""
     sense = 1 if rotation == "clockwise" else -1
     errors = [-sense * 2e-6 * (k == tooth) for k in range(TEETH)]  # counterclockwise positive
     return slow_pair(3.15, force, rotation, errors)
@@ -110,10 +110,10 @@ def with_a_proud_tooth(rotation: str, tooth: int, force: float) -> dict[str, Any
 
 @pytest.mark.parametrize(("rotation", "tooth"), [("clockwise", 4), ("counterclockwise", 76)])
 def test_the_force_at_rest_is_that_of_the_flanks_that_carry(runs, executable, rotation, tooth):
-    """Docs/numbers.md: over the largest force at rest under the mean torque, by static analysis.
+    """Docs/numbers.md: over the largest quasi-static force under the mean torque.
 
-    Where a tooth stands out on one of its flanks it stands back on the other: which of them is
-    pressed decides how much of the load falls to one pair.
+    A tooth that protrudes on one of its flanks is set back on the other: the loaded flank
+    determines the share of the load of one pair.
     """
     force = 700.0
     run = runs(with_a_proud_tooth(rotation, tooth, force))
@@ -126,14 +126,14 @@ def test_the_force_at_rest_is_that_of_the_flanks_that_carry(runs, executable, ro
         told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
         shares += json.loads(told.stdout)["largest_force_share"]
     assert abs(shares[0] - shares[1]) > 0.1
-    # 200 positions a pitch beside 100, each a share of a pitch away from the largest
+    # 200 positions per pitch against 100, each a fraction of a pitch away from the largest
     assert number(run, "pair_normal_force_max") / number(run, "pair_dynamic_factor") == (
         pytest.approx(shares[0] * force, rel=1e-3)
     )
 
 
 def test_the_largest_force_of_a_pair_is_the_larger_one_of_two_parts_of_its_window(runs):
-    """The tooth that stands out carries it, and has left before the second part."""
+    """The protruding tooth carries it, and has left before the second part."""
     case = with_a_proud_tooth("clockwise", 4, 700.0)
     parts = ((2, 8), (6.5, 12), (2, 12))
     first, second, both = (
@@ -148,7 +148,7 @@ def test_the_largest_force_of_a_pair_is_the_larger_one_of_two_parts_of_its_windo
 
 
 def test_the_crest_of_an_acceleration_does_not_depend_on_the_sense_of_rotation(runs):
-    """Largest distance from the mean: in the mirror what lay above it lies below."""
+    """Largest distance from the mean: in the mirror image values above it are below."""
     told = []
     for rotation, tooth in (("clockwise", 4), ("counterclockwise", 76)):
         run = runs(with_a_proud_tooth(rotation, tooth, 700.0))
@@ -163,7 +163,7 @@ def test_the_crest_of_an_acceleration_does_not_depend_on_the_sense_of_rotation(r
     assert mirrored == pytest.approx((below, above, crest), rel=1e-6)
 
 
-# ---- which mesh an order is of
+# ---- mesh of an order
 
 
 def orders(run: Run, values: np.ndarray, mesh: int) -> np.ndarray:
@@ -179,7 +179,7 @@ def orders(run: Run, values: np.ndarray, mesh: int) -> np.ndarray:
 
 
 def test_orders_of_an_axle_are_those_of_its_wheel_s_mesh(runs):
-    """Two stages with moving axles, whose pitches pass at different rates."""
+    """Two stages with moving axes and different pitch frequencies."""
     axle = "{kind: slider, direction: 90, mass: 1, stiffness: 1.0e+8, damping: 1.0e+3}"
     run = runs(
         "two-stage-gears.yaml",
@@ -195,7 +195,7 @@ def test_orders_of_an_axle_are_those_of_its_wheel_s_mesh(runs):
         i = names.index(wheel)
         values = run.history["centre_acceleration"].values[:, i, 1]
         told = run.history["window_centre_acceleration_amplitude"].values[i, 1]
-        # where in the microsecond between two outputs the acceleration jumps is not known
+        # the time of the jump within the microsecond between two outputs is not known
         near = 5e-3 * values.std()
         np.testing.assert_allclose(told, orders(run, values, mesh), atol=near)
         assert abs(told - orders(run, values, 1 - mesh)).max() > 10 * near

@@ -1,4 +1,4 @@
-"""One-sided damping is accurate; that steps end at its kink is a test of the driver."""
+"""One-sided damping is accurate; a test of the driver covers the steps at its kink."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TIGHT = "simulation.tolerance=1e-13"
 
 
 def ringing(integrator: str) -> dict[str, Any]:
-    """Real gears that ring under one-sided damping, from rest under load."""
+    """Gears that vibrate under one-sided damping, from rest under load."""
     return real_pair(
         teeth=(25, 40),
         wheels=(torque(-60.0), viscous(2.0)),

@@ -1,4 +1,4 @@
-"""The example of docs/operating_points.md: a motor, a pair whose teeth bend, a machine."""
+"""The example of docs/operating_points.md: a motor, a pair with compliant teeth, a machine."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ CONSTANT = "wheels.machine.loads=[{kind: torque, value: 87.68}]"
 
 
 def test_the_speed_settles_where_the_torques_balance(runs):
-    """Power of the motor is that of the machine and what is lost; the flanks never part."""
+    """The power of the motor is that of the machine plus losses; the flanks never separate."""
     history = runs(EXAMPLE).history
     end = history.sel(time=slice(0.1, None))
     power = (end["load_torque"] * end["angular_velocity"]).mean("time")
@@ -20,19 +20,19 @@ def test_the_speed_settles_where_the_torques_balance(runs):
         for variable in end.data_vars.values()
         if variable.attrs.get("units") == "W"
     )
-    # not over whole periods, and the kinetic energy of the torsional mode is still dying out
+    # not over whole periods, and the kinetic energy of the torsional mode is still decaying
     assert abs(given - taken - lost) <= 1e-4 * given
     assert 0.005 * given < lost < 0.02 * given
     speed = float(end["angular_velocity"].sel(wheel="motor").mean())
     assert speed == pytest.approx(152.9 - (given / speed - 49.0) / 11.7, rel=1e-6)
-    assert speed == pytest.approx(152.9 - 0.42 / 11.7, rel=1e-5)  # as the page says
+    assert speed == pytest.approx(152.9 - 0.42 / 11.7, rel=1e-5)  # as stated on the page
     assert float(history["gap"].max()) < 0
     factor = float(end["normal_force"].max() / end["normal_force"].mean())
     assert 1.1 < factor < 1.25  # recorded: 1.175
 
 
 def test_a_prescribed_speed_is_infinite_inertia(runs):
-    """The mass that the mesh feels: of both wheels, or of the one that is free."""
+    """Effective mass of the mesh: of both wheels, or of the free one."""
     short = "simulation.duration=1e-3"
     free = runs(EXAMPLE, CONSTANT, short).history
     wheels = free.sel(wheel=["pinion", "gear"])

@@ -1,4 +1,4 @@
-"""`evolvent respond --method orbits`: periodic orbits over a parameter, stable or not."""
+"""`evolvent respond --method orbits`: periodic orbits over a parameter, stable or unstable."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def frequencies(found: xr.Dataset, kind: int | None = None) -> np.ndarray:
 
 
 def largest(found: xr.Dataset) -> np.ndarray:
-    """Size of the largest multiplier of each point."""
+    """Magnitude of the largest multiplier of each point."""
     return np.hypot(found["multiplier_real"], found["multiplier_imaginary"]).values[:, 0]
 
 
@@ -70,7 +70,7 @@ def deviations(found: xr.Dataset) -> np.ndarray:
 
 
 def monodromy(omega: float, ratio: float, damping: float) -> np.ndarray:
-    """Of a pitch of Meissner's equation with stiffness 1 and 2; the damper is that of a pair."""
+    """Monodromy matrix of Meissner's equation with stiffness 1 and 2; damper of one pair."""
     pairs = [expm(np.array([[0, 1], [-k, -2 * damping * k]]) * t * 2 * math.pi / omega)
              for k, t in ((2, ratio - 1), (1, 2 - ratio))]  # fmt: skip
     return pairs[1] @ pairs[0]
@@ -87,7 +87,7 @@ def boundary(low: float, high: float, ratio: float, damping: float) -> float:
 
 
 def test_meissners_boundaries_are_the_figures_that_are_known() -> None:
-    """2.358078198 and 2.753118529, of another program."""
+    """Values of another program: 2.358078198 and 2.753118529."""
     assert boundary(2.2, 2.5, RATIO, 0.03) == pytest.approx(2.358078198, abs=1e-9)
     assert boundary(2.6, 2.9, RATIO, 0.03) == pytest.approx(2.753118529, abs=1e-9)
 
@@ -98,9 +98,9 @@ def test_meissners_boundaries_are_the_figures_that_are_known() -> None:
 def test_doublings_without_parting_are_meissners_boundaries(
     monkeypatch: pytest.MonkeyPatch, orbits: Orbits, ratio: float, damping: float
 ) -> None:
-    """F/(k p_b) = 7.5e-7 of a pitch longer the pairs stay: 1e-6 of the frequency.
+    """Pairs stay longer by F/(k p_b) = 7.5e-7 of a pitch: 1e-6 of the frequency.
 
-    Between the boundaries the orbit goes on, unstable: its largest multiplier is that of the
+    Between the boundaries the orbit continues, unstable: its largest multiplier is that of the
     equation at the same frequency.
     """
     monkeypatch.setattr("system.test_numbers.RATIO", ratio)
@@ -118,12 +118,12 @@ def test_doublings_without_parting_are_meissners_boundaries(
     assert not first["orbit_stable"].values[inside & (first["orbit_kind"].values == 0)].any()
     for omega, mu in zip(frequencies(first) * scale, largest(first), strict=True):
         exact = np.abs(np.linalg.eigvals(monodromy(omega, ratio, damping))).max()
-        # the root of a multiplier splits near the boundaries
+        # the multipliers split like a square root near the boundaries
         assert mu == pytest.approx(exact, abs=1e-4)
 
 
 def _around(ratio: float, damping: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Frequencies between which each boundary of the first instability lies."""
+    """Brackets of the boundaries of the first instability."""
     omega = np.linspace(2.0, 3.2, 1201)
     over = [float(np.trace(d) + 1 + np.linalg.det(d))
             for d in (monodromy(o, ratio, damping) for o in omega)]  # fmt: skip
@@ -152,7 +152,7 @@ def test_unstable_branch_is_followed_from_the_fold(orbits: Orbits) -> None:
     stable = first["orbit_stable"].values == 1
     (fold,) = np.flatnonzero(first["orbit_kind"].values == FOLD)
     assert largest(first)[fold] == pytest.approx(1, abs=1e-6)
-    assert (first["orbit_stable"].values[:fold] != 0).all()  # -1 at touches
+    assert (first["orbit_stable"].values[:fold] != 0).all()  # -1 at grazing points
     assert not stable[fold + 1 :].any()
     assert frequencies(first)[-1] == pytest.approx(0.7, rel=1e-12)  # back at the end of the range
     assert np.all(np.diff(deviations(first)[fold:]) > 0)
@@ -160,7 +160,7 @@ def test_unstable_branch_is_followed_from_the_fold(orbits: Orbits) -> None:
 
 
 def test_touches_of_pairs_that_share_the_force_are_one_point(orbits: Orbits) -> None:
-    """Two equal springs: their forces vanish together, and a little further on their gap opens."""
+    """Two equal springs: their forces vanish together, and soon after that their gap opens."""
     found = orbits(0.4, 0.45)
     touches = frequencies(found, TOUCH)
     assert len(touches) >= 4
@@ -194,7 +194,7 @@ def _near(values: np.ndarray, value: float) -> np.ndarray:
     return np.abs(values - value) < 1e-9
 
 
-# ---- no orbits of more periods ----
+# ---- limit of the periods ----
 
 
 def test_longest_bounds_the_branches_at_doublings(orbits: Orbits) -> None:
@@ -202,7 +202,7 @@ def test_longest_bounds_the_branches_at_doublings(orbits: Orbits) -> None:
     short, long = (orbits(1.5, 1.86, "--longest", n) for n in ("1", "2"))
     assert set(short["orbit_period"].values.tolist()) == {1}
     assert set(long["orbit_period"].values.tolist()) == {1, 2}
-    # the doubling is told all the same, and the orbits of one period are the same ones
+    # the doubling is still reported, and the orbits of one period are the same
     np.testing.assert_array_equal(frequencies(short, DOUBLING), frequencies(long, DOUBLING)[:1])
     first = long.isel(point=long["orbit_branch"] == 0)
     alike = short.isel(point=short["orbit_branch"] == 0)
@@ -242,7 +242,7 @@ def stops(tmp_path: Path) -> Path:
 
 
 def follow(evolvent, case: Path, over: str, *options: str) -> xr.Dataset:
-    """What comes of a case over a parameter."""
+    """Response of a case over a parameter."""
     result = case.with_name("follow.h5")
     done = evolvent("respond", case, "--over", over, "-q", "-o", result, *options, timeout=400)
     assert done.returncode == 0, done.stderr
@@ -251,7 +251,7 @@ def follow(evolvent, case: Path, over: str, *options: str) -> xr.Dataset:
 
 
 def test_unstable_branch_joins_both_jumps_of_a_sweep(evolvent, stops: Path) -> None:
-    """A sweep jumps at the folds, to 1e-4; between them one branch holds all three orbits."""
+    """A sweep jumps at the folds, to 1e-4; one branch contains all three orbits between them."""
     found = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300", "--method", "orbits")
     sweep = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300:57", "--both")
     assert found.sizes["branch"] == 1
@@ -261,7 +261,7 @@ def test_unstable_branch_joins_both_jumps_of_a_sweep(evolvent, stops: Path) -> N
     jumps = (sweep["jump_before"].values + sweep["jump_after"].values) / 2
     np.testing.assert_allclose(parameter[folds], jumps, rtol=1e-4)
     stable = found["orbit_stable"].values == 1
-    unstable = found["orbit_stable"].values == 0  # -1 at touches
+    unstable = found["orbit_stable"].values == 0  # -1 at grazing points
     assert not unstable[: folds[0]].any()
     assert not stable[folds[0] + 1 : folds[1]].any()
     assert not unstable[folds[1] + 1 :].any()
@@ -270,7 +270,7 @@ def test_unstable_branch_joins_both_jumps_of_a_sweep(evolvent, stops: Path) -> N
 
 
 def test_orbits_of_the_ends_are_those_of_the_sweep(evolvent, stops: Path) -> None:
-    """The sweep comes within 1e-6 of an orbit."""
+    """The sweep approaches an orbit to 1e-6."""
     found = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300", "--method", "orbits")
     sweep = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300:57", "--up")
     for place, end in ((0, 0), (-1, -1)):
@@ -281,7 +281,7 @@ def test_orbits_of_the_ends_are_those_of_the_sweep(evolvent, stops: Path) -> Non
 
 
 def test_orbits_at_the_values_of_a_sweep_have_its_numbers(evolvent, stops: Path) -> None:
-    """The deviation, up and down; the sweep comes within 1e-6 of an orbit."""
+    """The deviation, up and down; the sweep approaches an orbit to 1e-6."""
     over = f"{AMPLITUDE}=-20:-300"
     found = follow(evolvent, stops, over, "--method", "orbits", "--values", "57")
     sweep = follow(evolvent, stops, f"{over}:57", "--both")
@@ -303,7 +303,7 @@ def test_orbits_at_the_values_of_a_sweep_have_its_numbers(evolvent, stops: Path)
 
 
 def test_orbits_at_values_hold_and_are_the_same_each_time(evolvent, stops: Path) -> None:
-    """Where two stable branches lie above each other both are told, and no unstable one between."""
+    """Where two stable branches overlap both are reported, the unstable one between is not."""
     options = (f"{AMPLITUDE}=-30:-120", "--method", "orbits", "--values", "301")
     found, again = (follow(evolvent, stops, *options) for _ in range(2))
     xr.testing.assert_identical(found, again)
@@ -319,11 +319,11 @@ def test_orbits_at_values_hold_and_are_the_same_each_time(evolvent, stops: Path)
     for i in set(place[inside].tolist()):
         assert (place == i).sum() == 2
     turns = np.diff(np.sign(np.diff(parameter))) != 0
-    assert turns.sum() == 2  # at the folds: else points follow each other along the branch
+    assert turns.sum() == 2  # at the folds: other points are consecutive along the branch
 
 
 def test_unstable_orbits_right_behind_a_fold_are_not_told(evolvent, stops: Path) -> None:
-    """The stable branch ends at 105.81: values beside that lie on both of its sides."""
+    """The stable branch ends at 105.81: values next to it are on both sides."""
     options = ("--method", "orbits", "--values", "3001")
     found = follow(evolvent, stops, f"{AMPLITUDE}=-30:-110", *options)
     stable, place = found["orbit_stable"].values == 1, found["orbit_value"].values
@@ -343,7 +343,7 @@ def test_unstable_orbits_right_behind_a_fold_are_not_told(evolvent, stops: Path)
 def test_orbits_that_are_told_are_those_that_are_found(
     evolvent, stops: Path, examples: Path, tmp_path: Path, case: str, over: str, n: int
 ) -> None:
-    """A branch that begins at the value of one that was told does so with one that was found."""
+    """A branch that starts at the value of a reported orbit starts at a computed orbit."""
     path = tmp_path / "case.yaml"
     path.write_text((stops if case == "stops" else examples / f"{case}.yaml").read_text())
     found = follow(evolvent, path, over, "--method", "orbits", "--values", str(n))
@@ -380,7 +380,7 @@ def test_orbits_that_are_told_are_those_that_are_found(
 
 @pytest.mark.parametrize("damping", ["ratio", "flores"])
 def test_period_under_torques_alone_is_found(evolvent, examples, tmp_path, damping: str) -> None:
-    """Nothing goes by time; the numbers are those of the sweep, which comes within 1e-6."""
+    """Without time-dependent loads; the metrics agree with a sweep, which approaches to 1e-6."""
     law = "{law: flores, restitution: 0.8}" if damping == "flores" else "{law: ratio, value: 0.07}"
     case = tmp_path / "torques.yaml"
     case.write_text((examples / "spur-pair.yaml").read_text())
@@ -397,7 +397,7 @@ def test_period_under_torques_alone_is_found(evolvent, examples, tmp_path, dampi
         )
 
 
-# ---- what cannot be ----
+# ---- rejected input ----
 
 
 @pytest.mark.parametrize(
@@ -434,7 +434,7 @@ def test_what_cannot_be_is_refused_in_one_line(
 
 
 def test_where_no_motion_repeats_orbits_begin_at_its_last_state(evolvent, tmp_path: Path) -> None:
-    """Behind the last doubling on the way down the motion of some speeds is chaotic."""
+    """After the last doubling on the way down the motion at some speeds is chaotic."""
     case = rectangular(1.0, 1, 1, "radau")
     del case["simulation"]["numbers"]
     case["meshes"][0]["damping"] = {"law": "none"}
@@ -453,10 +453,10 @@ def test_where_no_motion_repeats_orbits_begin_at_its_last_state(evolvent, tmp_pa
 def test_an_undamped_mesh_has_an_orbit_though_no_motion_settles(
     orbits: Orbits, damping: str
 ) -> None:
-    """The motions that a sweep comes to are not periodic: Newton's iteration starts from these.
+    """The final motions of a sweep are not periodic: Newton's iteration starts from them.
 
-    Held against the periodic solution of the undamped oscillator. All multipliers have the size 1,
-    which is not stable, and no Neimark-Sacker points.
+    Compared with the periodic solution of the undamped oscillator. All multipliers have magnitude
+    1, which is not stable, and there are no Neimark-Sacker points.
     """
     found = orbits(1.3, 1.35, "--set", f"meshes.ab.damping={damping}")
     assert found.sizes["branch"] == 1
@@ -497,9 +497,10 @@ def undamped_deviation(omega: float, ratio: float) -> float:
 
 
 def test_multipliers_are_undefined_where_flanks_just_touch(orbits: Orbits) -> None:
-    """They depend on the side from which the orbit is reached: NaN, with a flag that says so.
+    """They depend on the side from which the orbit is approached: NaN, with a flag.
 
-    Here the mesh as a whole parts behind the touch, which the share of time without contact shows.
+    Here the whole mesh separates after the grazing point, as the share of time without contact
+    shows.
     """
     found = orbits(0.70, 0.77)
     grazing = np.isin(found["orbit_kind"].values, [5, 6])
@@ -513,5 +514,5 @@ def test_multipliers_are_undefined_where_flanks_just_touch(orbits: Orbits) -> No
     assert (found["orbit_grazing"].values[~grazing] == 0).all()
     apart = found["share_no_contact"].values[:, 0] > 0
     for at in np.nonzero(grazing)[0]:
-        if not apart[at - 1 : at + 2].all():  # else it parts elsewhere, too
+        if not apart[at - 1 : at + 2].all():  # else it separates elsewhere, too
             assert found["orbit_grazing"].values[at] == (2 if apart[at - 1 : at + 2].any() else 1)

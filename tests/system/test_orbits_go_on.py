@@ -1,4 +1,4 @@
-"""`evolvent respond --method orbits` that was stopped goes on with the same bits."""
+"""`evolvent respond --method orbits` resumes after a stop with bitwise equal results."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def command(executable: Path, case: Path, over: str, result: Path) -> list[objec
 
 
 def stop(words: list[object], after: float, sent: signal.Signals) -> tuple[int, str]:
-    """Start it, and send it a signal after a while; it may be done before."""
+    """Start the command, and send a signal after a delay; it may end before."""
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as process:
         time.sleep(after)
         process.send_signal(sent)
@@ -39,7 +39,7 @@ def load(path: Path) -> xr.Dataset:
 def test_stopped_at_any_time_it_goes_on_with_the_same_bits(
     evolvent, executable, tmp_path: Path, sent: signal.Signals
 ) -> None:
-    """Stopped ten times on its way."""
+    """Stopped ten times during the computation."""
     case = write_rectangular(tmp_path)
     whole, stopped = tmp_path / "whole.h5", tmp_path / "stopped.h5"
     began = time.monotonic()
@@ -70,7 +70,7 @@ def test_stopped_at_any_time_it_goes_on_with_the_same_bits(
 
 
 def test_what_was_kept_of_other_orbits_is_refused(evolvent, executable, tmp_path: Path) -> None:
-    """Another range, another case; motions over the same range; then it goes on all the same."""
+    """Another range, another case; motions over the same range; then it still resumes."""
     case, result = write_rectangular(tmp_path), tmp_path / "o.h5"
     long = ("--values", "8001")  # it takes some seconds
     words = [*command(executable, case, BUSY, result), *long]

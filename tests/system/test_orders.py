@@ -1,4 +1,4 @@
-"""Orders of real runs: where they are counted from, and what they agree with."""
+"""Orders of actual runs: reference position, and agreement with other results."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RPM = math.pi / 30
 
 @pytest.fixture(scope="module")
 def train(executable: Path, examples: Path, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
-    """Two stages of real gears with shafts, a few pitches."""
+    """Two stages of gears defined by a basic rack with shafts, a few pitches."""
     path = tmp_path_factory.mktemp("train") / "train.h5"
     case = examples / "two-stage-gears.yaml"
     words = ("-o", path, "-q", "--set", "simulation.duration=0.02")
@@ -37,7 +37,7 @@ def test_pitches_from_the_start_of_contact_are_where_tooth_pairs_are(train):
         places = (along + one["pair_number"]).where(one["pair_on_path"] == 1).values
         told = np.isfinite(places)
         assert told.any(axis=1).all()
-        # without axles that move a contact is where its driving flank has turned to
+        # with fixed axes a contact is at the rotation of its driving flank
         error = places - xi[:, None]
         assert abs(error[told]).max() < 1e-9
 
@@ -57,10 +57,10 @@ def test_nominal_speeds_are_those_of_the_run(train):
 def test_orders_are_the_harmonics_that_a_run_finds_between_its_events(
     evolvent, examples, tmp_path: Path
 ):
-    """The one from 500 outputs a pitch, the other without any.
+    """From 500 outputs per pitch, and without outputs.
 
-    What is left of the start rings down to 1e-5 and is in both a little differently; forces have
-    corners, whose orders above half of the outputs turn up below.
+    The initial vibration decays to 1e-5 and affects both slightly differently; forces have corners,
+    whose orders above half of the outputs are aliased.
     """
     simulation = (
         "{duration: 0.04, output_interval: 4.2e-6, initial: {kind: steady}, numbers: {from: 0.02}}"
@@ -85,10 +85,10 @@ def test_orders_are_the_harmonics_that_a_run_finds_between_its_events(
 def test_orders_of_a_slow_run_are_the_harmonics_of_the_mesh_at_rest(
     evolvent, examples, tmp_path: Path
 ):
-    """At 15 rpm the mesh frequency is 1500th of the natural frequency.
+    """At 15 rpm the mesh frequency is 1/1500 of the natural frequency.
 
-    What is left is the tooth pairs' damping, 0.1 % of the harmonics at 150 rpm, and 200 positions a
-    pitch of the analysis at rest, whose kinks alias 1e-4.
+    The remainder is due to the tooth pairs' damping, 0.1 % of the harmonics at 150 rpm, and the 200
+    positions per pitch of the static analysis, whose kinks alias 1e-4.
     """
     case, speed = examples / "compliant-pair.yaml", 15 * RPM
     settings = ("--set", "meshes.0.friction={law: none}")

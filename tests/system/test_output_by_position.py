@@ -1,4 +1,4 @@
-"""Outputs at pitches of a mesh and turns of a wheel: where they stand, and what they show."""
+"""Outputs at pitches of a mesh and revolutions of a wheel: their positions and values."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from system.runs import Run, Runs
 
 INTEGRATORS = ("radau", "ida")
 FORWARDS, OFF_GRID, BACKWARDS = 0, 1, 2
-# A row's position is known to 1e-9 of the grid; the rest is the rounding of angles in the history.
+# A row's position is accurate to 1e-9 of the grid; the rest is rounding of angles in the history.
 EXACT = 2e-9
 COUNTS = ("steps", "residuals", "jacobians", "linear_setups", "newton_iterations", "rejections")
 
 
 def steady(output: dict[str, Any] | None, **simulation: Any) -> dict[str, Any]:
-    """A pair of real gears, 19 and 34 teeth, that starts steady at 157 rad/s."""
+    """A pair of gears with 19 and 34 teeth and a steady start at 157 rad/s."""
     wheels = (torque(-50.0), viscous(1.0193))
     mesh = {"damping": {"law": "ratio", "value": 0.07}}
     return real_pair((19, 34), wheels=wheels, mesh=mesh, **by(output, **simulation))
@@ -45,13 +45,13 @@ def run(runs: Runs, case: dict[str, Any]) -> Run:
 
 
 def pitches(run: Run, wheel: int, sense: int) -> np.ndarray:
-    """Pitches that a wheel has turned from angle 0 on, from its angle in the history."""
+    """Pitches of rotation of a wheel from angle 0, from its angle in the history."""
     teeth = run.history["teeth"].values[wheel]
     return np.asarray(sense * run.history["angle"].values[:, wheel] * teeth / (2 * np.pi))
 
 
 def check_grid(history: xr.Dataset, number: int) -> None:
-    """What holds of any motion: no line of the grid is passed without a row, and rows say how."""
+    """Properties for any motion: a row at each grid line passed, with its kind."""
     time, position = history["time"].values, history["output_position"].values
     kind = history["output_kind"].values
     assert np.all(np.diff(time) > 0.0)
@@ -66,7 +66,7 @@ def check_grid(history: xr.Dataset, number: int) -> None:
     np.testing.assert_array_equal(kind[inside][1:][steps < 0], BACKWARDS)
 
 
-# ---- where they stand ----------------------------------------------------------------------------
+# ---- positions -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -95,7 +95,7 @@ def test_rows_of_a_steady_pair_stand_at_pitches_of_its_pinion(runs: Runs, integr
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_rows_of_a_run_up_stand_at_turns_of_the_gear(runs: Runs, integrator: str):
-    """From rest, so that the first turns take long; the gear's angle has a deviation of its own."""
+    """From rest, so the first revolutions take long; the gear's angle has its own deviation."""
     wheels = (torque(-5.0), viscous(0.02))
     settings = by(
         {"per_turn": 60, "wheel": "gear"},
@@ -117,8 +117,9 @@ def test_rows_of_a_run_up_stand_at_turns_of_the_gear(runs: Runs, integrator: str
 
 
 def test_positions_are_where_tooth_pairs_are_on_their_paths(runs: Runs, examples: Path):
-    """Of the second mesh of a train, whose pair 0 starts anywhere: pair k is xi - k pitches past
-    the start of its path, as its contact tells by rho_A where axles rest."""
+    """For the second mesh of a train, whose pair 0 has any start: pair k is xi - k pitches past the
+    start of its path, by rho_A of its contact with fixed axes.
+    """
     case = yaml.safe_load((examples / "two-stage-gears.yaml").read_text(encoding="utf-8"))
     for wheel in case["wheels"]:
         wheel["support"] = {"kind": "fixed"}
@@ -135,13 +136,13 @@ def test_positions_are_where_tooth_pairs_are_on_their_paths(runs: Runs, examples
     )
     off = (10 * (xi - history["output_position"])).where(there)
     assert int(there.sum()) > 20
-    # rho_A is known to rounding of the radii, 1e-14 of a pitch or so, after 100 turns of nothing
+    # rho_A is accurate to rounding of the radii, 1e-14 of a pitch or so
     assert float(abs(off).max()) < EXACT
     assert not np.isclose(float(history["output_position"][0]) % 1.0, 0.0)
 
 
 def test_positions_are_those_of_the_static_analysis(runs: Runs, executable: Path, tmp_path: Path):
-    """At a crawl the transmission error at each position is that of the mesh at rest."""
+    """At low speed the transmission error at each position is the quasi-static one."""
     wheels = (speed(-0.5), torque(-89.5))
     mesh = {"damping": {"law": "ratio", "value": 0.07}}
     settings = by({"per_pitch": 25, "mesh": "pinion-gear"}, duration=1.5)
@@ -161,7 +162,7 @@ def test_positions_are_those_of_the_static_analysis(runs: Runs, executable: Path
     history = done.history.isel(time=done.history["output_kind"].values == FORWARDS)
     place = np.round(25 * history["output_position"].values).astype(int) % 25
     assert place.size > 50
-    # Mass and damping at 1.5 pitches a second; a pair that comes or goes just there adds most.
+    # Inertia and damping at 1.5 pitches a second; most at entry or exit of a pair.
     np.testing.assert_allclose(
         history["transmission_error"].values[:, 0],
         at_rest[place],
@@ -170,7 +171,7 @@ def test_positions_are_those_of_the_static_analysis(runs: Runs, executable: Path
     )
 
 
-# ---- turning back, standing, not getting there ---------------------------------------------------
+# ---- reversal, standstill, positions not reached -------------------------------------------------
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -229,12 +230,12 @@ def test_a_run_that_gets_there_has_no_remark_and_one_that_turns_too_little_says_
     )
 
 
-# ---- what they show, and what stays --------------------------------------------------------------
+# ---- values, and what does not change ------------------------------------------------------------
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_a_row_shows_what_an_output_at_its_time_shows(runs: Runs, integrator: str):
-    """Of radau to the bit; IDA looks for events between outputs, which rounds otherwise."""
+    """To the bit for radau; IDA locates events between outputs, with different rounding."""
     output = {"per_pitch": 3, "mesh": "pinion-gear"}
     history = run(runs, steady(output, integrator=integrator)).history
     for row in (1, 7, 20):
@@ -252,7 +253,7 @@ def test_a_row_shows_what_an_output_at_its_time_shows(runs: Runs, integrator: st
 
 
 def test_steps_and_events_of_radau_do_not_depend_on_outputs(runs: Runs):
-    """Nor do the extremes; the rows of any two outputs lie on one motion."""
+    """Nor do the extremes; the rows of any two outputs are on the same motion."""
     outputs: list[dict[str, Any]] = [
         {"interval": 1e-4},
         {"per_pitch": 16, "mesh": "pinion-gear"},
@@ -288,7 +289,7 @@ def test_rows_between_events_show_the_teeth_that_events_left(runs: Runs):
 
 
 def test_an_interval_in_the_block_is_the_output_interval(runs: Runs):
-    """And a history by time says nothing of positions."""
+    """A history by time contains no positions."""
     one = run(runs, steady({"interval": 1e-3}))
     two = run(runs, steady(None, output_interval=1e-3))
     for name in two.history.data_vars:
@@ -313,14 +314,14 @@ def test_a_run_that_fails_ends_with_a_row_off_the_grid(runs: Runs):
 def test_sums_over_rows_are_the_harmonics_that_the_run_found(
     runs: Runs, examples: Path, example: str, mesh: str
 ):
-    """Numbers are integrals over time and know no rows: both count pitches from one place."""
+    """Metrics are integrals over time, independent of rows; both count pitches alike."""
     case = yaml.safe_load((examples / example).read_text(encoding="utf-8"))
     numbers = {"from": 0.01, "pitches_of": mesh}
     case["simulation"] = by({"per_pitch": 512, "mesh": mesh}, duration=0.03, numbers=numbers)
     history = run(runs, case).history
     begin, end = (float(history[f"window_{side}"]) for side in ("begin", "end"))
     time, place = history["time"].values, history["output_position"].values
-    # The window begins and ends at whole pitches, to the rounding of times.
+    # The window starts and ends at whole pitches, to the rounding of times.
     inside = (time > begin - 1e-12) & (time < end - 1e-12)
     np.testing.assert_array_equal(place[inside][[0, -1]] % 1.0, [0.0, 511 / 512])
     assert np.all(history["output_kind"].values[inside] == FORWARDS)
@@ -331,6 +332,6 @@ def test_sums_over_rows_are_the_harmonics_that_the_run_found(
         history.sel(mesh=mesh)[f"window_transmission_error_{part}"].values
         for part in ("amplitude", "phase")
     )
-    # 512 samples a pitch see what lies above the 256th order as something below it.
+    # 512 samples per pitch alias orders above the 256th.
     wanted = amplitude * np.exp(1j * phase)
     np.testing.assert_allclose(found, wanted, rtol=0.0, atol=2e-4 * amplitude.max())

@@ -1,4 +1,4 @@
-"""What the paper concludes (its sections 7.2, 7.3 and 8), held against the four runs of Table 1.
+"""Conclusions of the paper (its sections 7.2, 7.3 and 8), tested with the four runs of Table 1.
 
 The page docs/paper/README.md prints the same claims with the same bounds.
 """
@@ -32,13 +32,13 @@ from evolvent.errors import HistoryError
 from system.runs import FRICTION, FRICTIONLESS
 
 RIGID, RIGID_FRICTION = "paper-rigid.yaml", "paper-rigid-friction.yaml"
-FINE = "simulation.output_interval=1e-4"  # 9 outputs in a period of the contact's ringing
+FINE = "simulation.output_interval=1e-4"  # 9 outputs in a period of the contact vibration
 LONG = ("simulation.duration=20", "simulation.output_interval=1e-3")
 
 
 @pytest.fixture(scope="session")
 def paper_run(runs, executable, examples):
-    """Make a run with the case that belongs to it."""
+    """Return a function that makes a run, with its case."""
 
     def make(case: str, *settings: str) -> PaperRun:
         command = [executable, "show", examples / case, "--json"]
@@ -90,7 +90,7 @@ def test_a_claim_fails_if_its_quantity_is_off(four, variable, factor, word):
     ("compliant", "rigid"), [(FRICTIONLESS, RIGID), (FRICTION, RIGID_FRICTION)]
 )
 def test_compliant_and_rigid_contact_have_the_same_mean_force(paper_run, compliant, rigid):
-    # The outputs show the ringing well enough for 4e-7; those of each millisecond would for 9e-6.
+    # The outputs resolve the vibration to 4e-7; at intervals of a millisecond to 9e-6.
     one, other = (mean_force(paper_run(case, FINE)) for case in (compliant, rigid))
     assert one == pytest.approx(other, rel=1e-5)
 
@@ -114,13 +114,13 @@ def test_the_periodic_part_of_the_transmission_error_appears_with_friction_only(
     largest = float(four.compliant.of_mesh("transmission_error").max())
     without = friction_part(four.compliant).where(calm(four.compliant))
     with_it = friction_part(four.compliant_friction).where(calm(four.compliant_friction))
-    assert float(abs(without).max()) < 1e-5 * largest  # 8e-6 of the ringing are left when settled
+    assert float(abs(without).max()) < 1e-5 * largest  # 8e-6 of the vibration remain after settling
     assert float(abs(with_it).max()) > 0.05 * largest  # f tan(alpha_w) = 0.04 at the pitch point
 
 
 def test_the_periodic_part_repeats_with_the_pitch(paper_run):
-    # Over the quasi-static force without friction, so that the growing speed does not count: at
-    # the same place of the pitch the same value, for each of the last pitches of 20 s.
+    # Over the quasi-static force without friction, to eliminate the growing speed: at the same
+    # position of the pitch the same value, for each of the last pitches of 20 s.
     run = paper_run(FRICTION, *LONG)
     part = friction_part(run) / quasi_static(run, with_friction=False)["normal_force"]
     switches = run.times("tooth_switch")[-4:]
@@ -128,16 +128,16 @@ def test_the_periodic_part_repeats_with_the_pitch(paper_run):
     angle = np.abs(run.history["angle"].isel(wheel=0)).values
     time = run.history["time"].values
     pitch = np.diff(np.interp(switches, time, angle))
-    # 2 pi/20; the angle is interpolated linearly in a millisecond, which costs up to 1e-9 rad.
+    # 2 pi/20; the angle is interpolated linearly in a millisecond, with an error up to 1e-9 rad.
     np.testing.assert_allclose(pitch, np.pi / 10, atol=2e-9)
     profiles = [
         np.interp(np.interp(switch, time, angle) + places * step, angle, part.values)
         for switch, step in zip(switches[:-1], pitch, strict=True)
     ]
-    away = np.abs(places - 0.4) > 0.1  # the pitch point, and what rings after it
+    away = np.abs(places - 0.4) > 0.1  # without the pitch point, and the vibration after it
     for profile in profiles[:-1]:
         largest = np.abs(profiles[-1]).max()
-        # The penetration is not quite proportional to the force: d ln h/d ln F = 0.94.
+        # The penetration is not exactly proportional to the force: d ln h/d ln F = 0.94.
         np.testing.assert_allclose(profile[away], profiles[-1][away], atol=1e-3 * largest)
 
 
@@ -150,14 +150,14 @@ def test_the_transmission_error_jumps_at_the_pitch_point_and_at_each_switch_only
     for jump in found:
         sign = 1 if jump.what == "tooth switch" else -1
         assert sign * jump_size(jump, error) > 0.15 * float(error[-1])  # recorded: 0.18 to 0.23
-        # 8e-6 of the ringing before are left when it has settled.
+        # 8e-6 of the vibration before remain after settling.
         assert jump_size(jump, error) == pytest.approx(jump_size(jump, expected), rel=1e-4)
-        # The sliding velocity is 0 in the pitch point, where rho_A = r_bA tan(alpha_w).
+        # The sliding velocity is 0 at the pitch point, where rho_A = r_bA tan(alpha_w).
         if jump.what == "pitch point":
             middle = (jump.begin + jump.end) / 2
             arm = run.of_mesh("friction_arm_driving").interp(time=middle)
             pitch_point = 0.2 * np.sin(run.static("working_pressure_angle"))
-            # In its middle, as far as the speed is the same over the 14 to 30 ms that it takes.
+            # In its middle, with nearly constant speed over its 14 to 30 ms.
             assert float(arm) == pytest.approx(pitch_point, rel=5e-3)
     elsewhere = (error - expected).where(calm(run))
     assert float(abs(elsewhere).max()) < 1e-5 * float(error.max())
@@ -173,7 +173,7 @@ def test_compliance_only_adds_oscillations_about_the_force_of_rigid_contact(four
     compliant = four.compliant_friction.of_mesh("normal_force")
     excess = compliant / four.rigid_friction.of_mesh("normal_force") - 1
     settled = calm(four.compliant_friction)
-    # The switches are 0.2 us apart, so the forces are as if taken at the same time.
+    # The switches are 0.2 us apart, so the forces are practically simultaneous.
     assert float(abs(excess.where(settled)).max()) < 1e-5
     after = float(four.compliant_friction.times("tooth_switch")[0])
     ringing = excess.sel(time=slice(after, after + 0.01))

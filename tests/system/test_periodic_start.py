@@ -1,4 +1,4 @@
-"""`initial: {kind: periodic}`: a run of one common period ends where it began."""
+"""`initial: {kind: periodic}`: a run of one common period ends at its initial state."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ EPSILON = float(np.finfo(float).eps)
 
 @pytest.fixture
 def run(evolvent: Evolvent, tmp_path: Path) -> Run:
-    """The history of a case, with settings."""
+    """Return a function that returns the history of a case, with settings."""
 
     def run(case: Any, **settings: Any) -> xr.Dataset:
         path = case if isinstance(case, Path) else tmp_path / "case.yaml"
@@ -67,7 +67,7 @@ def distance(history: xr.Dataset) -> float:
 
 
 def over_a_period(run: Run, case: dict[str, Any], integrator: str = "radau") -> xr.Dataset:
-    """A run of one common period from the periodic start."""
+    """Run one common period from the periodic start."""
     first = run(case, integrator=integrator)
     period = float(first.attrs["start_period"])
     return run(case, integrator=integrator, duration=repr(period), output_interval=repr(period / 8))
@@ -87,7 +87,7 @@ def test_a_common_period_later_the_state_is_that_of_the_start(run: Run, seed: in
         assert distance(history) <= 1e-9, name
         assert history.attrs["start_residual"] <= 1e-9
         multipliers.append(history.attrs["start_multiplier"])
-    # multipliers are right to the tolerance of their flow, times the norm of the derivative
+    # multipliers are accurate to the tolerance of their flow, times the norm of the derivative
     assert multipliers == pytest.approx([multipliers[0]] * 3, rel=1e-5, abs=1e-8)
     by_ida = over_a_period(run, case, "ida")
     # IDA rounds in each of its small steps: seed 48 has 480,000 in 150 pitches, and is off by
@@ -109,7 +109,7 @@ def test_both_integrators_start_from_the_same_bits(run: Run) -> None:
 def test_the_orbit_is_where_the_motion_from_the_steady_start_ends(
     run: Run, examples: Path, name: str
 ) -> None:
-    """After 0.3 s and more the steady start has settled by 1e-2 of its slowest mode."""
+    """After 0.3 s and more the motion has settled to 1e-2 of its slowest mode."""
     history = run(examples / f"{name}.yaml", initial="{kind: periodic}", numbers="{from: 0}")
     settled = run(
         examples / f"{name}.yaml",
@@ -121,7 +121,7 @@ def test_the_orbit_is_where_the_motion_from_the_steady_start_ends(
 
 @pytest.mark.parametrize("omega", [0.7, 1.3, 1.9])
 def test_the_largest_multiplier_is_that_of_meissners_equation(run: Run, omega: float) -> None:
-    """Stable at the first two frequencies; between the boundaries of doubling it warns."""
+    """Stable at the first two frequencies; a warning between the boundaries of doubling."""
     case = rectangular(omega, 1, 1, "radau")
     del case["simulation"]["numbers"]
     case["simulation"]["initial"] = {"kind": "periodic"}
@@ -159,7 +159,7 @@ def test_a_shaken_housing_has_a_periodic_start(run: Run) -> None:
     assert distance(history) <= 1e-9
 
 
-# ---- what is refused -----------------------------------------------------------------------------
+# ---- rejected cases ------------------------------------------------------------------------------
 
 WITHOUT = "a periodic start is refused: "
 REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
@@ -265,7 +265,7 @@ def test_where_there_is_no_steady_state_there_is_no_periodic_start(
 def test_a_search_that_is_interrupted_ends_with_75(
     executable: Path, examples: Path, tmp_path: Path
 ) -> None:
-    """The search of two-stage.yaml takes seconds; nothing is written."""
+    """The search for two-stage.yaml takes seconds; no file is written."""
     process = subprocess.Popen(
         [executable, "run", examples / "two-stage.yaml", "-o", "h.h5", "--set", PERIODIC],
         cwd=tmp_path,
@@ -292,7 +292,7 @@ RATTLE = (
 def test_where_no_orbit_is_found_the_run_ends_with_4(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
-    """An undamped pair that rattles; validate does not search."""
+    """A rattling undamped pair; validate does not search."""
     words = [word for setting in (PERIODIC, *RATTLE) for word in ("--set", setting)]
     assert evolvent("validate", examples / "spur-pair.yaml", *words).returncode == 0
     done = evolvent("run", examples / "spur-pair.yaml", "-o", "h.h5", *words)
@@ -309,7 +309,7 @@ def test_where_no_orbit_is_found_the_run_ends_with_4(
 def test_a_batch_starts_each_case_on_its_own_orbit(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
-    """In any order, with the same numbers; what is refused is recorded as such."""
+    """In any order, with the same metrics; rejected cases are recorded as such."""
     text = (examples / "spur-pair.yaml").read_text().replace("kind: steady", "kind: periodic")
     assert "kind: periodic" in text
     torques = [-50.0, -45.0, 50.0, -40.0]

@@ -1,4 +1,4 @@
-"""A sweep in plain steps, by an oscillator that knows nothing of the program."""
+"""A sweep in plain steps, by an independent oscillator."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from system.oscillator_alone import Oscillator, falls, steps
     ("omega", "known"), [(0.7, 0.363006711), (1.3, 0.182425960), (2.0, 0.652445783)]
 )
 def test_oscillator_alone_has_the_figures_of_another_program(omega: float, known: float) -> None:
-    """Those that test_respond holds the program against."""
+    """The values used by test_respond."""
     motion = Oscillator()
     period = motion.settle(omega, 0.0, 2000)
     assert period in ({2, 4, 8} if omega == 2.0 else {1})
@@ -21,7 +21,7 @@ def test_oscillator_alone_has_the_figures_of_another_program(omega: float, known
 
 
 def test_flanks_that_part_but_do_not_come_clear_touch_where_their_force_returns() -> None:
-    """Of x + 2 z v, zero at first: after -2 (v + 2 z)."""
+    """For x + 2 z v, zero at first: after -2 (v + 2 z)."""
     motion = Oscillator()
     pieces: list[tuple[float, ...]] = []
     motion.x, motion.v, motion.touches = 0.0054, -0.09, False
@@ -32,7 +32,7 @@ def test_flanks_that_part_but_do_not_come_clear_touch_where_their_force_returns(
 
 @pytest.mark.parametrize("place", [0.0, 0.5])
 def test_in_small_steps_the_motion_ends_where_respond_says(place: float) -> None:
-    """0.4115, wherever in the pitch the speed changes."""
+    """0.4115, independent of the position in the pitch at which the speed changes."""
     values = [*steps(1.0, 0.46), *steps(0.459, 0.414, 0.001), *steps(0.41395, 0.411, 0.00005)]
     *_, (before, after, _) = falls(values, place)
     assert 0.4113 <= after < before <= 0.4117
@@ -47,7 +47,7 @@ def test_by_the_same_rule_the_way_up_is_the_told_one() -> None:
 
 
 def test_where_the_second_pair_comes_it_falls_as_told_after_a_multiple_of_four_pitches() -> None:
-    """The motion of period 2 has period 4 and 8 there: another number changes where it is.
+    """The motion of period 2 has period 4 and 8 there: another count changes its position.
 
     The first line of the other program's table, down: falls at 0.825 to 1.0698.
     """
@@ -57,9 +57,9 @@ def test_where_the_second_pair_comes_it_falls_as_told_after_a_multiple_of_four_p
 
 
 def test_at_the_second_fall_a_billionth_decides_between_three_motions() -> None:
-    """The second line, between 0.440 and 0.435 to 0.5246, is one of three ends of that step.
+    """The second line, between 0.440 and 0.435 to 0.5246, is one of three results of that step.
 
-    In one of both pitches of the period; in the other the motion goes on.
+    In one of both pitches of the period; in the other the motion continues.
     """
     motion = Oscillator()
     assert falls(steps(0.8, 0.44), 0.0, 256, motion) == []

@@ -1,4 +1,4 @@
-"""Tooth pairs push and never pull: modes of contact agree with the state after every event.
+"""No adhesive forces of tooth pairs: contact modes agree with the state after every event.
 
 ``pytest tests/system/test_pushing.py --long`` runs 500 random pairs of gears, without it 60.
 """
@@ -17,7 +17,7 @@ from system.random_sets import seeds
 from system.runs import Run
 
 SHORT, LONG = 60, 500  # cases
-# Energies off by more than ten times the tolerance. 36: 18 bounces within 0.5 ms.
+# Energy errors above ten times the tolerance. 36: 18 bounces within 0.5 ms.
 # 24 times by IDA, probably by its restarts after events; 1.2 times by radau.
 INEXACT_BY_IDA = {36: 5e-8}
 
@@ -39,12 +39,12 @@ def test_a_strong_damper_does_not_pull_where_linear_relief_begins(runs, integrat
     run = runs("spur-pair.yaml", *RELIEF, f"simulation.integrator={integrator}")
     assert run.exit_code == 0
     assert run.times("profile_border").size > 20
-    assert run.times("force_vanished").size > 20  # the pairs that would pull are let go
+    assert run.times("force_vanished").size > 20  # pairs that would pull are released
     assert least_force(run) == 0
 
 
 def broken(run: Run, **changes: float) -> set[str]:
-    """Names of the invariants that fail where a variable is changed at one output."""
+    """Names of the invariants that fail after a change of a variable at one output."""
     history = run.history.copy(deep=True)
     loaded = np.argwhere(history["pair_contact_mode"].values == 1)[7]
     for name, value in changes.items():
@@ -64,7 +64,7 @@ def test_check_tells_a_pair_that_pulls_and_a_mode_that_contradicts_the_gap(runs)
     assert broken(run, pair_contact_mode=2) == {"contact modes"}
 
 
-# ---- every two entries of the tables
+# ---- pairwise combinations of the tables
 
 
 def test_every_two_entries_of_the_tables_meet(kernel: Kernel):

@@ -1,7 +1,7 @@
-"""Random gearboxes, half of them made to lose contact: all run, and every run is right.
+"""Random gearboxes, half of them constructed to lose contact: all run, with correct results.
 
-benchmarks/random_gearboxes.py runs 300 of them. These are the cheap ones of the first thirty, of
-which none is chaotic: small changes of their loads stay small.
+benchmarks/random_gearboxes.py runs 300 of them. These are those of the first thirty with short run
+times and without chaos: small changes of their loads have small effects.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ TIGHT = "simulation.tolerance=1e-13"
 
 
 def penetrations(run: Run) -> Any:
-    """Penetrations of all flanks in mesh [m]; 0 where there is a gap."""
+    """Penetrations of all flanks in mesh [m]; 0 at a gap."""
     names = [name for name in ("gap", "coast_gap") if name in run.history]
     return np.maximum(-np.nan_to_num(np.hstack([run.history[name].values for name in names])), 0)
 

@@ -1,6 +1,6 @@
-"""A reported rate is the rate of what it names, or the run fails.
+"""A reported rate is the derivative of its quantity, or the run fails.
 
-The kernel of the drill has one kind of load more: a drag with a quadratic term.
+The kernel of the drill has an additional kind of load: a drag with a quadratic term.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ CASE: dict[str, Any] = {
 
 @pytest.fixture(scope="session")
 def drill() -> Path:
-    """Kernel with one kind of load more."""
+    """Kernel with an additional kind of load."""
     folder = Path(os.environ["EVOLVENT_TEST_LIBRARY"]).parent
     library = folder / "libkernel_drill.so"
     if not library.exists():

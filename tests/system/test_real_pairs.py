@@ -1,4 +1,4 @@
-"""Load sharing of real gears: several tooth pairs, contact ratios, tip relief."""
+"""Load sharing of gears defined by a basic rack: tooth pairs, contact ratios, tip relief."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def broken_invariants(run: Run) -> list[str]:
 
 
 def johnson_force(penetration: Any, rho: float, width: float) -> Any:
-    """Force of Johnson's law [N]; rho the length of the line of action."""
+    """Force of Johnson's law [N]; rho: length of the line of action."""
     x = math.e * penetration / (4 * (rho + penetration))
     return -width * math.pi * E_STAR * penetration / lambertw(-x, -1).real
 
@@ -45,7 +45,7 @@ PERIOD = 0.03  # of a pitch [s]
 
 
 def perfect(kind: str) -> dict[str, Any]:
-    """Build the pair under a constant torque; the gear turns slowly and evenly."""
+    """Return the pair under a constant torque; the gear has a constant low speed."""
     return real_pair(
         wheels=(
             {**torque(-TORQUE), "centre": [0, 0]},
@@ -63,14 +63,14 @@ def slow(runs, request) -> Run:
 
 
 def test_the_perfect_pair_has_two_pairs_in_contact_for_the_time_that_its_ratio_says(slow):
-    """75.47 %: the penetration makes the path of contact shorter by itself, 2e-4 of a pitch."""
+    """75.47 %: the penetration shortens the path of contact by 2e-4 of a pitch."""
     assert pytest.approx(1.7547, abs=5e-5) == RATIO
     assert slow.exit_code == 0
     assert broken_invariants(slow) == []
     flank, kind, time = (slow.events[name].values for name in ("flank", "kind", "time"))
     entered, left = (time[(kind == f"pair_{k}") & (flank == 0)] for k in ("entered", "left"))
     assert (len(entered), len(left)) == (3, 3)
-    # the elder pair of the start leaves first; each enters before the one before leaves
+    # the earlier pair of the start leaves first; each enters before the one before leaves
     share = [(b - a) / PERIOD for a, b in zip(entered[:2], left[1:], strict=True)]
     history = slow.history
     depth = float(history["penetration"].interp(time=left[1] - 1e-4)[0])
@@ -83,13 +83,13 @@ def test_the_perfect_pair_has_two_pairs_in_contact_for_the_time_that_its_ratio_s
 
 
 def test_the_perfect_pair_carries_its_torque(slow):
-    """The mean over two pitches, by the work of the loads, which the integrator adds up."""
+    """The mean over two pitches, by the work of the loads from the integrator."""
     history = slow.history
     rows = [np.searchsorted(history["time"], PERIOD * k - 1e-9) for k in (1, 3)]
     work, turned = (
         np.diff(v.values[rows])[0] for v in (history["load_work"], history["angle"][:, 0])
     )
-    # what the gear's load takes is the force times its base radius times its even speed
+    # the power of the gear's load is the force times its base radius times its constant speed
     output = work + TORQUE * turned
     mean = -output / (BASE * (2 * math.pi / 50 / PERIOD) * 2 * PERIOD)
     assert mean == pytest.approx(TORQUE / BASE, rel=1e-6)
@@ -103,7 +103,7 @@ def test_two_pairs_share_the_load_equally_and_sink_in_as_johnson_says(slow):
     shares = np.sort(force[both], axis=1)
     np.testing.assert_array_equal(shares[:, 0], 0)
     np.testing.assert_allclose(shares[:, 1], shares[:, 2], rtol=1e-12)
-    # calm: 3 ms from every event, which is thirty decays of the vibration
+    # settled: 3 ms from every event, which is thirty decay times of the vibration
     times = slow.events["time"].values
     calm = np.min(abs(history["time"].values[:, None] - times), axis=1) > 3e-3
     calm &= history["time"].values > times[0]
@@ -120,7 +120,7 @@ def test_two_pairs_share_the_load_equally_and_sink_in_as_johnson_says(slow):
 
 
 def with_ratio(ratio: float, **mesh: Any) -> dict[str, Any]:
-    """Build a pair of a contact ratio that drives a viscous load."""
+    """Return a pair with a contact ratio that drives a viscous load."""
     alpha = math.radians(12 if ratio > 2 else 20)
     teeth = (150, 150) if ratio > 2 else (30, 40)
     tips = tip_diameters(teeth, ratio, alpha=alpha)
@@ -128,8 +128,8 @@ def with_ratio(ratio: float, **mesh: Any) -> dict[str, Any]:
     degrees = {"pressure_angle": math.degrees(alpha)}
     start: dict[str, Any] = {"kind": "steady"}
     if ratio < 1:
-        # no pair is on the path under load at the start; and in the gaps between the pairs only
-        # their inertia keeps the flanks from overlapping far when the next pair enters
+        # no pair is on the path under load at the start; and between the pairs only their inertia
+        # keeps the flanks from a large overlap when the next pair enters
         start = {"kind": "speeds", "speeds": {"pinion": -40.0, "gear": 30.0}}
         rack["inertia"] = 1.0
     wheels = (
@@ -154,7 +154,7 @@ def test_any_contact_ratio_runs(runs, ratio, pairs, kind):
     counts = {int(n) for n in np.unique(on_path) if (on_path == n).mean() > 1e-2}
     assert counts == pairs
     assert len(run.history["pair"]) == 2 * (math.ceil(ratio) + 1)
-    # of whole pitches at the start of which a pair enters; the path is shorter by the penetration
+    # of whole pitches that start with the entry of a pair; the penetration shortens the path
     kind, flank, time = (run.events[name].values for name in ("kind", "flank", "time"))
     entered = time[(kind == "pair_entered") & (flank == 0)]
     rows = np.searchsorted(run.history["time"].values, entered[[0, -1]])
@@ -166,14 +166,14 @@ def test_any_contact_ratio_runs(runs, ratio, pairs, kind):
 
 
 def drive(run: Run) -> list[str]:
-    """Places of the tooth pairs on the drive flank."""
+    """Slots of the tooth pairs on the drive flank."""
     return [name for name in run.history["pair"].values if name.startswith("drive")]
 
 
 @pytest.mark.parametrize("flawed", [False, True], ids=["perfect", "with pitch errors"])
 def test_at_a_contact_ratio_of_exactly_1_exit_and_entry_are_one_event(runs, flawed):
     case = with_ratio(1.0)
-    if flawed:  # every pair takes over at another gap than that of the pair before
+    if flawed:  # each pair takes over at a gap different from that of the pair before
         case["wheels"][0]["pitch_errors"] = [1e-6 * (7 * k % 5) for k in range(30)]
         case["wheels"][1]["runout"] = {"amount": 5e-6}
     run = runs(case)
@@ -207,8 +207,8 @@ def test_rigid_pairs_share_one_force(runs, ratio, counts):
 
 
 def relieved(amount: float, duration: float, damped: bool, **simulation: Any) -> dict[str, Any]:
-    """Build the perfect pair, its tips relieved from before the end of double contact."""
-    # single contact ends where the next pair enters, one base pitch after the start of contact
+    """Return the perfect pair with tip relief that starts before the end of double contact."""
+    # single contact ends at the entry of the next pair, one base pitch after the start of contact
     start = 2 * math.hypot(BASE, LINE - TIP + base_pitch() - 3e-4)
     relief = {"tip_relief": {"amount": amount, "diameter": start}} if amount else {}
     return real_pair(
@@ -227,7 +227,7 @@ def relieved(amount: float, duration: float, damped: bool, **simulation: Any) ->
 
 
 def test_the_total_force_jumps_only_where_unmodified_flanks_come_and_go(runs):
-    """With a relief of more than the penetration, it does not jump there either."""
+    """With a relief larger than the penetration, it does not jump there either."""
     largest = {}
     for amount in (0.0, 20e-6):
         run = runs(relieved(amount, 0.012, damped=True, output_interval=5e-7))
@@ -241,7 +241,7 @@ def test_the_total_force_jumps_only_where_unmodified_flanks_come_and_go(runs):
         at_ends = np.searchsorted(time, run.events["time"].values[ends]) - 1
         largest[amount] = jump[at_ends].max()
         elsewhere = np.delete(jump, at_ends)
-        assert elsewhere.max() < 0.03  # by which a vibration of some kHz changes it in 0.5 us
+        assert elsewhere.max() < 0.03  # change by a vibration of some kHz in 0.5 us
     assert largest[0.0] > 0.3
     assert largest[20e-6] < 0.03
 
@@ -292,7 +292,7 @@ def test_with_the_arms_left_at_the_base_radii_energy_would_get_lost(runs):
     work = float(abs(power["driving"]).integrate("time"))
     assert abs(energy_balance(history)).max() <= 1e-9 * work
     assert float(abs(history["dissipated_energy"]).max()) <= 1e-8 * work
-    # what the wheels would get with the arms r_b, less what they get
+    # energy of the wheels with lever arms r_b, less their actual energy
     radii = history["base_radius"].values
     sigma = float(history["flank"][0])
     radial = sigma * history["normal_force"][:, 0] * (speeds @ radii)

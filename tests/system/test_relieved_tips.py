@@ -1,9 +1,9 @@
-"""Random pairs with reliefs, crowning and rounded tips pass every border of their flanks.
+"""Random pairs with reliefs, crowning and rounded tips pass all zone limits of their flanks.
 
-The borders of a flank are the ends of the reliefs' corners, the end of the flank and the start of
-the tip corner. They may coincide: a linear relief can be shorter than its corner reaches, and a tip
-and a root relief can begin at one diameter. A pair that passes such borders, in either direction,
-must not be taken for one whose event was missed.
+The zone limits of a flank are the ends of the relief corners, the end of the flank and the start of
+the tip corner. They may coincide: a linear relief can be shorter than its rounded corner, and tip
+and root relief can start at the same diameter. A pair that passes such limits, in either direction,
+must not be treated as one with a missed event.
 
 ``pytest tests/system/test_relieved_tips.py --long`` runs 300 pairs, without it 24.
 """
@@ -31,10 +31,10 @@ MISSED = "an event was missed"
 
 
 class RelievedPair(BendingPair):
-    """A random pair whose flanks have reliefs, crowning and roundings, short and long ones."""
+    """A random pair whose flanks have short and long reliefs, crowning and roundings."""
 
     def __init__(self, seed: int) -> None:
-        super().__init__(8 * (seed // 7) + seed % 7)  # none of those that are drawn without care
+        super().__init__(8 * (seed // 7) + seed % 7)  # none of those drawn without restrictions
 
     def reliefs(self, wheel: Wheel) -> Block:
         """Tip and root relief: linear or parabolic, from shallow to steep."""
@@ -47,7 +47,7 @@ class RelievedPair(BendingPair):
                     "diameter": tip - 2 * self.draw.uniform(*depths) * self.module,
                     "shape": self.draw.choice(("linear", "linear", "parabolic")),
                 }
-        if len(fields) == 2:  # the reliefs must not overlap; every fourth pair has one border
+        if len(fields) == 2:  # the reliefs must not overlap; every fourth pair has a common limit
             both = sorted(relief["diameter"] for relief in fields.values())
             joined = self.chance(0.25)
             fields["root_relief"]["diameter"] = both[0]
@@ -67,7 +67,7 @@ class RelievedPair(BendingPair):
 
 
 def run(evolvent: Evolvent, case: Block, folder: Path, integrator: str) -> xr.Dataset | None:
-    """Run a case; None if it is refused, or ends, for a reason that the model has."""
+    """Run a case; None if it is rejected, or ends, for a permitted reason."""
     case["simulation"]["integrator"] = integrator
     file, result = folder / "case.yaml", folder / f"{integrator}.h5"
     file.write_text(json.dumps(case))
@@ -87,7 +87,7 @@ def run(evolvent: Evolvent, case: Block, folder: Path, integrator: str) -> xr.Da
 def test_a_relieved_pair_passes_the_borders_of_its_flanks(
     evolvent: Evolvent, tmp_path: Path, seed: int, integrator: str
 ) -> None:
-    """No event is missed, and the energy of the undamped pair stays what it was."""
+    """No event is missed, and the energy of the undamped pair is conserved."""
     case = RelievedPair(seed).case()
     case["simulation"]["tolerance"] = 1e-9
     history = run(evolvent, case, tmp_path, integrator)

@@ -1,4 +1,4 @@
-"""`evolvent respond`: motions over a parameter that goes up and down."""
+"""`evolvent respond`: motions over a parameter swept up and down."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ SPEED = "wheels.a.loads.0.value"
 
 
 def speeds(first: float, last: float, step: float = 0.005) -> str:
-    """The option of frequencies over that of the mean stiffness."""
+    """Option for frequencies relative to that of the mean stiffness."""
     return f"{SPEED}={-first * UNIT!r}:{-last * UNIT!r}:{round(abs(last - first) / step) + 1}"
 
 
 def write_rectangular(folder: Path) -> Path:
-    """The oscillator with rectangular stiffness, whose flanks may part."""
+    """Write the oscillator with rectangular stiffness, whose flanks may separate."""
     case = rectangular(1.0, 1, 1, "radau")
     del case["simulation"]["numbers"]
     path = folder / "rectangular.yaml"
@@ -38,7 +38,7 @@ def write_rectangular(folder: Path) -> Path:
 
 @pytest.fixture
 def respond(evolvent: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path) -> Respond:
-    """What comes of a range of the oscillator's frequency."""
+    """Return a function that computes the response over a range of the oscillator's frequency."""
     case = write_rectangular(tmp_path)
 
     def run(over: str, *options: Any) -> xr.Dataset:
@@ -72,15 +72,15 @@ def jumps(response: xr.Dataset) -> list[tuple[float, float]]:
     ("omega", "expected"), [(0.7, 0.363006711), (1.3, 0.182425960), (2.0, 0.652445783)]
 )
 def test_numbers_are_those_of_an_independent_program(respond, omega, expected):
-    """Figures of an event-driven integration of the oscillator by itself, as in test_numbers."""
+    """Values of an event-driven integration of the independent oscillator, as in test_numbers."""
     response = respond(speeds(omega, omega + 0.005), "--up")
     assert deviation(response, "up", omega) == pytest.approx(expected, rel=1e-5)
     assert period(response, "up", omega) == (2 if omega == 2.0 else 1)
-    assert (response["followed"] < 300).all()  # two periods are seen as soon as one is
+    assert (response["followed"] < 300).all()  # two periods are detected as soon as one
 
 
 def test_motion_jumps_up_where_the_flanks_part(respond):
-    """Of another program: 0.4975 at 0.750 and 1.3310 at 0.755, with all the digits it printed."""
+    """Of another program: 0.4975 at 0.750 and 1.3310 at 0.755, with all its printed digits."""
     response = respond(speeds(0.7, 0.765), "--up")
     assert deviation(response, "up", 0.75) == pytest.approx(0.4975, abs=6e-5)
     assert deviation(response, "up", 0.755) == pytest.approx(1.3310, abs=6e-5)
@@ -91,7 +91,7 @@ def test_motion_jumps_up_where_the_flanks_part(respond):
 
 
 def test_a_motion_that_winds_itself_to_an_orbit_is_followed_until_it_is_there(respond):
-    """It comes back after some periods sooner than after one; the deviation was 1e-4 off then."""
+    """It nearly repeats after some periods sooner than after one; then the error was 1e-4."""
     response = respond(speeds(2.18, 2.185), "--up")
     assert response["period"].values.tolist() == [[1, 1]]
     assert (response["repeat_distance"].values <= 1e-6).all()
@@ -105,20 +105,20 @@ def test_a_motion_that_winds_itself_to_an_orbit_is_followed_until_it_is_there(re
 
 
 def test_a_motion_that_creeps_to_its_orbit_is_not_there_when_its_steps_are_small(respond):
-    """Beside a doubled period all but nothing is lost in two: what is left is many such steps."""
+    """Near a period doubling hardly anything decays in two periods: many such steps remain."""
     response = respond(speeds(1.83, 1.84), "--up")
     followed, apart = (response[name].values[0] for name in ("followed", "repeat_distance"))
-    assert followed[-1] > 500  # all there are; its steps are below 1e-6 after 337
+    assert followed[-1] > 500  # the maximum; its steps are below 1e-6 after 337
     assert apart[-1] < 0.2e-6
     assert (followed[:2] < 400).all()
 
 
 @pytest.mark.parametrize(("ratio", "periods"), [(1.6, 4), (1.5, 5)])
 def test_passes_of_a_section_that_had_to_move_do_not_count(tmp_path, evolvent, ratio, periods):
-    """So slow and damped a motion repeats from its first pitch on.
+    """A slow and damped motion repeats from its first pitch.
 
-    Three passes of its section tell that, and its numbers take one period more. A pair leaves its
-    path at 0.6 of a pitch, or at half of one, where the section is: it moves, and begins anew.
+    Three crossings of its section detect that, and its metrics take one period more. A pair leaves
+    its path at 0.6 of a pitch, or at half of one, at the section: it is moved, and restarts.
     """
     case = rectangular(0.02, 1, 1, "radau")
     del case["simulation"]["numbers"]
@@ -145,7 +145,7 @@ def test_period_doubles_where_the_mesh_excites_the_second_order(respond):
 
 
 def test_the_last_line_counts_values_by_the_period_of_their_motion(tmp_path, evolvent):
-    """Where its period doubles a motion settles slowly: some still do so after 300 periods."""
+    """Near a period doubling a motion settles slowly: some still do so after 300 periods."""
     path = tmp_path / "r.h5"
     result = evolvent(
         *("respond", write_rectangular(tmp_path), "--over", speeds(1.82, 1.88, 0.01), "--up"),
@@ -158,7 +158,7 @@ def test_the_last_line_counts_values_by_the_period_of_their_motion(tmp_path, evo
     n_other, n_wild = int((period > 1).sum()), int((period == 0).sum())
     n_settling = int((period == -2).sum())
     assert n_other > n_wild > 0
-    assert (apart[period == 0] < 0.1).all()  # of the nearest orbit; the farthest is 0.7 off
+    assert (apart[period == 0] < 0.1).all()  # of the nearest orbit; the farthest differs by 0.7
     jumps_found = f"{n_jumps} jump{'' if n_jumps == 1 else 's'}"
     assert result.stderr.splitlines()[-1] == (
         f"evolvent: 7 values, {n_other} with a period of 2 and more, {n_wild} not periodic, "
@@ -167,7 +167,7 @@ def test_the_last_line_counts_values_by_the_period_of_their_motion(tmp_path, evo
 
 
 def test_motion_of_two_periods_is_kept_on_the_way_down(respond):
-    """Behind 0.825 it falls to the motion of one period, of which another program says 1.0698."""
+    """Below 0.825 it falls to the motion of one period, with 1.0698 in another program."""
     response = respond(speeds(0.8, 2.1), "--down")
     assert all(period(response, "down", omega) == 2 for omega in np.arange(1.0, 2.1, 0.05))
     assert deviation(response, "down", 0.83) > 5
@@ -199,7 +199,7 @@ def test_stable_orbits_are_those_between_which_plain_steps_fall(respond, first, 
 
 
 def test_down_goes_on_from_where_up_ended(respond):
-    """Between both jumps there are two motions, and which one it is depends on the way."""
+    """Between both jumps there are two motions, selected by the direction of the sweep."""
     response = respond(speeds(0.70, 0.77, 0.01))
     assert response["direction"].values.tolist() == ["up", "down"]
     assert deviation(response, "up", 0.77) == pytest.approx(
@@ -248,7 +248,7 @@ def test_who_is_interrupted_does_not_wait_for_the_check_of_all_values(tmp_path, 
     case = write_rectangular(tmp_path)
     path = tmp_path / "r.h5"
     command = [executable, "respond", case, "--over", speeds(1.3, 2.1, 1e-5)]
-    # the check takes some hundred microseconds a value: half a minute in all
+    # the check takes some hundred microseconds per value: half a minute in all
     with subprocess.Popen([*command, "-o", path], stderr=subprocess.PIPE, text=True) as process:
         wait_for(lambda: catches(process.pid, signal.SIGINT))
         process.send_signal(signal.SIGINT)
@@ -271,7 +271,7 @@ def test_kept_state_of_another_response_is_refused(tmp_path, evolvent, executabl
 
 
 def test_common_period_is_that_of_all_meshes(tmp_path, evolvent, examples):
-    """23 teeth of the second mesh's driving wheel for the 47 of the gear that turns with it."""
+    """23 teeth of the second mesh's driving wheel for the 47 of the gear on the same shaft."""
     path = tmp_path / "r.h5"
     result = evolvent(
         *("respond", examples / "two-stage-gears.yaml"),
@@ -335,7 +335,7 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path, evolvent, over, code, p
 
 
 def test_a_list_of_the_case_is_no_parameter_with_one_value(tmp_path, evolvent):
-    """Errors of the pitch that the case has: one number in their place is no value of them."""
+    """Pitch errors of the case: a single number is not a valid value of this key."""
     case = write_rectangular(tmp_path)
     errors = f"wheels.a.pitch_errors={[1e-6] * TEETH}"
     over = ("--over", "wheels.a.pitch_errors=0:1e-6:2")
@@ -347,7 +347,7 @@ def test_a_list_of_the_case_is_no_parameter_with_one_value(tmp_path, evolvent):
 
 
 def test_a_motion_that_fails_says_how_far_it_came(tmp_path, evolvent, examples):
-    """Under 20 kN m the teeth yield more than they are apart."""
+    """Under 20 kN m the teeth deflect by more than their distance."""
     path = tmp_path / "r.h5"
     load = "wheels.gear.loads.0"
     settings = (

@@ -1,4 +1,4 @@
-"""`evolvent respond` of a case, of the case in a mirror, and with its lists turned around.
+"""`evolvent respond` of a case, of its mirror image, and with its lists reversed.
 
 ``pytest tests/system/test_respond_metamorphic.py --long`` takes 24 random gearboxes, without it 4.
 """
@@ -21,7 +21,7 @@ from system.random_sets import seeds
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 Block = dict[str, Any]
-# A motion counts as periodic where what is left of its way to the orbit is 1e-6 of its scales.
+# A motion counts as periodic if its estimated distance from the orbit is 1e-6 of its scales.
 ALIKE = 2e-5
 
 
@@ -34,7 +34,7 @@ def wide_case(seed: int) -> Block:
 
 
 def response(evolvent: Evolvent, folder: Path, case: Block) -> xr.Dataset | str:
-    """Three widths of damping of the first mesh, or the last line of a refusal."""
+    """Three values of damping of the first mesh, or the last line of a rejection."""
     folder.mkdir()
     file, result = folder / "case.yaml", folder / "response.h5"
     file.write_text(json.dumps(case))
@@ -48,15 +48,15 @@ def response(evolvent: Evolvent, folder: Path, case: Block) -> xr.Dataset | str:
 
 
 def size_of(found: xr.Dataset, metric: str) -> float:
-    """The size of a metric: of a mean, which may be 0, that of its quantity."""
+    """Size of a metric: for a mean, which may be 0, that of its quantity."""
     rms = metric.removesuffix("_mean") + "_rms"
     return float(np.nanmax(abs(found[rms if rms in found else metric].values)))
 
 
 def metrics(found: xr.Dataset, name: str) -> list[str]:
-    """What is told of forces and motions, but for the orders of wheels of two meshes.
+    """Metrics of forces and motions, except for the orders of wheels of two meshes.
 
-    A mirror swaps the largest and the smallest acceleration: what lies between them stays.
+    A mirror swaps the largest and the smallest acceleration: the range is unchanged.
     """
     turned = ("acceleration_max", "acceleration_min") if name == "mirrored" else ()
     return [
@@ -90,6 +90,6 @@ def test_a_mirror_and_another_order_change_nothing(
             assert np.array_equal(np.isnan(a), np.isnan(b)), (name, metric)
             if np.isnan(a).all():
                 continue
-            # the sign of a mean or an arrow's phase turns in a mirror
+            # the sign of a mean, or of a vector's phase, changes in a mirror
             off = np.nanmax(abs(abs(a) - abs(b))) / (size_of(first, metric) or 1.0)
             assert off <= ALIKE, (name, metric, off)

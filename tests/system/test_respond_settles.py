@@ -127,7 +127,8 @@ def test_slow_modes_are_waited_for_and_leave_no_hysteresis(
 ) -> None:
     """600 pitches are five time constants of its slowest mode at 12000 rpm.
 
-    Up and down are one motion, to what integration and the criterion of 1e-6 of a scale leave.
+    Up and down give the same motion, to the error of the integration and the criterion of 1e-6 of a
+    scale.
     """
     path = tmp_path / "r.h5"
     over = f"{SPEED}={12000 - 200 * (steps - 1)} rpm:12000 rpm:{steps}"
@@ -137,7 +138,7 @@ def test_slow_modes_are_waited_for_and_leave_no_hysteresis(
     with xr.open_dataset(path, engine="h5netcdf") as response:
         assert (response["period"] == 1).all()
         assert response.sizes["jump"] == 0
-        assert response["followed"].max() < 600  # a shooting replaces most of the way
+        assert response["followed"].max() < 600  # shooting replaces most of the integration
         told = response["transmission_error_standard_deviation"].values[..., 0]
     np.testing.assert_allclose(told[0], told[1], rtol=1e-7)
 
@@ -145,7 +146,7 @@ def test_slow_modes_are_waited_for_and_leave_no_hysteresis(
 def test_what_still_settles_is_not_called_aperiodic(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    """30 pitches are less than a time constant at 12000 rpm, whatever the motion is."""
+    """30 pitches are less than a time constant at 12000 rpm, for any motion."""
     path = tmp_path / "r.h5"
     words = ("--over", f"{SPEED}=11800 rpm:12000 rpm:2", "--periods", "100", "-o", path)
     done = evolvent("respond", case, *words)
@@ -171,7 +172,7 @@ def test_what_still_settles_is_not_called_aperiodic(
 def test_a_pair_that_grazes_in_a_mesh_that_never_parts_is_called_a_pair(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    """Half a minute: around 8.5 krpm tooth pairs just touch while others carry."""
+    """Half a minute: around 8.5 krpm tooth pairs graze while others carry load."""
     path = tmp_path / "o.h5"
     over = f"{SPEED}=8000 rpm:8700 rpm"
     done = evolvent("respond", case, "--over", over, "--method", "orbits", "-o", path)

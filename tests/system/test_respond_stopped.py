@@ -1,4 +1,4 @@
-"""`evolvent respond` that signals stop goes on to the bytes of one that ran through."""
+"""`evolvent respond` resumes after signals to the same bytes as an uninterrupted run."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ METHODS = {
 def whole(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, executable: Path
 ) -> tuple[list[object], Path, float]:
-    """A command without its result, the result of a run that nothing stopped, and its time [s]."""
+    """A command without its result, the result of an uninterrupted run, and its time [s]."""
     folder = tmp_path_factory.mktemp("whole")
     words = [executable, "respond", write_rectangular(folder), *METHODS[request.param], "-q"]
     began = time.monotonic()
@@ -44,7 +44,7 @@ def assert_same_after_stops(
     delays: Sequence[float],
     sent: signal.Signals,
 ) -> None:
-    """Stop a command after each of these times from when it catches signals; then let it end."""
+    """Stop a command after each delay from its first signal handler; then let it end."""
     command = [*words, "-o", "stopped.h5"]
     for delay in delays:
         with subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True) as process:
@@ -68,7 +68,7 @@ def assert_same_after_stops(
 def test_a_signal_before_the_first_motion_loses_nothing(
     whole: tuple[list[object], Path, float], tmp_path: Path, sent: signal.Signals
 ) -> None:
-    """What was kept then has no state: the command that goes on starts as the case says."""
+    """The checkpoint then contains no state: the resumed command starts as given in the case."""
     words, result, _ = whole
     assert_same_after_stops(words, result, tmp_path, [0, 0.002, 0.005], sent)
 
@@ -78,7 +78,7 @@ def test_a_signal_before_the_first_motion_loses_nothing(
 def test_a_signal_at_any_instant_loses_nothing(
     whole: tuple[list[object], Path, float], tmp_path: Path, seed: int, sent: signal.Signals
 ) -> None:
-    """Each second one comes within the first hundredths of a second."""
+    """Every second signal comes within the first hundredths of a second."""
     words, result, took = whole
     draw = random.Random(seed)
     longest = 0.03 if seed % 2 else took
@@ -91,7 +91,7 @@ def test_a_signal_at_any_instant_loses_nothing(
 def test_a_run_that_goes_on_from_a_checkpoint_has_the_bytes_of_one_that_ran_through(
     executable: Path, tmp_path: Path, seed: int, sent: signal.Signals
 ) -> None:
-    """`run` with checkpoints, stopped at any instant: its history without what names the stops."""
+    """`run` with checkpoints, stopped at any time: its history without the record of the stops."""
     case = rectangular(1.3, 50, 20, "radau")
     (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
     words = [executable, "run", "case.yaml", "-q", "--checkpoint", "60"]

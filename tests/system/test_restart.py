@@ -1,7 +1,7 @@
-"""A run that is stopped at random moments, and goes on, writes the history of one that was not.
+"""A run that is stopped at random times and resumed writes the history of an uninterrupted one.
 
-Every value and attribute is the same to the bit. With IDA that of a run with checkpoints at the
-same model times, which the history tells.
+Every value and attribute is the same to the bit. With IDA, the reference is a run with checkpoints
+at the same model times, which are in the history.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ SHAKEN = (
 )
 AT_REST = "simulation.initial={kind: rest}"
 
-#: Some tenths of a second each: every tracking, both integrators, contacts that rattle, stick and
-#: are rigid, trains, wheels that yield, housings that are shaken or swing, numbers.
+#: Some tenths of a second each: every tracking, both integrators, rattling, sticking and rigid
+#: contacts, trains, compliant wheels, moving and mounted housings, metrics.
 SAMPLES = {
     "rattle": ("rattle.yaml", RADAU, "simulation.duration=4"),
     "rattle-ida": ("rattle.yaml", IDA, "simulation.duration=0.5"),
@@ -66,14 +66,14 @@ SAMPLES = {
     "motor": ("motor-driven.yaml", RADAU),
 }
 WAYS = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGUSR1, "--max-time")
-STOPS = 6  # of a run at most: 63 seeds make more than 200
-N_SEEDS = 63  # three times each sample
+STOPS = 6  # maximum stops of a run: 63 seeds make more than 200
+N_SEEDS = 63  # three for each sample
 
 
 def go_on(
     executable: Path, words: list[str], folder: Path, way: signal.Signals | str, seconds: float
 ) -> int:
-    """Run, or go on, for some time; the exit code, negative after a signal that kills."""
+    """Run, or resume, for some time; return the exit code, negative after a signal that kills."""
     limit = ["--max-time", str(seconds / 60)] if way == "--max-time" else []
     with running(
         [executable, *words, *limit], folder, stderr=subprocess.PIPE, text=True

@@ -1,4 +1,4 @@
-"""Impacts of two unloaded wheels: the restitution that the Hunt-Crossley laws really give."""
+"""Impacts of two unloaded wheels: the actual restitution of the Hunt-Crossley laws."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ ELASTIC = {
     "yang_lin": {},
     "power": {"coefficient": 1e11, "exponent": 1.5},
 }
-# 2e-11 is what is reached at this tolerance of the integrator, 1e-9 at 1e-11.
+# 2e-11 is reached at this tolerance of the integrator, 1e-9 at 1e-11.
 INTEGRATOR, TOLERANCE = 1e-13, 1e-8
 
 
 def impact(runs, damping: dict[str, Any], contact: dict[str, Any], speed: float) -> Run:
-    """Let the pinion strike the resting gear, from where the flanks touch."""
+    """The pinion strikes the gear at rest, with the flanks initially in contact."""
     speeds = {"pinion": -speed / BASE_PINION, "gear": 0.0}
     case = unloaded_pair(
         "closed_form",
@@ -66,7 +66,7 @@ def test_the_restitution_does_not_depend_on_the_elastic_law(runs, contact):
 
 
 def test_an_impact_after_free_flight_has_the_same_restitution(runs):
-    """v0 is the speed at the located closing."""
+    """v0 is the speed at the located contact closure."""
     speed = 1e-2
     case = unloaded_pair(
         "differential",
@@ -81,7 +81,7 @@ def test_an_impact_after_free_flight_has_the_same_restitution(runs):
     )
     case["meshes"][0]["damping"] = {"law": "flores", "restitution": 0.5, "v0_min": 1e-6}
     run = runs(case)
-    # from the touch of the flanks to 1e-10 of the penetration scale past it
+    # from contact of the flanks to 1e-10 of the penetration scale beyond it
     assert run.times("contact_closed") == pytest.approx([1e-5 / speed], rel=1e-9)
     after = run.history["angular_velocity"].values @ run.history["base_radius"].values
     expected = float(effective_restitution(factor("flores", 0.5)))

@@ -1,4 +1,4 @@
-"""Wide gearboxes run right or are refused: 200 of them always, 10,000 with --long."""
+"""Wide gearboxes run correctly or are rejected: 200 of them always, 10,000 with --long."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from system.right_or_refused import Judge
 from system.scaled_cases import UNITS, keys
 from system.wide_gearboxes import KINDS, kind_of
 
-SHORT, LONG, TOGETHER = 200, 10_000, 10  # seeds, and how many are judged in a test
-# What is open: docs/random_sets.md says why.
+SHORT, LONG, TOGETHER = 200, 10_000, 10  # seeds, and the number of seeds judged in a test
+# Open cases: docs/random_sets.md gives the reasons.
 OPEN = {0: "slow", 59: "slow"}
 
 
@@ -28,19 +28,19 @@ def test_more_wide_gearboxes_run_right_or_are_refused(
     judge_all(executable, tmp_path, first)
 
 
-# Seeds beyond the short ones that came out wrong once.
+# Further seeds that failed in the past.
 MENDED = (
     *(678, 921, 2052, 3062, 3345, 3400, 5378, 8758),
-    *(3061, 4682, 4723, 5314, 6184, 6754),  # measured by what is left of large numbers
-    *(1629, 3346, 7079, 7729, 8439),  # rigid flanks that part together
-    *(531, 5272, 8992),  # flanks that graze
-    *(1972, 4584),  # the digits of a force; a start past a hand-over
-    *(1384, 2665),  # steady starts beside a tiny speed
-    *(3496, 9926),  # tracked points where no pair is on the path
-    *(5739, 6886, 7911),  # ended or refused in words
-    *(1030, 2614, 6540),  # steps that shrank to their rounding
+    *(3061, 4682, 4723, 5314, 6184, 6754),  # with differences of large numbers
+    *(1629, 3346, 7079, 7729, 8439),  # rigid flanks that separate simultaneously
+    *(531, 5272, 8992),  # grazing flanks
+    *(1972, 4584),  # digits of a force; a start beyond a hand-over
+    *(1384, 2665),  # steady starts near a tiny speed
+    *(3496, 9926),  # tracked points without a pair on the path
+    *(5739, 6886, 7911),  # ended or rejected with a message
+    *(1030, 2614, 6540),  # steps that shrank to rounding
     1414,  # the energy of a mounted housing in a short run
-    20151,  # a transmission error that is rounding
+    20151,  # a transmission error at rounding level
 )
 
 
@@ -65,6 +65,6 @@ def test_all_kinds_are_among_the_short_ones() -> None:
 
 
 def test_the_units_of_all_keys_are_known(executable: Path) -> None:
-    """A case in other units is the same only if every key with a unit is scaled."""
+    """A case in other units is equivalent only if every key with a unit is scaled."""
     rows = [row for block in keys(executable).values() for of in block.values() for row in of]
     assert {row.unit for row in rows} <= {*UNITS, "N/m^exponent"}

@@ -1,4 +1,4 @@
-"""The paper's gearbox with rigid contact: constraint, forces, energy, the compliant one."""
+"""The paper's gearbox with rigid contact: constraint, forces, energy, compliant contact."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from system.test_invariants import check_energy, separation, transmission_error
 
 COEFFICIENTS = {FRICTIONLESS: 0.0, FRICTION: 0.3}
 BASE_A = 0.2 * math.cos(1.05 * math.atan(2 * math.pi / 50))  # [m]
-SMALL = 1e-18  # what may be left of the gap [m] and of its rate [m/s]
+SMALL = 1e-18  # permitted gap [m] and gap rate [m/s]
 
 
 @pytest.fixture(params=TRACKINGS)
@@ -35,14 +35,14 @@ def rigid_run(runs, example: str, kind: str, *settings: str) -> Run:
 
 
 def check_constraint(history: xr.Dataset) -> None:
-    """Check a contact that never opens: position, velocity, and the lag that belongs to them."""
+    """Check a contact that never opens: position, velocity, and the corresponding lag."""
     assert np.all(history["contact_mode"] == 1)
     assert np.all(history["in_contact"] == 1)
     assert np.abs(history["gap"]).max() <= SMALL
     assert np.abs(history["gap_rate"]).max() <= SMALL
     lag = transmission_error(history)
     assert np.abs(lag - separation(history)).max() <= SMALL
-    assert np.abs(lag).max() > 1e-11  # the slider moves: there is something to agree with
+    assert np.abs(lag).max() > 1e-11  # the slider moves: the comparison is not trivial
 
 
 def test_the_contact_stays_closed(runs, example, kind):
@@ -107,7 +107,7 @@ def solution(friction: float) -> dict[str, Any]:
 
 def test_a_run_from_rest_comes_to_the_steady_state(runs, kind):
     last = rigid_run(runs, FRICTIONLESS, kind, "simulation.duration=20").history.isel(time=-1)
-    # The speeds approach theirs with a time constant of 1.43 s: 9e-7 are left after 20 s.
+    # The speeds approach theirs with a time constant of 1.43 s: 9e-7 remain after 20 s.
     assert float(last["normal_force"][0]) == pytest.approx(1 / BASE_A, rel=1e-5)
     assert float(last["angular_velocity"].sel(wheel="gear")) == pytest.approx(0.15, rel=1e-5)
 
@@ -119,12 +119,12 @@ def test_a_run_from_the_steady_state_stays_there(runs, kind):
     assert np.abs(history["gap"]).max() <= SMALL
 
 
-# ---- beside the compliant contact
+# ---- comparison with the compliant contact
 
 
 @pytest.mark.parametrize("example", COEFFICIENTS)
 def test_compliant_and_rigid_contact_have_the_same_mean_force(runs, example):
-    """Over whole pitches after 2 s; what is left of the transient decays alike in both."""
+    """Over whole pitches after 2 s; the remaining transient decays equally in both."""
     settings = ("simulation.duration=12", tracking("closed_form"))
     compliant, stiff = runs(example, *settings), runs(example, *RIGID, *settings)
     switches = stiff.times("tooth_switch")
@@ -138,7 +138,7 @@ def test_compliant_and_rigid_contact_have_the_same_mean_force(runs, example):
 
 
 def jump(run: Run, time: float) -> Any:
-    """Change of normal and friction force over 0.1 s about a time."""
+    """Change of normal and friction force over 0.1 s around a time."""
     around = run.history.interp(time=[time - 0.05, time + 0.05])
     return np.diff(around[["normal_force", "friction_force"]].to_array()[:, :, 0], axis=1)[:, 0]
 
@@ -159,13 +159,13 @@ def test_friction_jumps_at_the_pitch_point_as_with_a_compliant_contact(runs, kin
     force = float(stiff.history["normal_force"].interp(time=passed[1] - 0.05)[0])
     assert abs(friction) == pytest.approx(2 * 0.3 * force, rel=0.05)  # from +f F_n to -f F_n
     assert abs(normal) > 1e-3 * force
-    # After 0.05 s 7e-4 of the ringing is left, at 146/s; measured: 1.6e-4.
+    # After 0.05 s 7e-4 of the vibration remain, at 146/s; measured: 1.6e-4.
     np.testing.assert_allclose(jumps[0], jumps[1], rtol=7e-4)
 
 
 @pytest.mark.parametrize("kind", TRACKINGS)
 def test_a_train_of_rigid_contacts_breaks_no_invariant(runs, kind):
-    """Two contacts, an idler in bearings; friction twice a pitch in each."""
+    """Two contacts, an idler in bearings; friction changes twice per pitch in each."""
     run = runs(rigid(train(0.1, kind)))
     assert run.exit_code == 0
     assert np.all(run.history["contact_mode"] == 1)

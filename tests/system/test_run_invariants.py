@@ -1,4 +1,4 @@
-"""What a run says of its own invariants is what the check says: one set of scales and bounds."""
+"""Invariants reported by a run agree with those of the check: one set of scales and bounds."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WATCHED = (
     *("gradient ratio", "transmission error", "points on flanks", "points on line of action"),
     *("rigid gap", "energy balance"),
 )
-# Wild gearboxes in differential tracking at tolerance 1e-4: of the first 200, 86 breaks two
+# Wild gearboxes in differential tracking at tolerance 1e-4: of the first 200, 86 violates two
 # invariants, and 46, 55 and 113 end with exit code 4
 TRACKED_SEEDS, ENDED = (*range(12), 86), {46, 55, 113}
 SOURCE = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_watch.c"
@@ -34,7 +34,7 @@ def test_both_have_the_same_bounds() -> None:
 
 
 def assert_agreement(run: Run) -> list[str]:
-    """What the check finds broken of what a run watches, the run says, and the other way round."""
+    """The run reports exactly the violations of its monitored invariants found by the check."""
     said = run.history.attrs["invariants"]
     failed = [v.invariant.name for v in check_history(run.history) if v.failed]
     watched = [name for name in failed if name in WATCHED]
@@ -57,7 +57,7 @@ def test_a_run_and_the_check_agree(
 
 @pytest.mark.parametrize("seed", seeds(TRACKED_SEEDS, 200, without=ENDED))
 def test_a_tracked_run_at_a_loose_tolerance_and_the_check_agree(runs: Runs, seed: int) -> None:
-    """Points that are tracked differentially drift; axles, housings, impacts and rattle."""
+    """Points that are tracked differentially drift; axes, housings, impacts and rattle."""
     run = runs(tracked_gearbox(seed), "simulation.tolerance=1e-4")
     assert run.exit_code == 0, run.messages
     assert_agreement(run)

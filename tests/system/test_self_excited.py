@@ -1,7 +1,7 @@
-"""Vibrations that falling friction feeds: radau follows them, and says so.
+"""Friction-induced vibrations: radau resolves them, and reports them.
 
 ``pytest tests/system/test_self_excited.py --long`` runs 200 random gearboxes; without it some of
-them, with those that were stepped over before steps were cut for what grows.
+them, including those that steps passed over before step sizes were limited for growing vibrations.
 """
 
 from __future__ import annotations
@@ -28,8 +28,7 @@ SAID = re.compile(
     r"a vibration feeds itself: (\S+) Hz, damping ratio (\S+) at t = (\S+) s; steps were shortened"
 )
 
-# Stepped over before: 51, 59, 173. The rest as they come, those that take longer than a second
-# left out.
+# Once missed: 51, 59, 173. The others in order, without those that take longer than a second.
 SEEDS = (1, 3, 5, 6, 7, 13, 15, 20, 25, 30, 31, 43, 51, 57, 59, 65, 67, 70, 71, 173)
 LONG = 200
 

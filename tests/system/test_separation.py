@@ -27,20 +27,20 @@ def kind(request):
 
 
 def collide(runs, kind: str, gap: float) -> Run:
-    """Let the pinion approach the resting gear; nothing is lost."""
+    """The pinion approaches the gear at rest, without dissipation."""
     speeds = {"pinion": -APPROACH / BASE_A, "gear": 0.0}
     case = unloaded_pair(
         kind,
         duration=0.05,
         output_interval=1e-5,
-        tolerance=1e-11,  # at the default of 1e-9 energy is kept to 4e-8 only
+        tolerance=1e-11,  # at the default of 1e-9 energy is conserved to 4e-8 only
         initial={"kind": "speeds", "speeds": speeds, "gaps": {"pinion-gear": gap}},
     )
     return runs(case)
 
 
 def reduced_mass(run: Run) -> float:
-    """Mass [kg] that moves along the line of action at the relative speed."""
+    """Effective mass [kg] along the line of action for the relative speed."""
     inertia = run.history["inertia"].values
     return 1 / float(BASE_A**2 / inertia[0] + BASE_B**2 / inertia[1])
 
@@ -64,7 +64,7 @@ def test_an_elastic_contact_reverses_the_relative_speed(runs, kind, gap):
 
 
 def duration_of_contact(mass: float) -> float:
-    """Time [s] from touch to separation of an elastic contact: twice the integral of dh/h'."""
+    """Time [s] from contact to separation of an elastic contact: twice the integral of dh/h'."""
     rho = 0.5 * math.sin(1.05 * math.atan(2 * math.pi / 50))  # h adds 1e-7 of it
     scale = math.pi * EFFECTIVE_MODULUS
 
@@ -78,7 +78,7 @@ def duration_of_contact(mass: float) -> float:
         middle = (low + high) / 2
         low, high = (middle, high) if potential(middle) < energy else (low, middle)
 
-    def integrand(u: float) -> float:  # h = low (1 - u^2) takes the singularity away
+    def integrand(u: float) -> float:  # h = low (1 - u^2) removes the singularity
         h = low * (1 - u * u)
         return 2 * low * u / math.sqrt(2 * (energy - potential(h)) / mass)
 
@@ -89,7 +89,7 @@ def test_an_elastic_contact_lasts_as_long_as_its_potential_says(runs, kind):
     run = collide(runs, kind, 1e-6)
     (closed,), (opened,) = run.times("contact_closed"), run.times("contact_opened")
     assert closed == pytest.approx(1e-6 / APPROACH, rel=1e-9)  # the gap at constant speed
-    # The quadrature leaves out 1e-6 of its range.
+    # The quadrature omits 1e-6 of its range.
     assert opened - closed == pytest.approx(duration_of_contact(reduced_mass(run)), rel=1e-5)
 
 
@@ -146,7 +146,7 @@ def test_a_run_that_loses_contact_says_when(runs, kind):
 
 def test_flanks_that_rattle_are_not_lost(runs):
     run = runs("rattle.yaml", "simulation.duration=0.239")
-    assert not run.history["in_contact"].values[-1].any()  # the run ends in flight
+    assert not run.history["in_contact"].values[-1].any()  # the run ends without contact
     assert len(run.times("contact_closed")) > 10
     assert "warning" not in run.messages
 

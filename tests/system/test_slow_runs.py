@@ -1,4 +1,4 @@
-"""A run so slow that it rests everywhere has the transmission error of `evolvent static`."""
+"""A quasi-static run has the transmission error of `evolvent static`."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def case(name: str, lag: float, *, coasts: bool) -> dict[str, Any]:
 def test_a_slow_run_is_the_mesh_at_rest(
     evolvent: Evolvent, tmp_path: Path, name: str, coasts: bool
 ) -> None:
-    """The same teeth meet at the same places, whatever they lack; what is left is inertia."""
+    """The same teeth meet at the same positions, with any deviations; the difference is inertia."""
 
     def made(command: str, lag: float, *words: str) -> xr.Dataset:
         file, result = tmp_path / "case.yaml", tmp_path / f"{command}.h5"
@@ -77,7 +77,7 @@ def test_a_slow_run_is_the_mesh_at_rest(
     run = made("run", float(curve.transmission_error[0, 0]))
     off, _ = apart(curve, run)
     assert np.median(off) < 1e-7
-    assert np.quantile(off, 0.95) < 2e-6  # inertia, where a pair has just come or gone
+    assert np.quantile(off, 0.95) < 2e-6  # inertia, after entry or exit of a pair
     if curve.attrs["pitches"] > 1:  # and other teeth do not
         others = curve.roll(position=curve.attrs["points"])
         assert np.median(apart(others, run)[0]) > 1e-3

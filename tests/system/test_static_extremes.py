@@ -26,13 +26,13 @@ EXTREMES = (
 
 
 def case_of(seed: int) -> tuple[dict[str, Any], float]:
-    """Give a case and its torque."""
+    """Return a case and its torque."""
     pair = (RelievedPair if seed % 2 else BendingPair)(seed)
     return pair.at_rest(errors=False), pair.torque
 
 
 def sampled(curves: xr.Dataset) -> dict[str, float]:
-    """Give the extremes of the positions alone."""
+    """Return the extremes of the positions alone."""
     h, k = curves.transmission_error[0], curves.tangent_stiffness[0]
     on_edge = curves.pair_contact_kind[0] > 1
     return {
@@ -47,7 +47,7 @@ def sampled(curves: xr.Dataset) -> dict[str, float]:
 
 @pytest.mark.parametrize("seed", seeds(range(SHORT), LONG))
 def test_extremes_are_those_of_many_positions(files: Files, seed: int) -> None:
-    """200 positions a pitch find what 10,000 find, and no position exceeds it."""
+    """200 positions per pitch give the extremes of 10,000, and no position exceeds them."""
     case, torque = case_of(seed)
     few = files("static", case, "--torque", repr(torque))
     if few is None:
@@ -63,7 +63,7 @@ def test_extremes_are_those_of_many_positions(files: Files, seed: int) -> None:
 
 
 def test_a_short_pressure_peak_is_found(files: Files) -> None:
-    """A rounded tip carries for a short time; the pressure jumps where the flank begins."""
+    """A rounded tip carries load for a short time; the pressure jumps at the start of the flank."""
     wheel = {"teeth": 33, "module": 1.3631e-3, "material": "steel", "width": 8.46e-3}
     elements = {"model": "finite_elements", "hub_diameter": 16.76e-3}
     table = {

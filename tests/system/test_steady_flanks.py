@@ -1,4 +1,4 @@
-"""Runs from the steady start of flanks that deviate: whole trains, both integrators."""
+"""Runs from the steady start of flanks with deviations: whole trains, both integrators."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ INTEGRATORS = pytest.mark.parametrize("integrator", ["radau", "ida"])
 
 
 def relieved(shape: str, rotation: str, *, speed: float, bearings: bool = False) -> dict[str, Any]:
-    """Pair of tip-relief.yaml without pitch errors, so that it comes to repeat itself."""
+    """Pair of tip-relief.yaml without pitch errors, so that the motion becomes periodic."""
     sign = 1 if rotation == "clockwise" else -1
     loads = (torque(-100.0 * sign), viscous(100.0 * 1.5**2 / speed))
     support = {"kind": "bearing", "mass": 1, "stiffness": [3e8, 3e8], "damping": [3e3, 3e3]}
@@ -60,7 +60,7 @@ def test_a_steady_start_vibrates_no_more_than_the_motion_it_comes_to(
         later = values[8 * 400 :]
         early = values[: 2 * 400]
         swing = np.ptp(later)
-        # the motion repeats itself to a hundredth of its swing
+        # the motion repeats to a hundredth of its range
         assert early.max() < later.max() + 0.02 * swing
         assert early.min() > later.min() - 0.02 * swing
 
@@ -80,7 +80,7 @@ def test_every_class_starts_steadily_with_both_integrators(
     run = runs(case, f"simulation.integrator={integrator}", "simulation.duration=0.002")
     assert run.exit_code == 0
     force = run.history["normal_force"].isel(mesh=0).values
-    # the pinion's 100 N m on the base radius of 28.19 mm, but for the slopes in the arms
+    # the pinion's 100 N m on the base radius of 28.19 mm, except for the slopes in the lever arms
     assert force[0] == pytest.approx(100 / 28.19e-3, rel=0.03)
 
 

@@ -26,7 +26,7 @@ LATER = 1e-9  # of the penetrations over five pitches, over the largest transmis
 
 
 def run(evolvent: Evolvent, folder: Path, stem: str, case: dict[str, Any]) -> xr.Dataset | str:
-    """Return the history, or the last line of a refusal."""
+    """Return the history, or the last line of a rejection."""
     file, result = folder / f"{stem}.yaml", folder / f"{stem}.h5"
     file.write_text(json.dumps(case))
     done = evolvent("run", file, "-q", "-o", result)
@@ -90,7 +90,7 @@ def test_a_train_starts_alike_in_every_order(
 
 
 def test_few_of_the_pairs_are_refused(evolvent: Evolvent, tmp_path: Path) -> None:
-    """No pair is left out of the set; those that are refused are counted."""
+    """No pair is excluded from the set; rejected ones are counted."""
     refused = [
         seed
         for seed in range(0, SHORT, 2)

@@ -1,4 +1,4 @@
-"""Random pairs with relief and tip roundings have a steady start, or a refusal with its cause.
+"""Random pairs with relief and tip roundings have a steady start, or a rejection with its cause.
 
 ``pytest tests/system/test_steady_reliefs.py --long`` starts 300 pairs, without it 30.
 """
@@ -24,10 +24,10 @@ Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
 @pytest.mark.parametrize("seed", seeds(range(30), 300))
 def test_a_relieved_pair_has_a_steady_start(evolvent: Evolvent, tmp_path: Path, seed: int) -> None:
-    """Damped pairs settle from rest, so each has a start unless its geometry is refused.
+    """Damped pairs settle from rest, so each has a start unless its geometry is rejected.
 
-    Where the wheels are too slow to follow the quasi-static path they start at its mean, and there
-    the flanks may be apart.
+    If the wheels are too slow to follow the quasi-static path they start at its mean, and there
+    the flanks may be separated.
     """
     case = steady_pair(seed, rounding=True)
     duration = case["simulation"]["duration"] / (100 * PITCHES)
@@ -53,7 +53,7 @@ def test_a_relieved_pair_has_a_steady_start(evolvent: Evolvent, tmp_path: Path, 
 def test_modes_are_those_of_the_equilibrium_where_the_steady_start_is_apart(
     evolvent: Evolvent, tmp_path: Path, seed: int, *, reverse: bool
 ) -> None:
-    """In equilibrium the mesh carries the load and has a stiffness; parted flanks have none."""
+    """In equilibrium the mesh carries the load and has a stiffness; separated flanks have none."""
     case = steady_pair(seed, rounding=True)
     load = sum(abs(load["value"]) for load in case["wheels"][0]["loads"])
     radius = case["wheels"][0]["teeth"] * case["wheels"][0]["module"] / 2

@@ -45,7 +45,7 @@ def test_modes_name_the_mean_speeds_behind_a_soft_shaft(
     stiffness: float,
     position: float,
 ) -> None:
-    """The disc has no part in the slope of the quasi-static path, which would turn it backwards."""
+    """The disc does not follow the quasi-static path, whose slope would turn it backwards."""
     case = tmp_path / "case.yaml"
     case.write_text(json.dumps(edrive(stiffness)))
     done = evolvent("modes", case, "--json", "--mesh-position", str(position))
@@ -61,14 +61,14 @@ def test_modes_name_the_mean_speeds_behind_a_soft_shaft(
 def test_inertias_behind_a_soft_shaft_start_with_the_mean_speed(
     runs: Runs, stiffness: float, initial: dict[str, Any]
 ) -> None:
-    """Shaft torque, wheel speeds and dynamic factors of the first turn are those of later turns."""
+    """Shaft torque, wheel speeds and dynamic factors of the first revolution equal later ones."""
     history = runs(edrive(stiffness, **initial)).history
     mean = float(history.angular_velocity.sel(wheel="motor").mean())
     for wheel, ratio in KINEMATIC.items():
         start = float(history.angular_velocity.sel(wheel=wheel)[0])
         assert start == pytest.approx(ratio * mean, rel=1e-3)
     torque = history.shaft_torque.sel(shaft="output")
-    # the settled torque swings by 4 N m behind the stiffest shaft
+    # the settled torque varies by 4 N m behind the stiffest shaft
     assert float(abs(torque - OUTPUT_TORQUE).max()) < 5e-3 * OUTPUT_TORQUE
     settled = runs(
         edrive(stiffness, position=0.3),
@@ -81,7 +81,7 @@ def test_inertias_behind_a_soft_shaft_start_with_the_mean_speed(
 
 
 def test_the_start_is_continuous_from_slow_to_fast_modes(runs: Runs) -> None:
-    """Over the speed, from modes below the mesh frequency to modes above: halved steps halve."""
+    """Over the speed, from modes below the mesh frequency to above: half steps, half errors."""
 
     def errors(speeds: np.ndarray) -> np.ndarray:
         found = []

@@ -22,9 +22,9 @@ SPEED = 0.15  # 1.5 N m on the gear against 10 N m s/rad [rad/s]
 
 
 def penetration() -> float:
-    """h [m] by (13), with the axle where the spring holds it."""
+    """Compute h [m] by (13), with the axis in equilibrium with its spring."""
     slider = h = 0.0
-    for _ in range(50):  # contracts by 1e-8 a turn
+    for _ in range(50):  # contracts by 1e-8 per iteration
         distance = 0.5 + slider
         length = math.sqrt(distance**2 - (BASE_A + BASE_B) ** 2)
         slider = FORCE * length / distance / STIFFNESS
@@ -42,7 +42,7 @@ def test_the_closed_form_has_the_known_values():
 @pytest.mark.parametrize("kind", TRACKINGS)
 def test_a_run_from_rest_comes_to_the_steady_state(runs, kind):
     last = runs(FRICTIONLESS, tracking(kind), "simulation.duration=20").history.isel(time=-1)
-    # The speeds approach theirs with a time constant of 1.43 s: 9e-7 are left after 20 s.
+    # The speeds approach theirs with a time constant of 1.43 s: 9e-7 remain after 20 s.
     assert float(last["penetration"][0]) == pytest.approx(penetration(), rel=1e-5)
     assert float(last["normal_force"][0]) == pytest.approx(FORCE, rel=1e-5)
     assert float(last["angular_velocity"].sel(wheel="gear")) == pytest.approx(SPEED, rel=1e-5)
@@ -51,14 +51,14 @@ def test_a_run_from_rest_comes_to_the_steady_state(runs, kind):
 @pytest.mark.parametrize("kind", TRACKINGS)
 def test_a_run_from_the_steady_state_stays_there(runs, kind):
     history = runs(pair(0.0, kind, initial={"kind": "steady"})).history
-    # Everything is an equilibrium: what is left is rounding, of h relative to its nanometres.
+    # A complete equilibrium: the difference is rounding, of h relative to its nanometres.
     np.testing.assert_allclose(history["penetration"][:, 0], penetration(), rtol=1e-12)
     np.testing.assert_allclose(history["normal_force"][:, 0], FORCE, rtol=1e-12)
     np.testing.assert_allclose(history["angular_velocity"].sel(wheel="gear"), SPEED, rtol=1e-12)
 
 
 def test_a_pair_that_its_own_load_takes_off_the_path_is_named(evolvent, tmp_path):
-    """Friction halves the speed while it carries; the axle yields, and it is off the path."""
+    """Friction halves the speed under load; the axis yields, and the pair is off the path."""
     file = tmp_path / "case.yaml"
     case = stribeck_gearbox(156)
     case["simulation"]["initial"]["position"] = 0.0

@@ -1,4 +1,4 @@
-"""No step is bounded by a time: results do not depend on the duration, and nothing is missed."""
+"""Steps have no time limit: results do not depend on the duration, and no event is missed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def steps(run: Run) -> int:
 
 
 def same_events(run: Run, other: Run) -> bool:
-    """Whether the same happened to the same contacts, in the same order."""
+    """Whether the same events occurred at the same contacts, in the same order."""
     return all(
         np.array_equal(run.events[name].values, other.events[name].values)
         for name in ("kind", "mesh", "tooth_pair", "flank")
@@ -28,18 +28,18 @@ def same_events(run: Run, other: Run) -> bool:
     )
 
 
-# Each with the longest time that a step takes there [s], or would take but for an event.
+# Each with the longest time of a step [s], or of a step that an event would cut.
 CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
     "paper": (FRICTIONLESS, (CLOSED,), 0.5),
     "friction": (FRICTION, (CLOSED,), 0.2),
     "real gears": ("spur-pair.yaml", ("simulation.duration=0.5",), 1e-4),
-    "rattle": ("rattle.yaml", (), 5.3e-3),  # a pitch: between two touches nothing bends the motion
+    "rattle": ("rattle.yaml", (), 5.3e-3),  # a pitch: between two contacts the motion is smooth
 }
 
 
 @pytest.mark.parametrize(("case", "settings", "cut"), CASES.values(), ids=CASES.keys())
 def test_a_longer_run_begins_with_the_bits_of_a_shorter_one(runs, case, settings, cut):
-    """Up to the step that its end cuts."""
+    """Up to the step that is cut by its end."""
     whole = runs(case, *settings)
     end = 0.731 * float(whole.history["time"].values[-1])
     part = runs(case, *settings, f"simulation.duration={end}")
@@ -84,15 +84,15 @@ def test_a_longest_step_that_is_stated_holds_for_radau(runs):
     assert steps(limited) >= 2500 > steps(runs(FRICTIONLESS, CLOSED))
 
 
-# ---- what comes and goes between two steps
+# ---- short events between two steps
 
 TEETH = (20, 31)
 SPEED = 50.0
-GAP = 1.996e-5  # at the start [m]: for a fortieth of a turn in 40 runout closes it
+GAP = 1.996e-5  # initial gap [m]: runout closes it for a fortieth of a revolution in 40
 
 
 def spinning(**simulation: Any) -> dict[str, Any]:
-    """Two gears that turn evenly whatever they touch, which they do where one runs out the most."""
+    """Two gears with constant speeds in spite of contact, which occurs at the largest runout."""
     speeds = {"pinion": -SPEED, "gear": SPEED * TEETH[0] / TEETH[1]}
     start = {"kind": "speeds", "speeds": speeds, "gaps": {"pinion-gear": GAP}}
     return real_pair(
@@ -108,7 +108,7 @@ def spinning(**simulation: Any) -> dict[str, Any]:
 
 
 def test_flanks_that_touch_once_in_a_turn_touch_in_every_turn(runs):
-    """Nothing but the touch bends the motion: steps go from tooth to tooth, and none is missed."""
+    """Only contact changes the motion: steps extend from tooth to tooth, and none is missed."""
     free, fine = runs(spinning()), runs(spinning(max_step=1e-4))
     touches = free.times("contact_closed")
     assert touches.size == math.ceil(3 * SPEED / (2 * math.pi))
@@ -120,7 +120,7 @@ def test_flanks_that_touch_once_in_a_turn_touch_in_every_turn(runs):
 
 
 def shaken(knots: list[float], values: list[float], **simulation: Any) -> dict[str, Any]:
-    """The paper's pair in a housing that is at rest but for one jerk."""
+    """The paper's pair in a housing that is at rest except for one jerk."""
     case = pair(**{"duration": 1.0, **simulation})
     motion = {"kind": "table", "axis": "x", "time": knots, "value": values}
     case["housing"] = {"kind": "prescribed", "translation": [motion]}
@@ -128,7 +128,7 @@ def shaken(knots: list[float], values: list[float], **simulation: Any) -> dict[s
 
 
 def test_a_jerk_of_the_housing_is_not_stepped_over(runs):
-    """The motion rests for half a second, goes to and fro in 2 ms, and rests again."""
+    """The housing rests for half a second, moves to and fro in 2 ms, and rests again."""
     quiet = [
         0.4,
         0.2,
@@ -139,7 +139,7 @@ def test_a_jerk_of_the_housing_is_not_stepped_over(runs):
         5e-3,
         2e-3,
         1e-3,
-    ]  # knots: a spline swings where it may
+    ]  # knots: a spline may oscillate between them
     knots = [*(0.5 - x for x in quiet), 0.5, *(0.5 + x for x in reversed(quiet))]
     jerk = (knots, [1e-6 if t == 0.5 else 0.0 for t in knots])
     run, fine = runs(shaken(*jerk)), runs(shaken(*jerk, max_step=1e-4))

@@ -1,9 +1,9 @@
-"""Every entry of every table in whole runs: radau and IDA agree, energy holds, no pair pulls.
+"""Every entry of every table in whole runs: radau and IDA agree, energy holds, no adhesive forces.
 
-Laws, loads and supports are the kernel's tables, so that an entry that is new takes part at once:
-its parameters are drawn, or a sample is asked for. Lanes and single states are compared in
-tests/laws and tests/gearbox/lanes. Rigid contact is no force law: radau refuses it, and there is
-nothing to compare but IDA with itself; it meets every load, support and friction law here.
+Laws, loads and supports are the kernel's tables, so that new entries are included automatically:
+their parameters are drawn, or a sample is required. Lanes and single states are compared in
+tests/laws and tests/gearbox/lanes. Rigid contact is not a force law: radau rejects it, and only
+IDA is available for comparison; it is combined with every load, support and friction law here.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from system.pushing_cases import DEVIATIONS, pushing_case
 from system.test_integrators import IDA, RADAU, TIGHT, error
 from system.test_loads import loaded
 
-PLAIN = ("none", "none", "johnson", "linear", "coulomb")  # entries where another table is tried
+PLAIN = ("none", "none", "johnson", "linear", "coulomb")  # entries while another table is tested
 DURATION = "simulation.duration=1e-3"
 
 
@@ -30,7 +30,7 @@ def names(kernel: Kernel, family: int) -> list[str]:
 
 
 def row(**entries: str) -> tuple[str, ...]:
-    """Entries of a pair of real gears, plain but for those named."""
+    """Entries of a pair of gears, default except for those named."""
     factors = ("pinion", "gear", "contact", "damping", "friction")
     plain = dict(zip(factors, PLAIN, strict=True)) | entries
     return (*(plain[factor] for factor in factors), "radau", "drive")
@@ -50,7 +50,7 @@ def check_case(runs, case: dict[str, Any], *settings: str, what: object = "") ->
 
 
 def check_rigid(runs, case: dict[str, Any], *settings: str, what: object = "") -> None:
-    """By IDA alone, against a tighter tolerance; nothing fails, and the flanks do meet."""
+    """By IDA alone, against a smaller tolerance; no failure, and the flanks make contact."""
     run = runs(rigid(case), IDA, "simulation.tolerance=1e-9", *settings)
     exact = runs(rigid(case), IDA, "simulation.tolerance=1e-11", *settings)
     assert run.exit_code == exact.exit_code == 0, (what, run.messages)
@@ -103,7 +103,7 @@ def test_every_load_on_rigid_contact(runs, name: str) -> None:
 def test_every_support_of_rigid_contact(runs, name: str) -> None:
     case = loaded("torque")
     case["wheels"][1]["support"] = dict(SUPPORTS[name])
-    # what energies are compared with: from rest it would be less than IDA's error at first
+    # scale of energies: from rest it would initially be less than IDA's error
     speeds = {"pinion": -3.0, "gear": 2.0}
     case["simulation"]["initial"] = {"kind": "speeds", "speeds": speeds}
     check_rigid(runs, case, "simulation.duration=0.02")

@@ -1,4 +1,4 @@
-"""Trains with shafts: against hand calculations, an eigenproblem assembled by hand, and limits."""
+"""Trains with shafts: against manual calculations, an independent eigenproblem, and limits."""
 
 from __future__ import annotations
 
@@ -61,9 +61,9 @@ def disc_inertia(radius: float, width: float) -> float:
 
 
 def two_stages_by_hand(middle: float | None) -> np.ndarray:
-    """Eigenvalues but 0, of absolute angles: J phi'' + C phi' + K phi = 0.
+    """Eigenvalues except 0, of absolute angles: J phi'' + C phi' + K phi = 0.
 
-    Contact: h = -sigma (r_bA phi_A + r_bB phi_B), its stiffness Johnson's at the steady force.
+    Contact: h = -sigma (r_bA phi_A + r_bB phi_B), with Johnson's stiffness at the steady force.
     """
     radii = np.array([0.04, 0.04 * 47 / 20, 0.046, 0.046 * 53 / 23])
     inertia = [
@@ -100,7 +100,7 @@ def two_stages_by_hand(middle: float | None) -> np.ndarray:
         couple(2, 3, 1, -1, middle, 0.0)
     mass, damping, spring = (join.T @ m @ join for m in (np.diag(inertia), dampers, springs))
     m = len(mass)
-    with mp.workdps(40):  # with absolute angles the slow modes are lost in double precision
+    with mp.workdps(40):  # with absolute angles the slow modes are inaccurate in double precision
         inverse = mp.matrix(mass.tolist()) ** -1
         matrix = mp.zeros(2 * m)
         matrix[:m, m:] = mp.eye(m)
@@ -125,7 +125,7 @@ def test_two_stages_have_the_modes_of_the_problem_assembled_by_hand(evolvent, ex
 
 
 def eigenvalues(evolvent: Any, examples: Any, *settings: str) -> np.ndarray:
-    """Eigenvalues of the example, from slow to fast."""
+    """Eigenvalues of the example, in ascending order of magnitude."""
     options = [word for setting in settings for word in ("--set", setting)]
     result = evolvent("modes", examples / "two-stage.yaml", "--json", *options)
     assert result.returncode == 0, result.stderr
@@ -134,7 +134,7 @@ def eigenvalues(evolvent: Any, examples: Any, *settings: str) -> np.ndarray:
 
 
 def test_a_rigid_shaft_is_the_limit_of_a_stiff_one(evolvent, examples):
-    """The modes of the rigid one are reached as 1/c, and one more mode runs away as sqrt(c)."""
+    """The modes of the rigid one are approached as 1/c; one additional mode grows as sqrt(c)."""
     rigid = eigenvalues(evolvent, examples)
     shaft = "shafts.middle={{name: middle, wheels: [gear-1, pinion-2], stiffness: {}}}"
     stiff, stiffer = (eigenvalues(evolvent, examples, shaft.format(c)) for c in ("1e9", "1e10"))
@@ -142,7 +142,7 @@ def test_a_rigid_shaft_is_the_limit_of_a_stiff_one(evolvent, examples):
     assert len(stiff) == n + 1
     away, less = (abs(values[:n] / rigid - 1).max() for values in (stiff, stiffer))
     assert away < 1e-3
-    # to first order in 1/c: what is left of the second is less than the first itself
+    # to first order in 1/c: the second-order remainder is less than the first itself
     assert less == pytest.approx(away / 10, rel=10 * away)
     assert abs(stiffer[-1] / stiff[-1]) == pytest.approx(math.sqrt(10), rel=1e-2)
 
@@ -163,7 +163,7 @@ def test_a_stiff_shaft_gives_the_history_of_a_rigid_one(runs):
 
 
 def test_two_idlers_between_two_wheels_share_the_torque(runs):
-    """From rest; by symmetry half each, in both stages, at every time."""
+    """From rest; by symmetry half each, in both stages, at all times."""
     run = runs(power_split())
     assert run.exit_code == 0
     force = run.history["normal_force"]
@@ -218,6 +218,6 @@ def test_a_disc_that_only_hands_on_the_torque_of_two_rigid_shafts_balances(runs)
     run = runs(case)
     assert broken_invariants(run) == []
     first, second = run.history["shaft_torque"].values.T
-    # nothing accelerates: what the disc gets from one shaft the other one takes
+    # no acceleration: the torques of both shafts of the disc are equal
     np.testing.assert_allclose(first, second, rtol=1e-9)
     assert abs(first).min() > 1

@@ -1,6 +1,6 @@
-"""Wild gearboxes: energy balances to 1e-8 in every run that comes to its end at tolerance 1e-12.
+"""Wild gearboxes: energy balances to 1e-8 in every complete run at tolerance 1e-12.
 
-``pytest tests/system/test_wild_gearboxes.py --long`` runs 500, without it some cheap ones.
+``pytest tests/system/test_wild_gearboxes.py --long`` runs 500, without it some short ones.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ SEEDS = (
 )
 TRAINS = (117, 180, 278)  # whose rigid flanks open and close each other at one instant
 LONG = 500
-ENERGY = 1e-8  # asked for; 6.2e-11 was the worst of 488 runs
-# Runs that do not come to their end (docs/random_sets.md), at 1e-12 and at the default tolerance.
+ENERGY = 1e-8  # required; 6.2e-11 was the worst of 488 runs
+# Incomplete runs (docs/random_sets.md), at 1e-12 and at the default tolerance.
 ENDED_AT_TIGHT = {0, 5, 8, 101, 117, 147, 312, 339, 423, 427, 452}
 ENDED = {312, 423}
 
@@ -57,7 +57,7 @@ def test_a_wild_gearbox_keeps_its_invariants_at_the_default_tolerance(runs: Runs
 def test_rigid_flanks_that_share_wheels_settle_at_every_rest_velocity(
     runs: Runs, seed: int, rest: float
 ) -> None:
-    """A flank that counted as open went through its partner, or the flanks bounced for ever."""
+    """In the past an open flank penetrated its mate, or the flanks bounced endlessly."""
     case = wild_gearbox(seed)
     for mesh in case["meshes"]:
         mesh["contact"]["rest_velocity"] = rest
@@ -71,7 +71,7 @@ def test_rigid_flanks_that_share_wheels_settle_at_every_rest_velocity(
 
 @pytest.mark.parametrize("name", ["moving-axles-energy", "shaken-housing-energy"])
 def test_energy_balances_where_axles_move_far_under_johnsons_law(runs: Runs, name: str) -> None:
-    """Axles, deviations and a shaken housing change the radii: 8e-7 and 4e-4 got lost once.
+    """Axes, deviations and a moving housing change the radii: 8e-7 and 4e-4 were once lost.
 
     In the second the flanks overlap by 3 % of their radii.
     """
@@ -83,7 +83,7 @@ def test_energy_balances_where_axles_move_far_under_johnsons_law(runs: Runs, nam
 
 @pytest.mark.parametrize("seed", [55, 393])
 def test_teeth_off_their_path_overlap_nowhere(runs: Runs, seed: int) -> None:
-    """Axles that were pushed apart: a penetration of 19 m was told there once."""
+    """Axes that were pushed apart: once a penetration of 19 m was reported there."""
     run = runs(wild_gearbox(seed))
     assert run.exit_code == 0, run.messages
     of_pairs = run.history["pair_penetration"].fillna(0.0).max("pair").clip(min=0.0)

@@ -24,7 +24,7 @@ SPEED, TORQUE = 157.08, 89.5  # of the pinion [rad/s], at the gear [N m]
 def pair(
     examples: Path, zeta: float, *, start: str = "speeds", integrator: str = "radau", **options: Any
 ) -> Case:
-    """A pinion of prescribed speed; flanks that begin without load."""
+    """A pinion with prescribed speed; flanks without initial load."""
     case = yaml.safe_load((examples / "spur-pair.yaml").read_text())
     pinion, gear = case["wheels"]
     pinion["loads"] = [{"kind": "speed", "value": -SPEED}]
@@ -39,7 +39,7 @@ def pair(
 
 
 def driven(examples: Path, slope: float, start: str = "speeds") -> Case:
-    """A motor whose speed settles by itself: a motion without vibration."""
+    """A motor whose speed settles: a motion without vibration."""
     case = pair(examples, 0.07, start=start)
     pinion, gear = case["wheels"]
     drive = {"kind": "drive", "speed": -SPEED, "torque": -TORQUE * 19 / 34, "slope": -slope}
@@ -51,7 +51,7 @@ def driven(examples: Path, slope: float, start: str = "speeds") -> Case:
 
 
 def with_machine(examples: Path, damping: float) -> Case:
-    """A machine behind a shaft that begins without twist: 100 Hz."""
+    """A machine on a shaft without initial twist: 100 Hz."""
     case = pair(examples, 0.07)
     case["wheels"][1].pop("loads")
     machine = {"name": "machine", "inertia": 0.02, "mass": 20.0, "width": 0.1, "material": "steel"}
@@ -63,7 +63,7 @@ def with_machine(examples: Path, damping: float) -> Case:
     return case
 
 
-CASES = {  # what moves: the beginning of windows that are not settled, and of those that are [s]
+CASES = {  # what moves: start of windows that are not settled, and of those that are [s]
     "damping ratio 0.07": (lambda of: pair(of, 0.07), [0.0], [2e-3]),
     "damping ratio 0.02": (lambda of: pair(of, 0.02), [1e-3], [6e-3]),
     "damping ratio 0.02 by IDA": (lambda of: pair(of, 0.02, integrator="ida"), [1e-3], [6e-3]),
@@ -93,7 +93,7 @@ def windowed(runs: Runs, case: Case, begin: float, length: float = LENGTH) -> Ru
 
 
 def farthest(one: Run, other: Run) -> float:
-    """Largest distance between the metrics of two runs, over what is allowed."""
+    """Largest difference of the metrics of two runs, over its tolerance."""
     worst = 0.0
     for name in ("transmission_error", "normal_force", "angular_acceleration"):
         a, b = (

@@ -22,7 +22,7 @@ def case(wheels: list[dict[str, Any]], meshes: list[dict[str, Any]], **simulatio
 
 
 def row(n: int, **simulation: Any) -> dict[str, Any]:
-    """Row of n wheels, each of which turns the next one."""
+    """Row of n wheels, each of which drives the next one."""
     wheels: list[dict[str, Any]] = [
         {"name": f"w{i}", "teeth": 30 + i % 7, "pitch_radius": 0.002 * (30 + i % 7)}
         for i in range(n)
@@ -43,7 +43,7 @@ def row(n: int, **simulation: Any) -> dict[str, Any]:
 
 
 def power_split(**simulation: Any) -> dict[str, Any]:
-    """Two idlers side by side between two wheels: four meshes, a closed loop."""
+    """Two idlers in parallel between two wheels: four meshes, a closed loop."""
     angle = 35.0
     radii = {"input": 0.04, "upper": 0.06, "lower": 0.06, "output": 0.1}
     c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))

@@ -1,9 +1,8 @@
-"""Wide gearboxes: the wild ones over all scales, and all other random gearboxes with them.
+"""Wide gearboxes: wild ones over all scales, and all other kinds of random gearboxes.
 
-A seed gives a case, its last digit the kind. The wide ones have loads over twelve decades, speeds
-over six, and are then put into other units: lengths over eight decades, times and masses over
-twelve. No key is left to a default that has a unit, so that a change of units changes nothing but
-the digits.
+A seed gives a case, its last digit the kind. The wide ones have loads over twelve decades and
+speeds over six, and are then converted to other units: lengths over eight decades, times and masses
+over twelve. All keys with a unit are explicit, so that a change of units changes only the digits.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from system.wild_gearboxes import WildGearbox, tracked_gearbox, wild_gearbox
 
 PERIODS = 300  # natural periods of a mesh in a run, at most
 OUTPUTS = 40
-IDA_LONGEST_STEP = 0.02  # [s], if a case does not say one
+IDA_LONGEST_STEP = 0.02  # [s], if a case does not set one
 KINDS = (
     *("wide", "wide", "wide", "wide", "scaled", "wild", "tracked"),
     *("falling friction", "bending", "bouncing"),
@@ -27,12 +26,12 @@ KINDS = (
 
 
 def kind_of(seed: int) -> str:
-    """What kind of gearbox a seed gives."""
+    """Kind of gearbox of a seed."""
     return KINDS[seed % len(KINDS)]
 
 
 def wide_case(program: Path, seed: int) -> Block:
-    """Make the case of a seed; the program tells which unit a key has."""
+    """Create the case of a seed; the program reports the units of keys."""
     kind, number = kind_of(seed), 10_000 + seed
     if kind == "wild":
         return wild_gearbox(number)
@@ -50,7 +49,7 @@ def wide_case(program: Path, seed: int) -> Block:
 
 
 def unscaled_case(seed: int) -> Block:
-    """Make the case of a seed of kind "scaled" in its first units."""
+    """Create the case of a seed of kind "scaled" in its first units."""
     case = _WideGearbox(10_000 + seed).case()
     case["simulation"]["max_step"] = IDA_LONGEST_STEP
     return case
@@ -64,7 +63,7 @@ def scales_of(seed: int) -> Scales:
 
 
 def with_few_outputs(case: Block) -> Block:
-    """Give the case with OUTPUTS outputs."""
+    """Return the case with OUTPUTS outputs."""
     simulation = case["simulation"]
     simulation["output_interval"] = simulation["duration"] / OUTPUTS
     return case
@@ -100,7 +99,7 @@ class _WideGearbox(WildGearbox):
 
 
 class _BouncingGearbox(WildGearbox):
-    """Rigid flanks that bounce, down to rest velocities that no digits resolve."""
+    """Rigid bouncing flanks, down to rest velocities beyond double precision."""
 
     def draw_size(self) -> None:
         super().draw_size()

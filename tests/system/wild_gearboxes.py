@@ -1,9 +1,9 @@
-"""Wild gearboxes: what a case can say, all of it, at loads and speeds that no engineer would allow.
+"""Wild gearboxes: all features of a case, at loads and speeds beyond engineering practice.
 
-They are the random gearboxes with every law, support, housing and deviation, the tracking and the
-rigid contact that the rest permits, moduli from 0.5 to 20 mm and loads up to where the law of the
-force ends. A case that is refused, or a run that the model ends with its own words, is no fault:
-`test_wild_gearboxes.py` asks what those runs are worth that come to their end.
+They are the random gearboxes with every law, support, housing and deviation, every compatible
+tracking and rigid contact, moduli from 0.5 to 20 mm and loads up to the limit of the force law. A
+case that is rejected, or a run that the model ends with a message, is no failure:
+`test_wild_gearboxes.py` tests the complete runs.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ LARGEST_SPEED = 40.0  # of the pitch circle [m/s]
 
 
 def wild_gearbox(seed: int) -> Block:
-    """Make the case of a seed."""
+    """Create the case of a seed."""
     return WildGearbox(seed).case()
 
 
 class WildGearbox(Gearbox):
-    """A wild gearbox in the making."""
+    """Generator of a wild gearbox."""
 
     def __init__(self, seed: int) -> None:
         super().__init__(1_000_003 * (seed + 1))
 
     def draw_size(self) -> None:
         self.losing = self.chance(0.5)
-        self.shaken = False  # the housing comes later
+        self.shaken = False  # the housing is added later
         self.rigid = self.chance(0.08)
         self.modified = not self.rigid and self.chance(0.5)
         self.tracking = "closed_form"
@@ -132,13 +132,13 @@ class WildGearbox(Gearbox):
                 case["simulation"]["initial"] = self.speeds()
         for wheel in self.wheels:
             for load in wheel.get("loads", []):
-                if self.chance(0.3) or load["kind"] == "speed":  # as the start counts speeds
+                if self.chance(0.3) or load["kind"] == "speed":  # as in the start
                     load["against"] = "housing"
         return case
 
     def prescribed(self) -> Block:
-        """Make a housing that shakes and turns."""
-        pace = abs(self.speed) / (2 * math.pi)  # turns of the first wheel [Hz]
+        """Create a housing with prescribed vibration and rotation."""
+        pace = abs(self.speed) / (2 * math.pi)  # revolutions of the first wheel [Hz]
 
         def shake(size: float) -> list[Block]:
             terms = []
@@ -161,7 +161,7 @@ class WildGearbox(Gearbox):
         return {"kind": "prescribed", "translation": shake(self.module), "rotation": rotation}
 
     def mounted(self) -> Block:
-        """Make a housing on springs and dampers."""
+        """Create a housing on springs and dampers."""
         radius = self.module * self.teeth
         mass = 20 * DENSITY * math.pi * radius**2 * self.width
         frequency = abs(self.speed) * self.log_uniform(0.1, 10)
@@ -181,12 +181,12 @@ class WildGearbox(Gearbox):
 
 
 def tracked_gearbox(seed: int) -> Block:
-    """Make a wild gearbox whose points of contact are all tracked in differential form."""
+    """Create a wild gearbox with differential tracking of all contact points."""
     return _TrackedGearbox(seed).case()
 
 
 class _TrackedGearbox(WildGearbox):
     def draw_size(self) -> None:
         super().draw_size()
-        self.modified = False  # deviations ask for the closed form
+        self.modified = False  # deviations require the closed form
         self.tracking = "differential"

@@ -1,1 +1,1 @@
-"""The command lines: evolvent-post and evolvent-sweep."""
+"""Command lines of evolvent-post and evolvent-sweep."""

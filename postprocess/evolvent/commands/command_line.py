@@ -1,8 +1,8 @@
-"""What a command takes, told once, and how its words are read.
+"""Declaration of the parameters of commands, and the parser of command lines.
 
-A command's parameters are annotated with what `option` and `argument` make. Command lines that are
-right are read here, by the types of the parameters: typer, which knows help, completion and how to
-complain, takes as long to import as all that a short command does. It has every other line.
+The parameters of a command are annotated with the results of `option` and `argument`. Valid command
+lines are parsed here, by the types of the parameters: importing typer takes as long as all else
+that a short command does. typer handles every other line: help, completion and error messages.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ REAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?", re.A
 
 
 class WrongUsageError(Exception):
-    """A value that an option or argument cannot have; it ends as typer's complaints do.
+    """Invalid value of an option or argument; reported like an error of typer.
 
     Parameters
     ----------
-    option : which of them.
+    option : name of the option or argument.
     """
 
     def __init__(self, message: str, option: str | None = None) -> None:
@@ -33,12 +33,12 @@ class WrongUsageError(Exception):
 
 
 class UnclearError(Exception):
-    """Words that are not read here."""
+    """Command line that this parser does not handle."""
 
 
 @dataclass(frozen=True)
 class Told:
-    """What is told of an option, or of an argument, which has no names."""
+    """Declaration of an option, or of an argument, which has no names."""
 
     names: tuple[str, ...]
     metavar: str | None
@@ -46,7 +46,7 @@ class Told:
     more: Mapping[str, Any] = field(default_factory=dict)
 
     def for_typer(self) -> Any:
-        """The same as typer has it."""
+        """Return the equivalent declaration of typer."""
         import typer
 
         if not self.names:
@@ -65,13 +65,13 @@ class Parameter:
 
     name: str
     told: Told
-    kind: Any  # of one value
+    kind: Any  # type of one value
     is_list: bool
     default: Any
     is_required: bool
 
     def value(self, text: str) -> Any:
-        """Read one word."""
+        """Convert one word to a value of the parameter's type."""
         value = self._value(text)
         least, most = self.told.more.get("min"), self.told.more.get("max")
         if (least is not None and value < least) or (most is not None and value > most):
@@ -98,11 +98,11 @@ class Parameter:
 
 
 def option(shown: str, text: str, **more: Any) -> Told:
-    """Describe an option as its help shows it: option("-o --output DIR", "Folder of the results.").
+    """Declare an option as its help shows it: option("-o --output DIR", "Folder of the results.").
 
     Parameters
     ----------
-    more : `min`, `max`, `parser`, and what else `typer.Option` takes.
+    more : `min`, `max`, `parser`, and other keywords of `typer.Option`.
     """
     *names, last = shown.split()
     if last.startswith("-"):
@@ -111,7 +111,7 @@ def option(shown: str, text: str, **more: Any) -> Told:
 
 
 def argument(shown: str, text: str) -> Told:
-    """Describe an argument as its help shows it: argument("FILE", "History (.h5).")."""
+    """Declare an argument as its help shows it: argument("FILE", "History (.h5).")."""
     return Told((), shown, text)
 
 
@@ -136,7 +136,7 @@ def parameters(command: Callable[..., Any]) -> list[Parameter]:
 
 
 def read(command: Callable[..., Any], words: Sequence[str]) -> dict[str, Any]:
-    """Read the words of a command line.
+    """Parse the words of a command line.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def read(command: Callable[..., Any], words: Sequence[str]) -> dict[str, Any]:
     Raises
     ------
     UnclearError
-        They are wrong, ask for help, or are written in a way that only typer knows.
+        They are invalid, request help, or use a form that only typer supports.
     """
     known = parameters(command)
     by_option = {name: one for one in known for name in one.told.names}
@@ -185,11 +185,11 @@ def _final(one: Parameter, values: list[Any]) -> Any:
 def for_typer(
     command: Callable[..., Any], error: WrongUsageError | None = None
 ) -> Callable[..., Any]:
-    """The same command as typer has it.
+    """Return the command with the declarations that typer expects.
 
     Parameters
     ----------
-    error : is complained of instead of running it.
+    error : reported instead of running the command.
     """
     from functools import wraps
     from inspect import signature
@@ -215,7 +215,7 @@ def for_typer(
 
 
 def _complaining(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Make typer say what is wrong."""
+    """Wrap a function: typer reports its `WrongUsageError`."""
 
     def called(*values: Any, **named: Any) -> Any:
         import typer

@@ -1,8 +1,8 @@
-"""What evolvent-post and evolvent-sweep share: how they start, end, complain and print.
+"""Start-up, exit, error messages and printing common to evolvent-post and evolvent-sweep.
 
-Starting is most of what a short command costs. So a program imports the command that is asked for
-and no other, its own help comes without any, and commands import what they work with where they
-use it; tests/commands/test_python_start.py tells what each may import.
+Start-up dominates the run time of a short command. A program therefore imports only the requested
+command; its own help needs no command, and commands import libraries where they use them.
+tests/commands/test_python_start.py lists the permitted imports.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ OPTIONS = {
     "installation.",
     ", ".join(HELP): "Show this message and exit.",
 }
-WIDTHS = (50, 78)  # of help, however wide the terminal is
+WIDTHS = (50, 78)  # of help, independent of the terminal
 
 
 def make_program(
     name: str, package: str, commands: Mapping[str, str], text: str, unused: Sequence[str] = ()
 ) -> Callable[[], None]:
-    """Make a program of its commands: each is the function of its name, in the file of its name.
+    """Build a program from its commands: each is the function of its name in the file of its name.
 
     Parameters
     ----------
-    commands : what each does, in a sentence: the first of its help.
+    commands : description of each command, the first sentence of its help.
     text : help, with the exit codes. An `EvolventError` is one line on stderr and an exit code.
     unused : modules that no command uses.
     """
@@ -64,7 +64,7 @@ def make_program(
             sys.exit(_run(say, told) or (0 if words else USAGE))
         elif words == ["--version"]:
             sys.exit(_run(say, {"text": _version(name)}))
-        # Where none is named, all are needed: for completion, and to say which are near.
+        # Without a valid command name all are imported: for completion and for suggestions.
         named = words[:1] if words and words[0] in commands else list(commands)
         functions = [getattr(import_module(f"{package}.{one}"), one) for one in named]
         try:
@@ -87,7 +87,7 @@ def make_program(
 
 
 def _end(code: int, error: Exception) -> NoReturn:
-    """End the program; at once where HDF5 would crash over what it still holds."""
+    """Exit the program; at once if HDF5 would crash while closing its files."""
     if HALF_WRITTEN or is_hdf5_broken(error):
         sys.stdout.flush()
         os._exit(code)
@@ -96,10 +96,10 @@ def _end(code: int, error: Exception) -> NoReturn:
 
 @contextmanager
 def _without(unused: Sequence[str]) -> Iterator[None]:
-    """Keep others from importing modules only to find out that nobody uses them.
+    """Hide modules that other libraries import only to test for their types.
 
-    To ask whether an array is one of dask, xarray imports dask; pandas takes pyarrow where it is:
-    together 50 MB and a third of a second. Who has asked before would miss them.
+    To test whether an array is a dask array, xarray imports dask; pandas uses pyarrow if installed:
+    together 50 MB and a third of a second. If pandas or xarray is loaded already, nothing changes.
     """
     is_asked = {"pandas", "xarray", *unused} & set(sys.modules)
     absent: dict[str, Any] = {} if is_asked else dict.fromkeys(unused)
@@ -117,7 +117,7 @@ def _run(function: Callable[..., None], values: Mapping[str, Any]) -> int:
         function(**values)
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:  # who read it wants no more
+    except BrokenPipeError:  # the reader has closed the pipe
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 0
@@ -129,11 +129,11 @@ def _with_typer(
     text: str,
     error: WrongUsageError | None = None,
 ) -> None:
-    """Do with typer what it knows: help, completion, complaints.
+    """Run typer for help, completion and error messages.
 
     Parameters
     ----------
-    error : a command line that is right by itself led to it.
+    error : error raised by a command line that was parsed successfully.
     """
     import typer
 
@@ -165,7 +165,7 @@ def _version(name: str) -> str:
 
 
 def _help(name: str, text: str, commands: Mapping[str, str]) -> str:
-    """Write the help of a program."""
+    """Return the help text of a program."""
     from textwrap import dedent, fill
 
     try:
@@ -204,29 +204,29 @@ def complain(name: str, message: str) -> None:
 
 
 def say(text: object, err: bool = False) -> None:
-    """Print at once, for whoever reads along; to stderr one line, whatever names are in it."""
-    shown = str(text).encode(errors="backslashreplace").decode()  # names may be no UTF-8
+    """Print and flush; to stderr as a single line, without unprintable characters."""
+    shown = str(text).encode(errors="backslashreplace").decode()  # names may be invalid UTF-8
     if err:
         shown = "".join(c if c.isprintable() else " " for c in shown)
     print(shown, file=sys.stderr if err else sys.stdout, flush=True)
 
 
 def new_console() -> Console:
-    """Console for tables; into a file or pipe lines are not broken: scripts read them."""
+    """Console for tables; in a file or pipe lines are not wrapped, for scripts."""
     from rich.console import Console
 
     return Console() if sys.stdout.isatty() else Console(width=160)
 
 
 def right(header: str) -> Column:
-    """Column of a table whose texts stand at the right, as numbers do."""
+    """Right-aligned column of a table, for numbers."""
     from rich.table import Column
 
     return Column(header, justify="right")
 
 
 def json_number(value: float | None) -> float | str | None:
-    """JSON has no infinity and no NaN: they become text."""
+    """Value for JSON, which has no infinity and no NaN: they become text."""
     from math import isfinite
 
     if value is None:

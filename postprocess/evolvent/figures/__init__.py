@@ -1,1 +1,1 @@
-"""What is drawn of histories over time; `table` lists it."""
+"""Figures of histories and other results; `table` lists them."""

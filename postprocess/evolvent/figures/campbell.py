@@ -1,4 +1,4 @@
-"""Campbell picture: orders over speed, natural frequencies, and where they meet."""
+"""Campbell diagram: orders over speed, natural frequencies, and their intersections."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from evolvent.figures.style import STYLE, legend, line_style
 
 RPM = 30.0 / math.pi
-HIGH, WIDE = 0.042, 0.032  # of a label of an order, over the axes
-HEADROOM = 1.12  # above the highest natural frequency
+HIGH, WIDE = 0.042, 0.032  # size of an order's label, relative to the axes
+HEADROOM = 1.12  # upper limit over the highest natural frequency
 ORDER: dict[bool, dict[str, Any]] = {
     True: {"color": "#666666", "linewidth": 1.0, "linestyle": "-"},
     False: {"color": "#999999", "linewidth": 0.9, "linestyle": (0, (1.5, 2.5))},
@@ -23,7 +23,7 @@ ORDER: dict[bool, dict[str, Any]] = {
 
 
 def draw_campbell(result: xr.Dataset) -> Figure:
-    """Draw natural frequencies and orders over the speed, and mark where they meet.
+    """Draw natural frequencies and orders over the speed, and mark their intersections.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def draw_campbell(result: xr.Dataset) -> Figure:
 
 
 def _draw_orders(axis: Axes, result: xr.Dataset, top: float) -> None:
-    """Orders from the left border to the upper or the right one; those of meshes are named."""
+    """Draw orders from the left border to the upper or right one; label those of meshes."""
     speed = result["speed"].values
     excitations = _excitations(result)
     several = len({_name(text) for text, is_mesh in excitations if is_mesh}) > 1
@@ -85,13 +85,14 @@ def _draw_orders(axis: Axes, result: xr.Dataset, top: float) -> None:
 
 
 def spread(labels: list[tuple[float, str]], least: float) -> list[float]:
-    """Places of labels, at least so far from each other, near where they belong.
+    """Positions of labels near their targets, with a minimum spacing.
 
     Parameters
     ----------
-    labels : where they belong and their texts, in rising order.
+    labels : target positions and texts, in ascending order.
+    least : minimum spacing.
     """
-    clusters: list[tuple[float, int]] = []  # middle, labels
+    clusters: list[tuple[float, int]] = []  # mean position, number of labels
     for place, _ in labels:
         clusters.append((place, 1))
         while len(clusters) > 1:
@@ -112,7 +113,7 @@ def _write(
 
 
 def _excitations(result: xr.Dataset) -> list[tuple[str, bool]]:
-    """Names of the orders, and whether each is one of a mesh."""
+    """Names of the orders, and whether each belongs to a mesh."""
     names = [str(name) for name in result["excitation"].values]
     return list(zip(names, result["is_mesh"].values.astype(bool).tolist(), strict=True))
 

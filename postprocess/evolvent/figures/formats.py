@@ -1,10 +1,10 @@
-"""Formats of figures: all that their options need to know."""
+"""File formats of figures."""
 
 from enum import StrEnum
 
 
 class Format(StrEnum):
-    """Formats of a figure."""
+    """Format of a figure."""
 
     PNG = "png"
     SVG = "svg"

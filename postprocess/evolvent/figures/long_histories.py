@@ -1,4 +1,4 @@
-"""Fewer outputs of a history that is too long to be drawn, without losing what its lines reach."""
+"""Thin out the outputs of a history that is too long to draw; extremes are preserved."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import xarray as xr
 from evolvent.history.recording import Recording, recording_of
 from evolvent.physics.thinning import thinned_lines
 
-LONG = 50_000  # outputs; fewer are all taken
-MOST, FEWEST, MOST_OF_ALL = 6000, 1000, 200_000  # outputs that a line keeps, and all lines together
-# What pictures look up beside the variables that they show.
+LONG = 50_000  # outputs; shorter histories are not thinned out
+MOST, FEWEST, MOST_OF_ALL = 6000, 1000, 200_000  # outputs of a line, and of all lines together
+# Variables that figures need in addition to the displayed ones.
 BESIDE = ("angle", "pair_on_path", "pair_normal_force", "pair_number", "pair_position")
 
 
 def drawable(history: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
-    """Take the outputs of a long history that pictures of some variables need.
+    """Select the outputs of a long history that figures of some variables need.
 
-    Of each line the smallest and the largest value of each of many equal stretches stay, at the
-    times at which they were. The history is read in parts: what is kept is small.
+    Each line is divided into equal intervals; the minimum and maximum of each are retained with
+    their times. The history is read in parts, so only the selected outputs are in memory.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ def drawable(history: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
 
     Returns
     -------
-    The history itself if it is short or lacks one of them; else one in memory with these variables,
-    what pictures look up beside them, and all that is constant.
+    The history itself if it is short or does not contain one of them; else one in memory with these
+    variables, those that figures need in addition, and all constants.
     """
     if history.sizes["time"] <= LONG or not set(names) <= set(history.data_vars):
         return history
@@ -49,7 +49,7 @@ def drawable(history: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
 
 
 def _rows(run: Recording, names: Sequence[str]) -> np.ndarray:
-    """Rows that any of the lines keeps."""
+    """Rows that are retained for at least one line."""
     count = sum(int(np.prod(run.variables[name].shape)) for name in names)
     most = int(np.clip(MOST_OF_ALL // max(count, 1), FEWEST, MOST))
     is_kept = np.zeros(run.n, dtype=bool)

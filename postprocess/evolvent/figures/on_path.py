@@ -1,4 +1,4 @@
-"""What tooth pairs feel on their way along the path of contact, over the roll angle."""
+"""Quantities of tooth pairs along the path of contact, over the roll angle."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DEGREE = np.pi / 180
 MARK: dict[str, Any] = {"color": "#777777", "linewidth": 1.0, "linestyle": ":", "zorder": 1.2}
 POINTS = "A start, C pitch point, E end of the path of contact; from B to D one pair is alone"
 MOST_LINES = 40  # passes of tooth pairs of a mesh: the last ones
-PAIRS = "pair_"  # names of quantities of tooth pairs begin so
+PAIRS = "pair_"  # prefix of the quantities of tooth pairs
 
 
 class Path(NamedTuple):
@@ -30,19 +30,19 @@ class Path(NamedTuple):
 
     start: float
     end: float
-    single: tuple[float, float] | None  # between them one pair is on the path; None from ratio 2 on
+    single: tuple[float, float] | None  # limits of single contact; None at contact ratios from 2
     pitch_point: float
 
 
 def path_of(history: xr.Dataset, mesh: int) -> Path:
-    """Roll angles that are told on the path of contact of a mesh."""
+    """Characteristic roll angles on the path of contact of a mesh."""
     one = history.isel(mesh=mesh)
     radius = float(require(history, "base_radius")[int(require(one, "driving_wheel"))])
     start = float(require(one, "rho_start_driving"))
     pitch, ratio = float(require(one, "base_pitch")), float(require(one, "contact_ratio"))
     end = start + ratio * pitch
     single = (end - pitch, start + pitch) if 1.0 < ratio < 2.0 else None
-    # The pitch point divides the line of action as the numbers of teeth do.
+    # The pitch point divides the line of action in the ratio of the numbers of teeth.
     teeth = require(history, "teeth").values
     a, b = (float(teeth[int(require(one, f"{w}_wheel"))]) for w in ("driving", "driven"))
     point = float(require(one, "line_of_action_length")) * a / (a + b)
@@ -55,7 +55,7 @@ def path_of(history: xr.Dataset, mesh: int) -> Path:
 
 
 def passes(history: xr.Dataset, name: str, mesh: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Roll angle [rad] and value along the way of each tooth pair of the drive flanks.
+    """Roll angle [rad] and value along the path of each tooth pair of the drive flanks.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def passes(history: xr.Dataset, name: str, mesh: int) -> list[tuple[np.ndarray, 
 
     Returns
     -------
-    One entry a pass, in order of time.
+    One entry per pass, in chronological order.
     """
     radius = float(require(history, "base_radius")[int(require(history, "driving_wheel")[mesh])])
     found: list[tuple[int, np.ndarray, np.ndarray]] = []
@@ -86,16 +86,16 @@ def passes(history: xr.Dataset, name: str, mesh: int) -> list[tuple[np.ndarray, 
 def draw_on_path(
     runs: Sequence[tuple[str, xr.Dataset]], names: Sequence[str], meshes: Sequence[str] = ()
 ) -> Figure:
-    """Draw variables of tooth pairs over the roll angle, a row of panels a mesh.
+    """Draw variables of tooth pairs over the roll angle, one row of panels per mesh.
 
-    Roll angle is rho_A over the base radius of the driving wheel: the angle that it turns while the
-    contact moves from its base circle. All passes of one run have one style.
+    Roll angle is rho_A over the base radius of the driving wheel: its rotation while the contact
+    moves from its base circle. All passes of one run have one style.
 
     Parameters
     ----------
     runs : labels and histories, with the same meshes.
     names : variables of tooth pairs; each has a column.
-    meshes : names of meshes; all if none is given.
+    meshes : names of meshes; all if empty.
     """
     first = runs[0][1]
     shown = list(meshes) or [str(name) for name in first["mesh"].values]
@@ -160,7 +160,7 @@ def _draw(
     path = path_of(runs[0][1], number)
     _mark_path(axis, path)
     ends = [path.start, path.end]
-    # Beyond the path only what carries load there: tip edges.
+    # Beyond the path of contact, include only positions with load: corner contact.
     ends += [end for *_, ways in found for angle, v in ways for end in _ends(angle[np.abs(v) > 0])]
     margin = 0.02 * (max(ends) - min(ends))
     axis.set_xlim((min(ends) - margin) / DEGREE, (max(ends) + margin) / DEGREE)
@@ -181,7 +181,7 @@ def _passes_of(history: xr.Dataset, name: str, mesh: str) -> list[tuple[np.ndarr
 
 
 def _mark_path(axis: Axes, path: Path) -> None:
-    """Mark start, end, pitch point C and where one pair is alone: A, B, D, E of the textbooks."""
+    """Mark points A to E of the path: start, single contact B to D, pitch point C, end."""
     points = {"A": path.start, "C": path.pitch_point, "E": path.end}
     if path.single is not None:
         points |= {"B": path.single[0], "D": path.single[1]}

@@ -1,4 +1,4 @@
-"""Branches of periodic orbits over a parameter: what is stable, what is not, where that changes."""
+"""Branches of periodic orbits over a parameter, with stability and bifurcations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from evolvent.figures.style import LINES, STYLE, legend
 from evolvent.units import axis_label, engineering
 
 PAIR, MESH = 1, 2
-# by the numbers of `orbit_kind`, and of `orbit_grazing`: None is any; what is ordinary has no mark
+# by `orbit_kind` and `orbit_grazing` (None: any value); regular points have no mark
 MARKS: dict[tuple[int, int | None], tuple[str, dict[str, Any]]] = {
     (1, None): ("fold", {"marker": "o", "markersize": 5}),
     (2, None): ("crossing", {"marker": "X", "markersize": 6}),
@@ -38,11 +38,11 @@ UNSTABLE = (0, (3, 2))
 
 
 def draw_orbits(orbits: xr.Dataset) -> Figure:
-    """Draw numbers of each mesh over the parameter: stable orbits solid, unstable ones dashed.
+    """Draw results of each mesh over the parameter: stable orbits solid, unstable ones dashed.
 
-    Orbits of one common period, of two and so on have their own colours, and longer ones thinner
-    lines, so that those on top of each other are seen; below all panels their ranges stand apart.
-    Folds and other special points have marks.
+    Orbits of one common period, of two and so on have their own colours. Longer periods have
+    thinner lines, so that coincident lines remain visible; the bottom panel shows the ranges of
+    each period. Folds and other special points are marked.
 
     Parameters
     ----------
@@ -75,12 +75,12 @@ def draw_orbits(orbits: xr.Dataset) -> Figure:
         handles, labels = panels[0].get_legend_handles_labels()
         legend(figure, dict(zip(labels, handles, strict=True)))
         if x.size > 0 and np.all(x <= 0):
-            panels[-1].invert_xaxis()  # a faster one is on the right
+            panels[-1].invert_xaxis()  # the faster speed is on the right
     return figure
 
 
 def _draw_branches(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray) -> None:
-    """Draw all branches, the colour by the period."""
+    """Draw all branches, coloured by period."""
     periods = sorted({int(period) for period in orbits["orbit_period"].values})
     in_order = sorted(_pieces(orbits), key=lambda piece: (piece[1], not piece[2]))  # of the legend
     for piece, period, is_stable in in_order:
@@ -93,7 +93,7 @@ def _draw_branches(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray
 
 
 def _draw_periods(panel: Axes, orbits: xr.Dataset, x: np.ndarray) -> None:
-    """Draw over which values orbits of each period go, a line for each: stable ones are thick."""
+    """Draw the parameter ranges of the orbits of each period; stable ones are thick lines."""
     periods = sorted({int(period) for period in orbits["orbit_period"].values})
     for piece, period, is_stable in _pieces(orbits):
         place = periods.index(period)
@@ -107,7 +107,7 @@ def _draw_periods(panel: Axes, orbits: xr.Dataset, x: np.ndarray) -> None:
 
 
 def _pieces(orbits: xr.Dataset) -> Iterator[tuple[slice, int, bool]]:
-    """Pieces of branches of one stability; a special point belongs to both sides of it."""
+    """Segments of branches of equal stability; a special point belongs to both neighbours."""
     branch = orbits["orbit_branch"].values
     ordinary = orbits["orbit_kind"].values == 0
     stable = orbits["orbit_stable"].values == 1
@@ -127,7 +127,7 @@ def _pieces(orbits: xr.Dataset) -> Iterator[tuple[slice, int, bool]]:
 
 
 def _draw_marks(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray) -> None:
-    """Draw what is special."""
+    """Mark the special points."""
     for (kind, grazing), (text, style) in MARKS.items():
         at = orbits["orbit_kind"].values == kind
         if grazing is not None:
@@ -137,7 +137,7 @@ def _draw_marks(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray) -
 
 
 def _grazing(orbits: xr.Dataset) -> np.ndarray:
-    """What just touches at each point; files of earlier versions name the mesh."""
+    """What grazes at each point (pair or mesh); files of earlier versions refer to the mesh."""
     if "orbit_grazing" in orbits:
         return np.asarray(orbits["orbit_grazing"].values)
     return np.full(orbits["orbit_kind"].values.shape, MESH)

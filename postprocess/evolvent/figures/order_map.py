@@ -1,4 +1,4 @@
-"""Order maps: how lines change as a gearbox runs up."""
+"""Order maps: amplitudes of orders during a run-up."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from evolvent.figures.spectrum import described
 from evolvent.figures.style import STYLE, log_ticks
 from evolvent.units import axis_label, engineering
 
-DARK = colormaps["magma_r"]  # its lightness falls steadily: it is read in grey as well
-DEPTH = 1e-3  # of the largest line: what lies below is as light as nothing
-HEIGHT = 1e-2  # of the largest line: orders are shown up to the last one that is higher
+DARK = colormaps["magma_r"]  # lightness decreases monotonically: readable in grey as well
+DEPTH = 1e-3  # of the largest line: smaller amplitudes get the lightest colour
+HEIGHT = 1e-2  # of the largest line: the axis ends at the last order above it
 RPM = 30.0 / math.pi
 
 
 def draw_order_maps(
     maps: Sequence[tuple[str, xr.Dataset]], over_time: bool = False, as_frequency: bool = False
 ) -> Figure:
-    """Draw amplitudes over speed and order, dark where they are large, a panel each, one scale.
+    """Draw amplitudes over speed and order, one panel per map, with a common colour scale.
 
     Parameters
     ----------
     maps : names and order maps of one quantity.
-    over_time : time instead of speed; so it is anyway where the speed turns round.
+    over_time : time instead of speed; always so if the speed is not monotonic.
     as_frequency : frequency instead of order.
     """
     if len({str(one.attrs.get("quantity")) for _, one in maps}) > 1:
@@ -77,7 +77,7 @@ def draw_order_maps(
 
 
 def _last(one: xr.Dataset, least: float, as_frequency: bool) -> float:
-    """Highest order, or frequency, that has a line so high, and a little more."""
+    """Axis limit slightly above the highest order, or frequency, with a line of this height."""
     high = np.argwhere(one["amplitude"].values[:, 1:] >= least)
     places = one["frequency"].values if as_frequency else one["order"].values[None, :]
     if not high.size:

@@ -1,4 +1,4 @@
-"""Panels over time below each other, with their events: what all figures over time share."""
+"""Stacked panels over time with their events: common part of all figures over time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from evolvent.figures.style import ABOVE, BELOW, MAX_MARKS, STYLE, legend, line_
 from evolvent.physics.thinning import thinned
 from evolvent.units import axis_label, engineering
 
-# Events that a reader of the figures asks about, with their marks at the lower edge.
+# Events shown in figures, with their marks at the lower edge.
 EVENT_MARKS = {
     "tooth_switch": ("tooth switch", "^"),
     "tooth_switch_back": ("tooth switch back", "v"),
@@ -30,36 +30,36 @@ EVENT_MARKS = {
     "sliding_ended": ("sliding ended", "x"),
 }
 PEAK = "extreme over the run"
-MAX_POINTS = 6000  # of a line; more cannot be seen and make an SVG of many megabytes
-FLAT = 2e-4  # of the size of the values: an axis shows at least so much, else ticks need 6 digits
-TALL, SMALL, FEW = 2.7, 2.1, 3  # heights of panels [inch], of few and of more
-WIDEST = (27, 18)  # letters of a line of their labels
+MAX_POINTS = 6000  # of a line; more are not visible and make an SVG of many megabytes
+FLAT = 2e-4  # minimum axis range relative to the values; below it tick labels need 6 digits
+TALL, SMALL, FEW = 2.7, 2.1, 3  # panel heights [inch], for few and for more panels
+WIDEST = (27, 18)  # characters per line of axis labels
 
 
 @dataclass(frozen=True)
 class Curve:
     """One line of a figure."""
 
-    label: str  # in the legend; the same label has the same style in all panels
+    label: str  # in the legend; equal labels have the same style in all panels
     values: xr.DataArray  # dim (time); drawn over its coordinate
-    style: int | None = None  # number for `line_style`; that of its label's turn if None
-    peaks: Sequence[tuple[float, float]] = ()  # times [s] and values of the extremes, marked
+    style: int | None = None  # index for `line_style`; by the order of labels if None
+    peaks: Sequence[tuple[float, float]] = ()  # times [s] and values of the marked extremes
 
 
 @dataclass(frozen=True)
 class Panel:
     """One pair of axes over time."""
 
-    ylabel: str  # panels below each other with the same have the same unit
+    ylabel: str  # stacked panels with the same label have the same unit
     curves: list[Curve]
     title: str = ""  # shown if there are several panels
     events: xr.Dataset | None = None  # as from `open_events`; marked if given
-    window: tuple[float, float] | None = None  # the times that are shown [s]; all if None
+    window: tuple[float, float] | None = None  # displayed time range [s]; all if None
 
 
 @dataclass(frozen=True)
 class Over:
-    """What panels are drawn over: the coordinate `time` of their curves and events."""
+    """Horizontal axis of panels: the coordinate `time` of their curves and events."""
 
     label: str = "time"
     units: str = "s"
@@ -79,14 +79,14 @@ class _Scale:
 def figure_over_time(
     panels: Sequence[Panel | None], columns: int = 1, over: Over = TIME, heading: str = ""
 ) -> Figure:
-    """Draw panels below each other, their curves named above and their events below.
+    """Draw stacked panels, with the legend above and the events below.
 
-    The panels share the axis of time unless one of them shows a window of its own.
+    The panels share the time axis unless one of them has its own time range.
 
     Parameters
     ----------
-    panels : row by row; None leaves a place empty.
-    columns : panels beside each other.
+    panels : row by row; None leaves a cell empty.
+    columns : number of panels in a row.
     heading : a line at the top.
     """
     there = [panel for panel in panels if panel is not None]
@@ -126,7 +126,7 @@ def figure_over_time(
                 axis.set_xlabel(axis_label(over.label, x.unit))
                 axis.tick_params(labelbottom=True)
         if PEAK in entries:
-            entries[PEAK] = entries.pop(PEAK)  # the last one
+            entries[PEAK] = entries.pop(PEAK)  # move to the end
         legend(figure, entries, ABOVE, heading)
         if crowded:
             counted = ", ".join(f"{number} of {label}" for label, number in crowded.items())
@@ -136,7 +136,7 @@ def figure_over_time(
 
 
 def _styles(curves: Sequence[Curve]) -> dict[str, int]:
-    """Number of the style of each label, in the order in which they come."""
+    """Index of the style of each label, in the order of occurrence."""
     labels = dict.fromkeys(curve.label for curve in curves if curve.style is None)
     return {label: number for number, label in enumerate(labels)}
 
@@ -169,7 +169,7 @@ def _draw(axis: Axes, panel: Panel, x: _Scale, y: _Scale, styles: dict[str, int]
     for curve in panel.curves:
         values = _within(curve.values, panel.window)
         style = line_style(styles[curve.label] if curve.style is None else curve.style)
-        if values.dtype.kind in "iub":  # holds from one output to the next
+        if values.dtype.kind in "iub":  # constant from one output to the next
             style["drawstyle"] = "steps-post"
             axis.yaxis.set_major_locator(MaxNLocator(nbins="auto", integer=True))
         times = values["time"].values * x.factor
@@ -190,13 +190,13 @@ def _draw(axis: Axes, panel: Panel, x: _Scale, y: _Scale, styles: dict[str, int]
 
 
 def _peaks_within(curve: Curve, shown: xr.DataArray) -> list[tuple[float, float]]:
-    """Extremes among the times that are shown: one beyond would stand outside of the panel."""
+    """Extremes within the displayed times; others would lie outside the panel."""
     times = shown["time"].values
     return [peak for peak in curve.peaks if times.size and times[0] <= peak[0] <= times[-1]]
 
 
 def _mark_peaks(axis: Axes, places: Sequence[tuple[float, float]], color: Any) -> None:
-    """Mark where the extremes over the run were reached, though no output lies there."""
+    """Mark the extremes over the run at their exact times, also between outputs."""
     if places:
         axis.plot(
             [time for time, _ in places],
@@ -220,7 +220,7 @@ def _within(values: xr.DataArray, window: tuple[float, float] | None) -> xr.Data
 def _mark_events(
     axis: Axes, events: xr.Dataset, factor: float, crowded: Counter[str]
 ) -> dict[str, Any]:
-    """Mark events at the lower edge; return the marks by label, and count what is too many."""
+    """Mark events at the lower edge; return marks by label, and count those too dense to mark."""
     begin, end = axis.get_xlim()
     when = events["time"].values * factor
     inside = (when >= begin) & (when <= end)
@@ -251,7 +251,7 @@ def _mark_events(
 
 
 def of_mesh(events: xr.Dataset | None, mesh: int) -> xr.Dataset | None:
-    """Keep the events of a mesh and those that concern none."""
+    """Select the events of a mesh and those without a mesh."""
     if events is None:
         return None
     return events.isel(event=np.isin(events["mesh"].values, [-1, mesh]))

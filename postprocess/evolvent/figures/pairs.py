@@ -1,4 +1,4 @@
-"""The load of each tooth pair over the roll angle of the driving wheel, or over time."""
+"""Load of each tooth pair over the roll angle of the driving wheel, or over time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from evolvent.physics.teeth import pitches_passed
 from evolvent.units import axis_label, engineering
 
 NEEDS = ("normal_force", "pair_normal_force", "pair_contact_pressure", "pair_number")
-SHOWN_PITCHES = 6.0  # as many as can be told apart if no window is given
+SHOWN_PITCHES = 6.0  # number of readable pitches, if no time range is given
 SUM: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 4.0, "zorder": 1.5}
 ENTRY, EXIT = ("a pair enters the path", "^"), ("a pair leaves it", "v")
 MARKS = {"pair_entered": (ENTRY,), "pair_left": (EXIT,), "tooth_switch": (ENTRY, EXIT)}
@@ -29,14 +29,14 @@ def last_pitches(history: xr.Dataset, n: float = SHOWN_PITCHES) -> xr.Dataset:
     passed = pitches_passed(history)
     if not passed.size:
         return history
-    # a slice, which copies nothing: histories of millions of outputs are large
+    # a slice, without a copy: histories may have millions of outputs
     return history.isel(time=slice(int(np.argmax(passed >= passed[-1] - n - 1e-9)), None))
 
 
 def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
-    """Angle that a mesh's driving wheel has rolled since the start [rad], dim (time).
+    """Roll angle of a mesh's driving wheel since the start [rad], dim (time).
 
-    Positive in the sense in which it nominally drives.
+    Positive in its nominal driving direction.
     """
     wheel = int(require(history, "driving_wheel")[mesh])
     sigma = int(require(history, "flank")[mesh])
@@ -44,9 +44,9 @@ def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
 
 
 def on_their_path(history: xr.Dataset, name: str) -> xr.DataArray:
-    """Return a variable; of tooth pairs what belongs to those on the path, else NaN.
+    """Return a variable; values of tooth pairs outside the path of contact are NaN.
 
-    Places whose pairs never carry load are NaN as well: mostly those of the coast flanks.
+    Pair slots that never carry load are NaN as well: mostly those of the coast flanks.
     """
     values = require(history, name)
     if "pair" not in values.dims or "pair_on_path" not in history or name == "pair_on_path":
@@ -61,13 +61,13 @@ def on_their_path(history: xr.Dataset, name: str) -> xr.DataArray:
 def draw_pairs(
     history: xr.Dataset, events: xr.Dataset | None = None, over_time: bool = False
 ) -> Figure:
-    """Draw normal force and contact pressure of every tooth pair, two panels a mesh.
+    """Draw normal force and contact pressure of every tooth pair, two panels per mesh.
 
     Parameters
     ----------
     history : with pair_normal_force [N], pair_contact_pressure [Pa], pair_on_path and pair_number,
         dims (time, mesh, pair).
-    events : as from `open_events`; where pairs enter and leave is marked if given.
+    events : as from `open_events`; entry and exit of pairs are marked if given.
     over_time : draw over time, not over the roll angle of the driving wheel.
     """
     history = drawable(history, NEEDS)
@@ -108,7 +108,7 @@ def draw_pairs(
 
 
 def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: np.ndarray) -> None:
-    """One line a place for tooth pairs, broken where a pair leaves and the next one enters."""
+    """Draw one line per pair slot, interrupted where the next pair takes the slot."""
     total = require(history, "normal_force").values[:, mesh]
     loads = require(history, "pair_normal_force").values[:, mesh]
     pressures = require(history, "pair_contact_pressure").values[:, mesh]
@@ -142,7 +142,7 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
     pressure.set_ylabel(f"contact\npressure [{pressure_unit}]")
     for axis in (force, pressure):
         axis.set_ylim(bottom=0.0)
-    # room for the marks of entry and exit above the curves
+    # space for the marks of entry and exit above the curves
     force.set_ylim(top=1.12 * force.get_ylim()[1])
     if x.size > 1 and x.min() < x.max():
         force.set_xlim(x.min(), x.max())
@@ -151,7 +151,7 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
 def _mark_changes(
     axis: Axes, history: xr.Dataset, events: xr.Dataset, mesh: int, x: np.ndarray
 ) -> dict[str, Any]:
-    """Mark at the upper edge where pairs enter and leave the path; return the marks by label."""
+    """Mark entry and exit of pairs at the upper edge; return the marks by label."""
     time = history["time"].values
     when, kinds = events["time"].values, events["kind"].values
     here = (events["mesh"].values == mesh) & (when >= time[0]) & (when <= time[-1])
@@ -178,7 +178,7 @@ def _mark_changes(
 
 
 def _naming(numbers: np.ndarray) -> str:
-    """Name the tooth pairs of one line, counted in pitches since the start."""
+    """Label of the tooth pairs of one line, counted in pitches since the start."""
     texts = [str(int(number)) for number in numbers[:MAX_NAMED]]
     if numbers.size > MAX_NAMED:
         texts.append("…")

@@ -1,4 +1,4 @@
-"""Any variables of histories over time, or over the roll angle: which panels and which lines."""
+"""Variables of histories over time or roll angle: arrangement in panels and lines."""
 
 from __future__ import annotations
 
@@ -21,38 +21,38 @@ from evolvent.history import source_name
 from evolvent.physics.extremes import peaks
 from evolvent.signals.selection import OPTIONS, index_of, names_along, over_time, unknown
 
-# Labels of what is drawn often; others have their names.
+# Labels of frequent quantities; others use the name of the variable.
 LABELS = {
     "transmission_error": r"transmission error $\Delta$",
     "penetration": "penetration $h$",
     "normal_force": "normal force $F_n$",
     "angular_velocity": r"speed $\omega$",
 }
-KINDS = {  # what quantities of one unit have in common
+KINDS = {  # common name of quantities of one unit
     "m": "length", "m s-1": "velocity", "m s-2": "acceleration", "N": "force", "N m": "torque",
     "rad": "angle", "rad s-1": "speed", "rad s-2": "angular acceleration", "Pa": "pressure",
     "J": "energy", "W": "power",
 }  # fmt: skip
-APART = ("wheel", "shaft", "accelerometer")  # dimensions whose lines share a panel if they can
-SAME = 2e-3  # of the height of a panel: lines that are nowhere further apart are one
-FAR = 0.2  # of the height: where all lines together move less, each has a panel of its own
+APART = ("wheel", "shaft", "accelerometer")  # dimensions whose lines share a panel if possible
+SAME = 2e-3  # of the panel height: lines with smaller differences are merged
+FAR = 0.2  # of the height: if all lines together vary less, each has its own panel
 MOST_PANELS = 12
-WIDEST_TITLE = 36  # letters of the title of a panel beside others
+WIDEST_TITLE = 36  # characters of the title of a panel in several columns
 
 
 class X(StrEnum):
-    """What quantities are drawn over."""
+    """Variable on the horizontal axis."""
 
     TIME = "time"
     ROLL_ANGLE = "roll-angle"
 
 
 class Shown(Protocol):
-    """What is drawn of a run."""
+    """Part of a run that is drawn."""
 
     @property
     def history(self) -> xr.Dataset:
-        """As from `open_history`, perhaps a part of it."""
+        """As from `open_history`, or a part of it."""
 
     @property
     def events(self) -> xr.Dataset | None:
@@ -60,11 +60,11 @@ class Shown(Protocol):
 
     @property
     def label(self) -> str:
-        """In a legend with others."""
+        """In a legend with several runs."""
 
 
 class _Drawn(NamedTuple):
-    """What is drawn of a run, if need be of fewer outputs."""
+    """Part of a run that is drawn, thinned out if it is long."""
 
     history: xr.Dataset
     events: xr.Dataset | None
@@ -85,23 +85,24 @@ def draw_quantities(
     chosen: Mapping[str, Sequence[str]] | None = None,
     over: X = X.TIME,
 ) -> Figure:
-    """Draw variables of one or several histories in one picture.
+    """Draw variables of one or several histories in one figure.
 
-    Quantities of one unit share panels; meshes have a panel each. Runs whose meshes, wheels and so
-    on have the same names lie on top of each other, others beside each other. Lines of wheels that
-    cannot be told apart, as those on one shaft, are one line with all their names.
+    Quantities of one unit share panels; each mesh has its own panel. Runs with the same names of
+    meshes, wheels and so on are overlaid, others are in separate columns. Coincident lines of
+    wheels, such as those on one shaft, are merged into one line with all names.
 
     Parameters
     ----------
     runs : histories with labels.
     names : variables over time.
-    chosen : names by dimension, such as {"mesh": ["first"]}; all of a dimension that is not there.
+    chosen : names by dimension, such as {"mesh": ["first"]}; dimensions without an entry are
+        complete.
     over : time, or the roll angle of the driving wheel since the start.
 
     Raises
     ------
     HistoryError
-        A variable or a name that is not there, a choice that fits none, too much for one picture.
+        A variable or name does not exist, a selection fits no variable, or the figure is too large.
     """
     runs = [_Drawn(drawable(r.history, names), r.events, r.label) for r in runs]
     picked = [[_picked(run, name, chosen or {}) for name in names] for run in runs]
@@ -136,7 +137,7 @@ def _beside(label: str, title: str) -> str:
 
 
 def _named(panels: list[Panel]) -> list[Panel]:
-    """Name the only line of the only panel, which shows no title."""
+    """Label the single line of a single panel, which shows no title."""
     if len(panels) != 1 or any(curve.label for curve in panels[0].curves):
         return panels
     name = panels[0].title.removeprefix("mesh ")
@@ -144,7 +145,7 @@ def _named(panels: list[Panel]) -> list[Panel]:
 
 
 def _picked(run: Shown, name: str, chosen: Mapping[str, Sequence[str]]) -> xr.DataArray:
-    """One variable with the meshes, wheels and so on that were chosen."""
+    """One variable restricted to the selected meshes, wheels and so on."""
     source = source_name(run.history)
     if name not in over_time(run.history):
         raise HistoryError(f"{source}: {unknown(run.history, name)}", USAGE)
@@ -159,7 +160,7 @@ def _picked(run: Shown, name: str, chosen: Mapping[str, Sequence[str]]) -> xr.Da
 def _check_choice(
     run: Shown, picked: Sequence[xr.DataArray], chosen: Mapping[str, Sequence[str]]
 ) -> None:
-    """Refuse a choice along a dimension that none of the quantities has."""
+    """Reject a selection along a dimension that none of the quantities has."""
     there = {str(dim) for values in picked for dim in values.dims}
     there |= {"axis"} if "space" in there else set()
     for dim in chosen:
@@ -203,7 +204,7 @@ def _all_names(picked: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], ...]:
 
 
 def _heading(picked: Sequence[xr.DataArray]) -> str:
-    """What a single quantity means, if its label does not say it."""
+    """Description of a single quantity, unless its label is self-explanatory."""
     if len(picked) > 1 or picked[0].name in LABELS:
         return ""
     return textwrap.fill(str(picked[0].attrs.get("long_name", "")), 80)
@@ -212,7 +213,7 @@ def _heading(picked: Sequence[xr.DataArray]) -> str:
 def _panels(
     runs: Sequence[Shown], picked: Sequence[Sequence[xr.DataArray]], over: X
 ) -> Iterator[Panel]:
-    """Panels of runs whose names agree, one below the other."""
+    """Stacked panels of runs whose names agree."""
     groups: dict[tuple[str, tuple[str, ...]], list[int]] = {}
     for number, values in enumerate(picked[0]):
         dims = tuple(str(dim) for dim in values.dims if dim != "time")
@@ -238,7 +239,7 @@ def _panels(
 
 
 def _places(arrays: Sequence[Sequence[xr.DataArray]], dims: tuple[str, ...]) -> list[_Place]:
-    """The panels of quantities along these dimensions."""
+    """Panels of quantities along these dimensions."""
     if not dims:
         return [_Place("", None, [("", {})])]
     first = arrays[0][0]
@@ -269,11 +270,11 @@ def _places(arrays: Sequence[Sequence[xr.DataArray]], dims: tuple[str, ...]) -> 
 
 
 def _lines(arrays: Sequence[np.ndarray], together: bool) -> list[list[int]]:
-    """Columns that cannot be told apart in any of the arrays (time, column), together.
+    """Groups of columns that coincide in all arrays (time, column).
 
     Parameters
     ----------
-    together : all lines share a panel, whose height then counts, not that of each line.
+    together : all lines share a panel, and the tolerance refers to its height, not to each line.
     """
     lines: list[list[int]] = []
     for column in range(arrays[0].shape[1]):
@@ -296,7 +297,7 @@ def _lines(arrays: Sequence[np.ndarray], together: bool) -> list[list[int]]:
 
 
 def _far(arrays: Sequence[np.ndarray]) -> bool:
-    """Whether lines are so far from each other that none of them shows how it moves."""
+    """Whether the distances of the lines hide their variation in a common panel."""
     span = _span(np.concatenate([values.ravel() for values in arrays]))
     moves = [_span(column) for values in arrays for column in values.T]
     return 0.0 < sum(moves) < FAR * span
@@ -310,11 +311,11 @@ def _span(values: np.ndarray) -> float:
 def _curves(
     run: Shown, values: xr.DataArray, place: _Place, over: X, told: tuple[bool, bool]
 ) -> Iterator[Curve]:
-    """Lines of one quantity of one run in one panel; none where it has no value.
+    """Lines of one quantity of one run in one panel; lines without values are omitted.
 
     Parameters
     ----------
-    told : whether labels tell the quantity, and the run.
+    told : whether labels contain the quantity, and the run.
     """
     name = str(values.name)
     for inner, index in place.lines:
@@ -346,7 +347,7 @@ def _roll(run: Shown, name: str, mesh: str | None) -> np.ndarray:
 
 
 def _events(run: Shown, mesh: str | None, over: X) -> xr.Dataset | None:
-    """Events to be marked: those of the mesh, or of the only one there is."""
+    """Events to be marked: those of the mesh, or of the only mesh."""
     meshes = names_along(run.history["mesh"], "mesh") if "mesh" in run.history.dims else []
     if run.events is None or (mesh is None and len(meshes) > 1):
         return None

@@ -1,4 +1,4 @@
-"""Motions over a parameter that went up and down, with their jumps."""
+"""Response over a parameter swept up and down, with its jumps."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ MARK: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.8}
 
 
 def draw_response(response: xr.Dataset) -> Figure:
-    """Draw numbers of each mesh, and the period of the motion, over the parameter.
+    """Draw results of each mesh, and the period of the motion, over the parameter.
 
-    Motions that do not repeat are open circles, those that still settle open triangles; jumps are
-    lines at their place, in the colour of their direction.
+    Non-periodic motions are open circles, motions not yet settled open triangles. Jumps are
+    vertical lines in the colour of their direction.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _draw_directions(panel: Axes, response: xr.Dataset, x: np.ndarray, values: n
 
 
 def _mark_jumps(panel: Axes, response: xr.Dataset, scale: float) -> None:
-    """Draw a line where a motion jumps, in the colour of its direction."""
+    """Mark the jumps by lines in the colour of their direction."""
     middle = (response["jump_before"].values + response["jump_after"].values) / 2 * scale
     for place, direction in zip(middle, response["jump_direction"].values, strict=True):
         style = LINES[int(direction)]

@@ -1,4 +1,4 @@
-"""The mesh scheme: two wheels with their circles, the line of action and two flanks, to scale."""
+"""Drawing of a mesh to scale: two wheels with their circles, the line of action, two flanks."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from evolvent.physics.teeth import DrawnMesh, drawn_meshes
 DRIVING_COLOR, DRIVEN_COLOR, ACTION_COLOR = "#10243e", "#b8530f", "#2b7bb0"
 CIRCLES: dict[str, Any] = {"base": (0, (6, 2)), "pitch": (0, (6, 2, 1.2, 2)), "tip": "-"}
 LINE_OF_ACTION, PATH_OF_CONTACT, FLANK = 1.0, 3.0, 2.2  # line widths [pt]
-# The drawn contact is this far from a to b: away from the labelled points.
+# Position of the drawn contact, as a fraction of the path from a to b: clear of the labels.
 DRAWN_CONTACT = 0.3
 
 
 def figure_mesh_scheme(history: xr.Dataset, mesh: int = 0) -> Figure:
-    """Draw a mesh to scale: the two wheels, and enlarged beside them the zone of contact.
+    """Draw a mesh to scale: the two wheels, and an enlarged view of the zone of contact.
 
     Parameters
     ----------
     history : with the static variables of geometry.
-    mesh : which mesh, from 0.
+    mesh : index of the mesh, from 0.
 
     Source: Kosenko & Gusev 2011, Figure 1.
     """
@@ -75,7 +75,7 @@ def _draw(axis: Axes, geometry: DrawnMesh) -> None:
 
 
 def _legend_entries() -> list[Line2D]:
-    """Explain the kinds of lines; whose they are their colour and the names in the wheels say."""
+    """Legend of the line types; colours and names in the wheels identify the wheels."""
     grey: dict[str, Any] = {"color": "#444444"}
     entries = [
         Line2D([], [], linestyle=style, linewidth=0.9, label=f"{kind} circle", **grey)
@@ -119,7 +119,7 @@ def _label_wheels(axis: Axes, geometry: DrawnMesh, names: list[str]) -> None:
 
 
 def _label_points(axis: Axes, geometry: DrawnMesh) -> None:
-    """Label the points beside the line of action, near pairs on opposite sides of it."""
+    """Label the points beside the line of action; neighbours on opposite sides."""
     sides = {"K_A": -1, "a": 1, "P": 1, "b": -1, "K_B": 1}
     names = {"K_A": "$K_A$", "K_B": "$K_B$", "a": "$a$", "b": "$b$", "P": "pitch point"}
     start, _, _ = geometry.line()

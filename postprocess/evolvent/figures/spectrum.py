@@ -1,4 +1,4 @@
-"""Spectra of several histories in one picture."""
+"""Spectra of several histories in one figure."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from evolvent.errors import USAGE, HistoryError
 from evolvent.figures.style import ABOVE, MARKERS, STYLE, legend, line_style, log_ticks
 from evolvent.units import axis_label, engineering
 
-FEW = 60  # lines that stand each for itself; more are a curve
+FEW = 60  # maximum number of lines drawn as stems; more are a curve
 MARKED = 12  # peaks of a curve
-DEPTH = 1e-4  # of the largest line: what lies below is not shown
-HEIGHT = 1e-3  # of the largest line: lines are shown up to the last one that is higher
+DEPTH = 1e-4  # of the largest line: smaller lines are not shown
+HEIGHT = 1e-3  # of the largest line: the axis ends at the last line above it
 
 
 def draw_spectra(spectra: Sequence[tuple[str, xr.Dataset]]) -> Figure:
@@ -27,7 +27,7 @@ def draw_spectra(spectra: Sequence[tuple[str, xr.Dataset]]) -> Figure:
 
     Parameters
     ----------
-    spectra : names and spectra, all over the same.
+    spectra : names and spectra, all over the same variable.
     """
     over = _common_axis([spectrum for _, spectrum in spectra])
     first = spectra[0][1]
@@ -59,13 +59,13 @@ def draw_spectra(spectra: Sequence[tuple[str, xr.Dataset]]) -> Figure:
 
 
 def described(result: xr.Dataset) -> str:
-    """Which signal it is, as above a figure."""
+    """Description of the signal, for the heading of a figure."""
     name = str(result.attrs.get("quantity_long_name", "")).split(",")[0]
     return ", ".join(filter(None, [name, str(result.attrs.get("place", ""))]))
 
 
 def _common_axis(spectra: list[xr.Dataset]) -> str:
-    """What all are over; refuse what does not belong into one picture."""
+    """Common axis of the spectra; reject spectra of different quantities or axes."""
     for attribute, what in (("order_of", "orders"), ("quantity", "quantities")):
         kinds = sorted({str(s.attrs.get(attribute)) or "frequency" for s in spectra})
         if len(kinds) > 1:
@@ -106,6 +106,6 @@ def _draw(
         return
     axis.plot(place, np.maximum(amplitude, floor / 10), linewidth=0.8, color=style["color"])
     tops = np.flatnonzero((amplitude[1:-1] > amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]))
-    tops = tops[amplitude[1:-1][tops] > floor]  # marks of others would hang below the panel
+    tops = tops[amplitude[1:-1][tops] > floor]  # marks below the floor would lie outside the panel
     tops = 1 + tops[np.argsort(-amplitude[1:-1][tops], kind="stable")][:MARKED]
     axis.plot(place[tops], amplitude[tops], label=label, **dot)

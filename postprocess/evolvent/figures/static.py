@@ -1,4 +1,4 @@
-"""Curves of a mesh at rest: over the mesh cycle and over the torque."""
+"""Curves of a static analysis: over the mesh cycle and over the torque."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from evolvent.figures.style import LINES, STYLE, legend
 from evolvent.units import axis_label, engineering, quantity
 
-# Light to dark: a larger torque is darker, and the lightest is seen on white.
+# Light to dark: a larger torque is darker, and the lightest is visible on white.
 TORQUES = ListedColormap(colormaps["viridis_r"](np.linspace(0.12, 1.0, 256)))
-MOST_NAMED = 5  # torques that a legend names; more get a bar of colours
+MOST_NAMED = 5  # torques that a legend names; more get a colour bar
 SHOWN_HARMONICS = 3
 PATH: dict[str, Any] = {"color": "#777777", "linewidth": 1.0, "linestyle": ":"}
 TORQUE = "torque of the driving wheel"
@@ -25,7 +25,7 @@ CYCLE = "position in the mesh cycle [pitches]"
 
 
 def draw_curves(static: xr.Dataset, shown: Mapping[str, str]) -> Figure:
-    """Draw variables over the mesh cycle, a panel each and a line for each torque.
+    """Draw variables over the mesh cycle, one panel each and a line for each torque.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def draw_curves(static: xr.Dataset, shown: Mapping[str, str]) -> Figure:
 
 
 def draw_sharing(static: xr.Dataset) -> Figure:
-    """Draw the force share of tooth pair 0 over its place, a line for each torque.
+    """Draw the force share of tooth pair 0 over its position, a line for each torque.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def draw_sharing(static: xr.Dataset) -> Figure:
 
 
 def draw_harris(static: xr.Dataset) -> Figure:
-    """Draw peak to peak and the first harmonics of the transmission error over the torque.
+    """Draw peak-to-peak value and first harmonics of the transmission error over the torque.
 
     Parameters
     ----------
@@ -115,14 +115,14 @@ def draw_harris(static: xr.Dataset) -> Figure:
 
 
 def closed_cycle(static: xr.Dataset, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and values (torque, position), with the first one again at the end."""
+    """Positions and values (torque, position), with the first one repeated at the end."""
     x = static["position"].values
     end = float(static.attrs["pitches"])
     return np.append(x, end), np.concatenate([values, values[:, :1]], axis=1)
 
 
 def path_of_pair(static: xr.Dataset, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Follow tooth pair 0 through the places for pairs.
+    """Follow tooth pair 0 through the pair slots.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def path_of_pair(static: xr.Dataset, values: np.ndarray) -> tuple[np.ndarray, np
 
     Returns
     -------
-    Place of the pair from the start of its path [pitches], values (torque, place).
+    Position of the pair from the start of its path [pitches], values (torque, position).
     """
     points, pitches = int(static.attrs["points"]), int(static.attrs["pitches"])
     places, parts = [], []
@@ -143,7 +143,7 @@ def path_of_pair(static: xr.Dataset, values: np.ndarray) -> tuple[np.ndarray, np
 
 
 def styles(static: xr.Dataset) -> list[dict[str, Any]]:
-    """Line of each torque."""
+    """Line style of each torque."""
     torque = static["torque"].values
     if torque.size <= MOST_NAMED:
         return [
@@ -154,12 +154,12 @@ def styles(static: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def reach(torque: np.ndarray) -> tuple[float, float]:
-    """Ends of an axis of torques; 0 is on it."""
+    """Limits of a torque axis, which includes 0."""
     return min(0.0, float(torque.min())), max(0.0, float(torque.max()))
 
 
 def name_torques(figure: Figure, static: xr.Dataset, panels: list[Any]) -> None:
-    """Say which line is which torque: a legend of few, a bar of colours for many."""
+    """Identify the lines by torque: a legend for few, a colour bar for many."""
     torque = static["torque"].values
     if torque.size <= MOST_NAMED:
         handles, labels = panels[0].get_legend_handles_labels()

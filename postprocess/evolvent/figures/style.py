@@ -1,4 +1,4 @@
-"""How every figure looks, and how it is written."""
+"""Style of all figures, and their output files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
-# Told apart by colour, by lightness and by dashes, so that they survive a grey printer.
+# Distinguishable by colour, lightness and dashes, also in grey print.
 LINES: tuple[dict[str, Any], ...] = (
     {"color": "#10243e", "linestyle": "-"},
     {"color": "#d1681c", "linestyle": (0, (5, 2))},
@@ -40,39 +40,39 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "svg.hashsalt": "evolvent",  # the same figure gives the same file
 }
-# matplotlib's type hints do not know these places.
+# The type hints of matplotlib do not include these locations.
 ABOVE: Any = "outside upper left"
 BELOW: Any = "outside lower left"
-MAX_MARKS = 40  # of one kind of event; more would run into each other and hide the curves
+MAX_MARKS = 40  # of one type of event; more would overlap and hide the curves
 MOST_COLUMNS = 5  # of a legend
-WIDEST = 60  # letters of a line of a legend; longer ones go on below
-FEW_DECADES = 1.7  # of a logarithmic axis: 2 and 5 have ticks as well
-PART_OF_DECADE = 0.7  # of one that has even ticks
-PLAIN = (1e-4, 1e5)  # numbers at ticks that are written without a power of ten
+WIDEST = 60  # characters per line of a legend; longer labels are wrapped
+FEW_DECADES = 1.7  # of a logarithmic axis: ticks at 2 and 5 as well
+PART_OF_DECADE = 0.7  # of a decade: below it the ticks are linear
+PLAIN = (1e-4, 1e5)  # tick values written without a power of ten
 
 
 def line_style(number: int) -> dict[str, Any]:
-    """Style of one of several curves; no two numbers below `MOST_STYLES` have the same.
+    """Style of one of several curves; unique for indices below `MOST_STYLES`.
 
-    The first have colours and dashes, those after them markers besides.
+    The first styles differ in colours and dashes, the others also in markers.
     """
     turn, place = divmod(number, len(LINES))
     if turn == 0:
         return dict(LINES[place])
     marker = {"marker": MARKERS[(turn - 1) % len(MARKERS)], "markerfacecolor": "white"}
-    # Markers of neighbours stand beside each other, not on top.
+    # Markers of neighbouring lines are staggered.
     return {**LINES[place], **marker, "markersize": 5.5, "markevery": (place / 100.0, 0.1)}
 
 
 def legend(
     figure: Figure, entries: Mapping[str, Any], place: Any = ABOVE, heading: str = ""
 ) -> None:
-    """Name lines outside of the panels, in as many columns as the figure is wide enough for.
+    """Add a legend outside the panels, with as many columns as fit into the width.
 
     Parameters
     ----------
     entries : handles by their labels.
-    heading : what the figure shows, above the names.
+    heading : contents of the figure, above the legend.
     """
     if not entries:
         if heading:
@@ -98,7 +98,7 @@ def legend(
 
 
 def log_ticks(axis: Axis) -> None:
-    """Give a logarithmic axis ticks with plain numbers, however short it is; its limits are set."""
+    """Set ticks with plain numbers on a logarithmic axis of any length; its limits are set."""
     low, high = sorted(axis.get_view_interval())
     decades = math.log10(high / low)
     axis.set_minor_formatter(NullFormatter())
@@ -124,7 +124,7 @@ def _log_number(value: float) -> str:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the file's ending; the same data give the same bytes."""
+    """Write a figure in the format of the file extension; equal data give identical bytes."""
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with rc_context(STYLE):
         figure.savefig(path, dpi=150, metadata=undated.get(path.suffix.lstrip(".").lower()))

@@ -1,6 +1,6 @@
-"""The figures of histories: a function each, whose decorator is its row of the table.
+"""Table of the figures: one function each, with a decorator for its row.
 
-`evolvent-post plot`, its --list, the report and the tests walk `FIGURES`.
+`evolvent-post plot`, its --list, the report and the tests iterate over `FIGURES`.
 """
 
 from __future__ import annotations
@@ -39,37 +39,37 @@ from evolvent.history import (
 
 @dataclass(frozen=True)
 class Run:
-    """What a figure shows."""
+    """Input of a figure."""
 
-    history: xr.Dataset  # as from `open_history`, perhaps a part of it
+    history: xr.Dataset  # as from `open_history`, or a part of it
     events: xr.Dataset | None = None  # as from `open_events`; marked if given
-    label: str = ""  # in a legend with others
-    is_whole: bool = True  # nobody chose a part of it
+    label: str = ""  # in a legend with several runs
+    is_whole: bool = True  # no part was selected
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """One row."""
+    """One row of the table."""
 
     name: str  # of the option --quantity and of the file
-    text: str  # what is seen
-    needs: tuple[str, ...]  # variables of the histories
-    title: str  # on the page of a report; not there if empty
-    together: bool  # several histories come in one figure
-    by_default: bool  # drawn if nothing is asked for
+    text: str  # description of the figure
+    needs: tuple[str, ...]  # required variables of the histories
+    title: str  # in a report; not in the report if empty
+    together: bool  # several histories share one figure
+    by_default: bool  # drawn without a request
     function: Callable[..., Figure]
     of: str = HISTORY  # kind of the files
     many: str = ""  # dimension that must be longer than 1
-    chooses: bool = False  # takes a choice of meshes and so on, and what to draw over
+    chooses: bool = False  # accepts a selection of meshes and so on, and a horizontal axis
 
     def fits(self, run: Run) -> bool:
-        """Whether it has anything to show of a run."""
+        """Whether the figure applies to a run."""
         return self.of == result_kind(run.history) and (
             not self.many or run.history.sizes[self.many] > 1
         )
 
     def __call__(self, *runs: Run, **options: Any) -> Figure:
-        """Draw; a variable that is missing is named."""
+        """Draw; raise `HistoryError` for a missing variable."""
         for run in runs:
             if not self.fits(run):
                 raise HistoryError(
@@ -94,9 +94,9 @@ def figure(
     many: str = "",
     chooses: bool = False,
 ) -> Callable[[Callable[..., Figure]], Drawing]:
-    """Put a function into the table under its name.
+    """Register a function in the table under its name.
 
-    It takes a run, or those of which it draws several together.
+    It takes one run, or a sequence of runs if `together`.
     """
 
     def put(function: Callable[..., Figure]) -> Drawing:
@@ -117,7 +117,7 @@ def figure(
     chooses=True,
 )
 def penetration(run: Run, **choice: Any) -> Figure:
-    """Draw transmission error Delta and penetration h [m], one panel a mesh.
+    """Draw transmission error Delta and penetration h [m], one panel per mesh.
 
     Source: Kosenko & Gusev 2011, Figure 3.
     """
@@ -131,9 +131,9 @@ def penetration(run: Run, **choice: Any) -> Figure:
     chooses=True,
 )
 def transmission_error(runs: Sequence[Run], **choice: Any) -> Figure:
-    """Draw the transmission error Delta of several runs [m], one panel a mesh.
+    """Draw the transmission error Delta of several runs [m], one panel per mesh.
 
-    The events of a single one are marked.   Source: Kosenko & Gusev 2011, (19) and Figure 4.
+    The events of a single run are marked.   Source: Kosenko & Gusev 2011, (19) and Figure 4.
     """
     return draw_quantities(runs, transmission_error.needs, **choice)
 
@@ -142,13 +142,13 @@ def transmission_error(runs: Sequence[Run], **choice: Any) -> Figure:
     "normal forces over time", "normal_force", title="Normal force", together=True, chooses=True
 )
 def normal_force(runs: Sequence[Run], **choice: Any) -> Figure:
-    """Draw the normal force F_n of every mesh [N], one panel a mesh."""
+    """Draw the normal force F_n of every mesh [N], one panel per mesh."""
     return draw_quantities(runs, normal_force.needs, **choice)
 
 
 @figure("speeds over time", "angular_velocity", title="Speeds", together=True, chooses=True)
 def speeds(runs: Sequence[Run], **choice: Any) -> Figure:
-    """Draw the angular velocity of every wheel [rad/s]; wheels that turn alike are one line."""
+    """Draw the angular velocity of every wheel [rad/s]; coincident lines are merged."""
     return draw_quantities(runs, speeds.needs, **choice)
 
 
@@ -159,7 +159,7 @@ def speeds(runs: Sequence[Run], **choice: Any) -> Figure:
     by_default=False,
 )
 def pairs(run: Run, over_time: bool = False) -> Figure:
-    """Draw the load of each tooth pair; of a whole run in its last pitches."""
+    """Draw the load of each tooth pair; for a whole run in its last pitches."""
     history = last_pitches(run.history) if run.is_whole else run.history
     return draw_pairs(history, run.events, over_time)
 
@@ -174,12 +174,12 @@ def pairs(run: Run, over_time: bool = False) -> Figure:
     by_default=False,
 )
 def path(runs: Sequence[Run], meshes: Sequence[str] = ()) -> Figure:
-    """Draw the load of tooth pairs on their way; of a whole run in its last pitches."""
+    """Draw the load of tooth pairs along the path; for a whole run in its last pitches."""
     return along_path(runs, path.needs[:2], meshes)
 
 
 def along_path(runs: Sequence[Run], names: Sequence[str], meshes: Sequence[str] = ()) -> Figure:
-    """Draw variables of tooth pairs along the path; of a whole run in its last pitches."""
+    """Draw variables of tooth pairs along the path; for a whole run in its last pitches."""
     shown = [(r.label, last_pitches(r.history) if r.is_whole else r.history) for r in runs]
     return draw_on_path(shown, names, meshes)
 
@@ -190,7 +190,7 @@ def along_path(runs: Sequence[Run], names: Sequence[str], meshes: Sequence[str] 
     of=STATIC,
 )
 def static_transmission_error(run: Run) -> Figure:
-    """Draw the transmission error h at rest [m]."""
+    """Draw the quasi-static transmission error h [m]."""
     return draw_curves(run.history, {"transmission_error": "transmission error $h$"})
 
 
@@ -216,7 +216,7 @@ def mesh_stiffness(run: Run) -> Figure:
     of=STATIC,
 )
 def load_sharing(run: Run) -> Figure:
-    """Draw the force share of tooth pair 0 over its place on the path of contact."""
+    """Draw the force share of tooth pair 0 over its position on the path of contact."""
     return draw_sharing(run.history)
 
 
@@ -228,7 +228,7 @@ def load_sharing(run: Run) -> Figure:
     many="torque",
 )
 def harris(run: Run) -> Figure:
-    """Draw how much the transmission error varies over the torque [m].
+    """Draw the variation of the transmission error over the torque [m].
 
     Source: S. L. Harris 1958, whose curves of static transmission error are named after him.
     """
@@ -239,7 +239,7 @@ def harris(run: Run) -> Figure:
     "amplitudes of all spectra over frequency or order", "amplitude", of=SPECTRUM, together=True
 )
 def spectrum(runs: Sequence[Run]) -> Figure:
-    """Draw the lines of one quantity of several histories."""
+    """Draw the spectra of one quantity of several histories."""
     return draw_spectra([(run.label, run.history) for run in runs])
 
 
@@ -251,7 +251,7 @@ def spectrum(runs: Sequence[Run]) -> Figure:
     together=True,
 )
 def order_map(runs: Sequence[Run], over_time: bool = False, as_frequency: bool = False) -> Figure:
-    """Draw how the lines change as the gearbox runs up."""
+    """Draw the amplitudes of orders during a run-up."""
     return draw_order_maps([(run.label, run.history) for run in runs], over_time, as_frequency)
 
 
@@ -285,8 +285,8 @@ def orbits(run: Run) -> Figure:
     of=CAMPBELL,
 )
 def campbell(run: Run) -> Figure:
-    """Draw the Campbell picture.
+    """Draw the Campbell diagram.
 
-    Source: W. Campbell 1924, who looked for the speeds at which turbine discs ring.
+    Source: W. Campbell 1924, on the resonance speeds of turbine discs.
     """
     return draw_campbell(run.history)

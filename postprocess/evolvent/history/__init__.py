@@ -1,4 +1,4 @@
-"""Histories, and the files of other analyses: opened, checked for their format, read in pieces."""
+"""Histories and files of other analyses: open, check the format, read in pieces."""
 
 from evolvent.history.files import (
     CAMPBELL,

@@ -1,7 +1,7 @@
 """Open a history file, or that of another analysis.
 
-As datasets of xarray, or as a recording, which is read in pieces and needs no xarray. The only
-module that knows how they lie on file; docs/result_format.md describes it.
+As datasets of xarray, or as a recording, which is read in pieces without xarray. This is the only
+module that depends on the file layout; docs/result_format.md describes it.
 """
 
 from __future__ import annotations
@@ -51,17 +51,17 @@ DRAWN = (
     SPECTRUM,
     ORDER_MAP,
     CAMPBELL,
-)  # by evolvent-post plot, beside histories
-EVENTS = "events"  # group of a file; of a dataset without one, what makes them, in its `encoding`
-EVENT = "event"  # dimension of events, and their number
+)  # by evolvent-post plot, besides histories
+EVENTS = "events"  # group of a file; else key in `encoding` of the function that makes it
+EVENT = "event"  # dimension of events, and the variable of their numbers
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
 
 
 def open_history(path: str | Path) -> xr.Dataset:
     """Open a history.
 
-    Values are read when they are first used; close the dataset, or use it in a `with` statement,
-    to let go of the file. A history of a run that did not finish opens as well: see `run_warning`.
+    Values are read on first use. Close the dataset, or use it in a `with` statement, to release the
+    file. Histories of unfinished runs can be opened as well: see `run_warning`.
 
     Parameters
     ----------
@@ -83,14 +83,14 @@ def open_history(path: str | Path) -> xr.Dataset:
 
 
 def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
-    """Open the file of an analysis of one of these kinds; `result_kind` tells which it is.
+    """Open the file of an analysis of one of these kinds; `result_kind` returns the kind.
 
-    Of a static analysis: dims torque [N m], position [pitches], pair and harmonic.
+    A static analysis has the dimensions torque [N m], position [pitches], pair and harmonic.
 
     Raises
     ------
     HistoryError
-        As for `open_history`; of another kind.
+        As for `open_history`; or the file is of another kind.
     """
     path = Path(path)
     result = _open(path, None)
@@ -105,7 +105,7 @@ def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
 
 @contextmanager
 def open_recording(path: str | Path) -> Iterator[Recording]:
-    """Open a history to be read in pieces, with h5py alone.
+    """Open a history for reading in pieces, with h5py alone.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def _recording_of_file(path: Path) -> Iterator[Recording]:
 
     from evolvent.history.recording import of_file
 
-    # A cache of chunks would be a megabyte for each variable; rows are read once, in order.
+    # A chunk cache would take a megabyte per variable; rows are read once, in order.
     file = h5py.File(path, "r", rdcc_nbytes=0)
     try:
         yield of_file(file, path.name)
@@ -142,11 +142,11 @@ def _recording_of_file(path: Path) -> Iterator[Recording]:
 
 
 def check_seal(path: Path) -> str | None:
-    """Hold a file, or each closed part, against its check sum, which reads all of it.
+    """Verify the checksum of a file, or of each closed part; reads all data.
 
     Returns
     -------
-    What has to be known of a complete file that has none.
+    Warning for a complete file without a checksum, or None.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def check_seal(path: Path) -> str | None:
 
 
 def result_kind(result: xr.Dataset) -> str:
-    """Which analysis a file is of; files of the first version do not say and are histories."""
+    """Kind of analysis of a file; files of the first version have no kind and are histories."""
     return _kind(result.attrs)
 
 
@@ -181,7 +181,7 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
 
     Parameters
     ----------
-    path : as for `open_history`, or the history that `evolvent.run` gave.
+    path : as for `open_history`, or the history returned by `evolvent.run`.
 
     Returns
     -------
@@ -192,7 +192,7 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
     Raises
     ------
     HistoryError
-        As for `open_history`, or without a group of events.
+        As for `open_history`, or if there is no group of events.
     """
     if not isinstance(path, str | Path):
         make = path.encoding.get(EVENTS)
@@ -200,13 +200,13 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
             raise HistoryError("the dataset has no events with it: give the path of its file")
         return _name_kinds(make())
     path = Path(path)
-    with open_recording(path):  # refuses what is no history
+    with open_recording(path):  # rejects files that are not histories
         events = _open(path, EVENTS, EVENT)
     if "kind" not in events:
         events.close()
         raise HistoryError(f"{path}: the group `events` has no variable `kind`")
     decoded = _name_kinds(events)
-    decoded.set_close(events.close)  # else the file would be closed as Python ends, or never
+    decoded.set_close(events.close)  # else the file would be closed at exit of Python, or never
     return decoded
 
 
@@ -215,9 +215,16 @@ def _name_kinds(events: xr.Dataset) -> xr.Dataset:
 
 
 def run_warning(history: xr.Dataset | Recording) -> str | None:
-    """Say what has to be known of the end of a run: why it stopped, or that contact was lost.
+    """Return a warning about the end of a run: why it stopped, or that contact was lost.
 
-    None if the run reached its end and there is nothing to say.
+    Parameters
+    ----------
+    history : as from `open_history`, or the result of a static analysis.
+
+    Returns
+    -------
+    One line, with the last output of an unfinished run; None if the run reached its end without a
+    message.
     """
     status = history.attrs.get("status")
     message = str(history.attrs.get("status_message", ""))
@@ -239,27 +246,27 @@ def source_name(history: xr.Dataset) -> str:
 
 
 def file_label(path: str | Path) -> str:
-    """Name a history in legends and file names: its file name without the endings."""
+    """Label of a history in legends and file names: its file name without the extensions."""
     name = Path(path).name.removesuffix(".partial").removesuffix(".parts")
     return name.removesuffix(".h5")
 
 
 def require(history: xr.Dataset, name: str) -> xr.DataArray:
-    """Return a variable of a history, or say which file lacks it."""
+    """Return a variable of a history; raise `HistoryError` with the file name if it is missing."""
     if name not in history:
         raise lacking(source_name(history), name)
     return history[name]
 
 
 def rows_between(history: xr.Dataset, begin: float, end: float) -> slice:
-    """Rows of times from `begin` to `end`, both included: a slice, which copies nothing."""
+    """Rows of times from `begin` to `end`, both included: a slice, without a copy."""
     time = history["time"].values
     first = int(time.searchsorted(begin, "left"))
     return slice(first, max(int(time.searchsorted(end, "right")), first))
 
 
 def lacking(source: str, name: str) -> HistoryError:
-    """Say that a history has not a variable that is needed."""
+    """Error for a required variable that a history does not contain."""
     return HistoryError(
         f"{source}: has no variable `{name}`; run the case again with it among its outputs "
         "(`check` stands for all that evolvent-post check needs)"
@@ -280,11 +287,11 @@ def _open_file(path: Path, group: str | None) -> xr.Dataset:
     import xarray as xr
 
     with _readable(path, group):
-        # Times stay seconds since the start of the run; xarray would make dates of some units.
+        # Times stay seconds since the start of the run; xarray would convert some units to dates.
         opened = xr.open_dataset(
             path, engine="h5netcdf", group=group, decode_times=False, phony_dims="access"
         )
-    told = opened.copy(deep=False)  # whose end says which file could not be closed
+    told = opened.copy(deep=False)  # its `close` reports the file that could not be closed
     told.set_close(partial(_close, path, opened))
     return told
 
@@ -311,7 +318,7 @@ def _check_file(path: Path) -> None:
 
 @contextmanager
 def _readable(path: Path, group: str | None = None) -> Iterator[None]:
-    """Say why a file cannot be opened."""
+    """Report why a file cannot be opened."""
     try:
         yield
     except PermissionError as error:
@@ -356,7 +363,7 @@ def _check_kind(
 
 
 def _decode_flags(flags: xr.DataArray) -> xr.DataArray:
-    """Replace the numbers of a CF flag variable by their meanings."""
+    """Replace the values of a CF flag variable by their meanings."""
     meanings = str(flags.attrs.get("flag_meanings", "")).split()
     import numpy as np
     import xarray as xr

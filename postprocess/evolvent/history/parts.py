@@ -1,6 +1,6 @@
-"""The history of a long run that is still in parts: a folder NAME.h5.parts.
+"""History of a long run that is still in parts: a folder NAME.h5.parts.
 
-Its closed parts, part-0001.h5 and so on, are one history as far as the run's last checkpoint.
+Its closed parts, part-0001.h5 and so on, form one history up to the run's last checkpoint.
 docs/long_runs.md describes the folder.
 """
 
@@ -26,7 +26,7 @@ PART = re.compile(r"part-(\d{4,})\.h5")
 
 
 def closed_parts(folder: Path) -> list[Path]:
-    """Files of the closed parts, in their order.
+    """Files of the closed parts, in order.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def closed_parts(folder: Path) -> list[Path]:
 
 
 class _Files:
-    """Files of which one is open at a time: who reads in order opens each once."""
+    """Files, one open at a time: sequential reading opens each once."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self.paths = paths
@@ -124,11 +124,11 @@ def _named(recording: Recording, dim: str) -> Callable[[], list[str]]:
 def joined_dataset(
     parts: Sequence[xr.Dataset], axis: str, source: str, shifted: str | None = None
 ) -> xr.Dataset:
-    """Join datasets along an axis; values are read when they are used, part by part.
+    """Join datasets along an axis; values are read on first use, part by part.
 
     Parameters
     ----------
-    shifted : a variable that counts along the axis, and goes on from part to part.
+    shifted : a counter along the axis that continues from part to part.
     """
     import xarray as xr
     from xarray.core.indexing import LazilyIndexedArray
@@ -164,7 +164,7 @@ def joined_dataset(
 
 
 def _lazy(parts: Sequence[xr.Variable]) -> Any:
-    """Variables one behind the other as one array of xarray, of which nothing is read yet."""
+    """Concatenate variables to one lazily read array of xarray."""
     from xarray.backends import BackendArray
     from xarray.core.indexing import IndexingSupport, explicit_indexing_adapter
 
@@ -182,7 +182,7 @@ def _lazy(parts: Sequence[xr.Variable]) -> Any:
             return read((ahead, *rest))[::-1]
         pieces = []
         for part, start, stop in zip(parts, starts[:-1], starts[1:], strict=True):
-            skipped = max(0, -(-(int(start) - begin) // step))  # rows of parts before
+            skipped = max(0, -(-(int(start) - begin) // step))  # rows of earlier parts
             local = slice(
                 begin + skipped * step - int(start), min(end, int(stop)) - int(start), step
             )

@@ -1,7 +1,7 @@
-"""A history that is read in pieces: what is constant at once, what is over time by rows.
+"""History that is read in pieces: constants at once, variables over time by rows.
 
-A history of a million outputs may be larger than memory. Who goes through it takes its parts one
-after the other and keeps what is asked for, not the rows.
+A history of a million outputs may exceed the memory. Code that iterates over it processes one part
+at a time and stores only the requested results, not the rows.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Values = np.ndarray
-AT_ONCE = 32 * 2**20  # bytes of all variables in one part, of which few are read together
+AT_ONCE = 32 * 2**20  # bytes of all variables in one part; only few are read at the same time
 NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable on file or in memory."""
+    """One variable in a file or in memory."""
 
     dtype: np.dtype[Any]
     shape: tuple[int, ...]  # of one row, if it is over time
     is_over_time: bool
-    read: Callable[[int, int], Values]  # rows from, to; all that there is if it is constant
+    read: Callable[[int, int], Values]  # rows from, to; the whole variable if it is constant
     attrs: Mapping[str, Any]
     dims: Callable[[], tuple[str, ...]]
 
@@ -41,7 +41,7 @@ class Recording:
     Parameters
     ----------
     source : name for messages.
-    labels : of the dimensions that have names.
+    labels : names along dimensions, where there are any.
     rows : first row, and that after the last.
     block : rows of a part.
     """
@@ -74,7 +74,7 @@ class Recording:
         return name in self.variables
 
     def __getitem__(self, name: str) -> Values:
-        """All of a variable."""
+        """Return all rows of a variable."""
         return self.read(name, 0, self.n)
 
     def has_labels(self, dim: str) -> bool:
@@ -82,13 +82,13 @@ class Recording:
         return dim in self._labels
 
     def labels(self, dim: str) -> list[str]:
-        """Names along a dimension; numbers if it has none."""
+        """Names along a dimension; indices if it has none."""
         if dim in self._labels:
             return self._labels[dim]()
         return [str(i) for i in range(self.sizes[dim])]
 
     def read(self, name: str, begin: int, end: int) -> Values:
-        """Rows of a variable; all of one that is constant.
+        """Return rows of a variable; the whole variable if it is constant.
 
         Raises
         ------
@@ -98,7 +98,7 @@ class Recording:
         if name not in self.variables:
             raise lacking(self.source, name)
         variable = self.variables[name]
-        # What is read again and again, and is no larger than a part.
+        # Cache variables that are read repeatedly and are not larger than a part.
         key = name if not variable.is_over_time or self.n <= self.block else None
         if key is None:
             return variable.read(self._rows[0] + begin, self._rows[0] + end)
@@ -108,7 +108,7 @@ class Recording:
         return values[begin:end] if variable.is_over_time else values
 
     def parts(self) -> Iterator[Part]:
-        """All rows, block by block."""
+        """Iterate over all rows, block by block."""
         for begin in range(0, self.n, self.block):
             yield Part(self, begin, min(begin + self.block, self.n))
 
@@ -123,7 +123,7 @@ class Recording:
         )
 
     def once(self, function: Callable[[Recording], Any]) -> Any:
-        """What a function makes of this recording, found once."""
+        """Result of a function of this recording, computed once."""
         if function not in self._kept:
             self._kept[function] = function(self)
         return self._kept[function]
@@ -146,14 +146,14 @@ class Part:
         return name in self.recording
 
     def __getitem__(self, name: str) -> Values:
-        """Rows of a variable; all of one that is constant."""
+        """Return rows of a variable; the whole variable if it is constant."""
         return self.recording.read(name, self.begin, self.end)
 
 
 def joined(
     recording: Recording, values: Callable[[Part], Values], join: Callable[[Values, Values], Values]
 ) -> Values:
-    """Join what is found in each part, such as largest values by np.fmax."""
+    """Combine the results of all parts, such as maxima by np.fmax."""
     found: Values | None = None
     for part in recording.parts():
         found = values(part) if found is None else join(found, values(part))
@@ -162,24 +162,24 @@ def joined(
 
 
 def largest(recording: Recording, values: Callable[[Part], Values]) -> Values:
-    """Largest of the rows, first axis; what is no number does not count."""
+    """Maximum over the rows (first axis); NaN is ignored."""
     return joined(recording, lambda part: np.fmax.reduce(values(part), axis=0), np.fmax)
 
 
 def largest_size(recording: Recording, name: str) -> Values:
-    """Largest absolute value of a variable in the rows."""
+    """Maximum absolute value of a variable over the rows."""
     return largest(recording, lambda part: abs(part[name]))
 
 
 def ever(recording: Recording, values: Callable[[Part], Values]) -> Values:
-    """Whether something is so in any row, first axis."""
+    """Whether a condition is true in any row (first axis)."""
     return joined(recording, lambda part: np.any(values(part), axis=0), np.logical_or)
 
 
 def integral(recording: Recording, values: Callable[[Part], Values]) -> Values:
     """Integral over time by the trapezoidal rule.
 
-    Summed row by row: the same bits whatever the length of a part.
+    Summed row by row: the result is bitwise independent of the length of a part.
     """
     total: Values | None = None
     before: tuple[Values, Values] | None = None
@@ -197,7 +197,7 @@ def integral(recording: Recording, values: Callable[[Part], Values]) -> Values:
 
 
 def at_rows(recording: Recording, name: str, rows: Sequence[Values]) -> list[Values]:
-    """Values of each line of a variable over time at rows of its own, which rise.
+    """Values of each line of a variable over time at its own ascending row indices.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def at_rows(recording: Recording, name: str, rows: Sequence[Values]) -> list[Val
 
 
 def recording_of(history: xr.Dataset | Recording) -> Recording:
-    """Read a dataset of xarray, as from `open_history`, in pieces."""
+    """Wrap a dataset of xarray, as from `open_history`, for reading in pieces."""
     if isinstance(history, Recording):
         return history
     variables = {}
@@ -244,10 +244,10 @@ def _of_array(one: xr.Variable, over_time: bool) -> Variable:
 
 
 def of_file(file: h5py.File, source: str) -> Recording:
-    """Read the root group of an open file in pieces."""
+    """Wrap the root group of an open file for reading in pieces."""
     import h5py
 
-    members = ((name, file[name]) for name in file)  # items() has None for what cannot be read
+    members = ((name, file[name]) for name in file)  # items() has None for unreadable members
     datasets = {name: one for name, one in members if isinstance(one, h5py.Dataset)}
     sizes = {
         name: one.shape[0]
@@ -255,7 +255,7 @@ def of_file(file: h5py.File, source: str) -> Recording:
         if one.shape and h5py.h5ds.is_scale(one.id)
     }
     n = sizes.get("time", -1)
-    # Only where another dimension is as long, the dimensions themselves have to be looked at.
+    # The dimensions themselves are tested only if another dimension has the same length.
     is_clear = list(sizes.values()).count(n) <= 1
 
     def over_time(one: h5py.Dataset) -> bool:
@@ -297,7 +297,7 @@ def of_file(file: h5py.File, source: str) -> Recording:
 
 
 def _plain(value: Any) -> Any:
-    """An attribute as a text or a number, as xarray has it."""
+    """An attribute as a text or a number, as in xarray."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.reshape(())[()]
     return value.decode() if isinstance(value, bytes) else value

@@ -1,1 +1,1 @@
-"""The program's analyses in this process: runs, static analyses, modes, what a case holds."""
+"""Analyses of the program in this process: runs, static analyses, modes, contents of a case."""

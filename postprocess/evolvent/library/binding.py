@@ -1,4 +1,4 @@
-"""The C library, as driver/library/include/evolvent/evolvent.h declares it."""
+"""Binding of the C library, as declared in driver/library/include/evolvent/evolvent.h."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Attribute(ctypes.Structure):
 
 _TEXTS = POINTER(c_char_p)
 _STOP, _ERROR, _RECORD = POINTER(c_int), POINTER(Error), POINTER(c_void_p)
-# What each procedure gives and takes.
+# Result type and argument types of each procedure.
 PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "evolvent_version": (c_char_p, ()),
     "evolvent_case_read": (c_void_p, (c_char_p, c_int, _TEXTS, _ERROR)),
@@ -109,7 +109,7 @@ PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 
 def _places() -> Iterator[Path]:
-    """Where the library may be: beside the program, or where an installation has it."""
+    """Candidate paths of the library: beside the program, or in an installation."""
     beside = str(Path(sysconfig.get_path("scripts"), "evolvent"))
     for program in (os.environ.get("EVOLVENT_EXECUTABLE"), beside, shutil.which("evolvent")):
         if not program:
@@ -122,12 +122,12 @@ def _places() -> Iterator[Path]:
 
 @cache
 def load() -> ctypes.CDLL:
-    """The library: named by EVOLVENT_LIBRARY, or where the program is, or where the loader looks.
+    """Load the library: named by EVOLVENT_LIBRARY, near the program, or found by the loader.
 
     Raises
     ------
     AnalysisError
-        There is none, or one of another version.
+        It cannot be loaded, or is of another version than this package.
     """
     named = os.environ.get(VARIABLE)
     path = named or next((str(place) for place in _places() if place.is_file()), NAME)

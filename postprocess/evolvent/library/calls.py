@@ -1,4 +1,4 @@
-"""What the library does for Python: the program's commands, as functions."""
+"""Python interface of the library: the program's commands as functions."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ _DONE = 0
 
 
 def _result(case: Case, settings: Settings, procedure: str, *request: Any) -> xr.Dataset:
-    """What a procedure of the library records of a case."""
+    """Call a procedure of the library for a case and return the recorded dataset."""
     with opened(case, settings) as handle:
         return _recorded(case, procedure, handle, *request)
 
 
 def _recorded(case: Case, procedure: str, *arguments: Any) -> xr.Dataset:
-    """What a procedure of the library records."""
+    """Call a procedure of the library and return the recorded dataset."""
     library, error, record = load(), Error(), c_void_p()
 
     def work(stop: c_int) -> int:
@@ -65,13 +65,13 @@ def _recorded(case: Case, procedure: str, *arguments: Any) -> xr.Dataset:
 
 
 def _warn(texts: list[str]) -> None:
-    """Warn the caller of the package's function."""
+    """Issue warnings at the caller of the package's function."""
     for text in texts:
         warnings.warn(text, CaseWarning, stacklevel=_depth())
 
 
 def _depth() -> int:
-    """Level of the first frame outside this package, as `warnings.warn` of the caller counts."""
+    """Stack level of the first frame outside this package, counted as for `warnings.warn`."""
     frame: FrameType | None = sys._getframe(1)
     depth = 1
     package = __name__.partition(".")[0]
@@ -81,7 +81,7 @@ def _depth() -> int:
 
 
 def _answer(case: Case, settings: Settings, procedure: str, *request: Any) -> dict[str, Any]:
-    """What a procedure of the library tells of a case in JSON."""
+    """Call a procedure of the library for a case and return its JSON result."""
     library, error = load(), Error()
 
     with opened(case, settings) as handle:
@@ -105,23 +105,23 @@ def _answer(case: Case, settings: Settings, procedure: str, *request: Any) -> di
 def run(case: Case, set: Settings = None) -> xr.Dataset:
     """Integrate a case in this process, as `evolvent run` does.
 
-    Other threads go on meanwhile. Ctrl-C ends the run with KeyboardInterrupt.
+    Other threads continue to run. Ctrl-C ends the run with KeyboardInterrupt.
 
     Parameters
     ----------
-    case : path of a case file, its text, or the mapping that such a text stands for.
+    case : path of a case file, its text, or the equivalent mapping.
     set : {path: value}, or a list of texts "PATH=VALUE", as --set takes them; a value may be a
         number, or a text such as "2 kN m".
 
     Returns
     -------
-    History as `open_history` gives it, variable by variable and bit by bit, without a file;
-    `open_events` takes it, too.
+    History as from `open_history`, with the same variables and bitwise equal values, without a
+    file; `open_events` accepts it, too.
 
     Raises
     ------
     AnalysisError
-        The case is refused, or cannot be integrated to its end; `history` is what there is.
+        The case is rejected, or cannot be integrated to its end; `history` holds partial results.
     """
     return _result(case, set, "evolvent_run")
 
@@ -135,11 +135,11 @@ def static(
     speed: str | float | None = None,
     points: int | None = None,
 ) -> xr.Dataset:
-    """Put one mesh under torques at rest, as `evolvent static` does.
+    """Compute a quasi-static analysis of one mesh over torques, as `evolvent static` does.
 
     Parameters
     ----------
-    case, set : as of `run`.
+    case, set : as for `run`.
     torque, mesh, speed, points : as the options of the program; a torque may be
         (from, to, steps) as well.
 
@@ -150,7 +150,7 @@ def static(
     Raises
     ------
     AnalysisError
-        The case or what is asked for is refused.
+        The case or the request is rejected.
     """
     if isinstance(torque, tuple):
         torque = ":".join(str(part) for part in torque)
@@ -171,15 +171,15 @@ def respond(
     direction: str = "both",
     periods: int | None = None,
 ) -> xr.Dataset:
-    """Follow the motion over a parameter that goes up and down, as `evolvent respond` does.
+    """Compute the response over a parameter swept up and down, as `evolvent respond` does.
 
     Parameters
     ----------
-    case, set : as of `run`.
-    over : the parameter, its first and last value, and how many values there are: (path, from, to),
+    case, set : as for `run`.
+    over : parameter, first and last value, and number of values: (path, from, to),
         (path, from, to, steps), or the text that the program takes.
     direction : "up", "down", or "both": up, and from there down.
-    periods : common periods at a value, at most.
+    periods : maximum number of common periods at a value.
 
     Returns
     -------
@@ -188,8 +188,8 @@ def respond(
     Raises
     ------
     AnalysisError
-        The case, a value or the range is refused, or a motion cannot be integrated; `history` is
-        what there is of the values before.
+        The case, a value or the range is rejected, or a motion cannot be integrated; `history`
+        holds the results at the values before.
     """
     if isinstance(over, tuple | list) and len(over) > 0:
         path, *values = over
@@ -223,17 +223,21 @@ def modes(
     mesh_position: float | None = None,
     mean: bool = False,
 ) -> dict[str, Any]:
-    """Natural frequencies, damping and mode shapes: what `evolvent modes --json` prints.
+    """Compute natural frequencies, damping and mode shapes, as `evolvent modes --json` does.
 
     Parameters
     ----------
-    case, set : as of `run`.
+    case, set : as for `run`.
     at, mesh_position, mean : as the options of the program; at most one of them.
+
+    Returns
+    -------
+    The JSON output of the program as a dictionary.
 
     Raises
     ------
     AnalysisError
-        The case is refused, or cannot be linearised there.
+        The case is rejected, or cannot be linearised there.
     """
     request = ModesRequest(
         at=encoded_or_none("at", at),
@@ -244,22 +248,38 @@ def modes(
 
 
 def show(case: Case, set: Settings = None) -> dict[str, Any]:
-    """The case with every default and its geometry: what `evolvent show --json` prints.
+    """Return the case with all defaults and its geometry, as `evolvent show --json` does.
+
+    Parameters
+    ----------
+    case, set : as for `run`.
+
+    Returns
+    -------
+    The JSON output of the program as a dictionary.
 
     Raises
     ------
     AnalysisError
-        The case is refused.
+        The case is rejected.
     """
     return _answer(case, set, "evolvent_show")
 
 
 def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
-    """The numbers that the case gives: {path: {"unit": ..., "value": ...}}, for `set`.
+    """Return the numerical values of a case by their paths for `set`.
+
+    Parameters
+    ----------
+    case, set : as for `run`.
+
+    Returns
+    -------
+    {path: {"unit": ..., "value": ...}}.
 
     Raises
     ------
     AnalysisError
-        The case is refused.
+        The case is rejected.
     """
     return _answer(case, set, "evolvent_parameters")

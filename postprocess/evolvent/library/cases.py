@@ -1,4 +1,4 @@
-"""Cases as they are given from Python, as the texts that the library reads."""
+"""Conversion of cases and settings from Python objects to the texts that the library reads."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NAME = "case"  # of a text in messages
 
 
 def _plain(value: Any) -> Any:
-    """What JSON does not know, such as a number or an array of numpy."""
+    """Convert objects that JSON does not support, such as a number or an array of numpy."""
     for method in ("tolist", "item"):
         if hasattr(value, method):
             return getattr(value, method)()
@@ -30,12 +30,12 @@ def _plain(value: Any) -> Any:
 
 
 def value_text(value: Any, what: str = "") -> str:
-    """A value as --set takes it; `what` it is of.
+    """Convert a value to text as --set takes it; `what` names it in messages.
 
     Raises
     ------
     AnalysisError
-        It is, or holds, what stands for nothing in a case.
+        It is, or contains, an object that has no meaning in a case.
     """
     try:
         return value if isinstance(value, str) else json.dumps(value, default=_plain)
@@ -57,7 +57,7 @@ def _encoded(what: str, text: str | os.PathLike[str]) -> bytes:
 
 
 def encoded_or_none(what: str, value: Any) -> bytes | None:
-    """A value of a request; None: it is not asked for."""
+    """Encode a value of a request; None means not requested."""
     return None if value is None else _encoded(what, value_text(value, what))
 
 
@@ -73,7 +73,7 @@ def _settings(given: Settings) -> list[bytes]:
 
 
 def error_of(error: Error, case: Case | None = None) -> AnalysisError:
-    """What the library says."""
+    """Convert an error of the library to an exception."""
     place = error.place.decode(errors="replace")
     if isinstance(case, Mapping):  # it has no lines; the message names the key
         place = re.sub(rf"^{NAME}:\d+:\d+$", NAME, place)
@@ -82,19 +82,19 @@ def error_of(error: Error, case: Case | None = None) -> AnalysisError:
 
 @dataclass(frozen=True)
 class Source:
-    """Where the library reads a case."""
+    """Source of a case for the library."""
 
-    name: bytes  # path, or what errors call the text
-    text: bytes | None  # None: that of the file
+    name: bytes  # path, or name of the text in messages
+    text: bytes | None  # None: read the file
     options: ctypes.Array[c_char_p]  # as after --set
 
 
 def source_of(case: Case, settings: Settings) -> Source:
-    """What a caller gives.
+    """Convert the arguments of a caller.
 
     Parameters
     ----------
-    case : path, text of several lines, or the mapping that such a text stands for.
+    case : path, text of several lines, or the equivalent mapping.
 
     Raises
     ------
@@ -116,12 +116,12 @@ def source_of(case: Case, settings: Settings) -> Source:
 
 @contextmanager
 def opened(case: Case, settings: Settings) -> Iterator[Any]:
-    """The library's handle of a case, as of `source_of`.
+    """Open a case, as for `source_of`, and yield the library's handle.
 
     Raises
     ------
     AnalysisError
-        It is refused.
+        The case is rejected.
     """
     library, error = load(), Error()
     source = source_of(case, settings)

@@ -1,4 +1,4 @@
-"""What results have in common: names, dimensions, attributes, coordinates of names; made once."""
+"""Common layout of results, built once: names, dimensions, attributes, coordinates of names."""
 
 from __future__ import annotations
 
@@ -17,34 +17,34 @@ if TYPE_CHECKING:
     import xarray as xr
 
 TYPES: dict[int, np.dtype[Any]] = {REAL: np.dtype("f8"), INTEGER: np.dtype("i4")}
-MOST = 256  # layouts that are kept
+MOST = 256  # layouts in the cache
 
 
 class Column(NamedTuple):
-    """A variable of numbers."""
+    """A numerical variable."""
 
-    place: int  # in the record
+    place: int  # index in the record
     name: str
-    shape: int  # which of the layout's
-    kind: str  # as numpy's arrays tell it
-    attributes: Mapping[Hashable, Any]  # shared by all results: who puts them into one copies them
+    shape: int  # index into the shapes of the layout
+    kind: str  # type string of numpy's array interface
+    attributes: Mapping[Hashable, Any]  # shared by all results; copied into each dataset
 
 
 @dataclass(frozen=True)
 class Layout:
-    """A dataset without its numbers."""
+    """A dataset without its values."""
 
     columns: tuple[Column, ...]
-    sizes: Mapping[str, tuple[int, int]]  # of a dimension: place of a variable, and which of its
-    shapes: tuple[tuple[str, ...], ...]  # the dimensions that columns have together
+    sizes: Mapping[str, tuple[int, int]]  # index of a variable, index of the dimension
+    shapes: tuple[tuple[str, ...], ...]  # distinct dimension tuples of the columns
     coordinates: tuple[str, ...]  # in the order of the record
-    names: Mapping[Hashable, xr.Variable]  # those of names, shared as well
+    names: Mapping[Hashable, xr.Variable]  # coordinates of names, shared as well
     indexes: Mapping[Hashable, Any]
 
 
 @dataclass(frozen=True)
 class Layouts:
-    """What a record holds."""
+    """Layouts of a record."""
 
     own: Layout
     events: Layout | None
@@ -54,7 +54,7 @@ _kept: dict[bytes, Layouts] = {}
 
 
 def layouts_of(handle: int, variables: Any, n: int) -> Layouts:
-    """The layouts of a record: those of an earlier one if the library tells the same of both."""
+    """Return the layouts of a record; cached if the library reports the same layout."""
     size = c_size_t()
     told = ctypes.string_at(load().evolvent_record_layout(handle, byref(size)), size.value)
     layouts = _kept.get(told)
@@ -116,7 +116,7 @@ def _texts(variable: Variable) -> list[str]:
 def _names(
     name: str, texts: Sequence[str], attributes: Mapping[Hashable, Any]
 ) -> tuple[xr.Variable, Mapping[Any, Any]]:
-    """A coordinate of names, and its index."""
+    """Create a coordinate of names, and its index."""
     import xarray as xr
 
     values = np.array(texts, dtype=np.str_)
@@ -127,10 +127,10 @@ def _names(
 def variable_of(
     dimensions: tuple[str, ...], values: np.ndarray, attributes: Mapping[Hashable, Any]
 ) -> xr.Variable:
-    """`xr.Variable(dimensions, values, attributes)` of what is known to fit.
+    """Create `xr.Variable(dimensions, values, attributes)` without the checks of the constructor.
 
-    A result has some hundred of them, and the constructor's checks take longer than all else that
-    is done with it. Where a variable is not made of these four things, the constructor makes it.
+    A result has some hundred variables, and the checks take longer than all other work. If a
+    variable of this xarray does not consist of exactly these four members, the constructor is used.
     """
     import xarray as xr
 
@@ -146,7 +146,7 @@ def variable_of(
 
 @cache
 def _is_made_of_four() -> bool:
-    """Whether the constructor sets what `variable_of` does, and nothing else."""
+    """Whether the constructor sets exactly the members that `variable_of` sets."""
     import xarray as xr
 
     values = np.zeros(1)

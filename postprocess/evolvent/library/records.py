@@ -16,8 +16,8 @@ from evolvent.library.layouts import Layout, layouts_of, variable_of
 if TYPE_CHECKING:
     import xarray as xr
 
-EVENTS = "events"  # of a result's `encoding`: what makes a dataset of its events
-# Of the library's variables, what changes from result to result.
+EVENTS = "events"  # key in a result's `encoding` of the function that makes its events
+# Members of the library's variables that differ between results.
 NUMBERS = np.dtype(
     {
         "names": ["lengths", "values"],
@@ -29,7 +29,7 @@ NUMBERS = np.dtype(
 
 
 class Record:
-    """A record of the library, which goes when nobody has one of its arrays any more."""
+    """Record of the library, freed when none of its arrays is referenced any more."""
 
     def __init__(self, handle: int) -> None:
         self.handle = handle
@@ -40,14 +40,14 @@ class Record:
 
 
 class _Values:
-    """Numbers where the library has them."""
+    """Values in the memory of the library."""
 
     def __init__(self, record: Record) -> None:
         self.record = record
         self.__array_interface__: dict[str, Any] = {"version": 3}
 
     def array(self, address: int, shape: tuple[int, ...], kind: str) -> np.ndarray:
-        """Those at an address, as an array that keeps the record."""
+        """Array at an address, with a reference to the record."""
         told = self.__array_interface__
         told["data"], told["shape"], told["typestr"] = (address, False), shape, kind
         return np.asarray(self)
@@ -60,9 +60,9 @@ def _value_of(attribute: Attribute) -> Any:
 
 
 def dataset(handle: int) -> xr.Dataset:
-    """The result of an analysis, which owns the record from here on.
+    """Convert a record to the dataset of an analysis; the dataset owns the record.
 
-    Its events, if it has any, are made when `open_events` asks for them: its `encoding` tells how.
+    Its events, if any, are built on request of `open_events`, by a function in `encoding`.
     """
     library, record, n = load(), Record(handle), c_int()
     attributes = library.evolvent_record_attributes(handle, byref(n))
@@ -78,13 +78,13 @@ def dataset(handle: int) -> xr.Dataset:
 
 
 class Events:
-    """What makes the dataset of events; a copy, as another process gets it, has it made."""
+    """Function that builds the dataset of events; pickling builds and copies it."""
 
     def __init__(self, make: Callable[[], xr.Dataset]) -> None:
         self._make = make
 
     def __call__(self) -> xr.Dataset:
-        """The dataset."""
+        """Build the dataset."""
         return self._make()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -130,11 +130,11 @@ def joined(
     sizes: dict[Hashable, int],
     attrs: dict[Hashable, Any],
 ) -> xr.Dataset:
-    """`xr.Dataset(parts, coordinates, attrs)` of variables that are known to fit each other.
+    """Create `xr.Dataset(parts, coordinates, attrs)` from variables known to be consistent.
 
-    That constructor aligns and compares them, which takes longer than all else that is done with a
-    result. xarray has no public way around it; where the inner one is not what it was, the public
-    one serves.
+    That constructor aligns and compares them, which takes longer than all other work on a result.
+    xarray has no public alternative. If the private constructor has changed, the public one is
+    used.
     """
     import xarray as xr
 

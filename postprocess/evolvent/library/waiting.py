@@ -1,4 +1,4 @@
-"""Calls that may take long, and end when this process is interrupted."""
+"""Long calls of the library that can be interrupted."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from collections.abc import Callable
 from ctypes import c_int
 from typing import Any
 
-PATIENCE = 1.0  # s: in which a thread that was started begins
+PATIENCE = 1.0  # s: within which a new thread starts
 
 
 def call(work: Callable[[c_int], Any]) -> Any:
-    """Call the library, with the word that stops it.
+    """Call the library with the flag that stops it.
 
-    Python hears of signals in its main thread, between two of its own steps. So that thread waits
-    for another one that works, and stops it if an exception ends the waiting, such as
-    KeyboardInterrupt; other threads work themselves.
+    Python handles signals in its main thread, between two of its own steps. The main thread
+    therefore waits for a worker thread, and stops it if an exception such as KeyboardInterrupt
+    ends the waiting. Calls from other threads run directly.
     """
     stop = c_int(0)
     if threading.current_thread() is not threading.main_thread():
@@ -29,7 +29,7 @@ def call(work: Callable[[c_int], Any]) -> Any:
     def work_beside() -> None:
         begun.release()
         try:
-            if stop.value == 0:  # else nobody waits any more
+            if stop.value == 0:  # else the caller no longer waits
                 answers.append(work(stop))
         except BaseException as error:
             answers.append(error)
@@ -49,7 +49,7 @@ def call(work: Callable[[c_int], Any]) -> Any:
 
 
 def _wait(begun: Any, ended: Any) -> None:
-    """Wait for the end of a thread that was told to stop, if it has begun; nothing ends that."""
+    """Wait for the end of a thread after a stop request, if it has started; not interruptible."""
     while True:
         try:
             if begun.acquire(timeout=PATIENCE):

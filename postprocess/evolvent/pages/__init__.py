@@ -1,1 +1,1 @@
-"""What takes physics and figures together: pictures of gears, moving pictures, reports."""
+"""Output that combines physics and figures: drawings of gears, animations, reports."""

@@ -1,4 +1,4 @@
-"""Moving pictures of a history: which outputs they show, and how they become a file."""
+"""Animations of a history: selection of the outputs, and writing to a file."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from evolvent.physics.teeth import pitches_passed
 
 MAX_FRAMES = 1500
 USUAL_FRAMES = 120
-USUAL_ADVANCE = 0.12  # pitches from frame to frame: teeth then are seen to move
-BLURRED_ADVANCE = 0.4  # pitches from frame to frame: from here on teeth seem to stand or go back
+USUAL_ADVANCE = 0.12  # pitches from frame to frame: the motion of teeth is visible
+BLURRED_ADVANCE = 0.4  # pitches from frame to frame: above, teeth seem to stop or move backwards
 COLOURS = 96  # of a GIF
 
 
 class AnimationError(EvolventError):
-    """A moving picture that cannot be made; the message says why and what to do."""
+    """An animation that cannot be made; the message gives the reason and the remedy."""
 
     def __init__(self, message: str) -> None:
         super().__init__(message, USAGE)
@@ -34,12 +34,12 @@ class AnimationError(EvolventError):
 
 @dataclass(frozen=True)
 class Clip:
-    """Which outputs are shown, and how fast."""
+    """Selected outputs, and the playing speed."""
 
     rows: tuple[int, ...]  # outputs of the history, one a frame
-    fps: float  # frames a second
-    speed: float  # seconds of the run that pass in a second of the clip
-    advance: float  # pitches that teeth pass from frame to frame, at most
+    fps: float  # frames per second
+    speed: float  # seconds of the run per second of the clip
+    advance: float  # largest advance of teeth from frame to frame, in pitches
 
 
 def choose_clip(
@@ -49,20 +49,20 @@ def choose_clip(
     fps: float = 20.0,
     speed: float | None = None,
 ) -> Clip:
-    """Choose the outputs that are shown: each frame is the output nearest to its time.
+    """Select the displayed outputs: each frame is the output nearest to its time.
 
     Parameters
     ----------
     history : with angle (time, wheel).
     begin, end : first and last time [s]; those of the history if None. Without end and speed the
         clip ends after `USUAL_FRAMES` frames of `USUAL_ADVANCE` pitches.
-    fps : frames a second.
-    speed : seconds of the run a second of the clip; if None, one that fits `USUAL_FRAMES`.
+    fps : frames per second.
+    speed : seconds of the run per second of the clip; None: fits `USUAL_FRAMES`.
 
     Raises
     ------
     AnimationError
-        No output in the window, or more than `MAX_FRAMES` frames.
+        No output in the time range, or more than `MAX_FRAMES` frames.
     """
     time = require(history, "time").values
     first = time[0] if begin is None and time.size else begin
@@ -99,21 +99,21 @@ def animate(
     dpi: int = 100,
     exaggeration: float = 1.0,
 ) -> None:
-    """Write a moving picture: a GIF, or an MP4 by ffmpeg, after the path's ending.
+    """Write an animation: a GIF, or an MP4 by ffmpeg, by the extension of the path.
 
     Parameters
     ----------
     history : as for `Scene`.
     path : file that ends in .gif or .mp4.
     clip : as from `choose_clip`.
-    mesh : number of the mesh to zoom on; the whole gearbox if None.
-    dpi : pixels an inch; the picture is 7.2 inches wide.
+    mesh : index of the mesh to zoom on; the whole gearbox if None.
+    dpi : pixels per inch; the picture is 7.2 inches wide.
     exaggeration : factor of the deviations of the flanks.
 
     Raises
     ------
     AnimationError
-        Another ending, or MP4 without ffmpeg.
+        Another extension, or MP4 without ffmpeg.
     """
     check_format(path)
     check_teeth(history)
@@ -126,7 +126,7 @@ def animate(
 
 
 def check_format(path: Path) -> None:
-    """Refuse a file that `animate` cannot write."""
+    """Reject a file that `animate` cannot write."""
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise AnimationError(f"{path}: the file has to end in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
@@ -137,13 +137,13 @@ def check_format(path: Path) -> None:
 
 
 def _write_gif(scene: Scene, path: Path, clip: Clip, dpi: int) -> None:
-    """All frames share one palette, so that still parts do not flicker."""
+    """Write a GIF; all frames share one palette, so that static parts do not flicker."""
     scene.figure.set_dpi(dpi)
     middle = [clip.rows[i * (len(clip.rows) - 1) // 3] for i in range(4)]
     samples = np.concatenate([_pixels(scene, row) for row in middle])
     palette = Image.fromarray(samples).quantize(COLOURS, dither=Image.Dither.NONE)
     colours = np.reshape(palette.getpalette() or [], (-1, 3))
-    # Pillow takes a near colour, not always the nearest one: what is nearly white is made white
+    # Pillow takes a near colour, not always the nearest one: almost white becomes white.
     colours[(colours >= 248).all(axis=1)] = 255
     palette.putpalette(colours.ravel().tolist())
 
@@ -173,7 +173,7 @@ def _pixels(scene: Scene, row: int) -> np.ndarray:
 
 
 def _write_mp4(scene: Scene, path: Path, clip: Clip, dpi: int) -> None:
-    # yuv420p and even sizes: what every player shows
+    # yuv420p and even sizes, which every player supports
     even = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]
     writer = FFMpegWriter(fps=round(clip.fps), extra_args=even)
     with writer.saving(scene.figure, str(path), dpi):

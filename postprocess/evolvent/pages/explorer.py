@@ -1,8 +1,8 @@
-"""Every quantity of a history in pictures that can be zoomed, inside one page without a network.
+"""Zoomable figures of all quantities of a history, in one page that works offline.
 
-The numbers go into the page as compressed binary arrays, thinned until they fit: the smallest and
-the largest value of each stretch of a line stay, at the times at which they were. plotly.js draws
-them; it comes from the Python package of that name, and goes into the page compressed as well.
+The values are embedded as compressed binary arrays, thinned out to the size limit: the minimum and
+maximum of each interval of a line are retained with their times. plotly.js draws them; it is part
+of the Python package plotly and is embedded compressed as well.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ from evolvent.physics.extremes import told_extremes
 from evolvent.physics.thinning import thinned, thinned_lines
 from evolvent.units import engineering
 
-MOST_ROWS = 12_000  # of a line: a wide screen has 4000 pixels, and pictures are zoomed
-LARGEST = 3_300_000  # characters that the numbers may take; a page then is below 6 MB
-FAVOUR = 4  # so many times the rows of other lines have those that are shown at first
-MOST_EVENTS = 2000  # of one kind
+MOST_ROWS = 12_000  # of a line: a wide screen has 4000 pixels, and figures are zoomed
+LARGEST = 3_300_000  # characters of the values; a page then is below 6 MB
+FAVOUR = 4  # ratio of the rows of initially displayed lines to those of other lines
+MOST_EVENTS = 2000  # of one type
 FIRST = ("transmission_error", "pair_normal_force", "pair_contact_pressure", "angular_velocity")
 GROUPS = {"pair": "Tooth pairs", "mesh": "Meshes", "wheel": "Wheels"}
 
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a picture."""
+    """One line of a figure."""
 
     label: str
     rows: NDArray[np.int64]  # of the history
-    values: NDArray[np.float64]  # there, in SI
+    values: NDArray[np.float64]  # at these rows, in SI
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One picture."""
+    """One figure."""
 
     name: str
     text: str
@@ -58,26 +58,26 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Explorer:
-    """What the page needs."""
+    """Contents of the page."""
 
     facts: Markup  # JSON
     numbers: str  # compressed, in base 64
     library: str  # plotly.js, compressed, in base 64
     library_name: str
-    groups: dict[str, list[tuple[str, str, bool]]]  # of name, text, whether it is shown at first
+    groups: dict[str, list[tuple[str, str, bool]]]  # name, text, whether it is displayed initially
     note: str
-    window: str  # the time that is shown at first; "" if all
+    window: str  # time range displayed initially; "" if all
 
 
 def explorer(
     history: xr.Dataset, events: xr.Dataset, window: tuple[float, float] | None = None
 ) -> Explorer:
-    """Collect the pictures of a history that has outputs.
+    """Collect the figures of a history that has outputs.
 
     Parameters
     ----------
     history, events : as from `open_history` and `open_events`.
-    window : times that are shown first [s]; all if None.
+    window : time range displayed initially [s]; all if None.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def explorer(
 
 
 def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
-    """Each variable over time that is not 0 throughout."""
+    """Variables over time that are not 0 throughout."""
     for name in map(str, history.data_vars):
         variable = history[name]
         if variable.dims[:1] != ("time",) or variable.dtype.kind not in "iuf":
@@ -137,7 +137,7 @@ def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
         other = str(dims[0]).capitalize() + "s" if dims else "Gearbox"
         group = next((text for dim, text in GROUPS.items() if dim in dims), other)
         text = str(variable.attrs.get("long_name", name)).split(";")[0]
-        if text[0].isdigit():  # what its values mean
+        if text[0].isdigit():  # meanings of its values
             text = f"{name.replace('_', ' ')}: {text}"
         begin, end = history["time"].values[[0, -1]]
         marked = [
@@ -151,7 +151,7 @@ def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
 
 
 def _lines(history: xr.Dataset, variable: xr.DataArray) -> Iterator[Line]:
-    """Each line of a variable; those of tooth pairs that never have a value are left out."""
+    """Lines of a variable; tooth pairs that never have a value are omitted."""
     run, name = recording_of(history), str(variable.name)
     dims = [str(dim) for dim in variable.dims[1:]]
     has_value = ever(run, lambda part: np.isfinite(part[name])).ravel()
@@ -165,7 +165,7 @@ def _lines(history: xr.Dataset, variable: xr.DataArray) -> Iterator[Line]:
         if not has_value[number]:
             continue
         places = list(zip(dims, index, strict=True))
-        # What there is one of needs no name, if something else has one.
+        # Dimensions of length 1 are omitted from the label, unless all have length 1.
         named = [(d, i) for d, i in places if history.sizes[d] > 1] or places
         names = [str(history[d].values[i]).replace("_", " ") for d, i in named]
         yield Line(" ".join(names) or "value", rows[number], values.astype(float))
@@ -186,10 +186,10 @@ def _thinner(quantity: Quantity, most: int) -> Quantity:
 
 
 def _packed(history: xr.Dataset, quantities: list[Quantity]) -> tuple[dict[str, Any], str]:
-    """All numbers in one array of bytes, and what they are.
+    """Pack all values into one byte array; return its description and the array.
 
-    Times first, as doubles; then of each line its rows among these times, each less the one before,
-    and its values as floats.
+    Order: times as doubles; then for each line its rows among these times, as differences, and its
+    values as floats.
     """
     used = np.unique(np.concatenate([line.rows for q in quantities for line in q.lines]))
     time_factor, _ = engineering(history["time"].values[[0, -1]], "s")
@@ -214,7 +214,7 @@ def _packed(history: xr.Dataset, quantities: list[Quantity]) -> tuple[dict[str, 
 
 
 def _first(quantities: list[Quantity]) -> list[str]:
-    """What is shown at first; the force of the mesh where it has no pairs or one."""
+    """Names displayed initially; the mesh force if there is at most one line of pair forces."""
     names = {q.name: len(q.lines) for q in quantities}
     wanted = list(FIRST)
     if names.get("pair_normal_force", 0) < 2:
@@ -223,7 +223,7 @@ def _first(quantities: list[Quantity]) -> list[str]:
 
 
 def _events(history: xr.Dataset, events: xr.Dataset, factor: float) -> list[dict[str, Any]]:
-    """When the events of each kind were; of very many only some."""
+    """Times of the events of each type; of very many only some."""
     shown = []
     kinds = events["kind"].values
     begin, end = history["time"].values[[0, -1]]
@@ -239,7 +239,7 @@ def _events(history: xr.Dataset, events: xr.Dataset, factor: float) -> list[dict
 
 
 def _style(line: dict[str, Any]) -> dict[str, str]:
-    """Colour and dashes of a figure's line, as plotly writes them."""
+    """Colour and dashes of a figure's line in the notation of plotly."""
     dashes = line["linestyle"]
     if dashes == "-":
         return {"color": line["color"], "dash": "solid"}
@@ -247,7 +247,7 @@ def _style(line: dict[str, Any]) -> dict[str, str]:
 
 
 def _json(facts: dict[str, Any]) -> Markup:
-    """JSON that cannot end the element that it stands in."""
+    """JSON that cannot terminate the HTML element that contains it."""
     return Markup(json.dumps(facts, allow_nan=False).replace("<", "\\u003c"))
 
 
@@ -259,5 +259,5 @@ def _library() -> tuple[str, str]:
 
 
 def _compressed(content: bytes) -> str:
-    """Compress, without a date; base 64 is what a page can hold."""
+    """Compress without a date, and encode in base 64 for HTML."""
     return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")

@@ -1,7 +1,7 @@
-"""Formulas as pages show them: MathML from the plain text of symbols and invariants.
+"""Formulas on pages: MathML from the plain text of symbols and invariants.
 
 The text is that of `symbol` attributes and docs/theory.md: Greek letters by their names, `_` before
-a subscript, ' for a time derivative, products by a blank, words where a quantity has no letter.
+a subscript, ' for a time derivative, products by a blank, words for quantities without a letter.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ NAME = re.compile(r"([A-Za-z]+)(?:_(\w+|\([^)]*\)))?('*)")
 
 
 def symbol(text: str) -> Markup:
-    """Typeset a symbol such as `F_nk` or `max F_n`; nothing of an empty one."""
+    """Typeset a symbol such as `F_nk` or `max F_n`; an empty symbol gives empty markup."""
     return Markup(_math(TOKEN.findall(text)) if text else "")
 
 
 def formula(text: str) -> Markup:
-    """Typeset what must hold; words around the formulas stay text, and lines break between terms.
+    """Typeset an invariant; words around the formulas stay text, and lines break between terms.
 
     >>> "<mfrac>" in formula("lambda = -r_bB/r_bA")
     True
@@ -48,7 +48,7 @@ def formula(text: str) -> Markup:
 
 
 def _clause(text: str) -> str:
-    """A relation with the words before and behind it, or words alone."""
+    """Typeset a relation with the words before and after it, or words alone."""
     if not any(sign in text for sign in RELATIONS):
         return escape(text)
     tokens = TOKEN.findall(text)
@@ -65,7 +65,7 @@ def _clause(text: str) -> str:
 
 
 def _terms(tokens: list[str]) -> Iterator[list[str]]:
-    """Cut a formula before the signs between which its lines may break."""
+    """Split a formula before the signs at which lines may break."""
     term: list[str] = []
     depth = 0
     for token in tokens:
@@ -78,7 +78,7 @@ def _terms(tokens: list[str]) -> Iterator[list[str]]:
 
 
 def _math(tokens: list[str], goes_on: bool = False) -> str:
-    """One element; `goes_on` after another one, so that its first sign stands between the two."""
+    """Return one element; `goes_on` if it follows another one, so that its first sign is infix."""
     row: list[str] = []
     rest = iter(_joined(tokens))
     for token in rest:
@@ -97,7 +97,7 @@ def _math(tokens: list[str], goes_on: bool = False) -> str:
 
 
 def _joined(tokens: list[str]) -> list[str]:
-    """Put words that follow each other into one."""
+    """Join consecutive words."""
     joined: list[str] = []
     for token in tokens:
         if joined and _is_word(token) and _is_word(joined[-1].split()[-1]):
@@ -108,7 +108,7 @@ def _joined(tokens: list[str]) -> list[str]:
 
 
 def _operand(token: str, rest: Iterator[str]) -> str:
-    """Typeset a token, or all up to the bracket that closes it."""
+    """Typeset a token, or an expression up to its closing bracket."""
     if token == "(":
         inside = []
         for inner in rest:
@@ -150,7 +150,7 @@ def _below(text: str) -> str:
 
 
 def _is_word(token: str) -> bool:
-    """Whether a token is a word of the language, no symbol."""
+    """Whether a token is a word of the language, not a symbol."""
     return token.isalpha() and len(token) > 1 and token not in GREEK and token not in FUNCTIONS
 
 

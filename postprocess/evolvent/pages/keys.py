@@ -1,4 +1,4 @@
-"""The band below a moving picture: what is what, and lengths, forces and speeds to scale."""
+"""Band below an animation: legend, and scales of lengths, forces and speeds."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from evolvent.pages.shapes import arrow, round_below
 from evolvent.units import quantity
 
 LEFT = 0.02  # of the picture's width
-SMALL = 9.5  # size of letters [points]
+SMALL = 9.5  # font size [points]
 
 
 class Scale(NamedTuple):
-    """One line of the key: what an arrow of a length stands for."""
+    """One line of the band: the value that an arrow of some length represents."""
 
-    largest: float  # value that can be seen
+    largest: float  # largest visible value
     per_unit: float  # length in the picture of one unit
     units: str
     colour: str  # of its arrow; "" for a bar
@@ -28,7 +28,7 @@ class Scale(NamedTuple):
 def draw_keys(
     keys: Axes, scales: Sequence[Scale], width: float, aspect: float, entries: Sequence[Any]
 ) -> None:
-    """Draw the scales at the left and the legend at the right.
+    """Draw the scales on the left and the legend on the right.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Places for labels: near what they name, inside the picture, never on each other."""
+"""Label placement: near the labelled object, inside the picture, without overlap."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox, BboxBase
 
-GRID = 48  # places tried along each side of the picture
-APART = 3.0  # least distance of two labels, and from the edge [pixels]
-LARGEST = 11.0  # size of letters [points]
-SMALLEST = 6.0  # below it a label is left out
+GRID = 48  # candidate positions along each side of the picture
+APART = 3.0  # minimum distance of two labels, and from the edge [pixels]
+LARGEST = 11.0  # font size [points]
+SMALLEST = 6.0  # below it a label is omitted
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """A label and where it would best stand."""
+    """A label and its preferred position."""
 
-    text: Text  # with the longest words that it will have
-    anchor: complex  # middle of its place, in the axes' coordinates
+    text: Text  # with the longest text that it will have
+    anchor: complex  # preferred centre, in the axes' coordinates
 
 
 def place_labels(axes: Axes, labels: Sequence[Wanted], taken: Sequence[Bbox] = ()) -> None:
-    """Move labels to the free places that are nearest to their anchors.
+    """Move labels to the free positions nearest to their anchors.
 
     Parameters
     ----------
-    taken : boxes in the axes' coordinates that labels keep out of where there is room elsewhere.
+    taken : boxes in the axes' coordinates that labels avoid if there is space elsewhere.
 
-    Labels are placed in their order. Letters become smaller where there is no room; a label that
-    has none in the smallest letters is hidden.
+    Labels are placed in order. The font size decreases where there is no space; a label that does
+    not fit in the smallest size is hidden.
     """
     drawn = [box.transformed(axes.transData) for box in taken]
     placed: list[Bbox] = []
@@ -44,7 +44,7 @@ def place_labels(axes: Axes, labels: Sequence[Wanted], taken: Sequence[Bbox] = (
 
 
 def _fitting(axes: Axes, label: Wanted, drawn: list[Bbox], placed: list[Bbox]) -> Bbox | None:
-    """Make a label so small that it has a place, and move it there."""
+    """Reduce the font size of a label until it fits, and move it."""
     size = LARGEST
     while size >= SMALLEST:
         label.text.set_fontsize(size)
@@ -59,7 +59,7 @@ def _fitting(axes: Axes, label: Wanted, drawn: list[Bbox], placed: list[Bbox]) -
 
 
 def _free(axes: Axes, label: Wanted, kept_out: list[Bbox]) -> Bbox | None:
-    """The free box that is nearest to the anchor; boxes are in pixels."""
+    """Return the free box nearest to the anchor; boxes are in pixels."""
     extent = label.text.get_window_extent()
     half = np.array([extent.width / 2 + APART, extent.height / 2 + APART])
     low, high = _corners(axes.bbox)

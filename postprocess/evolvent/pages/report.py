@@ -1,4 +1,4 @@
-"""One self-contained HTML page about one run."""
+"""Self-contained HTML page about one run."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from evolvent.physics.numbers import is_number, numbers_tables, steady_window, w
 from evolvent.physics.results import results
 from evolvent.units import quantity
 
-# Attributes of a history that have a place of their own on the page.
+# Attributes of a history that are shown in their own sections of the page.
 PLACED_ATTRIBUTES = (
     "Conventions",
     "title",
@@ -42,10 +42,10 @@ PLACED_ATTRIBUTES = (
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure, ready for the page."""
+    """A figure, encoded for the page."""
 
     title: str
-    alternative: str  # text for those who cannot see it
+    alternative: str  # alternative text
     source: str  # data URI
 
 
@@ -55,17 +55,17 @@ def report(
     interactive: bool = False,
     times: tuple[float | None, float | None] = (None, None),
 ) -> str:
-    """Make the page.
+    """Create the page.
 
     Parameters
     ----------
     history, events : as from `open_history` and `open_events`.
-    interactive : its pictures can be zoomed and hovered over, instead of figures.
-    times : first and last time that pictures show [s]; else the window of the numbers, if any.
+    interactive : zoomable figures with values on hovering, instead of static figures.
+    times : first and last time of the figures [s]; else the window of the metrics, if any.
 
     Returns
     -------
-    HTML with style and figures inside; it needs no other file and no network.
+    HTML with embedded style and figures; it needs no other file and no network.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def report(
 
 
 def _in_a_word(verdicts: list[Verdict]) -> str:
-    """What became of all invariants."""
+    """Summary of the verdicts of all invariants."""
     failed = [v.invariant.name for v in verdicts if v.failed]
     if failed:
         return f"Do not trust this run before you know why: broken is {', '.join(failed)}."
@@ -127,7 +127,7 @@ def _in_a_word(verdicts: list[Verdict]) -> str:
 
 
 def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
-    """Collect what is constant along time for each wheel or mesh.
+    """Collect the quantities that are constant in time for each wheel or mesh.
 
     Parameters
     ----------
@@ -136,8 +136,8 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
 
     Returns
     -------
-    `columns`, the names along `dim`, and `rows`: (long name, symbol, one text a column), without
-    what is 0 or unknown for all of them.
+    `columns`, the names along `dim`, and `rows`: (long name, symbol, one text per column), without
+    quantities that are 0 or unknown for all of them.
     """
     rows = []
     for name, variable in history.data_vars.items():
@@ -156,7 +156,7 @@ def static_table(history: xr.Dataset, dim: str) -> dict[str, list[Any]]:
 
 
 def event_counts(history: xr.Dataset, events: xr.Dataset) -> list[tuple[str, str, int]]:
-    """Count the events of each kind and mesh: (kind in words, name of the mesh or "", number)."""
+    """Count the events of each type and mesh: (type in words, name of the mesh or "", number)."""
     names = [str(v) for v in history["mesh"].values]
     counted = Counter(
         (str(kind).replace("_", " "), names[mesh] if mesh >= 0 else "")
@@ -166,14 +166,14 @@ def event_counts(history: xr.Dataset, events: xr.Dataset) -> list[tuple[str, str
 
 
 def _warnings(history: xr.Dataset) -> list[str]:
-    """How the run ended, if that is worth a word, and the warnings of its start."""
+    """Warning about the end of the run, if any, and the warnings of its start."""
     end = run_warning(history)
     start = str(history.attrs.get("warnings", "")).splitlines()
     return ([end] if end else []) + start
 
 
 def _extremes_note(history: xr.Dataset, events: xr.Dataset) -> str:
-    """Where the extremes come from, and what has none."""
+    """Source of the extremes, and contacts that have none."""
     told = any(extreme.between_outputs for extreme in extremes(history))
     note = (
         "Found between the outputs, on both sides of every event."
@@ -189,7 +189,7 @@ def _extremes_note(history: xr.Dataset, events: xr.Dataset) -> str:
 
 
 def _names(history: xr.Dataset, variable: str) -> list[str]:
-    """Give what the numbers of a variable stand for; empty if they are just numbers."""
+    """Meanings of the values of a variable; empty if they are plain numbers."""
     if variable == "tracking":
         return ["closed form", "algebraic", "differential"]
     if variable in ("driving_wheel", "driven_wheel"):
@@ -226,7 +226,7 @@ def _figures(
 
 
 def _picture(title: str, alternative: str, figure: Figure) -> Picture:
-    # As an image of its own each SVG keeps its identifiers to itself.
+    # As a separate image, each SVG has its own namespace of identifiers.
     buffer = io.BytesIO()
     with rc_context(STYLE):
         figure.savefig(buffer, format="svg", metadata={"Date": None})

@@ -1,4 +1,4 @@
-"""How long the arrows of a moving picture are, and their key."""
+"""Scales of the arrows of an animation."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from evolvent.history import require
 
 @dataclass(frozen=True)
 class Largest:
-    """What the longest arrows stand for; 0: there are none."""
+    """Values of the longest arrows; 0: there are none."""
 
     force: float = 0.0  # of a tooth pair [N]
     torque: float = 0.0  # of the loads of a wheel [N m]
-    sliding: float = 0.0  # of a tooth pair that carries load [m/s]
+    sliding: float = 0.0  # of a loaded tooth pair [m/s]
 
 
 def largest_of(history: xr.Dataset, rows: list[int], mesh: int | None = None) -> Largest:
-    """Find what is largest among outputs, in one mesh or in all."""
+    """Find the largest values over some outputs, in one mesh or in all."""
     chosen = slice(None) if mesh is None else [mesh]
     force = require(history, "pair_normal_force").values[rows][:, chosen]
     torque = sliding = 0.0

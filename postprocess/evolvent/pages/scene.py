@@ -1,4 +1,4 @@
-"""A picture of a gearbox at any output: what turns the wheels, what presses and slides on teeth."""
+"""Picture of a gearbox at any output: loads of the wheels, forces and sliding on the teeth."""
 
 from __future__ import annotations
 
@@ -28,27 +28,27 @@ from evolvent.pages.touching import touching
 from evolvent.physics.teeth import DrawnMesh, drawn_meshes, drawn_wheels
 from evolvent.units import quantity
 
-# Light enough for the arrows on them, and told apart by a grey printer.
+# Light behind the arrows, and distinguishable in grey print.
 FILLS = ("#b9cbe0", "#f2dcc0", "#d5e6c9", "#e3d3ea")
 EDGE, ACTION = "#3a4654", "#1f6f9f"
 FORCE, SLIDES, DRIVES, BRAKES = "#b3122f", "#e07b00", "#2e7d32", "#6a3d9a"
-WIDTH, TOP, BOTTOM = 7.2, 0.42, 1.1  # of the picture and the bands above and below it [inch]
-HEIGHTS = (2.6, 6.2)  # least and largest of the drawing between them [inch]
-COAST: Any = (0, (2, 2))  # dashes of the coast flanks' lines
-LONGEST = 0.17  # length of the arrow of the largest force, of the picture's smaller side
-AROUND = 1.35  # half of the height of a zoom over the longer of path of contact and base pitch
+WIDTH, TOP, BOTTOM = 7.2, 0.42, 1.1  # of the picture, and of the bands above and below it [inch]
+HEIGHTS = (2.6, 6.2)  # minimum and maximum height of the drawing between them [inch]
+COAST: Any = (0, (2, 2))  # dash pattern for the lines of the coast flanks
+LONGEST = 0.17  # length of the arrow of the largest force, relative to the picture's smaller side
+AROUND = 1.35  # half the height of a zoom over the larger of path of contact and base pitch
 OUTLINED: Any = [withStroke(linewidth=2.5, foreground="white", alpha=0.8)]
 LONGEST_TORQUE = "\nbrakes with 888 mN m"
 
 
 class Scene:
-    """A picture of the gearbox, or of one mesh of it, that shows any output of a history.
+    """Picture of the gearbox, or of one of its meshes, for any output of a history.
 
     Parameters
     ----------
     history : with the static variables of the teeth, the motion and the forces of tooth pairs.
-    mesh : number of the mesh to zoom on; the whole gearbox if None.
-    largest : what the longest arrows stand for.
+    mesh : index of the mesh to zoom on; the whole gearbox if None.
+    largest : values of the longest arrows.
     speed : shown beside the time, if given.
     exaggeration : factor of the deviations of the flanks.
     """
@@ -78,7 +78,7 @@ class Scene:
             self._add_names()
 
     def show(self, row: int) -> Figure:
-        """Move everything to output number `row` and return the figure."""
+        """Update all artists to the output with index `row` and return the figure."""
         history = self.history
         turned = require(history, "angle").values[row]
         moved = require(history, "centre_displacement").values[row]
@@ -97,7 +97,7 @@ class Scene:
         return self.figure
 
     def _show_contacts(self, row: int) -> None:
-        """Lines of action, forces and sliding of all loaded tooth pairs."""
+        """Update lines of action, forces and sliding of all loaded tooth pairs."""
         forces, slides, points, loads = [], [], [], []
         for number, lines in zip(self.shown, self.lines, strict=True):
             mesh = self.meshes[number]
@@ -121,7 +121,7 @@ class Scene:
             self.load.set_text(_loaded(len(touches), loads[0]))
 
     def _show_torques(self, row: int) -> None:
-        """Curved arrows of the loads, and words for them."""
+        """Update the curved arrows of the loads, and their texts."""
         shapes, colours, words = [], [], {}
         for number in self.loaded:
             torque = float(self.history["load_torque"].values[row, number])
@@ -140,7 +140,7 @@ class Scene:
             text.set_text("\n".join(lines))
 
     def _torque_arrow(self, number: int, share: float) -> np.ndarray:
-        """Outline of the arrow of a torque, by its share in the largest one."""
+        """Outline of the arrow of a torque, given as a fraction of the largest torque."""
         wheel, away = self.wheels[number], self._away(number)
         radius, longest = 0.5 * wheel.radius, 2.4
         if self.zoomed:
@@ -154,7 +154,7 @@ class Scene:
         return curved_arrow(wheel.centre, radius, away, float(angle), 1.3 * self.arrow_width)
 
     def _away(self, number: int) -> float:
-        """Direction from a wheel's axle away from its mates, or from those on the same axle."""
+        """Direction away from the mates of all wheels on a wheel's axis [rad]."""
         centre = self.wheels[number].centre
         pull = 0j
         for mesh in self.meshes:
@@ -185,13 +185,13 @@ class Scene:
         return _fitted(x, (middle.imag - half, middle.imag + half), 0.0)
 
     def _scale(self) -> None:
-        """Lengths of arrows."""
+        """Set the lengths of the arrows."""
         wide, high = self.box[1] - self.box[0], self.box[3] - self.box[2]
         self.small = min(wide, high)
         self.arrow_width = 0.011 * self.small
         longest = LONGEST * self.small
         if self.zoomed:
-            # arrows of neighbouring tooth pairs, a base pitch apart, do not overlap
+            # arrows of adjacent tooth pairs, a base pitch apart, do not overlap
             pitch = require(self.history, "base_pitch").values[self.shown[0]]
             longest = min(longest, 0.46 * float(pitch))
         force, sliding = self.largest.force, self.largest.sliding
@@ -207,7 +207,7 @@ class Scene:
         x0, x1, y0, y1 = self.box
         height = WIDTH * (y1 - y0) / (x1 - x0)
         total = TOP + height + BOTTOM
-        # whole and even numbers of pixels at any usual resolution: videos need them
+        # whole and even numbers of pixels at any usual resolution, as videos require
         total = np.ceil(total * 10) / 10
         self.figure = Figure(figsize=(WIDTH, total), facecolor="white")
         FigureCanvasAgg(self.figure)
@@ -231,7 +231,7 @@ class Scene:
         axes = self.axes
         self.artists: dict[int, tuple[Polygon, Line2D]] = {}
         self.lines: list[list[tuple[Line2D, Line2D]]] = []
-        # of wheels one behind the other, the smaller ones are in front
+        # smaller wheels are drawn in front of larger ones
         behind = np.argsort([-wheel.radius for wheel in self.wheels]).argsort()
         for number in self.visible:
             wheel = self.wheels[number]
@@ -260,7 +260,7 @@ class Scene:
         (self.contacts,) = axes.plot([], [], "o", color="black", markersize=3.5, zorder=8)
 
     def _add_names(self) -> None:
-        """Name the wheels where nothing else stands: those on one axis together."""
+        """Place the names of the wheels in free areas; wheels on one axis share a label."""
         self.names: list[tuple[Text, list[int]]] = []
         axles: dict[complex, list[int]] = {}
         for number in self.visible:
@@ -309,7 +309,7 @@ class Scene:
         return boxes
 
     def _place_in_zoom(self, number: int, share: float) -> complex:
-        """Where a zoom shows a wheel: so far from its middle away from the wheel's mate."""
+        """Position of a wheel in a zoom: a fraction of the way to the edge, away from the mate."""
         centre = self.wheels[number].centre
         x0, x1, y0, y1 = self.box
         middle = complex((x0 + x1) / 2, (y0 + y1) / 2)
@@ -320,9 +320,9 @@ class Scene:
         return middle + share * reach * towards
 
     def _add_keys(self) -> None:
-        """Below the picture: what is what; a length, a force and a speed to scale."""
+        """Draw the legend below the picture, with scales of length, force and speed."""
         wide, high = self.box[1] - self.box[0], self.box[3] - self.box[2]
-        per_unit = BOTTOM / (WIDTH * high / wide) * high  # height of the band, in the picture
+        per_unit = BOTTOM / (WIDTH * high / wide) * high  # height of the band in the picture
         scales = [
             Scale(wide / 7, 1.0, "m", ""),
             Scale(self.largest.force, self.per_newton, "N", FORCE),
@@ -349,7 +349,7 @@ class Scene:
 
 
 def check_teeth(history: xr.Dataset) -> None:
-    """Refuse a history from before the teeth were written down."""
+    """Reject a history of a version that did not write the tooth positions."""
     if "flank_root_driving" not in history:
         raise HistoryError(
             f"{source_name(history)}: does not tell where the teeth are; run the case again with "
@@ -360,7 +360,7 @@ def check_teeth(history: xr.Dataset) -> None:
 def _fitted(
     x: tuple[float, float], y: tuple[float, float], margin: float
 ) -> tuple[float, float, float, float]:
-    """Widen a box by a margin, and until its shape gives a height among `HEIGHTS`."""
+    """Widen a box by a margin, and until its aspect ratio gives a height within `HEIGHTS`."""
     wide, high = ((1 + 2 * margin) * (end - begin) for begin, end in (x, y))
     high = max(high, wide * HEIGHTS[0] / WIDTH)
     wide = max(wide, high * WIDTH / HEIGHTS[1])

@@ -1,4 +1,4 @@
-"""Outlines of arrows, and numbers round enough for a scale."""
+"""Outlines of arrows, and round values for a scale."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CHORDS = 40
 
 
 def arrow(tail: complex, vector: complex, width: float) -> Points:
-    """Outline of a straight arrow; the head of a short one shrinks with it."""
+    """Outline of a straight arrow; the head of a short one is reduced."""
     length = abs(vector)
     if length == 0.0:
         return np.full(7, tail)
@@ -33,7 +33,7 @@ def curved_arrow(
     Parameters
     ----------
     middle : direction of its middle, seen from the centre [rad].
-    angle : that it spans, counterclockwise positive [rad].
+    angle : spanned angle, counterclockwise positive [rad].
     """
     if angle == 0.0:
         return np.full(7, centre + radius * np.exp(1j * middle))
@@ -52,13 +52,13 @@ def curved_arrow(
 
 
 def _head(length: float, width: float) -> tuple[float, float]:
-    """Length of the head, and half of the width of the shaft."""
+    """Length of the head, and half the width of the shaft."""
     head = min(HEAD * width, 0.6 * length)
     return head, width / 2 * min(1.0, head / (HEAD * width) + 0.4)
 
 
 def round_below(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a value."""
+    """Largest of 1, 2, 5 times a power of ten that does not exceed a value."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
 

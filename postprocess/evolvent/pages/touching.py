@@ -1,4 +1,4 @@
-"""Where tooth pairs carry load at an output: forces and sliding there."""
+"""Loaded tooth pairs at an output: contact points, forces and sliding velocities."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Deviation = Callable[[float], float]  # of the driving flank at a radius of curv
 class Touch:
     """A loaded tooth pair."""
 
-    point: complex  # where the flanks touch, housing frame [m]
-    force: complex  # on the driven wheel, friction included [N]; the driving one feels the opposite
-    sliding: complex  # velocity of the driving flank over the driven one [m/s]
+    point: complex  # contact point, housing frame [m]
+    force: complex  # on the driven wheel, with friction [N]; opposite on the driving one
+    sliding: complex  # velocity of the driving flank relative to the driven one [m/s]
 
 
 def touching(
@@ -32,9 +32,9 @@ def touching(
     ----------
     history : with pair_position [m], pair_normal_force and pair_friction_force [N];
         pair_sliding_velocity [m/s], without which the sliding is 0.
-    mesh, number : the mesh and its number in the history.
+    mesh, number : the mesh and its index in the history.
     row : output.
-    deviation : that moves the points; the perfect flanks if None.
+    deviation : profile deviation that shifts the points; the perfect flanks if None.
 
     Source: docs/theory.md, forces: -F_n e + F_t t on the driving wheel, v_t along t.
     """

@@ -1,1 +1,1 @@
-"""What a history says of the mechanics: numbers, not figures."""
+"""Evaluation of the mechanics of a history: numerical results, no figures."""

@@ -1,4 +1,4 @@
-"""To which meshes of a history an invariant applies, when, and the depth that measures them."""
+"""Applicability of invariants to meshes and times, and the depth that scales them."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ import numpy as np
 from evolvent.history.recording import Part, Recording, Values, ever, largest
 
 CLOSED_FORM = 0  # value of `tracking`
-LOADED = 1  # value of `contact_mode`: the flanks press on each other
+LOADED = 1  # value of `contact_mode`: the flanks transmit a normal force
 APART = 3  # value of `contact_mode`: the flanks are too far apart to track points on them
-DEPTH_BOUND = 1e-10  # least bound of what is measured by the depth
+DEPTH_BOUND = 1e-10  # lower limit of bounds relative to the depth
 ROUNDING = 4 * float(np.finfo(float).eps)  # of a sum of lengths
 
 
 class NotApplicableError(Exception):
-    """An invariant says nothing about this history; the message is the reason."""
+    """An invariant does not apply to this history; the message is the reason."""
 
 
 def is_tracked(part: Part) -> Values:
-    """Tell when contact points are tracked, dims (time, mesh)."""
+    """Whether contact points are tracked, dims (time, mesh)."""
     return np.asarray((part["contact_mode"] != APART) & (part["tracking"] != CLOSED_FORM))
 
 
 def tracked_meshes(run: Recording) -> Values:
-    """Tell whose contact points are ever tracked, dim (mesh)."""
+    """Whether contact points of a mesh are tracked at any time, dim (mesh)."""
     if not (run["tracking"] != CLOSED_FORM).any():
         raise NotApplicableError("closed form: no contact points are tracked")
     found = ever(run, is_tracked)
@@ -33,11 +33,11 @@ def tracked_meshes(run: Recording) -> Values:
 
 
 def pressed_meshes(run: Recording, among: Values | None = None) -> Values:
-    """Tell which meshes ever touch, dim (mesh).
+    """Whether a mesh is in contact at any time, dim (mesh).
 
     Parameters
     ----------
-    among : which of the meshes are asked about; all if None.
+    among : mask of the meshes to consider; all if None.
     """
     touched = run.once(_touched)
     touched = touched if among is None else touched & among
@@ -55,11 +55,11 @@ def _touched(run: Recording) -> Values:
 
 
 def depth_scale(run: Recording) -> Values:
-    """Depth by which lengths in a mesh are measured [m], dim (mesh).
+    """Reference depth for lengths in a mesh [m], dim (mesh).
 
-    The largest penetration, or the reference one where the teeth hardly touch or are rigid: the
-    unit of the integrator's errors. It is at least so large that the rounding of the lengths of
-    which a gap is the sum stays within the bound.
+    The largest penetration, or the reference penetration if it is larger (teeth hardly touch or are
+    rigid): the unit of the integrator's errors. Its lower limit bounds the rounding error of a gap,
+    which is a sum of lengths.
     """
     return np.asarray(run.once(_depth_scale))
 
@@ -74,12 +74,12 @@ def _depth_scale(run: Recording) -> Values:
 
 
 def is_rigid(run: Recording) -> Values:
-    """Tell which meshes have rigid contact, dim (mesh)."""
+    """Whether a mesh has rigid contact, dim (mesh)."""
     return np.asarray(run["rigid_contact"] == 1)
 
 
 def rigid_meshes(run: Recording) -> Values:
-    """Tell which meshes have rigid contact, one of which is ever closed, dim (mesh)."""
+    """Whether a mesh has rigid contact, dim (mesh); at least one must be closed at some time."""
     rigid = is_rigid(run)
     if not rigid.any():
         raise NotApplicableError("no contact is rigid")

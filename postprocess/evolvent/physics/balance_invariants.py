@@ -1,4 +1,4 @@
-"""What must balance: energies of the gearbox, torques on each wheel."""
+"""Balance invariants: energies of the gearbox, torques on each wheel."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from evolvent.physics.wheel_torques import (
     shaft_torque,
 )
 
-DIGITS = 1e-9  # of a torque: with the bound of 1e-6 some digits more than a sum of two has
+DIGITS = 1e-9  # of a torque: with the bound of 1e-6, some digits above the rounding of a sum of two
 ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_work")
 
 
@@ -23,12 +23,12 @@ ENERGIES = ("kinetic_energy", "potential_energy", "dissipated_energy", "load_wor
     "energy balance", "T + V + dissipated - work of loads = constant", "energy put in", 1e-10, 10.0
 )
 def energy_balance(run: Recording) -> Deviation:
-    """Energy that appeared or got lost since the start over the energy put in, dim (time).
+    """Energy error since the start over the energy input, dim (time).
 
-    T + V + dissipated - work of the loads is constant. What was put in is the gross work of the
-    loads (the positive power on each wheel, integrated over the outputs) and the energy at the
-    start; or, where outputs are few or gravity or a moving housing puts in more, the largest of
-    these energies; and at least F_0 h_0, the work of the reference forces.
+    T + V + dissipated - work of the loads is constant. The energy input is the gross work of the
+    loads (the positive power on each wheel, integrated over the outputs) plus the energy at the
+    start. With few outputs, with gravity or with a moving housing, the largest of these energies
+    applies if it is larger. The lower limit is F_0 h_0, the work of the reference forces.
     """
 
     def stored(part: Part) -> Values:
@@ -57,13 +57,13 @@ def energy_balance(run: Recording) -> Deviation:
     1e-6,
 )
 def torque_balance(run: Recording) -> Deviation:
-    """J omega' - load - contact - shaft torques over the largest torque of a mesh or shaft on it.
+    """Compute J omega' - load - contact - shaft torques over the largest mesh or shaft torque.
 
-    Dims (time, wheel). With friction, on approach and recess alike; a wheel that nothing turns but
-    its loads is left out. A housing that turns adds its acceleration about the axles. The sum of
-    two meshes, as of an idler, is rounded as they are. A wheel's acceleration is the reference
-    wheel's and its own deviation from it, so the largest of any wheel is rounded in it; a rigid
-    shaft carries what that is to all that it joins.
+    Dims (time, wheel). Valid with friction, on approach and recess alike. Wheels with no torque
+    but that of their loads are omitted. A rotating housing adds its acceleration about the axes.
+    The sum of two meshes, as of an idler, has their rounding errors. A wheel's acceleration is the
+    reference wheel's plus its own deviation, so the largest of any wheel determines its rounding;
+    a rigid shaft transmits this to all wheels that it joins.
     """
     of_meshes, of_shafts = largest_mesh_torque(run), largest_shaft_torque(run)
     scale = np.where(of_meshes > of_shafts, of_meshes, of_shafts)

@@ -1,4 +1,4 @@
-"""The largest differences between two histories."""
+"""Largest differences between two histories."""
 
 from __future__ import annotations
 
@@ -10,24 +10,25 @@ import xarray as xr
 from evolvent.errors import HistoryError
 from evolvent.history import source_name
 
-# Two times are one if they differ by less than this part of the output interval: the same multiple
-# of an interval can be rounded differently.
+# Two times are equal if they differ by less than this fraction of the output interval: the same
+# multiple of an interval can be rounded differently.
 SAME_TIME = 1e-6
-FORWARDS, OFF_GRID = 0, 1  # output_kind: passed in the nominal sense; not on the grid
-SETTINGS = ("tracking",)  # choices, not results
-# When an extreme is reached is a matter of rounding where a curve is flat, or has equal peaks.
+FORWARDS, OFF_GRID = 0, 1  # output_kind: passed in the nominal direction; not on the grid
+SETTINGS = ("tracking",)  # options, not results
+# The time of an extreme depends on rounding if a curve is flat, or has equal peaks.
 EXTREME_TIMES = ("_max_time", "_min_time")
 
 
 def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     """Find the largest difference of every variable that both histories have.
 
-    On the times that both have; if these are fewer than half of the coarser grid, the second is
-    interpolated linearly to the times of the first (integers: the last value before). Where outputs
-    of both go by the same pitches or turns, on the positions that both passed, at whatever times:
-    all of them if they passed the same ones in the same order, else the first time forwards. A
-    value missing in one history only is an infinite difference, but what one lacks at all times,
-    such as tracked points in closed form, is left out. How contact was tracked is not compared.
+    Histories are compared at their common times. If these are fewer than half of the coarser grid,
+    the second is interpolated linearly to the times of the first (integers: the last value before).
+    If outputs of both are by the same pitches or turns, the common positions are compared, at
+    whatever times: all of them if both passed the same ones in the same order, else the first
+    passage forwards. A value missing in only one history is an infinite difference; a quantity that
+    is missing in one at all times, such as tracked points in closed form, is omitted. `tracking` is
+    not compared.
 
     Parameters
     ----------
@@ -37,9 +38,9 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
     -------
     Dataset with the dimension variable: `absolute`, the largest difference, in the unit that
     `units` names; `largest`, the largest absolute value in either; `relative`, their ratio;
-    `where`, time and place of the largest difference. Its attributes: `times` (how times were
-    matched, in words), `n_times`, `only_in_first` and `only_in_second` (names of what the other
-    lacks, comma-separated).
+    `where`, time and location of the largest difference. Its attributes: `times` (how times were
+    matched, in words), `n_times`, `only_in_first` and `only_in_second` (names of variables in one
+    history only, comma-separated).
 
     Raises
     ------
@@ -130,11 +131,11 @@ def _largest_difference(name: str, first: xr.DataArray, second: xr.DataArray) ->
     if one.size == 0:
         return none
     with np.errstate(invalid="ignore"):
-        difference = np.asarray(np.abs(one - two))  # a number of the whole run has no dimension
+        difference = np.asarray(np.abs(one - two))  # a scalar of the whole run has no dimension
     difference[np.isnan(difference)] = np.inf
     difference[(one == two) | (np.isnan(one) & np.isnan(two))] = 0.0
     if "time" in first.dims:
-        # A mesh in closed form has no tracked points, while it has in the other history.
+        # A mesh in closed form has no tracked points, unlike the other history.
         blank_one, blank_two = (
             np.isnan(v).all(axis=first.get_axis_num("time")) for v in (one, two)
         )

@@ -1,7 +1,7 @@
-"""What must hold of every contact: forces push, modes agree with gaps.
+"""Contact invariants: no adhesive forces, contact modes consistent with gaps.
 
-A run ends with exit code 4 where forces pull or modes contradict the gaps; here they are looked at
-again in what was written.
+A run ends with exit code 4 if forces are adhesive or modes contradict the gaps; here the written
+values are checked.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ OPEN, LOADED, UNLOADED = 0, 1, 2  # values of `pair_contact_mode`
 
 @invariant("pushing", "F_n >= 0", "reference force", 1e-6)
 def pull(run: Recording) -> Deviation:
-    """Force with which flanks pull at each other over the reference force.
+    """Adhesive (negative) normal force over the reference force.
 
-    Dims (time, mesh), or (time, mesh, pair) where the history has tooth pairs.
+    Dims (time, mesh), or (time, mesh, pair) if the history has tooth pairs.
     """
     name, reference = "normal_force", run["reference_force"]
     dims: tuple[str, ...] = ("time", "mesh")
@@ -35,12 +35,12 @@ def pull(run: Recording) -> Deviation:
     1e-6,
 )
 def agreement_of_modes(run: Recording) -> Deviation:
-    """How far gaps and forces of tooth pairs contradict their modes, dims (time, mesh, pair).
+    """Contradiction between modes and gaps or forces of tooth pairs, dims (time, mesh, pair).
 
     The largest of: penetration of open pairs and gap of pairs in contact, over the reference
-    penetration; force of pairs that count as open or unloaded, over the reference force. A rigid
-    contact keeps its gap by another invariant. Of teeth that are coupled a pair may overlap and be
-    open: its neighbours' loads part its flanks.
+    penetration; force of open or unloaded pairs, over the reference force. The gap of a rigid
+    contact is covered by another invariant. With coupled teeth a pair may overlap and be open: the
+    loads of adjacent pairs separate its flanks.
     """
     if "pair_contact_mode" not in run:  # earlier versions
         raise NotApplicableError("the history does not tell the modes of its tooth pairs")

@@ -1,6 +1,6 @@
-"""The extremes over a run: those that a history tells, else those of its outputs.
+"""Extremes over a run: those in the history, else those of its outputs.
 
-What it tells was found between the outputs while it ran.
+Extremes in the history were located between the outputs during the run.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from evolvent.units import quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-# Found in the outputs where a history does not tell them.
+# Evaluated from the outputs if a history does not contain extremes.
 OF_OUTPUTS = (
     "normal_force",
     "pair_normal_force",
@@ -28,7 +28,7 @@ OF_OUTPUTS = (
     "sliding_velocity",
 )
 SIGNED = ("friction_force", "transmission_error", "sliding_velocity")
-ENDINGS = {"_max": True, "_min": False}  # of the names: whether it is the largest
+ENDINGS = {"_max": True, "_min": False}  # name suffixes: whether it is the maximum
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class Extreme:
 
     output: str  # name of the output
     is_largest: bool
-    between_outputs: bool  # found between the outputs; else it is that of the outputs
+    between_outputs: bool  # located between the outputs; else it is that of the outputs
     value: xr.DataArray  # dim (mesh)
     time: xr.DataArray  # when it was first reached [s], dim (mesh)
 
 
 def told_names(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
-    """Name each extreme among the variables of a history, its output, and if it is the largest."""
+    """List extremes among the variables of a history: name, output, whether it is the maximum."""
     there = list(names)
     for name in there:
         for ending, is_largest in ENDINGS.items():
@@ -53,7 +53,7 @@ def told_names(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
 
 
 def told_extremes(history: xr.Dataset) -> list[Extreme]:
-    """List the extremes that a history tells; none if it is of an older evolvent, or was killed."""
+    """List the extremes in a history; none if it is of an older version, or its run was killed."""
     return [
         Extreme(output, is_largest, True, history[name], history[f"{name}_time"])
         for name, output, is_largest in told_names(map(str, history.data_vars))
@@ -61,12 +61,12 @@ def told_extremes(history: xr.Dataset) -> list[Extreme]:
 
 
 def is_extreme(name: str) -> bool:
-    """Tell whether a static variable is an extreme or the time of one, by its name."""
+    """Whether a static variable is an extreme or the time of one, by its name."""
     return name.removesuffix("_time").endswith(tuple(ENDINGS))
 
 
 def peaks(history: xr.Dataset, output: str, mesh: int) -> list[tuple[float, float]]:
-    """Time [s] and value of the extremes of an output in one mesh, if the history tells them."""
+    """Time [s] and value of the extremes of an output in one mesh, if the history has them."""
     return [
         (float(e.time[mesh]), float(e.value[mesh]))
         for e in told_extremes(history)
@@ -75,7 +75,7 @@ def peaks(history: xr.Dataset, output: str, mesh: int) -> list[tuple[float, floa
 
 
 def extremes(history: xr.Dataset) -> list[Extreme]:
-    """List the extremes of a history: those that it tells, else those of its outputs."""
+    """List the extremes of a history: those that it contains, else those of its outputs."""
     import xarray as xr
 
     told = told_extremes(history)
@@ -111,7 +111,7 @@ def _of_outputs(run: Recording, name: str, is_largest: bool) -> tuple[Values, Va
 
 
 def extremes_table(history: xr.Dataset) -> list[tuple[str, list[str]]]:
-    """Write the extremes as they are read: what, and for each mesh how much and when."""
+    """Format the extremes as text: name, and value and time for each mesh."""
     rows = []
     for e in extremes(history):
         variable = history[e.output]

@@ -1,4 +1,4 @@
-"""The rows of the table of invariants: what each of them is."""
+"""Rows of the table of invariants."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from evolvent.history.recording import Part, Recording, Values
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a history is from what should be, over its natural scale."""
+    """Deviation of a history from an invariant, over its natural scale."""
 
-    dims: tuple[str, ...]  # with `time`, if it is found part by part
+    dims: tuple[str, ...]  # with `time`, if it is evaluated part by part
     values: Callable[[Part], Values] | Values
     # Names along the dimensions that are not those of the history.
     names: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
-DEPTH = "penetration"  # the largest or the reference one, whichever is larger
+DEPTH = "penetration"  # the larger of the maximum and the reference penetration
 
 
 @dataclass(frozen=True)
 class Invariant:
-    """One line of the table."""
+    """One row of the table."""
 
     name: str
     formula: str  # text, as in docs/theory.md
     relative_to: str
     least_bound: float
     deviation: Callable[[Recording], Deviation]
-    tolerances: float = 0.0  # the bound is at least so many times the tolerance of the case
+    tolerances: float = 0.0  # minimum ratio of the bound to the tolerance of the case
 
     def bound(self, tolerance: float) -> float:
-        """Largest deviation of a right run with that tolerance."""
+        """Largest deviation of a correct run with that tolerance."""
         return max(self.least_bound, self.tolerances * tolerance)
 
 
@@ -43,7 +43,7 @@ INVARIANTS: list[Invariant] = []
 def invariant(
     name: str, formula: str, relative_to: str, least_bound: float, tolerances: float = 0.0
 ) -> Callable[[Callable[[Recording], Deviation]], Callable[[Recording], Deviation]]:
-    """Put a function into the table."""
+    """Register a function in the table."""
 
     def put(deviation: Callable[[Recording], Deviation]) -> Callable[[Recording], Deviation]:
         INVARIANTS.append(Invariant(name, formula, relative_to, least_bound, deviation, tolerances))
@@ -53,5 +53,5 @@ def invariant(
 
 
 def of_some(run: Recording, dim: str, which: Values) -> dict[str, list[str]]:
-    """Names of some of the meshes or wheels."""
+    """Names of the selected meshes or wheels."""
     return {dim: [name for name, kept in zip(run.labels(dim), which, strict=True) if kept]}

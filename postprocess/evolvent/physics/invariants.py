@@ -1,10 +1,11 @@
-"""What must hold in every run, whatever the case: the table of invariants, and their verdicts.
+"""Table of invariants, which hold in every run of any case, and their verdicts.
 
-Each invariant is a function of the history, whose decorator is its row (`invariant`). It gives the
-deviation from what should be, divided by its natural scale, so that one number bounds it: a fixed
-one, or a multiple of the tolerance of the case where that is larger. docs/theory.md explains them.
-The history is read in parts, twice: for the scales, then for the deviations.
-`evolvent run` holds its own run to some of them, with the same bounds, and writes the outcome down
+Each invariant is a function of the history, whose decorator is its row (`invariant`). It returns
+the deviation, divided by its natural scale, so that a single number bounds it: a fixed one, or a
+multiple of the tolerance of the case if that is larger. docs/theory.md explains them. The history
+is read in parts, twice: for the scales, then for the deviations.
+
+`evolvent run` checks its own run against some of them, with the same bounds, and writes the result
 (`invariants`).
 """
 
@@ -32,7 +33,7 @@ DEFAULT_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of an invariant in one history."""
+    """Result of an invariant for one history."""
 
     invariant: Invariant
     bound: float  # for the tolerance of the case
@@ -43,7 +44,7 @@ class Verdict:
 
     @property
     def failed(self) -> bool:
-        """Whether the invariant is broken."""
+        """Whether the invariant is violated."""
         return self.verdict == "fail"
 
 
@@ -56,19 +57,19 @@ def check_history(history: xr.Dataset | Recording) -> list[Verdict]:
 
     Returns
     -------
-    One verdict for each line of `INVARIANTS`, in its order.
+    One verdict for each row of `INVARIANTS`, in its order.
 
     Raises
     ------
     HistoryError
-        A variable that an invariant needs is not in the file.
+        A variable required by an invariant is not in the file.
     """
     run = recording_of(history)
     return [check_invariant(run, invariant) for invariant in INVARIANTS]
 
 
 def check_invariant(history: xr.Dataset | Recording, invariant: Invariant) -> Verdict:
-    """Check one invariant; a value that is no number breaks it."""
+    """Check one invariant; NaN violates it."""
     run = recording_of(history)
     bound = invariant.bound(run.once(tolerance_of))
     try:
@@ -89,14 +90,14 @@ def check_invariant(history: xr.Dataset | Recording, invariant: Invariant) -> Ve
 
 @dataclass(frozen=True)
 class _Worst:
-    """The value that is farthest from 0, or the first that is no number."""
+    """Value with the largest magnitude, or the first non-finite value."""
 
     is_broken: bool
     value: float
     position: tuple[int, ...]
 
     def beats(self, other: _Worst) -> bool:
-        """Whether it counts, and not the other; of two that are alike the first one does."""
+        """Whether it replaces the other; of two equal values the first one counts."""
         if self.is_broken or other.is_broken:
             return self.is_broken and (not other.is_broken or self.position < other.position)
         if self.value == other.value:
@@ -127,12 +128,12 @@ def _worst_of(deviation: Values, shift: tuple[int, int] = (0, 0)) -> _Worst:
 
 
 def tolerance_of(history: xr.Dataset | Recording) -> float:
-    """Tolerance of the integrator: stated by the case, or what its accuracy came to."""
+    """Tolerance of the integrator: given in the case, or resulting from its accuracy."""
     if "integrator_tolerance" in history.attrs:
         return float(history.attrs["integrator_tolerance"])
     import yaml
 
-    # The quick one of libyaml, where PyYAML has it.
+    # The faster loader of libyaml, if PyYAML has it.
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     case = yaml.load(history.attrs.get("case", ""), loader)
     simulation = case.get("simulation") if isinstance(case, dict) else None

@@ -1,4 +1,4 @@
-"""What the tooth pairs of each mesh did during a run, in a few numbers."""
+"""Key figures of the tooth pairs of each mesh over a run."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class MeshSummary:
-    """Numbers of one mesh over a run; None where the run gives no such number."""
+    """Key figures of one mesh over a run; None if the run does not give one."""
 
     name: str
-    pairs: int  # different tooth pairs that carried load, on both flanks
+    pairs: int  # distinct tooth pairs that carried load, on both flanks
     contact_ratio: float | None  # path of contact over base pitch
-    mean_pairs: float | None  # loaded tooth pairs, mean over time: the contact ratio seen
+    mean_pairs: float | None  # loaded tooth pairs, mean over time: the effective contact ratio
     apart: float | None  # share of the time without contact
     friction_loss: float | None  # energy [J]
-    efficiency: float | None  # 1 - friction loss over the energy that the driving wheel handed over
+    efficiency: float | None  # 1 - friction loss over the energy that the driving wheel transmitted
 
     def texts(self) -> list[tuple[str, str]]:
-        """Names and values as they are read."""
+        """Names and values as text."""
 
         def number(value: float | None, digits: int = 4) -> str:
             return "-" if value is None else f"{value:.{digits}g}"
@@ -44,10 +44,10 @@ class MeshSummary:
 
 
 def mesh_summaries(history: xr.Dataset | Recording) -> list[MeshSummary]:
-    """Sum up every mesh; empty for a history without tooth pairs or with less than two outputs.
+    """Summarise every mesh; empty for a history without tooth pairs or with less than two outputs.
 
-    Means over time and energies are by the trapezoidal rule over the recorded outputs, so what
-    happens between two outputs is not in them.
+    Means over time and energies are by the trapezoidal rule over the recorded outputs; they do not
+    include what happens between two outputs.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def _efficiency(loss: float, handed: float) -> float | None:
 
 
 def _loaded_pairs(run: Recording) -> list[set[tuple[int, bool]]]:
-    """Numbers of the pairs of each mesh that carried load, and if they are of the coast flanks."""
+    """Numbers of the loaded pairs of each mesh, and whether they are of the coast flanks."""
     coast = np.array(["coast" in pair for pair in run.labels("pair")])
     found: list[set[tuple[int, bool]]] = [set() for _ in run.labels("mesh")]
     for part in run.parts():

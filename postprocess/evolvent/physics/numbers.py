@@ -1,4 +1,4 @@
-"""The numbers over whole periods that a history tells, as they are read."""
+"""Metrics over whole periods in a history, as text."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 PREFIX = "window_"
 SETTLED = "window_settled"
-MOST_HARMONICS = 5  # that are shown
+MOST_HARMONICS = 5  # shown in tables
 
 
 def is_number(name: str) -> bool:
-    """Tell whether a static variable is a number over whole periods, by its name."""
+    """Whether a static variable is a metric over whole periods, by its name."""
     return name.startswith(PREFIX)
 
 
 def window_text(history: xr.Dataset | Recording) -> str:
-    """Say which window the numbers are of; "" if the history has none."""
+    """Describe the window of the metrics; "" if the history has none."""
     if f"{PREFIX}periods" not in history:
         return ""
     begin, end, periods = (
@@ -33,7 +33,7 @@ def window_text(history: xr.Dataset | Recording) -> str:
     if periods == 0:
         return "The window held no whole period."
     text = f"{periods:.0f} whole periods, from {begin:.6g} to {end:.6g} s."
-    reason = str(history.attrs.get(f"{SETTLED}_reason", ""))  # older ones have none
+    reason = str(history.attrs.get(f"{SETTLED}_reason", ""))  # not in older histories
     if not reason:
         return text
     is_known = float(history[SETTLED]) == 0
@@ -41,7 +41,7 @@ def window_text(history: xr.Dataset | Recording) -> str:
 
 
 def steady_window(history: xr.Dataset | Recording) -> tuple[float, float] | None:
-    """Times of the window of a run's numbers [s]; None without, or without two outputs in it."""
+    """Times of the window of a run's metrics [s]; None without, or without two outputs in it."""
     if f"{PREFIX}begin" not in history or f"{PREFIX}end" not in history:
         return None
     begin, end = float(history[f"{PREFIX}begin"]), float(history[f"{PREFIX}end"])
@@ -50,13 +50,13 @@ def steady_window(history: xr.Dataset | Recording) -> tuple[float, float] | None
 
 
 def numbers_tables(history: xr.Dataset) -> list[tuple[list[str], list[tuple[str, list[str]]]]]:
-    """Write the numbers of all meshes, wheels, accelerometers: their names, and a row each."""
+    """Tables of the metrics of meshes, wheels and accelerometers: their names, and one row each."""
     dims = [dim for dim in ("mesh", "wheel", "accelerometer") if dim in history.dims]
     return [([str(v) for v in history[dim].values], _rows(history, dim)) for dim in dims]
 
 
 def _rows(history: xr.Dataset, dim: str) -> list[tuple[str, list[str]]]:
-    """Write what, and for each how much; without phases, what none has, and wheels that rest."""
+    """Rows of names and values; without phases, rows without values, and wheels at standstill."""
     rows = []
     for name, variable in history.data_vars.items():
         if not is_number(str(name)) or variable.dims[:1] != (dim,):

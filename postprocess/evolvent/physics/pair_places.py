@@ -1,4 +1,4 @@
-"""Where a mesh's tooth pairs touch at a time: which pair, and how far on the path of contact."""
+"""Contact position of a mesh's tooth pairs at a time: pair, and position on the path of contact."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NEEDS = ("pair_normal_force", "pair_number", "pair_position")
 
 @dataclass(frozen=True)
 class PairPlace:
-    """Where a tooth pair touches."""
+    """Contact position of a tooth pair."""
 
     number: int  # of the tooth pair, pitches since the start
     is_coast: bool
@@ -20,7 +20,7 @@ class PairPlace:
     roll_angle: float  # radius of curvature of the driving flank over its base radius [rad]
 
     def text(self) -> str:
-        """Say it."""
+        """Describe the position in words."""
         flank = " of the coast flanks" if self.is_coast else ""
         if 0.0 <= self.on_path <= 1.0:
             place = f"at {100 * self.on_path:.0f} % of the path"
@@ -37,16 +37,16 @@ class PairPlace:
 def place_of_pair(
     history: xr.Dataset, mesh: int, time: float, output: str = "pair_normal_force"
 ) -> PairPlace | None:
-    """Find the carrying tooth pair of a mesh whose output is largest at a time, and its position.
+    """Find the loaded tooth pair of a mesh with the largest value of an output, and its position.
 
-    The pair is that of the nearest output in which one has a value; its position is interpolated
-    between two outputs that both have it. None where no pair has a value other than 0, or the
-    history tells no pairs.
+    The pair is that of the nearest output with a value; its position is interpolated between two
+    outputs that both contain it. None if no pair has a value other than 0, or the history has no
+    tooth pairs.
 
     Parameters
     ----------
     time : [s].
-    output : of tooth pairs, dims (time, mesh, pair); that of the forces for any other.
+    output : of tooth pairs, dims (time, mesh, pair); for other outputs the forces are used.
     """
     if not all(name in history for name in (*NEEDS, "base_pitch")):
         return None

@@ -1,4 +1,4 @@
-"""What must hold of rates: the integral of a rate is the change of what it is the rate of."""
+"""Rate invariants: the integral of a rate equals the change of its output."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from evolvent.physics.invariant import Deviation, invariant
 ROUNDING = 64 * float(np.finfo(float).eps)  # of values that are subtracted
 ROWS = (4, 6, 8)  # of the polynomials through a rate, half of them on either side of an interval
 BESIDE = max(ROWS) // 2 - 1  # rows needed on either side
-# Of the bound: the polynomials of an interval and of its neighbours differ by less where they
-# resolve the rate.
+# Of the bound: if the polynomials resolve the rate, those of an interval and of its neighbours
+# differ by less.
 RESOLVED = 0.01
 SHARE = 1 / 8  # of the period of the fastest vibration: the longest interval that resolves it
-STIFFER = 1.5  # several tooth pairs, and inertias on supports, than the mesh frequency counts
+STIFFER = 1.5  # margin on the mesh frequency: several tooth pairs, inertias on supports
 CONTACTS = ("tooth_pair", "contact_mode", "pair_number", "pair_contact_mode", "pairs_in_contact")
 LEAST_BOUND, TOLERANCES = 1e-6, 100.0
 
@@ -36,10 +36,10 @@ def rates(run: Recording) -> Deviation:
 
     Dims (time, rate). An output with attribute `rates` changes by the integral of those variables,
     or of their sum. The rate between two rows is the polynomial through four, six and eight rows
-    around them. Where these differ, an interval is longer than an eighth of the period of the
-    fastest vibration, or flanks of a mesh are apart or teeth change at one of these rows, the
-    rows do not resolve the rate, and nothing is said. A rigid contact is left out: its impacts
-    change speeds at once.
+    around them. An interval is not evaluated in these cases: the polynomials differ, it is longer
+    than an eighth of the period of the fastest vibration, or at one of these rows flanks of a mesh
+    are separated or tooth contacts change. The rows then do not resolve the rate. Rigid contact is
+    excluded: its impacts change speeds instantaneously.
     """
     if is_rigid(run).any():
         raise NotApplicableError("impacts of rigid contacts change speeds at once")
@@ -82,7 +82,7 @@ def rates(run: Recording) -> Deviation:
 
 
 def _fastest(run: Recording) -> float:
-    """Frequency of the fastest vibration of a mesh or an axle [Hz]; 0 if none is known."""
+    """Frequency of the fastest vibration of a mesh or an axis [Hz]; 0 if none is known."""
     found = [0.0]
     if "natural_frequency" in run:
         found.append(STIFFER * float(np.fmax.reduce(run["natural_frequency"], initial=0.0)))
@@ -96,7 +96,7 @@ def _fastest(run: Recording) -> float:
 
 
 def _energy(run: Recording) -> float:
-    """Energy that counts as nothing [J]: the tolerance, of the largest energy of the motion."""
+    """Negligible energy [J]: the tolerance, relative to the largest energy of the motion."""
     from evolvent.physics.invariants import tolerance_of
 
     names = [name for name in ("kinetic_energy", "potential_energy") if name in run]
@@ -115,7 +115,7 @@ def _rates_bound(run: Recording) -> float:
 
 
 def _outputs_with_rates(run: Recording) -> Iterator[tuple[str, list[str]]]:
-    """Outputs of a history, each with the variables that add up to its rate, all of them there."""
+    """Outputs with the variables that add up to their rate, if the history contains all of them."""
     for name, variable in run.variables.items():
         own = variable.attrs.get("rates", b"")
         own = (own.decode() if isinstance(own, bytes) else str(own)).split()
@@ -124,7 +124,7 @@ def _outputs_with_rates(run: Recording) -> Iterator[tuple[str, list[str]]]:
 
 
 def _rows(part: Part, name: str, beside: int) -> Values:
-    """Rows of a part and some on either side, as many as there are; an axis for all elements."""
+    """Rows of a part and some on either side, if they exist; elements along one axis."""
     run = part.recording
     values = run.read(name, max(part.begin - beside, 0), min(part.end + beside, run.n))
     return np.asarray(values, dtype=float).reshape(len(values), -1)
@@ -140,7 +140,7 @@ def _largest(values: Values) -> Values:
 
 
 def _rate(part: Part, own: list[str], width: int) -> Values:
-    """The rate of an output of so many elements: one variable, or the sum of all that there are."""
+    """Rate of an output of some width: one variable, or the sum of all for a scalar output."""
     found = [_rows(part, name, BESIDE + 1) for name in own]
     if width == 1:
         return np.asarray(sum(each.sum(axis=1, keepdims=True) for each in found))
@@ -150,9 +150,9 @@ def _rate(part: Part, own: list[str], width: int) -> Values:
 def _deviation(
     part: Part, name: str, own: list[str], scale: float, bound: float, longest: float
 ) -> Values:
-    """Of each row the deviation of the interval before it, the largest of all elements.
+    """Deviation of the interval before each row, the largest of all elements.
 
-    NaN where nothing is said.
+    NaN if the interval is not evaluated.
     """
     found = np.full(part.n, np.nan)
     if not scale > 0.0:
@@ -183,7 +183,7 @@ def _deviation(
 
 
 def _are_apart(part: Part) -> NDArray[np.bool_]:
-    """Rows at which the flanks of a mesh carry nothing: an impact may lie between two such rows."""
+    """Rows at which the flanks of a mesh carry no load: an impact may lie between two such rows."""
     forces = _rows(part, "normal_force", BESIDE + 1)
     if "coast_force" in part.recording:
         forces = forces + np.nan_to_num(_rows(part, "coast_force", BESIDE + 1))
@@ -191,7 +191,7 @@ def _are_apart(part: Part) -> NDArray[np.bool_]:
 
 
 def _have_events(part: Part) -> NDArray[np.bool_]:
-    """Intervals in which teeth come, go, close or open: forces may jump there."""
+    """Intervals with changes of tooth contacts: forces may jump there."""
     found = np.zeros(max(len(_rows(part, "time", BESIDE + 1)) - 1, 0), dtype=bool)
     for name in CONTACTS:
         if name in part.recording:
@@ -200,7 +200,7 @@ def _have_events(part: Part) -> NDArray[np.bool_]:
 
 
 def _integrals(time: Values, rate: Values, first: Values, rows: int) -> Values:
-    """Integrals from each row to the next by the polynomial through so many rows around them."""
+    """Integrals from each row to the next by the polynomial through `rows` rows around them."""
     around = np.arange(rows) - (rows // 2 - 1)
     step = time[first + 1] - time[first]
     places = (time[first[:, np.newaxis] + around] - time[first, np.newaxis]) / step[:, np.newaxis]

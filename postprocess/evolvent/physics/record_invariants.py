@@ -1,4 +1,4 @@
-"""What must hold of what was written: extremes, order of times, numbers that are numbers."""
+"""Record invariants: extremes, order of times, finite values."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from evolvent.physics.extremes import told_names
 from evolvent.physics.invariant import Deviation, invariant
 from evolvent.physics.numbers import is_number
 
-OF_REAL_GEARS = {  # constants of wheels and meshes that other pairs do not have
+OF_REAL_GEARS = {  # constants that exist only for gears defined by a basic rack
     *("root_radius", "form_radius", "tooth_angle", "backlash"),
     *("tip_relief_start", "root_relief_start", "active_radius", "base_radius", "tip_radius"),
 }
@@ -27,7 +27,7 @@ OF_VIBRATING_MESHES = frozenset(
 )
 OF_PATH = ("pair_position", "pair_penetration", "pair_sliding_velocity")
 FORCES = ("normal_force", "pair_normal_force")
-SLIDING = 1e-6  # of the largest speed: with the bound of 1e-9 some digits more than a sum has
+SLIDING = 1e-6  # of the largest speed: with the bound of 1e-9, some digits above rounding
 TRACKED_ONLY = frozenset(
     {
         "gradient_ratio",
@@ -41,15 +41,15 @@ TRACKED_ONLY = frozenset(
 
 @invariant("extremes", "no output beyond its extreme over the run", "largest value", 1e-9)
 def beyond_extremes(run: Recording) -> Deviation:
-    """How far an output lies beyond its extreme over the run, over its largest value.
+    """Excess of an output over its extreme over the run, relative to its largest value.
 
-    Dims (extreme, mesh): found between the outputs, an extreme is none if an output exceeds it. The
-    penetration of rigid contacts is rounding: it is measured by the reference penetration; a
-    friction force that is rounding, by the normal force; a normal force under hardly any load,
-    which has digits of places, by a thousandth of the reference force at least, and a transmission
-    error, which is rounding where flanks are rigid, by a thousandth of its depth; and sliding by a
-    millionth of what the fastest wheel would give on the mesh's larger base circle, since a wheel's
-    speed is the reference wheel's and its own deviation from it.
+    Dims (extreme, mesh): extremes are located between the outputs, so no output may exceed them.
+    The scale is the output's largest value, with these exceptions for values at rounding level:
+    penetration: the depth scale, at least the reference penetration; friction force: the normal
+    force; normal force under hardly any load, with the digits of positions: at least a thousandth
+    of the reference force; transmission error of rigid flanks: at least a thousandth of the depth;
+    sliding velocity: at least a millionth of the fastest wheel's speed times the mesh's larger base
+    radius, since a wheel's speed is the reference wheel's plus its own deviation.
     """
     told = list(told_names(run.variables))
     if not told:
@@ -75,14 +75,14 @@ def beyond_extremes(run: Recording) -> Deviation:
 
 
 def _largest_of_meshes(run: Recording, name: str, sense: float | None = None) -> Values:
-    """Largest value of each mesh, or of its negatives, or, without a sense, of its sizes."""
+    """Largest value of each mesh, or of the negated values, or, without sense, of magnitudes."""
     found = largest(run, lambda part: abs(part[name]) if sense is None else sense * part[name])
     return np.asarray(np.fmax.reduce(found.reshape(found.shape[0], -1), axis=1))
 
 
 @invariant("order of times", "t_i < t_(i+1)", "1", 0.0)
 def order_of_times(run: Recording) -> Deviation:
-    """1 where the time is not later than that of the row before, else 0, dim (time)."""
+    """Return 1 if the time is not later than that of the row before, else 0, dim (time)."""
 
     def late(part: Part) -> Values:
         time = run.read("time", max(part.begin - 1, 0), part.end)
@@ -95,14 +95,14 @@ def order_of_times(run: Recording) -> Deviation:
 
 @invariant("finite values", "every value is a number", "number of values", 0.0)
 def finiteness(run: Recording) -> Deviation:
-    """Share of the values that are no finite numbers, dim (variable).
+    """Fraction of the values that are not finite, dim (variable).
 
-    What only tracked points have is missing on purpose where none are tracked, position,
-    penetration and sliding velocity of a tooth pair off the path of contact, its pressure on a
-    hollow flank, the efficiency of a mesh without power, gap and force of coast flanks of a mesh
-    that has none, what only real gears have, the vibration of a mesh whose contact is rigid, that
-    has no load or whose wheels both have prescribed speeds, and numbers over whole periods that do
-    not apply, as the crest factor of an axle that rests.
+    Permitted gaps: tracked quantities without tracking; position, penetration and sliding velocity
+    of a tooth pair off the path of contact; its pressure on a hollow flank; the efficiency of a
+    mesh without power; gap and force of coast flanks of a mesh without coast flanks; quantities of
+    gears defined by a basic rack for other gears; the vibration of a mesh with rigid contact,
+    without load or with prescribed speeds of both wheels; and metrics over whole periods that do
+    not apply, such as the crest factor of an axis at standstill.
     """
     shares: dict[str, float] = {}
     for name, variable in run.variables.items():
@@ -126,14 +126,14 @@ def _missing_over_time(run: Recording, name: str) -> Values:
 
 
 def _missing(values: Values, excused: Values) -> Values:
-    """How many values are no numbers, and have no excuse."""
+    """Number of non-finite values without an excuse."""
     return np.asarray(np.count_nonzero(~np.isfinite(values) & ~excused))
 
 
 def _excuse(run: Recording, name: str) -> Callable[[Part], Values]:
-    """Tell which values of a variable over time may be missing."""
+    """Return a function that marks the permitted gaps of a variable over time."""
 
-    def pair_pressure(part: Part) -> Values:  # none where a hollow flank touches
+    def pair_pressure(part: Part) -> Values:  # none where a hollow flank is in contact
         return np.asarray(np.isnan(part[name]))
 
     def efficiency(part: Part) -> Values:

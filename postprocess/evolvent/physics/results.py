@@ -1,7 +1,7 @@
-"""What an engineer asks of a run first: forces, pressures, errors, losses, speeds; when and where.
+"""Main results of a run: forces, pressures, errors, losses, speeds; with times and positions.
 
-Means, shares and factors are those over whole periods (docs/numbers.md) if a history tells them,
-and otherwise over its outputs: in the same window, or in the whole run if there is none.
+Means, shares and factors are those over whole periods (docs/numbers.md) if a history has them. They
+are otherwise evaluated from its outputs: in the same window, or in the whole run without one.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 DIGITS = 4
-# Outputs whose largest values are told, and what they are called there.
+# Outputs whose maxima are reported, and their labels.
 LARGEST = {
     "normal_force": "normal force",
     "pair_normal_force": "normal force of a tooth pair",
@@ -41,18 +41,18 @@ LARGEST = {
     "sliding_velocity": "sliding velocity",
     "pair_sliding_velocity": "sliding velocity",
 }
-OF_PAIRS = "pair_sliding_velocity"  # takes the place of that of a mesh where a history has it
+OF_PAIRS = "pair_sliding_velocity"  # replaces that of a mesh if a history has it
 ABSOLUTE = (*SIGNED, OF_PAIRS)
 
 ONLY_IF_ANY = ("impacts", "rattle_index")
-SHARED = "pair_normal_force"  # that of the mesh where there is one pair
+SHARED = "pair_normal_force"  # equals that of the mesh if there is one pair
 PRESSURE = "pair_contact_pressure"  # NaN on sharp tip edges and hollow flanks
 LEFT_OUT = "sharp tip edges and hollow flanks left out"
 
 
 @dataclass(frozen=True)
 class Row:
-    """A number of a mesh, by its name in a history without `window_`."""
+    """A metric of a mesh, by its name in a history without `window_`."""
 
     name: str
     label: str
@@ -80,15 +80,15 @@ MESH_ROWS = (
 
 @dataclass(frozen=True)
 class Cell:
-    """One answer."""
+    """One value."""
 
     text: str
-    where: str = ""  # when and where it was so
+    where: str = ""  # time and position
 
 
 @dataclass(frozen=True)
 class Answer:
-    """One row: what, and how much for each mesh or wheel; None for what has no answer."""
+    """One row: label and a value for each mesh or wheel; None if there is none."""
 
     label: str
     symbol: str  # plain, as in docs/theory.md
@@ -97,17 +97,17 @@ class Answer:
 
 @dataclass(frozen=True)
 class Results:
-    """The opening of a report."""
+    """First section of a report."""
 
     largest: list[Answer]  # over the whole run, of each mesh
-    scope: str  # what the means are of
+    scope: str  # range of the means
     means: list[Answer]  # of each mesh
     wheels: list[Answer]
-    lost: str  # power that the whole gearbox lost on average
+    lost: str  # mean power loss of the whole gearbox
 
 
 def results(history: xr.Dataset) -> Results | None:
-    """Sum up a run; None without two outputs."""
+    """Summarise a run; None with less than two outputs."""
     if history.sizes["time"] < 2:
         return None
     run = recording_of(history)
@@ -125,7 +125,7 @@ def results(history: xr.Dataset) -> Results | None:
 
 
 def _window(run: Recording) -> tuple[Recording, str, bool]:
-    """Give the part of a history that means are of, what is said of it, if it has numbers."""
+    """Return the part of a history for the means, its description, and whether it is a window."""
     window = steady_window(run)
     if window is not None:
         scope = f"{window_text(run)} Losses, torques and speeds are means of its outputs."
@@ -139,7 +139,7 @@ def _window(run: Recording) -> tuple[Recording, str, bool]:
 
 
 def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
-    """Of each quantity the value that lies farthest from 0."""
+    """Value with the largest magnitude of each quantity."""
     found: dict[str, list[Extreme]] = {}
     for extreme in told:
         found.setdefault(extreme.output, []).append(extreme)
@@ -164,9 +164,9 @@ def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
 
 
 def _largest_sliding(history: xr.Dataset) -> Extreme:
-    """Find the largest sliding velocity of the tooth pairs that carry, of the outputs.
+    """Find the largest sliding velocity of the loaded tooth pairs among the outputs.
 
-    The output `sliding_velocity` of a mesh is that of its leading pair, another one may slide
+    The output `sliding_velocity` of a mesh is that of its leading pair; another one may slide
     faster.
     """
     import xarray as xr
@@ -186,7 +186,7 @@ def _largest_sliding(history: xr.Dataset) -> Extreme:
 
 
 def _carries_bare(history: xr.Dataset) -> np.ndarray:
-    """Tell of each mesh whether pairs carry in outputs without a contact pressure, dim (mesh)."""
+    """Whether pairs of a mesh carry load without a contact pressure in any output, dim (mesh)."""
     run = recording_of(history)
     found = np.zeros(history.sizes["mesh"], bool)
     if SHARED in run and PRESSURE in run:
@@ -213,11 +213,11 @@ def _extreme_cell(
 def _means(
     run: Recording, shown: Recording, found: list[Extreme], is_window: bool
 ) -> Iterable[Answer]:
-    """What each mesh does on average, how much it varies, and what it loses.
+    """Mean values, variation and losses of each mesh.
 
     Parameters
     ----------
-    found : extremes between the outputs, if they are to be taken.
+    found : extremes between the outputs, if they are to be used.
     """
     n_meshes = run.sizes["mesh"]
     told = {
@@ -257,7 +257,7 @@ def _losses(shown: Recording, efficiencies: list[float | None]) -> Iterable[Answ
 
 
 def _wheels(shown: Recording) -> Iterable[Answer]:
-    """Speed, what turns each wheel, and what its bearing takes."""
+    """Speed, torques and bearing force of each wheel."""
     ends = [sense * _top(shown, "angular_velocity", sense) for sense in (-1.0, 1.0)]
     cells = []
     for mean, *both in zip(_mean(shown, "angular_velocity"), *ends, strict=True):
@@ -283,7 +283,7 @@ def _power(part: Part) -> Values:
 
 
 def _bearings(shown: Recording) -> Iterable[Cell | None]:
-    """Largest bearing force of each wheel, and when it was."""
+    """Largest bearing force of each wheel, and its time."""
     top, when = np.full((2, shown.sizes["wheel"]), -np.inf)
     for part in shown.parts():
         size = np.linalg.norm(part["bearing_force"], axis=2)
@@ -308,7 +308,7 @@ def _cell(value: float, units: str, where: str = "") -> Cell | None:
 
 
 def _told(answers: Iterable[Answer]) -> list[Answer]:
-    """Keep the rows in which something is told."""
+    """Drop the rows without any value."""
     return [answer for answer in answers if any(cell is not None for cell in answer.cells)]
 
 
@@ -317,13 +317,13 @@ def _of_meshes(values: Sequence[float | None]) -> Values:
 
 
 def _mean(shown: Recording, values: str | Callable[[Part], Values]) -> Values:
-    """Mean over time by the trapezoidal rule, of a variable or what is made of some."""
+    """Mean over time by the trapezoidal rule, of a variable or a function of the outputs."""
     of = values if callable(values) else lambda part: part[values]
     return np.asarray(integral(shown, of) / _span(shown))
 
 
 def _top(shown: Recording, name: str, sense: float = 1.0) -> Values:
-    """Largest value of the outputs, or of their negatives."""
+    """Maximum of the outputs, or of the negated outputs."""
     return largest(shown, lambda part: sense * part[name])
 
 

@@ -1,4 +1,4 @@
-"""What must hold of rigid contacts: they stay closed."""
+"""Invariants of rigid contacts: closed contacts have no gap."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def rigid_gap_rate(run: Recording) -> Deviation:
     """
     rigid = rigid_meshes(run)
     inertias = of_meshes(run, rotor_inertia(run))
-    with np.errstate(invalid="ignore", divide="ignore"):  # of the others
+    with np.errstate(invalid="ignore", divide="ignore"):  # of meshes with other contacts
         mobility = sum(r**2 / j for r, j in zip(base_radii(run), inertias, strict=True))
         frequency = np.sqrt(run["reference_force"] / run["reference_penetration"] * mobility)
     return _while_closed(run, "gap_rate", rigid, depth_scale(run) * frequency)

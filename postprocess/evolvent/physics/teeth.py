@@ -1,7 +1,7 @@
-"""Teeth as they are drawn: outlines of wheels and the points where they touch.
+"""Geometry of teeth for drawings: outlines of wheels and contact points.
 
-Points are complex numbers x + iy [m] in the housing frame. A flank that drives is the one that
-faces clockwise where sigma = +1, the counterclockwise one where sigma = -1, on both wheels.
+Points are complex numbers x + iy [m] in the housing frame. The driving flank faces clockwise for
+sigma = +1 and counterclockwise for sigma = -1, on both wheels.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from evolvent.history.recording import recording_of
 Points = NDArray[np.complex128]
 Numbers = NDArray[np.float64]
 
-FLANK_POINTS = 48  # of an involute: a chord then leaves it by less than 1e-6 of the base radius
+FLANK_POINTS = 48  # of an involute: the chord error is less than 1e-6 of the base radius
 ARC_POINTS = 7
-# What the history does not know of wheels that are stated by their pitch radius is drawn so:
-LOOSE = 0.06  # normal backlash over base pitch, so that the flanks behind are seen to be apart
+# Assumptions for wheels defined by their pitch radius, for values missing in the history:
+LOOSE = 0.06  # normal backlash over base pitch: a visible gap at the coast flanks
 CLEARANCE = 0.25  # between a tip and the other wheel's root circle, over the tip's addendum
 
 
 @dataclass(frozen=True)
 class Relief:
-    """Material that a profile lacks from a radius on; see docs/deviations.md."""
+    """Material removed from a profile, starting at a radius; see docs/deviations.md."""
 
     amount: float  # at the end of the profile [m]
-    start: float  # radius of curvature where it begins [m]
-    end: float  # radius of curvature where the profile ends [m]
+    start: float  # radius of curvature at its start [m]
+    end: float  # radius of curvature at the end of the profile [m]
     power: int  # 1 linear, 2 parabolic
 
     def at(self, rho: Numbers) -> Numbers:
@@ -46,18 +46,18 @@ class Profile:
 
     teeth: int
     base_radius: float  # [m]
-    start_radius: float  # where the involute begins [m]
-    active_radius: float  # where the mate begins to touch it [m]
+    start_radius: float  # start of the involute [m]
+    active_radius: float  # start of the active profile [m]
     tip_radius: float  # [m]
     root_radius: float  # [m]
-    tooth_angle: float  # that a tooth fills on the base circle [rad]
-    rounding: float = 0.0  # radius of the arcs that round the tip [m]
+    tooth_angle: float  # angle of a tooth on the base circle [rad]
+    rounding: float = 0.0  # radius of the tip rounding [m]
     reliefs: tuple[Relief, ...] = ()
     crowning: float = 0.0  # at both ends of the active profile [m]
 
     @property
     def pitch(self) -> float:
-        """Angle from tooth to tooth [rad]."""
+        """Angular pitch [rad]."""
         return 2 * np.pi / self.teeth
 
     def rho(self, radius: float) -> float:
@@ -66,23 +66,23 @@ class Profile:
 
     @property
     def rho_end(self) -> float:
-        """Radius of curvature where the involute ends, at the tip or its rounding [m]."""
+        """Radius of curvature at the end of the involute, at the tip or its rounding [m]."""
         return self.rounding + self.rho(self.tip_radius - self.rounding)
 
     def deviation(self, rho: Numbers) -> Numbers:
-        """Material that a flank lacks for its reliefs and its crowning, at radii of curvature [m].
+        """Material removed from a flank by reliefs and crowning, at radii of curvature [m].
 
-        Source: docs/deviations.md; pitch errors and runout are not in it.
+        Source: docs/deviations.md; pitch errors and runout are not included.
         """
         begin, end = self.rho(self.active_radius), self.rho_end
         crowned = self.crowning * ((2 * rho - begin - end) / (end - begin)) ** 2
         return np.asarray(crowned + sum(relief.at(rho) for relief in self.reliefs))
 
     def flank(self, exaggeration: float = 1.0, n: int = FLANK_POINTS) -> Points:
-        """Points of the flank that faces clockwise, shape (n,), about the axle.
+        """Points of the flank that faces clockwise, shape (n,), relative to the axis.
 
-        It goes from the start of the involute to the tip or its rounding, on a tooth whose middle
-        is in the direction 0, with its deviation times `exaggeration`.
+        It extends from the start of the involute to the tip or its rounding, on a tooth centred at
+        direction 0, with its deviation multiplied by `exaggeration`.
 
         Source: the involute by its radius of curvature, Kosenko & Gusev 2011, section 4.
         """
@@ -92,9 +92,9 @@ class Profile:
         return np.asarray((self.base_radius - 1j * moved) * turned)
 
     def tooth(self, exaggeration: float = 1.0) -> Points:
-        """Outline of a tooth with its middle in the direction 0, counterclockwise.
+        """Outline of a tooth centred at direction 0, counterclockwise.
 
-        It begins and ends on the root circle, in the middle of the tooth spaces.
+        It starts and ends on the root circle, in the middle of the tooth spaces.
         """
         flank = self.flank(exaggeration)
         half = np.concatenate([self._root(flank), flank, self._rounded(flank[-1])])
@@ -103,7 +103,7 @@ class Profile:
         return np.concatenate([half, tip * np.exp(1j * land), np.conj(half[::-1])])
 
     def _rounded(self, end: complex) -> Points:
-        """From the end of the flank to the tip circle: nothing of a sharp tip."""
+        """Points from the end of the flank to the tip circle; empty for a sharp tip."""
         if not self.rounding > 0:
             return np.empty(0, complex)
         normal = -1j * np.exp(1j * (self.rho_end / self.base_radius - self.tooth_angle / 2))
@@ -112,10 +112,10 @@ class Profile:
         return np.asarray(middle + self.rounding * np.exp(1j * to_tip))
 
     def _root(self, flank: Points) -> Points:
-        """From the middle of the space to the flank: root circle and a smooth fillet.
+        """Points from the middle of the space to the flank: root circle and a smooth fillet.
 
-        The fillet is no generated curve: only its ends are known. It is slender enough for the
-        tips of mates, which real roots clear as well.
+        The fillet is not a generated curve: only its ends are known. It is slender enough for the
+        tips of mates, which also clear the fillets of actual gears.
         """
         height = abs(flank[0]) - self.root_radius
         direction = float(np.angle(flank[0]))
@@ -138,7 +138,7 @@ class Profile:
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a mesh puts the teeth of a wheel at the start."""
+    """Position of a wheel's teeth at the start, as given by a mesh."""
 
     towards: float  # direction of the mate [rad]
     middle: float  # direction of the middle of one of its teeth [rad]
@@ -157,8 +157,8 @@ class DrawnWheel:
     def directions(self, angle: float) -> Numbers:
         """Directions of the middles of all teeth [rad] when the wheel has turned by `angle`.
 
-        Each mesh places the teeth that are nearer to it than to other meshes. Wheels whose
-        thickness of teeth is not known may so change their spaces between two meshes.
+        Each mesh determines the teeth that are nearer to it than to other meshes. If the tooth
+        thickness is not known, the tooth spaces may therefore vary between two meshes.
         """
         if self.profile is None:
             return np.empty(0)
@@ -173,7 +173,7 @@ class DrawnWheel:
         return np.asarray(found[apart > self.profile.pitch / 2])
 
     def outline(self, angle: float, shift: complex = 0.0, exaggeration: float = 1.0) -> Points:
-        """Closed outline when the wheel has turned by `angle` [rad] and its axle moved [m]."""
+        """Closed outline for a rotation by `angle` [rad] and a displacement of the axis [m]."""
         if self.profile is None:
             local = self.radius * np.exp(1j * np.linspace(0.0, 2 * np.pi, 181))
         else:
@@ -184,7 +184,7 @@ class DrawnWheel:
 
 @dataclass(frozen=True)
 class DrawnMesh:
-    """One mesh: what the points where its flanks touch depend on; its radii and points at rest."""
+    """One mesh: data of the line of action, and radii and points in the reference position."""
 
     name: str
     wheels: tuple[int, int]  # driving, driven
@@ -197,7 +197,7 @@ class DrawnMesh:
     def line(
         self, coast: bool = False, shifts: tuple[complex, complex] = (0j, 0j)
     ) -> tuple[complex, complex, float]:
-        """The line of action: K_A, its unit vector e, and its length [m].
+        """Line of action: K_A, its unit vector e, and its length [m].
 
         Source: Kosenko & Gusev 2011, section 7.1; for the coast flank the mirror image.
         """
@@ -218,7 +218,7 @@ class DrawnMesh:
 
     @property
     def tip_radii(self) -> tuple[float, float]:
-        """Radii that reach to the ends of the path of contact [m]."""
+        """Radii of the circles through the ends of the path of contact [m]."""
         rho = self.path[1], self.line()[2] - self.path[0]
         return float(np.hypot(self.base_radii[0], rho[0])), float(
             np.hypot(self.base_radii[1], rho[1])
@@ -261,7 +261,7 @@ class DrawnMesh:
         return np.asarray(self.centres[wheel] + turned * local)
 
     def shifts(self, history: xr.Dataset, row: int) -> tuple[complex, complex]:
-        """Displacements of both axles at an output [m]."""
+        """Displacements of both axes at an output [m]."""
         moved = require(history, "centre_displacement").values[row]
         return complex(*moved[self.wheels[0]]), complex(*moved[self.wheels[1]])
 
@@ -276,7 +276,7 @@ def drawn_meshes(history: xr.Dataset) -> list[DrawnMesh]:
         b = int(require(history, "driven_wheel")[number])
         start = float(require(history, "rho_start_driving")[number])
         length = float(require(history, "base_pitch")[number])
-        # Histories of pairs without these have the paper's kind: one tooth pair, one flank.
+        # Pairs without these variables are of the paper's type: one tooth pair, one flank.
         ratio, has_coast = (
             history[name].values[number] if name in history else usual
             for name, usual in (("contact_ratio", 1.0), ("has_coast_flanks", False))
@@ -324,7 +324,7 @@ def drawn_wheels(history: xr.Dataset) -> list[DrawnWheel]:
 
 
 def pitches_passed(history: xr.Dataset) -> Numbers:
-    """Pitches that the fastest teeth have passed since the first output, whatever their sense."""
+    """Pitches that the fastest teeth have passed since the first output, in either direction."""
     run = recording_of(history)
     passed = np.zeros(run.n)
     for part in run.parts():
@@ -338,7 +338,7 @@ def pitches_passed(history: xr.Dataset) -> Numbers:
 def _profile(
     history: xr.Dataset, meshes: list[DrawnMesh], wheel: int, own: list[int]
 ) -> Profile | None:
-    """Shape of a wheel's teeth; what is not known is taken from its meshes."""
+    """Shape of a wheel's teeth; unknown values are derived from its meshes."""
 
     def known(name: str) -> float:
         return float(require(history, name)[wheel])
@@ -374,7 +374,7 @@ def _profile(
 def _even_tooth_angle(history: xr.Dataset, mesh: DrawnMesh, number: int, wheel: int) -> float:
     """Angle of a tooth on the base circle if both wheels have equally thick teeth [rad].
 
-    Thick as a space on the operating pitch circle, less half of the backlash.
+    The thickness is half the pitch on the operating pitch circle, less half of the backlash.
     """
     base = mesh.base_radii[mesh.wheels.index(wheel)]
     alpha = float(require(history, "working_pressure_angle")[number])
@@ -386,7 +386,7 @@ def _even_tooth_angle(history: xr.Dataset, mesh: DrawnMesh, number: int, wheel: 
 
 
 def _root_below(history: xr.Dataset, mesh: DrawnMesh, wheel: int) -> float:
-    """Root radius that leaves the mate's tip some clearance [m]."""
+    """Root radius with some clearance to the mate's tip [m]."""
     side = mesh.wheels.index(wheel)
     mate = mesh.wheels[1 - side]
     distance = abs(mesh.centres[1] - mesh.centres[0])
@@ -396,5 +396,5 @@ def _root_below(history: xr.Dataset, mesh: DrawnMesh, wheel: int) -> float:
 
 
 def _wrapped(angle: Numbers) -> Numbers:
-    """The same directions from -pi to pi."""
+    """Equivalent directions from -pi to pi."""
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -1,4 +1,4 @@
-"""Fewer rows of a line that is too long to be shown, without losing what it reaches."""
+"""Thin out the rows of a line that is too long to show; extremes are preserved."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ Rows = NDArray[np.int64]
 
 
 def thinned(values: NDArray[np.floating], most: int) -> Rows:
-    """Choose rows of a line: the smallest and the largest value of each of equal stretches.
+    """Select rows of a line: the minimum and the maximum of each of equal intervals.
 
-    The first and the last row are among them. Where a stretch has values that are no numbers, one
-    of these stays as well, so that a gap in the line is seen.
+    The first and the last row are included. For an interval with NaN or infinite values, one such
+    row is included as well, so that a gap in the line is visible.
 
     Parameters
     ----------
     values : shape (n,).
-    most : rows that may stay; at least 8. A line that is no longer stays whole.
+    most : maximum number of rows; at least 8. A shorter line is complete.
 
     Returns
     -------
-    Numbers of the rows, ascending.
+    Indices of the rows, ascending.
     """
     n = values.size
     if n <= most:
@@ -38,11 +38,11 @@ def thinned(values: NDArray[np.floating], most: int) -> Rows:
 
 
 def thinned_lines(run: Recording, name: str, most: int) -> list[Rows]:
-    """Choose rows of each line of a variable as `thinned` does, without having one in memory.
+    """Select rows of each line of a variable as `thinned` does, without holding a line in memory.
 
     Returns
     -------
-    Numbers of the rows of each line, in the order of the indices along the other dimensions.
+    Indices of the rows of each line, in the order of the indices along the other dimensions.
     """
     n, count = run.n, int(np.prod(run.variables[name].shape))
     if n <= most:
@@ -73,15 +73,15 @@ def thinned_lines(run: Recording, name: str, most: int) -> list[Rows]:
 
 
 def _stretch(n: int, most: int, is_whole: bool) -> int:
-    """Rows of a stretch, of which two stay, or three where there are gaps."""
+    """Rows of an interval; two of them remain, or three if there are gaps."""
     return -(-n // ((most - 2) // (2 if is_whole else 3)))
 
 
 def _extremes(values: Values, block: int, is_whole: bool) -> Rows:
-    """Rows of the extremes and gaps of each stretch of each column; some stand twice."""
+    """Rows of the extremes and gaps of each interval of each column; duplicates are possible."""
     if is_whole:
         return np.concatenate([_of(values, block, place) for place in (np.argmin, np.argmax)])
-    # What is no number is neither the smallest nor the largest.
+    # Non-finite values are excluded from minimum and maximum.
     finite = np.isfinite(values)
     gaps = _of(~finite, block, np.argmax)
     lowest = _of(np.where(finite, values, np.inf), block, np.argmin)
@@ -91,7 +91,7 @@ def _extremes(values: Values, block: int, is_whole: bool) -> Rows:
 
 
 def _of(values: Values, block: int, place: Callable[..., Any]) -> Rows:
-    """Row that a function finds in each stretch of each column; the last one may be shorter."""
+    """Row that a function selects in each interval of each column; the last one may be shorter."""
     whole = values.shape[0] // block * block
     found = [place(values[:whole].reshape(-1, block, values.shape[1]), axis=1)] if whole else []
     found += [place(values[whole:], axis=0)[np.newaxis]] if whole < values.shape[0] else []

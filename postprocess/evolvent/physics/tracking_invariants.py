@@ -1,4 +1,4 @@
-"""What must hold of the contact points: they lie on both flanks and on the line of action."""
+"""Invariants of the contact points: they lie on both flanks and on the line of action."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from evolvent.physics.invariant import DEPTH, Deviation, invariant, of_some
 
 @invariant("gradient ratio", "lambda = -r_bB/r_bA", "itself", 1e-12, 1e-3)
 def gradient_ratio(run: Recording) -> Deviation:
-    """lambda over its constant value -r_bB/r_bA, minus 1, dims (time, mesh).
+    """Compute lambda over its constant value -r_bB/r_bA, minus 1, dims (time, mesh).
 
     Source: Kosenko & Gusev 2011, Assertion 2.
     """
@@ -36,9 +36,9 @@ def gradient_ratio(run: Recording) -> Deviation:
     "transmission error", "Delta = h + e + R (inv alpha - inv alpha_0)", DEPTH, DEPTH_BOUND, 1.0
 )
 def transmission_error_identity(run: Recording) -> Deviation:
-    """Delta - h - e - R (inv alpha - inv alpha_0) over the depth, dims (time, mesh).
+    """Compute Delta - h - e - R (inv alpha - inv alpha_0) over the depth, dims (time, mesh).
 
-    Source: Kosenko & Gusev 2011, (19), generalised to axles that move.
+    Source: Kosenko & Gusev 2011, (19), generalised to moving axes.
     """
     pressed = pressed_meshes(run)
     depth = depth_scale(run)

@@ -1,4 +1,4 @@
-"""What acts on the wheels of a history: torques of contacts and shafts, inertia of rotors."""
+"""Torques of contacts and shafts on the wheels of a history, and inertia of rotors."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ SIDES = ("driving", "driven")
 
 
 def contact_torque(part: Part) -> Values:
-    """Torque of all contacts on each wheel about its axle [N m], dims (time, wheel).
+    """Torque of all contacts on each wheel about its axis [N m], dims (time, wheel).
 
-    sigma (F_n r_b + F_t l), summed over the meshes of the wheel; counterclockwise positive. Where
-    several tooth pairs share the load, what the model says of their torques.
+    sigma (F_n r_b + F_t l), summed over the meshes of the wheel; counterclockwise positive. If
+    several tooth pairs share the load, the torques computed by the model are used.
     """
     total = np.zeros_like(part["load_torque"], dtype=float)
     for side, base_radius in zip(SIDES, base_radii(part.recording), strict=True):
@@ -54,7 +54,7 @@ def shaft_torque(part: Part) -> Values:
 
 
 def _add_to(total: Values, wheels: Values, torque: Values) -> None:
-    """Add torques to those of their wheels, of which one may have several."""
+    """Add torques to those of their wheels; a wheel may occur several times."""
     np.add.at(total.T, wheels.astype(int), torque.T)
 
 

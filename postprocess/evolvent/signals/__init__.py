@@ -1,4 +1,4 @@
-"""Lines of signals: spectra over frequency and order, order maps, sidebands, crossings.
+"""Signal analysis: spectra over frequency and order, order maps, sidebands, crossings.
 
-Procedures over arrays; what a history holds is read in `selection`, `turning` and `sampling`.
+Procedures operate on arrays; `selection`, `turning` and `sampling` read them from a history.
 """

@@ -1,4 +1,4 @@
-"""Campbell: where the orders of a gearbox meet its natural frequencies."""
+"""Campbell diagram: intersections of the orders of a gearbox with its natural frequencies."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Excitation:
-    """A line through 0: an order of a mesh or a wheel."""
+    """A line through the origin: an order of a mesh or a wheel."""
 
     kind: str  # "mesh" or "wheel"
     name: str
     order: int
-    per_turn: float  # periods in a turn of the wheel whose speed is the axis, at order 1
+    per_turn: float  # periods per revolution of the wheel on the speed axis, at order 1
 
     def frequency(self, speed: Numbers) -> Numbers:
         """Frequency [Hz] at speeds [rad/s]."""
@@ -38,12 +38,12 @@ class Crossing:
 
 
 def crossings(speed: Numbers, frequency: Numbers, excitations: list[Excitation]) -> list[Crossing]:
-    """Where orders meet modes, by speed.
+    """Find the intersections of orders and modes, sorted by speed.
 
     Parameters
     ----------
-    speed : increasing [rad/s]; between two speeds a natural frequency is a straight line.
-    frequency : natural frequencies [Hz], dims (speed, mode), NaN where there is none.
+    speed : increasing [rad/s]; natural frequencies are linear between two speeds.
+    frequency : natural frequencies [Hz], dims (speed, mode), NaN if there is none.
     excitations : the orders.
     """
     found = []

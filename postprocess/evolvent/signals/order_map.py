@@ -1,4 +1,4 @@
-"""Order-time map: lines of short windows along a record."""
+"""Order map: spectra of short windows along a record."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class OrderMap:
-    """Lines over time."""
+    """Spectra over time."""
 
     order: Numbers
     time: Numbers  # middle of each window [s]
-    rate: Numbers  # periods a second, the mean over the window
+    rate: Numbers  # periods per second, the mean over the window
     amplitude: Numbers  # dims (time, order)
-    phase: Numbers  # the same [rad]
+    phase: Numbers  # dims (time, order) [rad]
 
 
 def order_map(
     record: Record, label: str, length: int, hop: int, name: str, highest: float
 ) -> OrderMap:
-    """Lines of windows of whole periods.
+    """Compute spectra of windows of whole periods.
 
     Parameters
     ----------
     record : over an angle.
-    label : of the history, for what is refused.
-    length : periods a window has.
+    label : of the history, for error messages.
+    length : periods of a window.
     hop : periods from window to window.
-    name : of the window's shape.
+    name : of the window function.
     highest : order.
 
     Raises

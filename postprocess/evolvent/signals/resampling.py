@@ -1,4 +1,4 @@
-"""A signal onto even positions: interpolation by splines, and what it costs."""
+"""Resampling to equidistant positions by spline interpolation, and its amplitude loss."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ REACH = 0.36  # periods of a line per row up to which `loss` stays below 1 %
 
 
 def loss(rows: float, degree: int = DEGREE) -> float:
-    """Share of a line's amplitude that interpolation takes, of evenly spaced rows.
+    """Relative amplitude loss of a line by interpolation between equidistant rows.
 
-    1 - 1/sum_j (f/(f + j))^(degree + 1) with f = 1/rows; another such share turns up as lines
+    1 - 1/sum_j (f/(f + j))^(degree + 1) with f = 1/rows; an equal share appears as spurious lines
     elsewhere.   Valid: odd degree, rows > 2.
 
     Parameters
     ----------
-    rows : rows a period of the line.
+    rows : rows per period of the line.
 
     Source: the frequency response of cardinal splines, Unser, Aldroubi and Eden 1993.
     """
@@ -32,7 +32,7 @@ def loss(rows: float, degree: int = DEGREE) -> float:
 
 
 def resample(position: Numbers, columns: Numbers, places: Numbers) -> Numbers:
-    """Values at other places, by one spline of degree `DEGREE` through all rows.
+    """Values at other positions, by one spline of degree `DEGREE` through all rows.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def resample(position: Numbers, columns: Numbers, places: Numbers) -> Numbers:
     """
     from scipy.interpolate import make_interp_spline
 
-    origin = position[0]  # positions of long runs would cost digits
+    origin = position[0]  # large positions of long runs would lose digits
     spline = make_interp_spline(position - origin, columns, k=DEGREE)
     inside = np.clip(places - origin, 0.0, position[-1] - origin)
     return np.asarray(spline(inside))

@@ -1,4 +1,4 @@
-"""Results as datasets, to the conventions of a history: named axes, units, what was done."""
+"""Results as datasets by the conventions of a history: named axes, units, processing."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def spectrum_result(
 
     Parameters
     ----------
-    history, signal : what it is of.
+    history, signal : source of the spectrum.
     record : the samples.
     lines : of these.
     name : of the window.
@@ -98,7 +98,7 @@ def campbell_result(
     excitations: list[Excitation],
     found: list[Crossing],
 ) -> xr.Dataset:
-    """Dataset of a Campbell picture.
+    """Dataset of a Campbell diagram.
 
     Parameters
     ----------
@@ -107,8 +107,8 @@ def campbell_result(
     wheel : whose speed is the axis.
     speed : speeds of this wheel [rad/s].
     modes : natural_frequency [Hz] and damping_ratio, dims (speed, mode).
-    computed : whether the modes are those of this speed, or the nearest ones; dims (speed).
-    excitations, found : orders, and where they meet modes.
+    computed : whether the modes are of this speed, or taken from others; dims (speed).
+    excitations, found : orders, and their crossings with modes.
     """
     names = np.array([str(excitation) for excitation in excitations], dtype=object)
     order = [e.order * e.per_turn for e in excitations]
@@ -152,12 +152,12 @@ def campbell_result(
 
 
 def _wheel(history: xr.Dataset, of: Turning) -> str:
-    """Wheel whose speed is told with orders: of a mesh the driving one."""
+    """Wheel whose speed is given with orders: the driving wheel for a mesh."""
     return str(history["wheel"].values[of.wheel])
 
 
 def told_sampling(record: Record) -> str:
-    """How the samples came from the rows."""
+    """Describe how the samples were obtained from the rows."""
     if not record.resampled:
         return "rows as they stand"
     return f"resampled by a spline of degree {DEGREE} from {record.rows:.4g} rows or more a period"
@@ -185,7 +185,7 @@ def _attributes(kind: str, history: xr.Dataset) -> dict[str, Any]:
 
 
 def _what(history: xr.Dataset, signal: xr.DataArray, record: Record, name: str) -> dict[str, Any]:
-    """What was transformed, and how."""
+    """Signal and processing parameters."""
     return {
         "quantity": str(signal.name),
         "quantity_long_name": str(signal.attrs.get("long_name", signal.name)),

@@ -1,4 +1,4 @@
-"""Rows of a history as evenly spaced samples: over time, or over the angle of a mesh or wheel."""
+"""Rows of a history as equidistant samples: over time, or over the angle of a mesh or wheel."""
 
 from __future__ import annotations
 
@@ -18,44 +18,44 @@ from evolvent.signals.turning import Turning, find_turning, ratio
 Numbers = NDArray[np.float64]
 
 ON_GRID, TURNING_BACK = 0, 2  # values of `output_kind`
-EVEN = 1e-6  # of a step: what rounding and the text of a case leave of even rows
-GAP = 1.5  # steps; a row is missing where two are further apart
-STANDING = 1e-3  # periods; less is no turning
-MOST_SAMPLES = 2**23  # memory: each takes about 100 bytes on its way
-STEADY = 0.01  # change of speed over a record that a spectrum over frequency may have
+EVEN = 1e-6  # of a step: unevenness of equidistant rows by rounding and the text of a case
+GAP = 1.5  # steps; a row is missing if two are further apart
+STANDING = 1e-3  # periods; less is a standstill
+MOST_SAMPLES = 2**23  # memory: each takes about 100 bytes during processing
+STEADY = 0.01  # permitted change of speed over a record for a spectrum over frequency
 
 
 @dataclass(frozen=True)
 class Record:
-    """A signal at even places."""
+    """A signal at equidistant positions."""
 
     values: Numbers
     time: Numbers  # [s]
-    first: float  # place of the first sample [s, or periods]
-    per_period: int | None  # samples a period; None over time
+    first: float  # position of the first sample [s, or periods]
+    per_period: int | None  # samples per period; None over time
     step: float  # from sample to sample [s, or periods]
-    rows: float  # rows of the history in a period, where there are fewest; samples if even
+    rows: float  # smallest number of rows of the history in a period; samples per period if even
     of: Turning | None = None  # None over time
 
     @property
     def resampled(self) -> bool:
-        """Whether the samples lie between the rows."""
+        """Whether the samples are interpolated between the rows."""
         return self.per_period is not None and self.rows != self.per_period
 
     @property
     def reach(self) -> float:
-        """Highest line that can be told: half the samples, of interpolated ones what is exact."""
+        """Highest resolved line: half the sampling rate, or the limit of exact interpolation."""
         half = 0.5 / self.step
         return min(half, REACH * self.rows) if self.resampled else half
 
     @property
     def periods(self) -> float:
-        """How many periods the samples stand for."""
+        """Number of periods covered by the samples."""
         return self.values.size * self.step
 
     @property
     def rate(self) -> float:
-        """Periods a second, the mean."""
+        """Mean number of periods per second."""
         if self.time.size < 2:
             return math.nan
         return float((self.time.size - 1) * self.step / (self.time[-1] - self.time[0]))
@@ -69,18 +69,18 @@ class Record:
 
 
 def is_by_angle(history: xr.Dataset) -> bool:
-    """Whether the rows of a history stand at even angles."""
+    """Whether the rows of a history are at equidistant angles."""
     return "output_position" in history and "output_of" in history.attrs
 
 
 def counted_over(history: xr.Dataset, order_of: str | None) -> Turning | None:
-    """What orders are counted over: as asked, else as the rows stand; None over time."""
+    """Reference of the orders: as requested, else that of the output by angle; None over time."""
     name = order_of or (str(history.attrs["output_of"]) if is_by_angle(history) else None)
     return None if name is None else find_turning(history, name)
 
 
 def between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
-    """Rows between two times.
+    """Select the rows between two times.
 
     Raises
     ------
@@ -99,18 +99,18 @@ def between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
 
 
 def read_record(history: xr.Dataset, signal: xr.DataArray, of: Turning | None) -> Record:
-    """Even samples of a signal: rows as they stand where they are even, else between them.
+    """Return equidistant samples of a signal: unchanged rows if possible, else interpolated.
 
     Parameters
     ----------
     history : as from `open_history`, or a part of it over time.
     signal : a variable of it, dims (time).
-    of : what orders are counted over; over time if None.
+    of : reference of the orders; over time if None.
 
     Raises
     ------
     HistoryError
-        Values or rows that are missing, no even rows, nothing that turns, one that turns back.
+        Missing values or rows, uneven rows, or a rotation that stands still or reverses.
     """
     values = np.asarray(signal.values, dtype=float)
     holes = np.flatnonzero(~np.isfinite(values))
@@ -126,17 +126,17 @@ def read_record(history: xr.Dataset, signal: xr.DataArray, of: Turning | None) -
         return _by_angle(history, values, of)
     steps = np.diff(history["time"].values)
     if (steps > GAP * np.median(steps)).any():
-        _over_time(history, values)  # says where
+        _over_time(history, values)  # raises an error with the time
     return _between_rows(history, values, of)
 
 
 def last_periods(record: Record, label: str, count: int | None = None) -> Record:
-    """The last whole periods of a record over an angle, all of them if `count` is None.
+    """Select the last whole periods of a record over an angle, all of them if `count` is None.
 
     Raises
     ------
     HistoryError
-        There is not one, or there are not so many.
+        There are fewer whole periods, or none.
     """
     assert record.per_period is not None
     assert record.of is not None
@@ -153,7 +153,7 @@ def last_periods(record: Record, label: str, count: int | None = None) -> Record
 
 
 def check_reach(record: Record, label: str, highest: float | None, spacing: float) -> float:
-    """Highest line that is told: as asked, else what the record can tell.
+    """Highest line of the result: as requested, else the highest resolved one.
 
     Parameters
     ----------
@@ -187,9 +187,9 @@ def check_reach(record: Record, label: str, highest: float | None, spacing: floa
 
 
 def speed_change(history: xr.Dataset) -> float:
-    """Change of the first driving wheel's speed over a record, over its mean.
+    """Relative change of the first driving wheel's speed over a record.
 
-    Of means over the first and the last tenth, so that vibrations do not count.
+    Difference of the means over the first and the last tenth, to suppress vibrations.
     """
     wheel = int(require(history, "driving_wheel")[0])
     speed = require(history, "angular_velocity").isel(wheel=wheel).values
@@ -213,7 +213,7 @@ def _over_time(history: xr.Dataset, values: Numbers) -> Record:
 def _check_steps(
     history: xr.Dataset, time: Numbers, steps: Numbers, step: float, remedy: str
 ) -> None:
-    """Refuse rows that are missing, and those that are not even."""
+    """Reject missing and uneven rows."""
     wide = np.flatnonzero(steps > GAP * step)
     if wide.size:
         i = int(wide[0])
@@ -230,7 +230,7 @@ def _check_steps(
 
 
 def _by_angle(history: xr.Dataset, signal: Numbers, of: Turning) -> Record:
-    """Rows of a history with output by angle: as they stand, if they are whole ones a period."""
+    """Rows of a history with output by angle; unchanged if their number per period is whole."""
     label = source_name(history)
     kinds = require(history, "output_kind").values
     time = np.asarray(history["time"].values, dtype=float)
@@ -243,7 +243,7 @@ def _by_angle(history: xr.Dataset, signal: Numbers, of: Turning) -> Record:
         )
     kept = np.flatnonzero(kinds == ON_GRID)
     position = np.asarray(history["output_position"].values[kept], dtype=float)
-    fresh = np.diff(position, prepend=-math.inf) != 0  # one that stands at its end has it twice
+    fresh = np.diff(position, prepend=-math.inf) != 0  # a position at standstill may occur twice
     kept, position = kept[fresh], position[fresh]
     if kept.size < 2:
         raise HistoryError(
@@ -262,9 +262,9 @@ def _by_angle(history: xr.Dataset, signal: Numbers, of: Turning) -> Record:
 
 
 def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
-    """Samples at even angles by interpolation, so many that no row is passed over.
+    """Interpolated samples at equidistant angles, at least as dense as the rows.
 
-    The last row is a sample: at a steady speed and whole rows a period all rows are.
+    The last row is a sample: at constant speed and whole rows per period all rows are samples.
     """
     label = source_name(history)
     time = np.asarray(history["time"].values, dtype=float)
@@ -276,7 +276,7 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
             f"{time[-1] - time[0]:.3g} s): it has no orders; "
             "leave out --order-of for lines over frequency"
         )
-    if position[-1] < position[0]:  # turns against its nominal sense all the time
+    if position[-1] < position[0]:  # rotates against its nominal direction all the time
         time, position, values = time[::-1], position[::-1], values[::-1]
     advance = np.diff(position)
     if not (advance > 0).all():
@@ -290,12 +290,12 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
             f"{label}: {position.size} outputs are too few to interpolate, which takes "
             f"{ROWS_NEEDED}; choose more of the run by --from and --to, or write outputs more often"
         )
-    # A last step to the end of the run, off the grid, may be as small as it likes.
+    # The last step to the end of the run, off the grid, may be arbitrarily small.
     usual = advance[:-1] if advance[-1] < advance[-2] * (1 - EVEN) else advance
     per_period = math.ceil((1 - EVEN) / float(usual.min()))
     count = math.floor(moved * per_period * (1 + 1e-12)) + 1
     if count > MOST_SAMPLES:
-        # samples from each row on; at the last ones there are few
+        # number of samples from each row to the end; small for the last rows
         samples = (position[-1] - position[:-1]) / np.minimum.accumulate(advance[::-1])[::-1]
         enough = int(np.flatnonzero(samples < MOST_SAMPLES / 4)[0])
         raise HistoryError(

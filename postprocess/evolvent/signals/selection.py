@@ -1,4 +1,4 @@
-"""Which signal of a history: one variable at one mesh, wheel, tooth pair or axis."""
+"""Selection of a signal of a history: one variable of one mesh, wheel, tooth pair or axis."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ import xarray as xr
 from evolvent.errors import USAGE, HistoryError
 from evolvent.history import source_name
 
-MOST_NEAR = 6  # names that a refusal tells
+MOST_NEAR = 6  # names listed in an error message
 PLURALS = {"mesh": "meshes", "axis": "axes", "space": "axes"}
 OPTIONS = {"mesh": "--mesh", "wheel": "--wheel", "pair": "--pair", "axis": "--axis"}
-OPTIONS |= {"space": "--axis"}  # both have x and y; the option knows no difference
+OPTIONS |= {"space": "--axis"}  # both have x and y; the option is the same
 
 
 def select(history: xr.Dataset, quantity: str, chosen: Mapping[str, str]) -> xr.DataArray:
-    """One variable over time, everything else chosen by name.
+    """Select one variable over time, with an index along each other dimension given by name.
 
     Parameters
     ----------
     history : as from `open_history`.
     quantity : name of a variable over time.
-    chosen : names by dimension, such as {"mesh": "first"}; "axis" stands for `space` as well. A
+    chosen : names by dimension, such as {"mesh": "first"}; "axis" denotes `space` as well. A
         dimension of length 1 needs none.
 
     Returns
     -------
-    Dims (time); the attribute `place` tells what was chosen, such as "mesh first".
+    Dims (time); the attribute `place` describes the selection, such as "mesh first".
 
     Raises
     ------
     HistoryError
-        No such variable or name, or one that has to be chosen; the message lists what there is.
+        No such variable or name, or a selection is required; the message lists the options.
     """
     label = source_name(history)
     if quantity not in over_time(history):
@@ -59,7 +59,7 @@ def select(history: xr.Dataset, quantity: str, chosen: Mapping[str, str]) -> xr.
 
 
 def over_time(history: xr.Dataset) -> list[str]:
-    """Names of the variables that are numbers over time."""
+    """Names of the numerical variables over time."""
     return [
         str(name)
         for name, values in history.data_vars.items()
@@ -68,11 +68,11 @@ def over_time(history: xr.Dataset) -> list[str]:
 
 
 def unknown(history: xr.Dataset, quantity: str, more: Sequence[str] = ()) -> str:
-    """Say that a history has no such variable over time, and which names are near.
+    """Error message for an unknown variable over time, with similar names.
 
     Parameters
     ----------
-    more : other names that would do.
+    more : other valid names.
     """
     if quantity in history.variables:
         return f"`{quantity}` is no variable over time; evolvent-post report shows what is constant"
@@ -87,19 +87,19 @@ def unknown(history: xr.Dataset, quantity: str, more: Sequence[str] = ()) -> str
 
 
 def names_along(values: xr.DataArray, dim: str) -> list[str]:
-    """Names along a dimension; numbers if it has none."""
+    """Names along a dimension; indices if it has none."""
     if dim in values.coords:
         return [str(name) for name in values[dim].values]
     return [str(i) for i in range(values.sizes[dim])]
 
 
 def index_of(label: str, values: xr.DataArray, dim: str, name: str | None) -> int:
-    """Place of a name along a dimension; of the only one if none is asked for.
+    """Index of a name along a dimension; of the only one if no name is given.
 
     Raises
     ------
     HistoryError
-        No such name, or one that has to be chosen; the message lists what there is.
+        No such name, or a selection is required; the message lists the options.
     """
     names = names_along(values, dim)
     if name in names:

@@ -1,4 +1,4 @@
-"""Sidebands: what the turning of a wheel does to the lines of its mesh."""
+"""Sidebands: modulation of the mesh orders by the rotation of a wheel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from evolvent.errors import USAGE, HistoryError
 from evolvent.signals.sampling import Record
 from evolvent.signals.turning import Turning, ratio
 
-WORST = 100.0  # condition of a fit: so much does it enlarge what is not among its lines
+WORST = 100.0  # condition number of a fit: amplification of contents outside its lines
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Sideband:
 
     mesh_order: int  # n, the carrier
     wheel: str
-    wheel_order: int  # k: the lines stand k orders of the wheel beside the carrier
+    wheel_order: int  # k: the lines are k orders of the wheel beside the carrier
     spacing: float  # of the lines from the carrier, in orders of the mesh: k/z
     carrier: complex  # A exp(-i phase)
     lower: complex
@@ -31,7 +31,7 @@ class Sideband:
 
     @property
     def amplitude_modulation(self) -> float:
-        """m of A (1 + m cos(2 pi k u - psi)) cos(2 pi n xi - phase).
+        """Index m of A (1 + m cos(2 pi k u - psi)) cos(2 pi n xi - phase).
 
         With p = (line over carrier): m = |p_upper + conj(p_lower)|.
         """
@@ -39,7 +39,7 @@ class Sideband:
 
     @property
     def phase_modulation(self) -> float:
-        """b of A cos(2 pi n xi - phase + b cos(2 pi k u - psi)) [rad].
+        """Index b of A cos(2 pi n xi - phase + b cos(2 pi k u - psi)) [rad].
 
         |p_upper - conj(p_lower)|, 2 J_1(b)/J_0(b): b itself to the second order.
         """
@@ -49,10 +49,10 @@ class Sideband:
 def sidebands(
     record: Record, label: str, wheels: list[Turning], mesh: Turning, n: int, k: int
 ) -> list[Sideband]:
-    """Sidebands 1..k of each wheel beside the mesh orders 1..n.
+    """Compute sidebands 1..k of each wheel beside the mesh orders 1..n.
 
-    All these lines, the mean, order n + 1 and the first k orders of the wheels are fitted at once,
-    so that none leaks into another, whatever the length of the record.
+    All these lines, the mean, order n + 1 and the first k orders of the wheels are fitted
+    simultaneously, so that no line leaks into another, for any length of the record.
 
     Parameters
     ----------
@@ -61,8 +61,8 @@ def sidebands(
     Raises
     ------
     HistoryError
-        Lines of more than half a mesh order meet those of the next one, or the record is too
-        short to tell the lines of the wheels apart.
+        Sidebands extend beyond half a mesh order and meet those of the next one, or the record is
+        too short to distinguish the lines of the wheels.
     """
     spacings = {wheel.name: ratio(wheel, mesh) for wheel in wheels}
     for wheel in wheels:
@@ -104,10 +104,10 @@ def sidebands(
 
 
 def fitted(record: Record, places: list[float]) -> tuple[list[complex], float]:
-    """Lines A exp(-i phase) at places by least squares, with the mean; the condition of the fit.
+    """Fit lines A exp(-i phase) and the mean by least squares; return the condition number, too.
 
-    The normal equations of c_0 + sum (c_k exp(i a_k) + its conjugate)/2, whose sums over even
-    samples are geometric series.
+    The normal equations of c_0 + sum (c_k exp(i a_k) + its conjugate)/2, whose sums over
+    equidistant samples are geometric series.
     """
     n, step = record.values.size, record.step
     both = np.array([0.0, *places, *(-place for place in places)])

@@ -1,4 +1,4 @@
-"""Lines of a record: amplitudes and phases by the discrete Fourier transform."""
+"""Spectrum of a record: amplitudes and phases by the discrete Fourier transform."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Numbers = NDArray[np.float64]
 
-ROUNDING = 1e-14  # of the mean or the largest line: what is smaller is no line
+ROUNDING = 1e-14  # relative to the mean or the largest line: smaller lines are rounding errors
 
 
 @dataclass(frozen=True)
@@ -22,22 +22,22 @@ class Lines:
     phase: Numbers  # [rad], from -pi to pi; that of the mean is 0
 
     def upto(self, highest: float) -> Lines:
-        """Lines up to a place."""
+        """Lines up to a frequency or order."""
         kept = self.place <= highest * (1 + 1e-9)
         return Lines(self.place[kept], self.amplitude[kept], self.phase[kept])
 
 
 def line_spectrum(values: Numbers, first: float, step: float, weights: Numbers) -> Lines:
-    """Lines at multiples of 1/(n step).
+    """Compute lines at multiples of 1/(n step).
 
-    A line reads as high as a sine that stands on it: 2/sum(w) times the transform; the mean and,
-    of an even number of samples, the line at half the sampling rate count once. The weighted mean
-    is taken off before, so that it leaks into no line.
+    The amplitude of a sine on a line is exact: 2/sum(w) times the transform; the mean and, for an
+    even number of samples, the line at half the sampling rate count once. The weighted mean is
+    subtracted first, so that it does not leak into a line.
 
     Parameters
     ----------
-    values : even samples.
-    first : coordinate of the first one, to which no phase is sensitive but by rounding.
+    values : equidistant samples.
+    first : coordinate of the first one; it affects phases by rounding only.
     step : from sample to sample.
     weights : window, of the same length.
     """
@@ -54,7 +54,7 @@ def line_spectrum(values: Numbers, first: float, step: float, weights: Numbers) 
 
 
 def line_at(values: Numbers, first: float, step: float, weights: Numbers, place: float) -> complex:
-    """One line anywhere, A exp(-i phase), 0 < place < 1/(2 step); the mean is taken off before."""
+    """Compute one line A exp(-i phase) at 0 < place < 1/(2 step); the mean is subtracted first."""
     mean = float(values @ weights / weights.sum())
     s = first + step * np.arange(values.size)
     turned = np.exp(-2j * math.pi * ((place * s) % 1.0))
@@ -67,7 +67,7 @@ def wrapped(angle: Numbers) -> Numbers:
 
 
 def peaks(lines: Lines, count: int) -> list[int]:
-    """The largest lines that are higher than their neighbours, without the mean, by size."""
+    """Indices of the largest local maxima without the mean, in the order of amplitude."""
     size = lines.amplitude.copy()
     size[0] = 0.0
     size[size < ROUNDING * max(abs(float(lines.amplitude[0])), size.max())] = 0.0

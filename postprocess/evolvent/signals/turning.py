@@ -1,4 +1,4 @@
-"""What orders are counted over: pitches of a mesh, or turns of a wheel."""
+"""Reference of orders: pitches of a mesh, or revolutions of a wheel."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class Turning:
 
     kind: str  # "mesh" or "wheel"
     name: str
-    wheel: int  # whose angle tells: of a mesh the driving wheel
-    sense: int  # of that wheel's nominal turning, 1 counterclockwise
-    per_turn: int  # periods in one turn of that wheel
+    wheel: int  # whose angle is used: for a mesh the driving wheel
+    sense: int  # nominal direction of rotation of that wheel, 1 counterclockwise
+    per_turn: int  # periods per revolution of that wheel
     start: float  # position at angle 0 [periods]
-    rate: Fraction  # periods in one turn of the first wheel of its train
+    rate: Fraction  # periods per revolution of the first wheel of its train
     train: int  # wheels of one train are geared to each other
 
     @property
@@ -39,7 +39,7 @@ class Turning:
         return "pitches" if self.kind == "mesh" else "turns"
 
     def counted(self, count: float) -> str:
-        """A number of periods."""
+        """A number of periods, in words."""
         return f"{count:.6g} {self.period if count == 1 else self.periods}"
 
     def __str__(self) -> str:
@@ -52,12 +52,12 @@ class Turning:
 
 
 def find_turning(history: xr.Dataset, name: str) -> Turning:
-    """Mesh or wheel of a name; a mesh, if both have it.
+    """Mesh or wheel of a name; the mesh if both exist.
 
     Raises
     ------
     HistoryError
-        Neither; the message lists what there is.
+        Neither exists; the message lists the names.
     """
     meshes = [str(mesh) for mesh in history["mesh"].values]
     wheels = [str(wheel) for wheel in history["wheel"].values]
@@ -83,13 +83,13 @@ def find_mesh(history: xr.Dataset, name: str) -> Turning:
 
 
 def wheels_of(history: xr.Dataset, mesh: str) -> list[Turning]:
-    """The driving and the driven wheel of a mesh."""
+    """Driving and driven wheel of a mesh."""
     one = history.sel(mesh=mesh)
     return [of_wheel(history, int(require(one, f"{side}_wheel"))) for side in ("driving", "driven")]
 
 
 def ratio(counted: Turning, by: Turning) -> Fraction:
-    """Periods of one in a period of the other, nominally.
+    """Nominal number of periods of one in a period of the other.
 
     Raises
     ------
@@ -108,8 +108,8 @@ def ratio(counted: Turning, by: Turning) -> Fraction:
 def nominal_speeds(history: xr.Dataset) -> tuple[list[int], list[Fraction]]:
     """Train of each wheel, and its nominal speed over that of its first wheel, by the teeth.
 
-    The first wheel of a train drives its first mesh and turns as that mesh nominally does. A wheel
-    without meshes and shafts is a train of its own.
+    The first wheel of a train drives its first mesh and turns in that mesh's nominal direction. A
+    wheel without meshes and shafts is a train of its own.
     """
     teeth = require(history, "teeth").values.astype(int)
     joints = []  # wheel, wheel, speed of the second over that of the first
@@ -139,7 +139,7 @@ def nominal_speeds(history: xr.Dataset) -> tuple[list[int], list[Fraction]]:
 
 
 def of_wheel(history: xr.Dataset, wheel: int) -> Turning:
-    """Turns of a wheel since the start, in its nominal sense."""
+    """Revolutions of a wheel since the start, in its nominal direction."""
     trains, speeds = nominal_speeds(history)
     name = str(history["wheel"].values[wheel])
     sense = 1 if speeds[wheel] > 0 else -1

@@ -1,7 +1,7 @@
-"""Windows by name: all that their options need to know."""
+"""Names of window functions, separate so that options need no other import."""
 
 RECTANGULAR, HANN = "rectangular", "hann"
-# By the names of scipy.signal.
+# Values are names in scipy.signal.
 WINDOWS = {
     RECTANGULAR: "boxcar",
     HANN: "hann",

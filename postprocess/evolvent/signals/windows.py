@@ -1,4 +1,4 @@
-"""Windows by name, and what each does to a line.
+"""Window functions by name, and their effect on a line.
 
 Source: F. J. Harris, On the use of windows for harmonic analysis with the discrete Fourier
 transform, Proceedings of the IEEE 66, 1978, for the measures.
@@ -15,22 +15,22 @@ from evolvent.signals.window_names import WINDOWS
 
 Numbers = NDArray[np.float64]
 
-MEASURED = 512  # samples of a window that is measured
-FINE = 64  # places between two lines where its transform is taken
+MEASURED = 512  # samples of a measured window
+FINE = 64  # evaluation points of its transform between two lines
 
 
 @dataclass(frozen=True)
 class Measures:
-    """Of a window; a line is 1/duration wide."""
+    """Measures of a window; a line is 1/duration wide."""
 
     noise_bandwidth: float  # equivalent noise bandwidth [lines]
-    reads_low: float  # what an amplitude half way between two lines loses, of 1
+    reads_low: float  # relative amplitude loss half way between two lines
     half_width: int  # lines from the middle of a line to its first zero
     leakage: float  # highest side lobe over the line
 
 
 def window(name: str, n: int) -> Numbers:
-    """Periodic window of n samples: of n lines' spacing the zeros stand on the lines."""
+    """Periodic window of n samples; the zeros of its transform coincide with lines."""
     from scipy.signal import get_window
 
     return np.asarray(get_window(WINDOWS[name], n, fftbins=True), dtype=float)

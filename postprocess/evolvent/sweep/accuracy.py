@@ -1,4 +1,4 @@
-"""The accuracy of a sweep's cases, where neither the case nor the plan says one."""
+"""Default accuracy of a sweep's cases, if neither the case nor the plan sets one."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ SAID_BY = ("simulation", "simulation.tolerance", "simulation.accuracy")  # paths
 
 
 def with_accuracy(case: str, paths: Iterable[str | None]) -> str:
-    """Write the accuracy into the text of a case that has neither accuracy nor tolerance.
+    """Insert the accuracy into the text of a case that has neither accuracy nor tolerance.
 
-    The rest of the text stays as it is. A text that is no case is left to the program to refuse.
+    The rest of the text is unchanged. An invalid text is returned as it is; the program rejects it.
 
     Parameters
     ----------
     case
         YAML, as the user wrote it.
     paths
-        Of the parameters of the sweep: one that sets accuracy or tolerance says it for all cases.
+        Of the parameters of the sweep: a parameter for accuracy or tolerance sets it for all cases.
     """
     if not set(SAID_BY).isdisjoint(paths):
         return case
@@ -35,7 +35,7 @@ def with_accuracy(case: str, paths: Iterable[str | None]) -> str:
 
 
 def _simulation(case: str) -> yaml.MappingNode | None:
-    """The block `simulation` with the places of its keys; None if the text has none."""
+    """Return the block `simulation` with the locations of its keys; None if the text has none."""
     try:
         root = yaml.compose(case, Loader=yaml.SafeLoader)
     except yaml.YAMLError:

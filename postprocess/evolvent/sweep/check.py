@@ -1,4 +1,4 @@
-"""Which cases of a design the program would refuse: asked of every case, before anything runs."""
+"""Check all cases of a design with the program before any is run."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ MANY = 20000  # cases: more than a second
 
 @dataclass(frozen=True)
 class Checked:
-    """What the program says of the cases of a design."""
+    """Result of the check of a design."""
 
     refused: int
-    reasons: list[Reason]  # why, most frequent first, as of cases that were run
-    shortest: float  # duration of the cases that it takes [s], NaN if there are none
+    reasons: list[Reason]  # most frequent first, as for cases that were run
+    shortest: float  # duration of the accepted cases [s], NaN if there are none
 
 
 def check_design(design: Design, program: Path, case_name: str, name: str) -> Checked:
-    """Ask `evolvent batch --check` about all cases, on all cores.
+    """Check all cases with `evolvent batch --check`, on all cores.
 
     Parameters
     ----------
-    case_name, name : what the base case and the design are called in messages.
+    case_name, name : names of the base case and the design in messages.
 
     Raises
     ------
     SweepError
-        The program does not take the design as a whole.
+        The program rejects the design as a whole.
     """
     n = max(1, min(cores(), design.n_cases // A_PROCESS))
     with tempfile.TemporaryDirectory(prefix="evolvent-sweep-") as folder:
@@ -69,7 +69,7 @@ def check_design(design: Design, program: Path, case_name: str, name: str) -> Ch
 
 
 def _waiting(n_cases: int) -> contextlib.AbstractContextManager[object]:
-    """Say on a terminal what takes more than a moment."""
+    """Show a status on a terminal if the check takes more than a second."""
     if n_cases < MANY or not sys.stderr.isatty():
         return contextlib.nullcontext()
     from rich.console import Console

@@ -1,4 +1,4 @@
-"""One file of all results of a sweep, for xarray."""
+"""Collect all results of a sweep in one file, for xarray."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from evolvent.sweep.journal import STATUSES, Records, read_records
 from evolvent.version import __version__
 
 FORMAT = 1
-INTERNAL = ("shard", "history_check")  # known of each case, and not told
+INTERNAL = ("shard", "history_check")  # columns of each case that are not written
 
 
 def collect(
@@ -32,18 +32,18 @@ def collect(
 ) -> Records:
     """Write the summary of a folder: dims (case), and (case, time) if there are histories.
 
-    Every case of the design is there, in its order. Missing ones have the status "missing" and
-    NaN for results, so that a summary of a sweep that goes on has the shape of the final one.
+    It contains all cases of the design, in order. Missing ones have the status "missing" and NaN
+    for results, so that the summary of an unfinished sweep has the shape of the final one.
 
     Parameters
     ----------
-    output : the summary; an older one is replaced when the new one is whole.
+    output : the summary; an older one is replaced when the new one is complete.
     copy_histories : copy them; else they stay in the shards and the summary refers to them.
-    parquet : a copy of all that has the dimension case alone, if given.
+    parquet : a copy of all variables with the dimension case alone, if given.
 
     Returns
     -------
-    What was collected.
+    The collected records.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def open_summary(path: Path) -> xr.Dataset:
 
 
 def _summary(design: Design, records: Records) -> xr.Dataset:
-    """All that has the dimension case alone."""
+    """Variables with the dimension case alone."""
     number = {"long_name": "number of the case in the design, from 0"}
     variables: dict[str, Any] = {}
     for p in design.parameters:

@@ -1,4 +1,4 @@
-"""Run a design on a Dask cluster, an optional extra. The only file that knows Dask."""
+"""Run a design on a Dask cluster, an optional extra. The only file that uses Dask."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from evolvent.sweep.run import Tally, Work, display
 
 
 def split(design: Design, program: Path, workers: int) -> int:
-    """Into how many shards a new folder is cut: tasks of at least a second."""
+    """Number of shards of a new folder: tasks of at least a second."""
     seconds, _ = seconds_per_case(design, program)
     return task_count(design.n_cases, seconds, workers)
 
@@ -24,13 +24,13 @@ def run(work: Work, shards: list[Shard], workers: int, scheduler: str | None, ta
 
     Parameters
     ----------
-    workers : how many to start here if no scheduler is named.
-    scheduler : address of a scheduler whose workers see all of `work`.
+    workers : number of workers to start on this machine if no scheduler is given.
+    scheduler : address of a scheduler whose workers can access all paths of `work`.
 
     Raises
     ------
     SweepError
-        Dask is not there, the scheduler does not answer, or as `run_with_executor`.
+        Dask is not installed, the scheduler does not answer, or as `run_with_executor`.
     """
     with needing("dask", "--executor dask needs Dask", USAGE):
         import distributed
@@ -43,7 +43,7 @@ def run(work: Work, shards: list[Shard], workers: int, scheduler: str | None, ta
     except (OSError, ValueError) as error:
         raise SweepError(f"no Dask scheduler at {scheduler}: {reason_of(error)}") from error
     with client, display(tally) as show:
-        # A task is the same command on any worker, but it must not be taken for a known result.
+        # A task is the same command on any worker, but Dask must not reuse a cached result.
         executor = client.get_executor(pure=False)
         return run_with_executor(
             work.program, work.design, work.folder, shards, executor, show=show

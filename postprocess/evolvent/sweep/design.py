@@ -1,12 +1,12 @@
-"""The design of a sweep on file: a base case and a table case x parameter.
+"""Design of a sweep in a file: a base case and a table case x parameter.
 
-The only module that knows how DESIGN.h5 lies on file; `evolvent batch` reads the same layout, and
+The only module that depends on the layout of DESIGN.h5; `evolvent batch` reads the same layout, and
 docs/sweeps.md describes it.
 
-It is read here and not asked of the program, as journals are: four columns of a million cases take
-0.03 s of processor time so, but 2.7 s as lines of JSON (0.7 s to print them, 2 s to understand
-them), 1.4 s as lists. The program knows what decides a case (case, hash, n_cases, window,
-histories, paths and values); title, plan, method, seed, sampling, names and units only this module.
+Unlike journals, designs are read here and not by the program: four columns of a million cases take
+0.03 s of processor time this way, but 2.7 s as lines of JSON (0.7 s to print, 2 s to parse), 1.4 s
+as lists. The program reads what determines a case (case, hash, n_cases, window, histories, paths
+and values); title, plan, method, seed, sampling, names and units are read only by this module.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from evolvent.errors import SweepError, reason_of, replacing_hdf5
 from evolvent.seals import BROKEN, ROOM, check, seal_front
 
 FORMAT = 1
-IDENTITY = "evolvent design 1"  # what the hash begins with
+IDENTITY = "evolvent design 1"  # prefix of the hashed data
 LAST_HALF = (math.nan, math.nan)  # the window that is the last half of each case's duration
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TEXT = h5py.string_dtype("utf-8")
@@ -43,10 +43,10 @@ class Parameter:
     """One column of the design."""
 
     name: str  # a netCDF identifier
-    path: str  # as for --set; "" if only others are derived from it, or it from others
+    path: str  # as for --set; "" for a column used only in, or computed by, expressions
     units: str
     values: np.ndarray  # (case): float64, int64, or object holding YAML text
-    derived: bool = False  # by an expression: follows from the other parameters
+    derived: bool = False  # computed by an expression from the other parameters
 
     @property
     def is_text(self) -> bool:
@@ -56,41 +56,41 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Respond:
-    """What each case is, if it is no run: a response (docs/response.md)."""
+    """Definition of each case as a response (docs/response.md) instead of a run."""
 
     over: str  # PATH=FROM:TO[:STEPS]
     direction: str  # up, down or both
-    periods: int  # at a value; 0: the usual number
+    periods: int  # at a value; 0: the default number
 
 
 @dataclass(frozen=True)
 class Design:
-    """All that a sweep computes."""
+    """Complete definition of a sweep."""
 
     title: str
     case: str  # the base case, YAML text
     parameters: tuple[Parameter, ...]
     n_cases: int
     window: tuple[float, float]  # of the statistics [s], or `LAST_HALF`
-    numbers: tuple[str, ...]  # over whole periods, beside the usual ones
+    numbers: tuple[str, ...]  # over whole periods, in addition to the default ones
     history_variables: tuple[str, ...]
     history_every: int
     plan: str  # text of the plan that made the design
     method: str
     seed: int
     version: str  # of the program evolvent that it was made for
-    # What an analysis has to know of the samples: names of the sampled parameters and such.
+    # Data of the samples for an analysis: names of the sampled parameters and so on.
     sampling: dict[str, Any] = field(default_factory=dict)
 
-    history_rows: int = 0  # kept of outputs by position; 0 where outputs go by time
+    history_rows: int = 0  # rows stored for outputs by position; 0 for outputs by time
     respond: Respond | None = None  # None: each case is a run
-    maker: str = ""  # what another program named the design by
+    maker: str = ""  # hash assigned by another program
 
     @cached_property
     def hash(self) -> str:
-        """Identity of the results: SHA-256 over all that decides them.
+        """Identity of the results: SHA-256 over all data that determine them.
 
-        The program finds the same (driver/files/design_hash.c); docs/batch.md describes it.
+        The program computes the same (driver/files/design_hash.c); docs/batch.md describes it.
         """
         columns = [p for p in self.parameters if p.path]
         digest = hashlib.sha256(b"".join(_text(t) for t in (IDENTITY, self.maker, self.case)))
@@ -124,25 +124,25 @@ def _integer(number: int) -> bytes:
 
 
 def _text(text: str) -> bytes:
-    """With its length in front: two texts are never another two."""
+    """Encode with the length first: distinct sequences of texts have distinct encodings."""
     return _integer(len(text.encode())) + text.encode()
 
 
 def identifier(path: str) -> str:
-    """Make a name of a path: wheels.pinion.teeth becomes wheels_pinion_teeth."""
+    """Convert a path to a name: wheels.pinion.teeth becomes wheels_pinion_teeth."""
     name = re.sub(r"\W+", "_", path, flags=re.ASCII).strip("_")
     return name if NAME.fullmatch(name) else f"p_{name}"
 
 
 def take(design: Design, cases: Sequence[int]) -> Design:
-    """Make a design of some cases of another."""
+    """Return a design with some cases of another."""
     chosen = np.asarray(cases, dtype=np.int64)
     parameters = tuple(dataclasses.replace(p, values=p.values[chosen]) for p in design.parameters)
     return dataclasses.replace(design, parameters=parameters, n_cases=chosen.size)
 
 
 def write_design(design: Design, path: Path) -> None:
-    """Write DESIGN.h5; an older one is replaced when the new one is whole.
+    """Write DESIGN.h5; an older one is replaced when the new one is complete.
 
     Raises
     ------
@@ -167,9 +167,7 @@ def read_design(path: Path) -> Design:
     if not path.exists():
         raise SweepError(f"{path}: no such file; make it with `evolvent-sweep plan`")
     try:
-        if (
-            check(path) == BROKEN
-        ):  # before the library sees it: it takes what is damaged at its word
+        if check(path) == BROKEN:  # before HDF5 reads it, which does not detect damage
             raise SweepError(
                 f"{path}: is damaged, or was changed: its check sum is wrong; take a copy that is "
                 "whole, or plan it anew"
@@ -209,7 +207,7 @@ def _write(design: Design, file: h5py.File) -> None:
 
 
 def _read(file: h5py.File) -> tuple[Design, str]:
-    """Read the design, and the hash that it had when it was made."""
+    """Read the design, and its hash at the time of writing."""
     group = file["parameters"]
     parameters = []
     for number in range(len(group)):
@@ -220,7 +218,7 @@ def _read(file: h5py.File) -> tuple[Design, str]:
         units = str(column.attrs.get("units", ""))
         derived = bool(column.attrs.get("derived", 0))
         parameters.append(Parameter(name, path, units, values, derived))
-    # Designs of other programs have only what a batch needs.
+    # Designs of other programs contain only the data for a batch.
     absent = {"hash": "", "plan": "", "method": "list", "seed": 0, "sampling": "{}", "numbers": ""}
     attrs = {**absent, "history_rows": 0, **file.attrs}
     begin, end = (float(t) for t in attrs["window"])

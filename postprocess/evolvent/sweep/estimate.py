@@ -1,4 +1,4 @@
-"""How long a sweep will take: some of its cases are run."""
+"""Estimate the run time of a sweep by running some of its cases."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def seconds_per_case(design: Design, program: Path) -> tuple[float, bool]:
     Raises
     ------
     SweepError
-        The program does not take the design.
+        The program rejects the design.
     """
     chosen = np.unique(np.linspace(0, design.n_cases - 1, min(TRIED, design.n_cases)).astype(int))
     with tempfile.TemporaryDirectory(prefix="evolvent-sweep-") as name:
@@ -51,7 +51,7 @@ def seconds_per_case(design: Design, program: Path) -> tuple[float, bool]:
 
 
 def span(seconds: float) -> str:
-    """Write a time as people say it: 42 s, 3 min 20 s, 5 h 07 min, 3 d 4 h."""
+    """Format a time span: 42 s, 3 min 20 s, 5 h 07 min, 3 d 4 h."""
     whole = max(round(seconds), 0)
     if whole < 1:
         return "less than 1 s"

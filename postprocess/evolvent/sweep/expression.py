@@ -1,8 +1,8 @@
-"""Columns derived from others by a formula, without running anybody's code.
+"""Columns derived from others by a formula, without executing arbitrary code.
 
-The text is parsed by Python's grammar, then only the nodes listed here are worked off; every name
-is a column, a constant or a function of the tables below. Numbers are doubles, so that no power of
-whole numbers can fill the memory.
+The text is parsed by Python's grammar; only the nodes listed here are evaluated. Every name is a
+column, a constant or a function of the tables below. Numbers are doubles, so that powers of
+integers cannot exhaust the memory.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from evolvent.errors import SweepError
 
-MAX_LENGTH = 1000  # characters; more is no formula
+MAX_LENGTH = 1000  # characters; longer texts are rejected
 CONSTANTS = {"pi": np.pi, "e": np.e}
 # Name: (function, smallest and largest number of arguments).
 PLAIN = "abs ceil cos degrees exp floor log log10 radians round sin sqrt tan"
@@ -47,12 +47,12 @@ COMPARED: dict[type, Callable[[Any, Any], Any]] = {
 
 
 def evaluate(text: str, columns: Mapping[str, np.ndarray], length: int) -> np.ndarray:
-    """Work off a formula for all cases at once.
+    """Evaluate a formula for all cases at once.
 
     Parameters
     ----------
     text : such as "2*pi*speed/60" or "a if a < b else b".
-    columns : names and values (case); columns of text may be there but not be used.
+    columns : names and values (case); columns of text may be present but not be used.
     length : number of cases.
 
     Returns

@@ -1,6 +1,6 @@
 """Figures of a summary: a result against one or two parameters, and Sobol indices.
 
-Cases that did not finish are part of the answer and are shown: crosses at their parameters.
+Cases that did not finish are shown as crosses at their parameters.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from evolvent.figures.style import ABOVE, LINES, STYLE, legend, line_style, log_
 from evolvent.sweep.journal import DONE, did_not_finish
 from evolvent.units import axis_label, engineering
 
-MOST_LINES = 6  # of one figure; more cannot be told apart
-WIDE = 50.0  # ratio of the ends of a positive range that is drawn on a log axis
+MOST_LINES = 6  # of one figure; more cannot be distinguished
+WIDE = 50.0  # ratio of the ends of a positive range for which the axis is logarithmic
 BAD = "#b3202c"
 MARKED: dict[str, Any] = {
     "linestyle": "none",
@@ -32,7 +32,7 @@ MARKED: dict[str, Any] = {
     "zorder": 4,
 }
 MAP_COLOURS = "viridis"
-WIDEST_LABEL = 44  # letters; longer ones go on below
+WIDEST_LABEL = 44  # characters; longer labels are wrapped
 
 
 def figure_response(summary: xr.Dataset, response: str, against: Sequence[str] = ()) -> Figure:
@@ -42,7 +42,7 @@ def figure_response(summary: xr.Dataset, response: str, against: Sequence[str] =
     ----------
     summary : as from `open_summary`.
     response : name of a result.
-    against : one or two parameters; the one of most values if none is named.
+    against : one or two parameters; by default the one with most values.
     """
     result = _one_of(summary, "result", response)
     varying = varying_parameters(summary)
@@ -101,7 +101,7 @@ def with_role(summary: xr.Dataset, role: str) -> list[str]:
 
 
 def varying_parameters(summary: xr.Dataset) -> list[str]:
-    """Parameters that were chosen freely: not constant, not derived, not tied to one before."""
+    """Independent parameters: not constant, not derived, not tied to an earlier one."""
     chosen: dict[str, np.ndarray] = {}
     for name in with_role(summary, "parameter"):
         rank = np.unique(summary[name].values, return_inverse=True)[1]
@@ -112,7 +112,7 @@ def varying_parameters(summary: xr.Dataset) -> list[str]:
 
 
 def _follows(rank: np.ndarray, other: np.ndarray) -> bool:
-    """Whether one rises or falls with the other through all cases."""
+    """Whether one increases or decreases with the other in all cases."""
     return np.array_equal(rank, other) or np.array_equal(rank, other.max() - other)
 
 
@@ -131,7 +131,7 @@ def _one_of(summary: xr.Dataset, role: str, name: str) -> xr.DataArray:
 
 
 def _along(axis: Axes, which: str, summary: xr.Dataset, name: str) -> np.ndarray:
-    """Put a parameter along an axis; return its values as numbers there."""
+    """Set up an axis for a parameter; return its values on that axis."""
     values = summary[name].values
     if values.dtype.kind not in "if":
         texts, numbers = np.unique(values.astype(str), return_inverse=True)
@@ -147,14 +147,14 @@ def _along(axis: Axes, which: str, summary: xr.Dataset, name: str) -> np.ndarray
 
 
 def _is_wide(values: np.ndarray) -> bool:
-    """Whether values want a log axis: a wide range, most of it near its lower end."""
+    """Whether a log axis is suitable: a wide range with most values near its lower end."""
     if values.size == 0 or values.min() <= 0.0 or values.max() <= WIDE * values.min():
         return False
     return bool(np.median(values) < 0.25 * values.max())
 
 
 def _scaled(summary: xr.Dataset, result: xr.DataArray) -> tuple[np.ndarray, str]:
-    """Values of the cases that are done, NaN for the others, and the label."""
+    """Values of the finished cases, NaN for the others, and the label."""
     values = np.where(summary["status"].values == DONE, result.values, np.nan)
     factor, shown = engineering(values, str(result.attrs.get("units", "1")))
     label = str(result.attrs.get("long_name") or str(result.name).replace("_", " "))
@@ -184,13 +184,13 @@ def _draw_lines(
 
 
 def _groups(summary: xr.Dataset, name: str, others: list[str]) -> dict[str, np.ndarray] | None:
-    """Cases that make a line, with its text: those that differ in `name` only. None for points."""
+    """Groups of cases that form a line, by label: they differ in `name` only. None for points."""
     n_cases = summary.sizes["case"]
     if not others:
         return {"": np.arange(n_cases)}
     which = summary[others].to_dataframe().groupby(others).ngroup().to_numpy()
     groups = [np.flatnonzero(which == number) for number in range(int(which.max()) + 1)]
-    # Only as many cases can differ in one parameter as it has values.
+    # The number of cases that differ in one parameter is limited by its number of values.
     if len(groups) > MOST_LINES or np.unique(summary[name]).size * len(groups) != n_cases:
         return None
     return {
@@ -234,7 +234,7 @@ def _draw_map(
 def _mark_unfinished(
     axis: Axes, summary: xr.Dataset, x: np.ndarray, y: np.ndarray, **place: Any
 ) -> None:
-    """Cross the cases that did not finish at their places, and count them in the legend."""
+    """Mark the cases that did not finish by crosses, and count them in the legend."""
     failed = did_not_finish(summary["status"].values)
     if failed.any():
         label = f"did not finish: {int(failed.sum())} of {failed.size}"

@@ -1,4 +1,4 @@
-"""The folder of a sweep: its shards, their journals and locks, its copy of the design.
+"""Folder of a sweep: its shards, their journals and locks, its copy of the design.
 
 `evolvent batch` writes the shards; docs/sweeps.md describes the files.
 """
@@ -34,12 +34,12 @@ class Shard:
 
     @property
     def stem(self) -> str:
-        """Name of its files, without the ending."""
+        """Name of its files, without the extension."""
         return f"shard-{self.index}-of-{self.of}"
 
 
 def check_folder(folder: Path, design: Design) -> None:
-    """Refuse a folder that holds the results of another design.
+    """Reject a folder that contains the results of another design.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def check_folder(folder: Path, design: Design) -> None:
 
 
 def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
-    """Read a design and make its folder ready to be run in.
+    """Read a design and prepare its folder for a run.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
 
 
 def _keep_design(design_path: Path, folder: Path) -> None:
-    """Put a copy of the design into the folder, so that the folder says what it is about."""
+    """Copy the design into the folder, so that the folder is self-contained."""
     copy = folder / COPY
     with writing(copy):
         folder.mkdir(parents=True, exist_ok=True)
@@ -99,7 +99,7 @@ def _keep_design(design_path: Path, folder: Path) -> None:
 
 
 def design_of(folder: Path, given: Path | None = None) -> Design:
-    """Read the design of a folder: its copy, unless another place is given.
+    """Read the design of a folder: its copy, unless another path is given.
 
     Raises
     ------
@@ -117,29 +117,29 @@ def design_of(folder: Path, given: Path | None = None) -> Design:
 
 
 def is_locked(folder: Path, shard: Shard) -> bool:
-    """Whether a run is working on the shard now. The lock of a dead run does not count."""
-    # The lock is asked about, not taken: taking it for a moment could refuse a run that begins.
+    """Whether a run is working on the shard. The lock of a terminated run does not count."""
+    # The lock is tested, not acquired: acquiring it briefly could make a starting run fail.
     question = struct.pack(FLOCK, fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0)
     try:
         with (folder / f"{shard.stem}.lock").open("rb") as lock:
             answer = fcntl.fcntl(lock, fcntl.F_GETLK, question)
-    except OSError:  # there is none, or this file system cannot lock
+    except OSError:  # there is none, or this file system does not support locks
         return False
     return bool(struct.unpack(FLOCK, answer)[0] != fcntl.F_UNLCK)
 
 
 def remaining_shards(recorded: np.ndarray, of: int) -> list[Shard]:
-    """Shards of which a case is not recorded.
+    """Shards with at least one case that is not recorded.
 
     Parameters
     ----------
-    recorded : of each case whether it is.
+    recorded : whether each case is recorded.
     """
     return [Shard(of, i) for i in range(1, of + 1) if not recorded[i - 1 :: of].all()]
 
 
 def common_split(folder: Path, shards: Sequence[Shard]) -> int | None:
-    """Into how many shards the folder is split; None if nothing was run in it.
+    """Number of shards of the folder; None if there was no run in it.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def common_split(folder: Path, shards: Sequence[Shard]) -> int | None:
     Raises
     ------
     SweepError
-        Splits of several kinds, which would repeat cases.
+        Shards of different splits, which would repeat cases.
     """
     splits = {shard.of for shard in shards}
     if len(splits) > 1:

@@ -1,7 +1,7 @@
-"""The histories of all cases as variables (case, time) or (case, output_position) of a summary.
+"""Histories of all cases as variables (case, time) or (case, output_position) of a summary.
 
-The shards hold them, a row a case. A summary refers to the rows as virtual datasets, or copies
-them: reading copies is faster, and they outlive the shards.
+The shards contain them, one row per case. A summary refers to the rows as virtual datasets, or
+copies them: copies are faster to read and remain valid without the shards.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from evolvent.errors import UNREADABLE, SweepError, reason_of
 from evolvent.seals import BROKEN, NONE, check
 from evolvent.sweep.journal import Records
 
-COPIED = 32 * 2**20  # bytes that are copied at a time
-TOLD = ("units", "long_name", "symbol")  # attributes that a summary takes over
+COPIED = 32 * 2**20  # bytes copied at a time
+TOLD = ("units", "long_name", "symbol")  # attributes copied to a summary
 
-Run = tuple[range, range]  # rows of a shard, and the cases that they go to
+Run = tuple[range, range]  # rows of a shard, and the corresponding cases
 
 
 def history_coordinates(folder: Path, records: Records) -> xr.Dataset:
-    """Take the coordinates of the histories, but for the cases, from the first shard that has some.
+    """Read the coordinates of the histories, except the cases, from the first shard that has some.
 
     Raises
     ------
@@ -56,14 +56,14 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
     Parameters
     ----------
     file : the summary.
-    place : folder that the summary will be in; virtual datasets refer to the shards from there.
+    place : final folder of the summary; virtual datasets refer to the shards relative to it.
     copy : copy the values instead of referring to them.
 
     Raises
     ------
     SweepError
-        Shards whose histories do not fit each other, are no readable files, or are damaged; values
-        are held against their checks where they are copied.
+        Shards whose histories are inconsistent, are no readable files, or are damaged; checksums
+        of values are verified when they are copied.
     """
     one_split = len({shard.of for shard in records.shards}) <= 1
     has_check = records.cases["history_check"].values != ""
@@ -78,17 +78,17 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
         except UNREADABLE as error:
             raise _unreadable(path, error) from error
         # Rows of missing cases are empty. Several shards have a row of a case only if the folder
-        # was split in several ways: then that counts whose record does.
+        # was split in several ways: then the shard of the valid record counts.
         of_shard = records.cases["shard"].values[cases]
         is_there = (of_shard == number) | ((of_shard == -1) & one_split)
-        if copy and has_check.any():  # a row without was never written, or not to its end
+        if copy and has_check.any():  # a row without a checksum was not written completely
             is_there &= has_check[cases]
         rows = np.flatnonzero(is_there)
         sources.append((path, list(_runs(rows, cases[rows]))))
     if sources:
         with h5py.File(sources[0][0], "r") as first:
             checks = _Checks(records) if copy else None
-            # Its check goes over a row in the order in which the file has its variables.
+            # The checksum covers a row in the order of the variables in the file.
             named = ((name, first[name]) for name in first)  # items() has None for what fails
             histories = [(name, one) for name, one in named if not one.is_scale]
             for name, pattern in sorted(histories, key=lambda one: one[1].id.get_offset() or 0):
@@ -98,19 +98,19 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
 
 
 class _Checks:
-    """Check sums of the rows that are copied, held against those that the journals have."""
+    """Checksums of the copied rows, compared with those in the journals."""
 
     def __init__(self, records: Records) -> None:
         self.expected = records.cases["history_check"].values
         self.found = np.zeros(self.expected.size, dtype=np.uint32)
 
     def take(self, cases: range, values: np.ndarray) -> None:
-        """Go on with the next variable of some rows."""
+        """Update the checksums with the next variable of some rows."""
         for case, row in zip(cases, values, strict=True):
             self.found[case] = zlib.crc32(row.tobytes(), int(self.found[case]))
 
     def compare(self, sources: list[tuple[Path, list[Run]]]) -> None:
-        """Refuse a row that is not the one that was written.
+        """Reject a row that differs from the written one.
 
         Raises
         ------
@@ -127,7 +127,7 @@ class _Checks:
 
 
 def _check_seal(path: Path) -> None:
-    """Look at a file before the library does, which takes what is damaged at its word."""
+    """Verify the checksum of a file before HDF5 reads it, which does not detect damage."""
     answer = check(path)
     if answer == BROKEN:
         raise SweepError(
@@ -143,7 +143,7 @@ def _check_seal(path: Path) -> None:
 
 
 def _stacks(folder: Path, records: Records) -> list[tuple[int, Path]]:
-    """Files of histories, and the numbers of their shards among those of the records."""
+    """Files of histories, and the indices of their shards in the records."""
     paths = [folder / f"{shard.stem}.h5" for shard in records.shards]
     return [(number, path) for number, path in enumerate(paths) if path.exists()]
 
@@ -160,11 +160,11 @@ def _add(
     place: Path,
     checks: _Checks | None,
 ) -> None:
-    """Add a variable that looks as `pattern` does, with a row for each case.
+    """Add a variable with the layout of `pattern` and a row for each case.
 
     Parameters
     ----------
-    checks : where values are copied; they go over all of them.
+    checks : None to refer to the values; else they are copied and their checksums updated.
     """
     copy = checks is not None
     kind, shape = pattern.dtype, (file["case"].size, *pattern.shape[1:])
@@ -201,9 +201,9 @@ def _copy(
 
 
 def _runs(rows: np.ndarray, cases: np.ndarray) -> Iterator[Run]:
-    """Split rows and their cases, both rising, into runs with constant steps: HDF5 maps such."""
+    """Split ascending rows and their cases into runs with constant steps, as HDF5 requires."""
     begin = 0
-    # Where the step of either changes, a run ends.
+    # A run ends where either step changes.
     changes = np.flatnonzero((np.diff(rows, 2) != 0) | (np.diff(cases, 2) != 0)) + 1
     for end in [*changes.tolist(), rows.size - 1]:
         if end >= begin:

@@ -1,7 +1,7 @@
-"""What the journals of a folder record of each case.
+"""Records of each case in the journals of a folder.
 
-`evolvent records` reads them: it passes over lines that were cut off by a kill or a full disk, and
-tells the latest of several records of a case.
+`evolvent records` reads them: it skips lines that were truncated by a kill or a full disk, and
+returns the latest of several records of a case.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from evolvent.sweep.design import Design
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.program import call, find_program, last_message, started
 
-# Values of the variable `status` and their meanings; 0 is a case that no journal has.
+# Values of the variable `status` and their meanings; 0 is a case without a record.
 STATUSES = ("missing", "done", "failed", "refused")
 MISSING, DONE, FAILED, REFUSED = range(4)
-BLOCK = 2**21  # bytes of records that are turned into numbers at a time
+BLOCK = 2**21  # bytes of records that are parsed at a time
 # Variables of the records by the keys of their lines: value of a missing case, and attributes.
 FIELDS: dict[str, tuple[str, Any, dict[str, Any]]] = {
     "status": (
@@ -42,18 +42,18 @@ FIELDS: dict[str, tuple[str, Any, dict[str, Any]]] = {
         np.nan,
         {"long_name": "when the case was finished, since 1970-01-01 00:00 UTC", "units": "s"},
     ),
-    "history": ("history_check", "", {}),  # crc32 of its row among the stacked histories
-    "journal": ("shard", np.int32(-1), {}),  # index of the shards that the record is from
+    "history": ("history_check", "", {}),  # crc32 of its row in the stacked histories
+    "journal": ("shard", np.int32(-1), {}),  # index of the shard that contains the record
 }
 
 
 @dataclass(frozen=True)
 class Counts:
-    """How many cases of a sweep became what: the same numbers and words wherever they are told."""
+    """Number of cases by status, with one wording for all outputs."""
 
     done: int
     failed: int  # the integration ended early
-    refused: int  # the case was no good
+    refused: int  # the case was invalid
     missing: int
 
     @property
@@ -68,12 +68,12 @@ class Counts:
 
     @property
     def unfinished_text(self) -> str:
-        """Those that did not finish, and what they are."""
+        """Text with the cases that did not finish, by status."""
         kinds = f" ({self.failed} failed, {self.refused} refused)" if self.unfinished else ""
         return f"{self.unfinished} did not finish{kinds}"
 
     def __str__(self) -> str:
-        """All of them in one line."""
+        """All counts in one line."""
         return (
             f"{self.n_cases} cases: {self.done} done, {self.unfinished_text}, "
             f"{self.missing} missing"
@@ -81,7 +81,7 @@ class Counts:
 
 
 def did_not_finish(status: np.ndarray) -> np.ndarray:
-    """Of each case whether it is recorded, but failed or was refused."""
+    """Whether each case is recorded, but failed or was refused."""
     return np.isin(status, (FAILED, REFUSED))
 
 
@@ -96,38 +96,38 @@ class Column:
 
 @dataclass(frozen=True)
 class Records:
-    """What is known of each case of a design."""
+    """Records of the cases of a design."""
 
-    cases: dict[str, Column]  # the variables of `FIELDS`, and the results if they were asked for
+    cases: dict[str, Column]  # the variables of `FIELDS`, and the results if requested
     counts: Counts
     shards: list[Shard]  # those that have a journal
     rows: dict[Shard, int]  # lines of the journals
     versions: list[str]  # of evolvent
     repeated: np.ndarray  # cases that are recorded more than once
-    torn: int  # lines that were cut off
+    torn: int  # truncated lines
 
     @property
     def recorded(self) -> np.ndarray:
-        """Of each case whether it is recorded."""
+        """Whether each case is recorded."""
         return np.asarray(self.cases["status"].values != MISSING)
 
     @property
     def unfinished(self) -> np.ndarray:
-        """Of each case whether it failed or was refused."""
+        """Whether each case failed or was refused."""
         return did_not_finish(self.cases["status"].values)
 
     @property
     def holes(self) -> np.ndarray:
-        """Numbers of the cases that are missing."""
+        """Indices of the missing cases."""
         return np.flatnonzero(~self.recorded)
 
 
 def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
-    """Ask the program what the journals of a folder record.
+    """Read the journals of a folder by the program.
 
     Parameters
     ----------
-    scalars : False leaves the results out, which takes less time and memory.
+    scalars : False omits the results, which takes less time and memory.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
         if head:
             records = _empty(folder, design, json.loads(head), scalars)
             while lines := process.stdout.readlines(BLOCK):
-                # One list of many lines is understood sooner than each line by itself.
+                # Parsing one list of many lines is faster than parsing each line.
                 _take(records.cases, json.loads(b"[" + b",".join(lines) + b"]"))
         if process.wait() != 0:
             raise SweepError(said(), process.returncode)
@@ -149,7 +149,7 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
 
 
 def count_records(folder: Path) -> dict[str, int]:
-    """Ask the program how many cases became what, and how many lines of journals say so (`rows`).
+    """Count the cases by status and the lines of the journals (`rows`), by the program.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def count_records(folder: Path) -> dict[str, int]:
 
 
 def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) -> Records:
-    """Nothing is known of any case."""
+    """Create records in which all cases are missing."""
     n = design.n_cases
     rows = {Shard(one["of"], one["shard"]): one["rows"] for one in head["journals"]}
     heads = [journal["head"] for journal in head["journals"]]
@@ -194,7 +194,7 @@ def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) ->
 
 
 def _take(cases: dict[str, Column], rows: Sequence[dict[str, Any]]) -> None:
-    """Put records where their cases are."""
+    """Store records at the indices of their cases."""
     places = np.array([row["case"] for row in rows], dtype=np.int64)
     nothing = {key: "" for key, (_, value, _) in FIELDS.items() if value == ""}  # else None: NaN
     for name, column in cases.items():

@@ -1,4 +1,4 @@
-"""From SWEEP.yaml to a design, with the program asked whether it takes the cases."""
+"""Convert SWEEP.yaml to a design whose cases are checked by the program."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from evolvent.sweep.spec import read_spec, read_text
 
 
 def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
-    """Make a design of SWEEP.yaml.
+    """Create a design from SWEEP.yaml.
 
-    The program is asked about all cases: paths that the case does not have, values out of range and
-    starts that do not exist come to light before anything runs.
+    The program checks all cases: paths that the case does not have, values out of range and invalid
+    initial states are found before anything runs.
 
     Returns
     -------
-    The design, and what the program said of its cases.
+    The design, and the result of the check of its cases.
 
     Raises
     ------
     SweepError
-        A plan, table or window that cannot be used, or no case that the program takes.
+        A plan, table or window that cannot be used, or no case that the program accepts.
     """
     spec = read_spec(path, program)
     parameters, n_cases, sampling = columns(spec, program)

@@ -1,8 +1,8 @@
-"""Run a design with any executor of the kind of `concurrent.futures`: threads, MPI, Dask.
+"""Run a design with any executor of the type of `concurrent.futures`: threads, MPI, Dask.
 
-The design is cut into shards, and a shard is one task, so that a task takes seconds and not the
-milliseconds of a case. Workers write into the folder, which they have to share. A task whose worker
-died is submitted again; what its shard has recorded is not repeated.
+The design is split into shards, and a shard is one task, so that a task takes seconds and not the
+milliseconds of a case. Workers write into a shared folder. A task whose worker died is submitted
+again; recorded cases of its shard are not repeated.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from evolvent.sweep.program import call, last_message
 from evolvent.sweep.run import Work
 
 SHORTEST = 1.0  # duration of a task [s]
-A_WORKER = 16  # tasks: few enough for one folder, many enough that none waits long for the last
+A_WORKER = 16  # tasks: few for one folder, but enough that no worker waits long for the last
 MOST = 1000  # tasks
 ATTEMPTS = 4
-ASKED = 0.5  # seconds between two looks at a lock
+ASKED = 0.5  # polling interval of a lock [s]
 
 
 def task_count(n_cases: int, seconds_a_case: float, workers: int) -> int:
-    """Number of tasks: each of at least a second, about 16 a worker."""
+    """Number of tasks: each of at least a second, about 16 per worker."""
     of_a_second = math.floor(n_cases * seconds_a_case / SHORTEST)
     return max(1, min(n_cases, of_a_second, A_WORKER * max(workers, 1), MOST))
 
@@ -45,7 +45,7 @@ def run_with_executor(
 
     Parameters
     ----------
-    program, design, folder : paths that the workers have as well.
+    program, design, folder : paths that are valid for the workers as well.
     show : called several times a second.
 
     Returns
@@ -55,8 +55,8 @@ def run_with_executor(
     Raises
     ------
     SweepError
-        Another run is at work in the folder, the executor broke, or a task failed whatever was
-        tried, with the reason of the last attempt.
+        Another run is working in the folder, the executor broke, or a task failed in all attempts,
+        with the reason of the last one.
     """
     for shard in shards:
         if is_locked(folder, shard):
@@ -109,8 +109,8 @@ def _run(
 def run_task(work: Work, shard: Shard) -> tuple[int, str]:
     """Run one shard on a worker; return its exit code and last message.
 
-    The program of a worker that died may still be at work on the shard, which is waited for: what
-    it records need not be run again.
+    The program of a dead worker may still be working on the shard. Its end is awaited: its
+    records need not be computed again.
     """
     while is_locked(work.folder, shard):
         time.sleep(ASKED)
@@ -124,5 +124,5 @@ def _outcome(future: Future[tuple[int, str]]) -> tuple[int, str]:
         return future.result()
     except BrokenExecutor:
         raise
-    except Exception as error:  # Dask's KilledWorker and what else happens to workers
+    except Exception as error:  # Dask's KilledWorker and other failures of workers
         return -1, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"

@@ -1,4 +1,4 @@
-"""The program `evolvent`: where it is, its version, and how many cores this job owns."""
+"""The program `evolvent`: its path, its version, and the number of cores of this job."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def find_program() -> Path:
     Raises
     ------
     SweepError
-        It is nowhere.
+        It is not found.
     """
     named = os.environ.get(VARIABLE)
     if named:
@@ -51,7 +51,7 @@ def program_version(program: Path) -> str:
 
 
 def call(program: Path | str, *words: object) -> subprocess.CompletedProcess[str]:
-    """Run the program to its end; what it says and its exit code are in the answer."""
+    """Run the program to its end; return its output, messages and exit code."""
     return subprocess.run(
         [str(program), *map(str, words)],
         capture_output=True,
@@ -66,11 +66,11 @@ def call(program: Path | str, *words: object) -> subprocess.CompletedProcess[str
 def started(
     command: Sequence[str], **options: Any
 ) -> Iterator[tuple[subprocess.Popen[Any], Callable[[], str]]]:
-    """Start the program; give its process, and what tells its last message when it has ended.
+    """Start the program; yield its process, and a function that returns its last message.
 
     Parameters
     ----------
-    options : of `subprocess.Popen`; nothing is read or written by the program if none are given.
+    options : of `subprocess.Popen`; by default the program has no standard input and output.
     """
     usual: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL}
     with tempfile.TemporaryFile("w+", errors="replace") as messages:
@@ -86,19 +86,19 @@ def started(
 
 
 def last_message(messages: str) -> str:
-    """What the program said last, without its name."""
+    """Last message of the program, without its name."""
     lines = [line for line in messages.split("\n") if line.strip()]
     return lines[-1].removeprefix("evolvent: ") if lines else "it ended without a message"
 
 
 def environment() -> dict[str, str]:
-    """Variables for the program: one thread a process, and a batch ends when this process does."""
+    """Environment of the program: one thread per process; a batch ends with this process."""
     alone = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     return {**os.environ, **alone, "EVOLVENT_PARENT": str(os.getpid())}
 
 
 def cores() -> int:
-    """Cores that this job owns: what Slurm says, else what the process may run on."""
+    """Number of cores of this job: from Slurm, else those available to the process."""
     given = os.environ.get("SLURM_CPUS_PER_TASK", "")
     if given.isdigit() and int(given) > 0:
         return int(given)

@@ -1,4 +1,4 @@
-"""Values with units in a plan: the program says what they are in the units of their keys."""
+"""Values with units in a plan, converted by the program to the units of their keys."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ SECONDS = "simulation.duration"  # a key whose unit is that of a plan's times
 
 @dataclass(frozen=True)
 class Quantity:
-    """A text as its key takes it."""
+    """A text converted for its key."""
 
-    value: float | None  # None: it is no number
+    value: float | None  # None: not a number
     unit: str  # of the key
-    has_unit: bool  # it was given with one
+    has_unit: bool  # the text contained a unit
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A text of a plan, and the key that it is for."""
+    """A text of a plan, and its key."""
 
     place: str  # for messages
     path: str
@@ -41,19 +41,19 @@ class Asked:
 
 
 def may_have_unit(value: Any) -> bool:
-    """Whether it is a text that begins as a number does; the program knows the rest."""
+    """Whether it is a text that starts like a number; the program checks the rest."""
     return isinstance(value, str) and BEGINS_AS_NUMBER.match(value) is not None
 
 
 def read_quantities(
     asked: Sequence[Asked], case: Path, program: Path | None
 ) -> dict[str, Quantity]:
-    """Ask the program what texts are in the units of their keys.
+    """Convert texts to the units of their keys by the program.
 
     Parameters
     ----------
     case : the base case, which has the keys.
-    program : None: the one that is found.
+    program : None: the one found by `find_program`.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def read_quantities(
     Raises
     ------
     SweepError
-        A unit that the key does not take, or a path that the case does not have.
+        A unit that the key does not accept, or a path that the case does not have.
     """
     options = list(dict.fromkeys(each.option for each in asked))
     read: dict[str, Quantity] = {}
@@ -79,7 +79,7 @@ def read_quantities(
 
 
 def _refusal(message: str, asked: Iterable[Asked]) -> SweepError:
-    """The program's refusal, said of the place in the plan."""
+    """Error message of the program, with the location in the plan."""
     for each in asked:
         beginning = f"--convert {each.option}: "
         if message.startswith(beginning):
@@ -88,7 +88,7 @@ def _refusal(message: str, asked: Iterable[Asked]) -> SweepError:
 
 
 def with_units_read(top: Mapping[str, Any], case: Path, program: Path | None) -> dict[str, Any]:
-    """A plan with numbers in place of numbers with units, and the unit of their key as `units`."""
+    """Replace numbers with units in a plan by plain numbers, and set `units` to the key's unit."""
     asked: list[Asked] = []
 
     def note(value: Any, place: str, path: Any) -> None:
@@ -132,7 +132,7 @@ def _read_block(block: Mapping[str, Any], path: str, read: Mapping[str, Quantity
 
 
 def _with_key_unit(block: Any, place: str, read: Mapping[str, Quantity]) -> Any:
-    """One parameter; of its texts those that stand for values."""
+    """Convert the values of one parameter."""
     path = block.get("path") if isinstance(block, dict) else None
     if not isinstance(path, str):
         return block
@@ -150,7 +150,7 @@ def _with_key_unit(block: Any, place: str, read: Mapping[str, Quantity]) -> Any:
 
 
 def key_unit(given: Any, unit: str, place: str) -> str:
-    """The unit of the key, unless the plan calls the column's unit otherwise."""
+    """Unit of the key; an error if the plan gives the column another unit."""
     if given not in ("", unit):
         raise SweepError(
             f"{place}: units is {given}, but values with units are kept in that of the key, "

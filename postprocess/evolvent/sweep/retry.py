@@ -1,4 +1,4 @@
-"""Run chosen cases again, each in the shard that it belongs to."""
+"""Run selected cases again, each in its own shard."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from evolvent.sweep.slurm import SCRIPTS
 
 
 def write_lists(records: Records, cases: list[int], place: Path) -> dict[Shard, Path]:
-    """Write for `evolvent batch --cases` which cases each shard runs again.
+    """Write the lists of cases that each shard runs again, for `evolvent batch --cases`.
 
-    A case is run again by the shard that recorded it; one that is missing by a shard of the newest
-    split. What is recorded after the list was written is not run once more: a job of a cluster that
-    is requeued goes on with what is left.
+    A case is run again by the shard that recorded it; a missing one by a shard of the newest split.
+    Cases recorded after the list was written are not repeated: a requeued cluster job continues
+    with the remaining cases.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def write_lists(records: Records, cases: list[int], place: Path) -> dict[Shard, 
 
 
 def folder_of_lists(folder: Path) -> Path:
-    """Make a folder for the lists of a retry on Slurm: an earlier one may wait for its own.
+    """Create a folder for the lists of a retry on Slurm; an earlier retry may still need its own.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Run the shards of a design here and now with `evolvent batch`."""
+"""Run the shards of a design on this machine with `evolvent batch`."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from evolvent.sweep.folder import Shard
 from evolvent.sweep.journal import Records, count_records
 from evolvent.sweep.program import started
 
-LOOKED = 0.25  # seconds between two looks at the journals
-A_LOOK = 0.1  # share of the time that looks may take
-LINE_EACH = 60.0  # seconds between two lines if nobody watches, unless a variable says otherwise
-INTERVAL = "EVOLVENT_PROGRESS_INTERVAL"  # the variable; the program knows it, too
+LOOKED = 0.25  # polling interval of the process [s]
+A_LOOK = 0.1  # maximum share of the time for reading the journals
+LINE_EACH = 60.0  # seconds between two lines without a terminal; default of the variable below
+INTERVAL = "EVOLVENT_PROGRESS_INTERVAL"  # the variable; used by the program, too
 FORWARDED = (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1)
 
 
 @dataclass
 class Tally:
-    """Counts the cases that are recorded while a run goes on."""
+    """Counts the recorded cases during a run."""
 
     folder: Path
-    before: Records  # when the run began
-    again: int = 0  # cases that are recorded, and run once more
+    before: Records  # at the start of the run
+    again: int = 0  # recorded cases that are run again
     began: float = field(default_factory=time.monotonic)
     new: int = 0
 
@@ -45,10 +45,10 @@ class Tally:
         self._looked = self._next = self.began
 
     def look(self, at_once: bool = False) -> None:
-        """Ask what is recorded now; unless at once, not if that was asked a moment ago."""
+        """Read the counts of recorded cases; at limited frequency unless `at_once`."""
         start = time.monotonic()
         if at_once or start >= self._next:
-            with suppress(SweepError):  # the run goes on; at its end the same is asked again
+            with suppress(SweepError):  # the run continues; the counts are read again at its end
                 told = count_records(self.folder)
                 self.new = told["rows"] - sum(self.before.rows.values())
                 self.unfinished = told["failed"] + told["refused"]
@@ -62,12 +62,12 @@ class Tally:
 
     @property
     def recorded(self) -> int:
-        """Number of recorded cases, without those that are still to be run once more."""
+        """Number of recorded cases, without those that are still to be run again."""
         return min(self.total - self.before.counts.missing - self.again + self.new, self.total)
 
     @property
     def pace(self) -> str:
-        """What did not finish, how fast it goes and how long it takes, in words."""
+        """Unfinished cases, rate and remaining time, in words."""
         rate = self.new / max(self._looked - self.began, 1e-9)
         left = span((self.total - self.recorded) / rate) if self.new else "?"
         return f"{self.unfinished} did not finish, {rate:.3g} a second, {left} left"
@@ -75,14 +75,14 @@ class Tally:
 
 @dataclass(frozen=True)
 class Work:
-    """What is run by what, and where to."""
+    """Program, design and folder of a run."""
 
     program: Path
     design: Path
     folder: Path
 
     def command(self, shard: Shard, jobs: int, cases: Path | None = None) -> list[str]:
-        """The command line that runs what is missing of a shard, or the cases listed in a file."""
+        """Command line for the missing cases of a shard, or the cases listed in a file."""
         command = [str(self.program), "batch", str(self.design), "-o", str(self.folder)]
         command += ["--shard", f"{shard.index}/{shard.of}", "--jobs", str(jobs), "--resume"]
         return command if cases is None else [*command, "--cases", str(cases)]
@@ -95,13 +95,13 @@ def run_shards(
     tally: Tally,
     cases: Mapping[Shard, Path] | None = None,
 ) -> int:
-    """Run shards one after the other, each with `jobs` worker processes, and show the progress.
+    """Run shards sequentially, each with `jobs` worker processes, and show the progress.
 
-    TERM, USR1 and INT are passed on: the cases that run are given up, the journals are complete.
+    TERM, USR1 and INT are forwarded: running cases are aborted, the journals are complete.
 
     Parameters
     ----------
-    cases : for each shard a file of case numbers to run, recorded or not; what is missing if None.
+    cases : for each shard a file of cases to run, recorded or not; the missing ones if None.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def run_shards(
     Raises
     ------
     SweepError
-        The batch refused, could not write, or was killed; with its message and exit code.
+        The batch was rejected, could not write, or was killed; with its message and exit code.
     """
     result = 0
     with display(tally) as show:
@@ -124,7 +124,7 @@ def run_shards(
 
 
 def _run(command: list[str], show: Callable[[], None]) -> int:
-    # A group of its own: Ctrl-C reaches it once, through this process.
+    # A separate process group: Ctrl-C reaches it once, through this process.
     with started(command, process_group=0) as (process, said):
         with _forwarding(process):
             while process.returncode is None:
@@ -144,9 +144,9 @@ def _run(command: list[str], show: Callable[[], None]) -> int:
 
 @contextmanager
 def _forwarding(process: subprocess.Popen[Any]) -> Iterator[None]:
-    """Pass signals on to a process while it runs."""
+    """Forward signals to a process while it runs."""
     before: dict[int, Any] = {}
-    with suppress(ValueError):  # not in the main thread: whoever is there handles signals
+    with suppress(ValueError):  # not in the main thread: the main thread handles signals
         for number in FORWARDED:
             before[number] = signal.signal(number, lambda n, _: process.send_signal(n))
     try:
@@ -158,7 +158,7 @@ def _forwarding(process: subprocess.Popen[Any]) -> Iterator[None]:
 
 @contextmanager
 def display(tally: Tally) -> Iterator[Callable[[], None]]:
-    """Give what shows the progress when it is called: a bar on a terminal, else a line a minute."""
+    """Yield a function that updates the progress: a bar on a terminal, else a line a minute."""
     bar = Progress(
         TextColumn("{task.completed:.0f} of {task.total:.0f} cases"),
         BarColumn(),
@@ -195,6 +195,6 @@ def log_interval() -> float:
 
 
 def progress_line(tally: Tally) -> str:
-    """The progress in one line, for logs."""
+    """Progress in one line, for logs."""
     now = time.strftime("%Y-%m-%d %H:%M:%S")
     return f"evolvent-sweep: {now}  {tally.recorded} of {tally.total} cases, {tally.pace}"

@@ -1,4 +1,4 @@
-"""From a plan to its columns: grids, lists, samples of the unit cube, tables, derived columns."""
+"""Columns of a plan: grids, lists, samples of the unit cube, tables, derived columns."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from evolvent.sweep.yaml_text import yaml_text
 if TYPE_CHECKING:
     import pandas as pd
 
-MOST_CASES = 50_000_000  # more is a slip of the pen: a table of gigabytes
-LARGEST_WHOLE = 2**53  # doubles beyond are not all whole numbers
+MOST_CASES = 50_000_000  # more is probably an error: a table of gigabytes
+LARGEST_WHOLE = 2**53  # larger doubles do not represent all integers
 
 
 def columns(spec: Spec, program: Path | None = None) -> tuple[list[Parameter], int, dict[str, Any]]:
-    """Make all columns of a plan.
+    """Create all columns of a plan.
 
     Parameters
     ----------
-    program : is asked about values with units in a table; None: the one that is found.
+    program : converts values with units in a table; None: the one found by `find_program`.
 
     Returns
     -------
-    The parameters in the order of the plan, the number of cases, and what an analysis has to know
-    of the samples (empty for grids).
+    The parameters in the order of the plan, the number of cases, and the data of the samples for an
+    analysis (empty for grids).
 
     Raises
     ------
@@ -62,7 +62,7 @@ def _columns(spec: Spec, program: Path | None) -> tuple[list[Parameter], int, di
 
     cube = _unit_cube(spec, sampling) if sampling else None
     values: dict[str, np.ndarray] = {}
-    repeat = length  # of the factorial: how often each value of a column stands in a row
+    repeat = length  # of the factorial: repetitions of each value of a column
     derived_last = sorted(entries, key=lambda entry: entry.source == "expression")
     for entry in derived_last:
         if entry.source == "expression":
@@ -75,7 +75,7 @@ def _columns(spec: Spec, program: Path | None) -> tuple[list[Parameter], int, di
             column = _scaled(entry, cube[:, sampling["names"].index(entry.name)])
         else:
             column = _levels(entry)
-            if spec.method == "factorial":  # the last parameter runs fastest
+            if spec.method == "factorial":  # the last parameter varies fastest
                 repeat //= column.size
                 column = np.resize(np.repeat(column, repeat), length)
         values[entry.name] = column
@@ -177,7 +177,7 @@ def _derived(entry: Entry, values: dict[str, np.ndarray], length: int) -> np.nda
 
 
 def _typed(values: list[Any]) -> np.ndarray:
-    """Make an array: int64, float64, or YAML texts if a value is no number."""
+    """Create an array: int64, float64, or YAML texts if a value is not a number."""
     if all(type(v) is int and abs(v) < 2**63 for v in values):
         return np.array(values, dtype=np.int64)
     if all(type(v) in (int, float) for v in values):
@@ -205,7 +205,7 @@ def _read_table(spec: Spec) -> pd.DataFrame:
 
 
 def _entries_of(table: pd.DataFrame) -> tuple[Entry, ...]:
-    """Parameters of a table whose column heads are paths."""
+    """Parameters of a table whose column headings are paths."""
     entries = tuple(
         Entry(f"column '{head}'", identifier(head), head, "", "column", column=head)
         for head in map(str, table.columns)
@@ -219,7 +219,7 @@ def _entries_of(table: pd.DataFrame) -> tuple[Entry, ...]:
 def _with_units_read(
     table: pd.DataFrame, entries: tuple[Entry, ...], spec: Spec, program: Path | None
 ) -> tuple[pd.DataFrame, tuple[Entry, ...]]:
-    """Read columns of numbers with units; one that has other texts too stays as it is."""
+    """Convert columns of numbers with units; columns with other texts are unchanged."""
     import pandas as pd
 
     asked: dict[str, list[Asked]] = {}

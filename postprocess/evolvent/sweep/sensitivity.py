@@ -1,4 +1,4 @@
-"""Shares of the variance of a result that parameters are responsible for.
+"""Sensitivity indices: shares of the variance of a result due to parameters.
 
 Saltelli's samples give first-order and total Sobol indices (Saltelli et al. 2010, Comput. Phys.
 Commun. 181, 259-270); samples of a Sobol sequence or a Latin hypercube give first-order indices by
@@ -21,10 +21,10 @@ FEWEST = 32  # samples; with fewer the indices are noise
 
 
 def sobol_indices(summary: xr.Dataset, response: str) -> xr.Dataset:
-    """Sensitivity indices of a result.
+    """Compute sensitivity indices of a result.
 
-    Cases that failed or are missing are left out; of Saltelli's samples, whose cases belong
-    together, the whole group is.
+    Cases that failed or are missing are omitted; for Saltelli's samples the whole group of such a
+    case is omitted.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def sobol_indices(summary: xr.Dataset, response: str) -> xr.Dataset:
     Raises
     ------
     SweepError
-        No such plan or result, too few cases, or SALib is not there.
+        No such plan or result, too few cases, or SALib is not installed.
     """
     sampling = json.loads(str(summary.attrs.get("sampling", "{}")))
     method = summary.attrs.get("method")
@@ -81,7 +81,7 @@ def sobol_indices(summary: xr.Dataset, response: str) -> xr.Dataset:
 def _analysed(
     summary: xr.Dataset, sampling: dict[str, Any], values: np.ndarray
 ) -> Mapping[str, Any]:
-    """What SALib says of cases that all are good."""
+    """Analyse the valid cases with SALib."""
     from SALib.analyze import rbd_fast, sobol
 
     names, seed = sampling["names"], int(summary.attrs["seed"])
@@ -89,7 +89,7 @@ def _analysed(
     if summary.attrs["method"] == "saltelli":
         second = bool(sampling["second_order"])
         return dict(sobol.analyze(problem, values, calc_second_order=second, seed=seed))
-    # Only the order of a parameter's values matters: texts count by their rank.
+    # Only the order of a parameter's values matters; texts are replaced by their rank.
     ranks = [np.unique(summary[name].values, return_inverse=True)[1] for name in names]
     samples = np.stack(ranks, axis=1).astype(float)
     return dict(rbd_fast.analyze(problem, samples, values, seed=seed))

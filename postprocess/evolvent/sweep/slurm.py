@@ -1,4 +1,4 @@
-"""Scripts for Slurm: job arrays of shards, and a job that collects when they have ended."""
+"""Scripts for Slurm: job arrays of shards, and a job that collects the results at their end."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from evolvent.errors import USAGE, SweepError, replacing, writing
 from evolvent.sweep.folder import Shard
 from evolvent.sweep.status import joined, runs
 
-A_SHARD = 600.0  # seconds that a shard should take
-MOST = 5000  # shards, unless more are asked for
-USUAL_TASKS = 1000  # of an array, that Slurm allows unless its site says otherwise
+A_SHARD = 600.0  # target duration of a shard [s]
+MOST = 5000  # shards, unless more are requested
+USUAL_TASKS = 1000  # default limit of the tasks of an array in Slurm
 SCRIPTS = "slurm"  # folder of the scripts and logs, in that of the sweep
 MOST_REQUEUES = 50
 QUOTES = "\"'`\\"
@@ -37,7 +37,7 @@ class Array:
 
 @dataclass(frozen=True)
 class Site:
-    """What a site wants in the head of the scripts."""
+    """Site-specific contents of the head of the scripts."""
 
     account: str | None = None
     partition: str | None = None
@@ -46,12 +46,12 @@ class Site:
     lines: tuple[str, ...] = ()  # shell, such as "module load hdf5"
 
     def head(self, with_time: bool = True) -> str:
-        """The #SBATCH lines.
+        """Return the #SBATCH lines.
 
         Raises
         ------
         SweepError
-            A value would end its line.
+            A value contains an unprintable character, such as a line break.
         """
         given = [("account", self.account), ("partition", self.partition)]
         if with_time:
@@ -71,23 +71,23 @@ def shard_count(n_cases: int, seconds_a_case: float, cores: int) -> int:
 
 
 def tasks_of_an_array() -> int:
-    """How many tasks, numbered from 1, the Slurm here takes in one array; the usual if none is."""
+    """Maximum number of tasks of an array in the local Slurm; the default without Slurm."""
     command = ["scontrol", "show", "config"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     except (FileNotFoundError, subprocess.TimeoutExpired):
         return USUAL_TASKS
     found = re.search(r"^MaxArraySize\s*=\s*(\d+)", done.stdout, re.MULTILINE)
-    # The size is one more than the largest number of a task. 0 and 1: no arrays at all.
+    # MaxArraySize is one more than the largest task index. 0 and 1: no arrays at all.
     return max(int(found[1]) - 1, 1) if found else USUAL_TASKS
 
 
 def split_arrays(shards: Sequence[Shard], most: int) -> list[Array]:
-    """Put shards into as few arrays as their numbers allow.
+    """Distribute shards over the smallest number of arrays.
 
     Parameters
     ----------
-    most : largest number of a task.
+    most : largest index of a task.
     """
     blocks: dict[tuple[int, int], list[int]] = {}
     for shard in sorted(shards):
@@ -97,7 +97,7 @@ def split_arrays(shards: Sequence[Shard], most: int) -> list[Array]:
 
 
 def check_place(path: Path) -> None:
-    """Refuse a path that the head of a script cannot have, which Slurm reads its own way.
+    """Reject a path that is not valid in the head of a script, where Slurm has its own syntax.
 
     Raises
     ------
@@ -125,13 +125,13 @@ def write_scripts(
     Parameters
     ----------
     cores : of each task.
-    lists : folder of lists of cases that are run again, one a shard (`retry`); None: each task runs
-        what is missing of its shard.
+    lists : folder of lists of cases to run again, one per shard (`retry`); None: each task runs the
+        missing cases of its shard.
 
     Raises
     ------
     SweepError
-        They cannot be written, or a path cannot stand in them.
+        They cannot be written, or a path is not valid in them.
     """
     folder, design = folder.absolute(), design.absolute()
     for path in (folder, design, program, Path(sys.executable)):
@@ -175,7 +175,7 @@ def write_scripts(
     )
     with writing(place):
         place.mkdir(parents=True, exist_ok=True)
-        for old in place.glob(f"{kind}*.sh"):  # of a command that made other arrays
+        for old in place.glob(f"{kind}*.sh"):  # of a command with other arrays
             old.unlink()
         for name, text in {**texts, "collect": collector}.items():
             with replacing(place / f"{name}.sh") as temporary:
@@ -185,12 +185,12 @@ def write_scripts(
 
 
 def submit(arrays: Sequence[Path], collector: Path) -> tuple[list[str], str]:
-    """Submit the scripts, the collector to follow all arrays; return their job numbers.
+    """Submit the scripts, and the collector after all arrays; return their job numbers.
 
     Raises
     ------
     SweepError
-        There is no sbatch, or it refuses. Arrays that it took before stay, with a collector.
+        There is no sbatch, or it fails. Arrays submitted before remain, with a collector.
     """
     jobs: list[str] = []
     for script in arrays:

@@ -1,4 +1,4 @@
-"""SWEEP.yaml: what a plan may say, and what is refused."""
+"""SWEEP.yaml: permitted contents of a plan, and its validation."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ PARAMETER_KEYS = (
 )  # fmt: skip
 DIRECTIONS = ("up", "down", "both")
 LEAST_PERIODS = 100  # as `evolvent respond` takes them
-# Ways to give the values of a parameter; exactly one.
+# Keys for the values of a parameter; exactly one is required.
 SOURCES = ("value", "values", "from", "expression", "column")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One parameter as the plan gives it; what is not given is None."""
+    """One parameter as given in the plan; omitted values have their defaults."""
 
     place: str  # for messages
     name: str
@@ -57,7 +57,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Spec:
-    """A plan, read and checked, but for what only the program knows."""
+    """A plan, read and validated except for checks by the program."""
 
     source: Path
     text: str
@@ -78,16 +78,16 @@ class Spec:
 
 
 def read_spec(path: Path, program: Path | None = None) -> Spec:
-    """Read SWEEP.yaml. Files that it names are relative to its folder.
+    """Read SWEEP.yaml. Files named in it are relative to its folder.
 
     Parameters
     ----------
-    program : is asked about values with units; None: the one that is found.
+    program : converts values with units; None: the one found by `find_program`.
 
     Raises
     ------
     SweepError
-        Unreadable, or with a key or value that is not understood; the message names the place.
+        Unreadable, or with an invalid key or value; the message names the location.
     """
     text = read_text(path, str(path))
     try:
@@ -161,7 +161,7 @@ def read_text(path: Path, name: str) -> str:
 
     Parameters
     ----------
-    name : what it is called in messages.
+    name : of the file in messages.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def read_text(path: Path, name: str) -> str:
 
 
 def check_unique(entries: Sequence[Entry]) -> None:
-    """Refuse two parameters of one name or path."""
+    """Reject two parameters with the same name or path."""
     for attribute in ("name", "path"):
         seen: dict[str, str] = {}
         for entry in entries:

@@ -1,4 +1,4 @@
-"""How far a sweep has come, what failed and why, and when it will be finished."""
+"""Status of a sweep: progress, failures with reasons, and estimated end."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ from evolvent.sweep.design import Design
 from evolvent.sweep.folder import Shard, is_locked
 from evolvent.sweep.journal import Counts, read_records
 
-RECENT = 600.0  # the rate is that of the last so many seconds
+RECENT = 600.0  # averaging time of the rate [s]
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 MOST_LISTED = 20  # case numbers in a message
 
 
 @dataclass(frozen=True)
 class Reason:
-    """Failures that differ in their numbers only."""
+    """Failures whose messages differ in numbers only."""
 
     count: int
     example: str  # the message of that case
-    case: int  # the first case that it happened to
+    case: int  # the first such case
 
 
 @dataclass(frozen=True)
 class Status:
-    """How far a sweep has come."""
+    """Status of a sweep."""
 
     counts: Counts
     repeated: int
     torn: int
     reasons: list[Reason]  # most frequent first
     running: list[Shard]
-    rate: float  # cases a second lately, of all statuses; NaN if not known
-    finished_at: float  # Unix time [s]; NaN if not known
+    rate: float  # recent cases per second, of all statuses; NaN if unknown
+    finished_at: float  # Unix time [s]; NaN if unknown
 
     @property
     def is_complete(self) -> bool:
@@ -47,11 +47,11 @@ class Status:
 
 
 def read_status(folder: Path, design: Design, now: float | None = None) -> Status:
-    """Look at a folder.
+    """Read the status of a folder.
 
     Parameters
     ----------
-    now : Unix time [s]; that of the clock unless given.
+    now : Unix time [s]; current time by default.
     """
     records = read_records(folder, design, scalars=False)
     unfinished = np.flatnonzero(records.unfinished)
@@ -73,7 +73,7 @@ def read_status(folder: Path, design: Design, now: float | None = None) -> Statu
 
 
 def recent_rate(recorded_at: np.ndarray, now: float | None) -> float:
-    """Cases a second.
+    """Recent number of cases per second.
 
     Parameters
     ----------
@@ -87,19 +87,19 @@ def recent_rate(recorded_at: np.ndarray, now: float | None) -> float:
     recent = times[times >= end - RECENT]
     if recent.size < 2 or end <= recent[0]:
         return 0.0 if recent.size == 0 else float("nan")
-    # The first case was finished when the clock of the others started.
+    # The interval starts at the end of the first case, which is not counted.
     return float((recent.size - 1) / (end - recent[0]))
 
 
 def reasons(messages: Iterable[tuple[int, str]]) -> list[Reason]:
-    """Why cases failed or were refused, most frequent first; numbers in messages do not matter.
+    """Reasons of failed or refused cases, most frequent first; numbers in messages are ignored.
 
     Parameters
     ----------
-    messages : numbers of the cases, which rise, and what each says.
+    messages : case indices in ascending order, with the message of each.
     """
     found: dict[str, Reason] = {}
-    kinds: dict[str, str] = {}  # of messages that were met
+    kinds: dict[str, str] = {}  # of earlier messages
     for case, message in messages:
         kind = kinds.get(message)
         if kind is None:
@@ -110,19 +110,19 @@ def reasons(messages: Iterable[tuple[int, str]]) -> list[Reason]:
 
 
 def runs(numbers: np.ndarray | Sequence[int]) -> list[tuple[int, int]]:
-    """First and last of numbers that follow each other, in order."""
+    """First and last number of each run of consecutive numbers, in order."""
     ordered = np.sort(np.asarray(numbers, dtype=np.int64))
     parts = np.split(ordered, np.flatnonzero(np.diff(ordered) != 1) + 1)
     return [(int(part[0]), int(part[-1])) for part in parts]
 
 
 def joined(runs: Sequence[tuple[int, int]], separator: str) -> str:
-    """Write runs of numbers: 3, 7-12, 40."""
+    """Format runs of numbers: 3, 7-12, 40."""
     return separator.join(str(a) if a == b else f"{a}-{b}" for a, b in runs)
 
 
 def listed(cases: np.ndarray) -> str:
-    """Write case numbers with runs drawn together: 3, 7-12, 40 and 17 more."""
+    """Format case numbers with runs combined: 3, 7-12, 40 and 17 more."""
     if len(cases) == 0:
         return "none"
     shown = runs(cases)[:MOST_LISTED]

@@ -1,6 +1,6 @@
 """YAML 1.2 as the program `evolvent` reads it.
 
-PyYAML knows YAML 1.1, in which 1e9 is a text, `no` is false and 010 is eight. Here numbers are
+PyYAML implements YAML 1.1, in which 1e9 is a text, `no` is false and 010 is eight. Here numbers are
 decimal, with or without a point, and only true and false are truth values.
 """
 
@@ -15,8 +15,8 @@ from evolvent.errors import SweepError
 
 MOST_DIGITS = 300
 MOST_BYTES = 200_000  # of a plan: PyYAML takes two seconds for them
-WIDEST = 2**31  # columns: one line, however long
-BREAKS = re.compile("[\n\r\x85\u2028\u2029]")  # what YAML takes for the end of a line
+WIDEST = 2**31  # columns: one line of any length
+BREAKS = re.compile("[\n\r\x85\u2028\u2029]")  # line breaks of YAML
 RESOLVED = (
     ("tag:yaml.org,2002:null", r"(?:~|null|Null|NULL|)$", ["~", "n", "N", ""]),
     ("tag:yaml.org,2002:bool", r"(?:true|True|TRUE|false|False|FALSE)$", list("tTfF")),
@@ -34,7 +34,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc] # PyYAML has no types
     yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - PyYAML fills it a class
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        """Make a dict; a key that stands twice is refused."""
+        """Create a dict; duplicate keys are rejected."""
         seen: set[Any] = set()
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=True)
@@ -54,18 +54,18 @@ class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
     yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Write what stands twice twice: the text is one value on one line."""
+        """Write repeated objects in full: the text is one value on one line."""
         return True
 
 
 def _one_line(dumper: _Dumper, text: str) -> Any:
-    """A text that has line breaks is written with escapes, so that it stays on one line."""
+    """Represent a text with line breaks by escapes, so that it stays on one line."""
     style = '"' if BREAKS.search(text) else None
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
 
 
 def _whole(_: _Loader, node: Any) -> int:
-    """Read a whole number; doubles have no more digits than `MOST_DIGITS` in front of the point."""
+    """Read an integer; doubles have no more digits than `MOST_DIGITS` before the point."""
     if len(node.value) > MOST_DIGITS:
         raise yaml.constructor.ConstructorError(
             None, None, f"a number of {len(node.value)} digits is too large", node.start_mark
@@ -81,7 +81,7 @@ _Dumper.add_representer(str, _one_line)
 
 
 def _is_larger(value: Any, most: int) -> bool:
-    """Whether there are more values in a value, with all that aliases repeat."""
+    """Whether a value contains more than `most` values, with aliases expanded."""
     rest, n = [value], 0
     while rest and n <= most:
         one = rest.pop()
@@ -99,7 +99,7 @@ def read_yaml(text: str, source: str) -> Any:
     Raises
     ------
     SweepError
-        Too large, or no YAML; the message begins with `source`, line and column.
+        Too large, or no YAML; the message starts with `source`, line and column.
     """
     if len(text) > MOST_BYTES:
         raise SweepError(

@@ -1,1 +1,1 @@
-"""The rates and root functions of a gearbox in lanes, against those of one state."""
+"""Rates and root functions of a gearbox in lanes, against those of single states."""

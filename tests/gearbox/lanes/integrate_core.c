@@ -1,4 +1,4 @@
-/* Integration alone, without outputs and files: what benchmarks/lanes.py times. */
+/* Integration alone, without outputs and files, timed by benchmarks/lanes.py. */
 #include <evolvent/kernel.h>
 #include <stdlib.h>
 #include <string.h>

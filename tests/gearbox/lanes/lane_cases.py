@@ -61,7 +61,7 @@ LAWS = [
 ]
 
 TEETH = (20, 35)
-TIP, ROOT = (0.0645, 0.1095), (0.0575, 0.1015)  # diameters at which relief begins [m]
+TIP, ROOT = (0.0645, 0.1095), (0.0575, 0.1015)  # diameters at the start of relief [m]
 ROOT_ROLL = (0.2, 0.24)  # about the same as roll angles
 DEVIATIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "perfect": ({}, {}),
@@ -113,7 +113,7 @@ def pair_with_laws(kernel: Kernel, contact: str, damping: str, friction: str) ->
 
 
 def loaded_pair(kernel: Kernel, name: str) -> Gearbox:
-    """Two fixed wheels with one of SAMPLES, behind another load, on the second wheel."""
+    """Two fixed wheels with one of SAMPLES, after another load, on the second wheel."""
     wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33)]
     loads = [load(1, TORQUE, -0.3), load_like(kernel, 1, SAMPLES[name])]
     return Gearbox(kernel, wheels, loads, [mesh(kernel, 0, 1)])
@@ -122,10 +122,10 @@ def loaded_pair(kernel: Kernel, name: str) -> Gearbox:
 def real_gears(
     kernel: Kernel, name: str, *, fixed: bool = False, friction: float = 0.1, **keys: Any
 ) -> Gearbox:
-    """Cut gears with one of DEVIATIONS on axles that move or are fixed; pairs on both flanks.
+    """Gears with one of DEVIATIONS on moving or fixed axes; pairs on both flanks.
 
-    The keys are those of the mesh; of its wheels the rounding of their tips, and whether they give
-    way as finite elements say.
+    The keys are those of the mesh, the rounding of the tips of its wheels, and whether the wheels
+    have the compliance of finite elements.
     """
     roundings = keys.pop("tip_roundings", (0.0, 0.0))
     elements = {"bore": 0.02, "compliance": Block({"model": "finite_elements"})}
@@ -151,7 +151,7 @@ def real_gears(
 
 
 def real_state(gearbox: Gearbox, random: np.random.Generator) -> tuple[State, int]:
-    """State of `real_gears` whose pairs on the path all touch, in any zone; how many touch."""
+    """State of `real_gears` with contact of all pairs on the path, in any zone; their number."""
     state = gearbox.start()
     state.y[gearbox.place("reference_angle")] = draw(random, 0.02)
     state.y[gearbox.place("reference_speed")] = draw(random, 10.0)

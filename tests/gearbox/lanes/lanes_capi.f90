@@ -1,4 +1,4 @@
-!> The rates in lanes for their tests: a C interface that the kernel does not have.
+!> Rates in lanes, for their tests: a C interface that the kernel does not export.
 module lanes_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_loc, c_ptr
    use evl_capi_types, only: c_status, status_to_c
@@ -22,12 +22,12 @@ module lanes_capi
 
 contains
 
-   !> How many lanes there are.
+   !> Number of lanes.
    integer(c_int) function lanes_count() bind(c)
       lanes_count = lanes
    end function lanes_count
 
-   !> Whether a gearbox is served: 1 or 0.
+   !> Whether a gearbox is supported: 1 or 0.
    integer(c_int) function lanes_serves(handle) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(gearbox_t), pointer :: gearbox
@@ -93,19 +93,19 @@ contains
       code = evaluate(handle, turns, 0.0_c_double, t, y, integers, reals, f)
    end function lanes_rates
 
-   !> The same, where each evaluation waits for the one before, as in Newton's iteration.
+   !> The same, where each evaluation depends on the one before, as in Newton's iteration.
    integer(c_int) function lanes_rates_in_turn(handle, turns, t, y, integers, reals, f) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: turns
       real(c_double), intent(in) :: t(lanes), y(*), reals(*)
       integer(c_int), intent(in) :: integers(*)
       real(c_double), intent(inout) :: f(*)
-      real(c_double), parameter :: unseen = 1.0e-200_c_double !! times f: a sum of ordinary numbers does not show it
+      real(c_double), parameter :: unseen = 1.0e-200_c_double !! times f: negligible in a sum of ordinary numbers
 
       code = evaluate(handle, turns, unseen, t, y, integers, reals, f)
    end function lanes_rates_in_turn
 
-   !> f at the states that are `step` times the f before further on each time.
+   !> f at states that advance by `step` times the previous f.
    integer function evaluate(handle, turns, step, t, y, integers, reals, f) result(code)
       type(c_ptr), intent(in) :: handle
       integer, intent(in) :: turns
@@ -178,7 +178,7 @@ contains
       code = status%code
    end function lanes_roots_nearby
 
-   !> Root functions of a state, each by itself; the code of the status.
+   !> Root functions of a state, each evaluated separately; the code of the status.
    integer(c_int) function lanes_root_by_root(handle, y, integers, reals, roots) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in) :: y(*), reals(*)
@@ -259,7 +259,7 @@ contains
       code = status%code
    end function lanes_jacobian
 
-   !> What steps are made of: f of eight states at once, (state, lane) by rows, and df/dy at the first of them, by columns.
+   !> Input of integration steps: f of eight states in lanes, (state, lane) by rows, and df/dy at the first of them, by columns.
    subroutine lanes_model(handle, scale, t, y, integers, reals, f, jacobian, status) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in) :: scale(*), t(lanes)
@@ -291,7 +291,7 @@ contains
       call status_to_c(s, status)
    end subroutine lanes_model
 
-   !> How far a step from t may go: in each state, and in time [s].
+   !> Step limits from t: for each state, and in time [s].
    subroutine lanes_sight(handle, scale, t, reach, time) bind(c)
       type(c_ptr), intent(in), value :: handle
       real(c_double), intent(in) :: scale(*)

@@ -1,4 +1,4 @@
-!> The laws in lanes for their tests: each by its own loop, as its family asks a law without one, and gearboxes of such laws.
+!> Laws in lanes, for their tests: by their own loops, state by state as for a law without a loop, and gearboxes of such laws.
 module laws_capi
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_contact_context, only: contact_context, lane_context
@@ -14,7 +14,7 @@ module laws_capi
 
    public :: lanes_damping, lanes_elastic, lanes_friction, lanes_strip_laws
 
-   !> A law of the table, asked state by state.
+   !> A law of the table, evaluated state by state.
    type, extends(elastic_law_t) :: bare_elastic_t
       class(elastic_law_t), allocatable :: law
    contains
@@ -44,7 +44,7 @@ module laws_capi
 
 contains
 
-   !> An elastic law in eight states that share all but h and the radii; 1 if it answered, else 0.
+   !> An elastic law in eight states that differ in h and the radii only; 1 if the forces are valid, else 0.
    integer(c_int) function lanes_elastic(choice, contexts, bare, force, d_energy, excess) result(answer) bind(c)
       type(given_law), intent(in) :: choice
       type(given_contact), intent(in) :: contexts(lanes)
@@ -102,7 +102,7 @@ contains
       end if
    end subroutine lanes_friction
 
-   !> Put laws without a loop, which are the same beside that, in the place of all laws of a gearbox.
+   !> Replace all laws of a gearbox by equivalent laws without a loop.
    subroutine lanes_strip_laws(handle) bind(c)
       type(c_ptr), intent(in), value :: handle
       type(gearbox_t), pointer :: gearbox
@@ -136,7 +136,7 @@ contains
       end do
    end subroutine lanes_strip_laws
 
-   !> What laws may know in eight states.
+   !> Contact quantities available to laws in eight states.
    type(lane_context) function context_of_lanes(contexts) result(at)
       type(given_contact), intent(in) :: contexts(lanes)
 

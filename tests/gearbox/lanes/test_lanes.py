@@ -1,4 +1,4 @@
-"""Eight states at once give what each of them gives alone, for every law and every part."""
+"""Eight states in lanes have the results of single states, for every law and every component."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ OUT_OF_DOMAIN = 2
 
 
 def around(state: State, random: np.random.Generator, size: float = 1e-7) -> list[State]:
-    """Eight states near one, at times of their own; the axles and wheels moved by about `size`."""
+    """Eight states near one, at different times; axes and wheels displaced by about `size`."""
     states = []
     for lane in range(LANES):
         near = state.copy()
@@ -56,7 +56,7 @@ def in_lanes(gearbox: Gearbox, name: str, rows: int, states: list[State]) -> tup
 
 
 def root_by_root(gearbox: Gearbox, state: State) -> Floats:
-    """Root functions of a state, each asked for by itself."""
+    """Root functions of a state, each evaluated separately."""
     result = np.full(gearbox.sizes.n_roots, np.nan)
     arrays = (state.y, state.integers, state.reals, result)
     assert gearbox.library.lanes_root_by_root(gearbox.handle, *map(_at, arrays)) == OK
@@ -64,9 +64,9 @@ def root_by_root(gearbox: Gearbox, state: State) -> Floats:
 
 
 def check_idle(gearbox: Gearbox, state: State, roots: Floats) -> None:
-    """Root functions that the search leaves out are 1, and the others change with the state.
+    """Root functions excluded from the search are 1, and the others change with the state.
 
-    Roots are (lane, root). The last one, of the turns, is 1 but for rounding where theta is small.
+    Roots are (lane, root). The last one, of the revolutions, is 1 up to rounding for small theta.
     """
     live = np.empty(gearbox.sizes.n_roots, np.int32)
     gearbox.library.lanes_roots_live(gearbox.handle, _at(state.integers), _at(live))
@@ -75,9 +75,9 @@ def check_idle(gearbox: Gearbox, state: State, roots: Floats) -> None:
 
 
 def check_nearby(gearbox: Gearbox, states: list[State], roots: Floats) -> None:
-    """Root functions that start from the rates at `states`: there, and where the states have moved.
+    """Root functions evaluated from the rates at `states`: there, and at displaced states.
 
-    Where flanks overlap they are those of the rates, elsewhere those of the states moved.
+    For overlapping flanks they are those of the rates, otherwise those of the displaced states.
     """
     for size in (0.0, 1e-6):
         moved = [state.copy() for state in states]
@@ -95,7 +95,7 @@ def check_nearby(gearbox: Gearbox, states: list[State], roots: Floats) -> None:
 
 
 def check(gearbox: Gearbox, states: list[State]) -> None:
-    """Compare all that is asked of eight states at once."""
+    """Compare all results of eight states in lanes."""
     roots = check_bits(gearbox, states)
     check_outputs(gearbox, states)
     check_idle(gearbox, states[0], roots)
@@ -103,7 +103,7 @@ def check(gearbox: Gearbox, states: list[State]) -> None:
 
 
 def check_outputs(gearbox: Gearbox, states: list[State]) -> None:
-    """Compare all outputs of eight states with those of each, bit by bit; zeros have signs."""
+    """Compare all outputs of eight states with those of each, bit by bit, with signs of zeros."""
     told = np.array([gearbox.values(state) for state in states])
     sampled = gearbox.sampled(states)
     np.testing.assert_array_equal(sampled, told)
@@ -115,8 +115,8 @@ def check_bits(gearbox: Gearbox, states: list[State]) -> Floats:
 
     Return the root functions.
 
-    The formulas are the same text, and the compiler keeps to IEEE arithmetic: it neither contracts
-    nor reorders.
+    The formulas have the same source, and the compiler keeps to IEEE arithmetic: it neither
+    contracts nor reorders.
     """
     calls: list[tuple[str, int, Callable[[State], Floats]]] = [
         ("lanes_rates", gearbox.sizes.n_states, gearbox.derivative),
@@ -140,7 +140,7 @@ def check_bits(gearbox: Gearbox, states: list[State]) -> Floats:
 def test_every_law_is_compared_here(
     kernel: Kernel, family: int, cases: dict[str, dict[str, float]]
 ):
-    """All laws of the table but the rigid contact, which has no force law."""
+    """All laws of the table except rigid contact, which has no force law."""
     names = {info.name for info in kernel.laws(family)} - {"rigid"}
     assert names == set(cases)
 
@@ -175,7 +175,7 @@ def integrated(gearbox: Gearbox) -> Floats:
 def test_a_law_without_a_loop_is_as_right_in_both_integrators(
     kernel: Kernel, contact: str, damping: str, friction: str
 ):
-    """Lanes and radau ask it state by state, to the same bits; IDA's residual never had a loop."""
+    """Lanes and radau evaluate it state by state, to the same bits; IDA's residual has no loop."""
     gearbox, bare = (pair_with_laws(kernel, contact, damping, friction) for _ in range(2))
     bare.library.lanes_strip_laws(bare.handle)
     random = np.random.default_rng(11)
@@ -199,7 +199,7 @@ def test_a_law_without_a_loop_is_as_right_in_both_integrators(
 @pytest.mark.parametrize("sigma", [1, -1], ids=["clockwise", "counterclockwise"])
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_trains_with_every_support_and_table_agree(kernel: Kernel, n: int, sigma: int):
-    """Tables are asked at the time of each lane."""
+    """Tables are evaluated at the time of each lane."""
     gearbox = chain(kernel, n, CLOSED_FORM, sigma=sigma)
     random = np.random.default_rng(n)
     for _ in range(10):
@@ -208,7 +208,7 @@ def test_trains_with_every_support_and_table_agree(kernel: Kernel, n: int, sigma
 
 @pytest.mark.parametrize("sigma", [1, -1], ids=["clockwise", "counterclockwise"])
 def test_a_prescribed_speed_agrees(kernel: Kernel, sigma: int):
-    """The load that prescribes it brings the power that is missing."""
+    """The load that prescribes the speed supplies the missing power."""
     gearbox = prescribed(kernel, CLOSED_FORM, sigma)
     random = np.random.default_rng(8)
     for _ in range(10):
@@ -227,7 +227,7 @@ def test_shafts_and_rotors_agree(kernel: Kernel, middle: float | None, driven_by
 
 @pytest.mark.parametrize("name", SAMPLES)
 def test_every_load_agrees(kernel: Kernel, name: str):
-    """Before the first knot of a table, between knots, after the last; after any turns."""
+    """Before the first knot of a table, between knots, after the last; after many revolutions."""
     gearbox = loaded_pair(kernel, name)
     is_driven = "angle_deviation_0" in gearbox.names  # the second wheel is the reference
     random = np.random.default_rng(10)
@@ -255,7 +255,7 @@ def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str, fixed: boo
 
 
 def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
-    """A row that no case gives would go unnoticed: all that needs a module but the gear's form.
+    """Rows without a case would be missed: all that need a module except the gear's form.
 
     Compliance is compared in test_yielding_flanks, flank by flank.
     """
@@ -275,7 +275,7 @@ def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
 
 
 def test_axles_that_move_far_agree(kernel: Kernel):
-    """The line of action turns by more than the series of its angle can bear."""
+    """The line of action rotates beyond the range of the series of its angle."""
     gearbox = chain(kernel, 2, CLOSED_FORM)
     random = np.random.default_rng(4)
     state = in_mode(gearbox, random, (LOADED, 0), displacement=3e-3)
@@ -285,7 +285,7 @@ def test_axles_that_move_far_agree(kernel: Kernel):
 def spoilt(
     kernel: Kernel, lane: int, name: str, change: float, law: str = "johnson"
 ) -> tuple[Gearbox, list[State]]:
-    """Eight good states of the paper's pair, one of them with a changed component."""
+    """Eight valid states of the paper's pair, one of them with a changed component."""
     contact = kernel.law(CONTACT, law, **CONTACTS[law])
     gearbox = paper_gearbox(kernel, friction=0.3, contact=contact)
     random = np.random.default_rng(6)
@@ -301,7 +301,7 @@ def spoilt(
     ids=["past the law's limit", "not a number", "no line of action"],
 )
 def test_one_lane_without_an_answer_is_told(kernel: Kernel, lane: int, name: str, change: float):
-    """And not hidden in a number."""
+    """And is not hidden in a value."""
     gearbox, states = spoilt(kernel, lane, name, change)
     for call, rows in (
         ("lanes_rates", gearbox.sizes.n_states),
@@ -312,13 +312,13 @@ def test_one_lane_without_an_answer_is_told(kernel: Kernel, lane: int, name: str
 
 @pytest.mark.parametrize("law", CONTACTS)
 def test_no_law_hides_what_is_no_number(kernel: Kernel, law: str):
-    """A law without limits of its own, neither."""
+    """Nor does a law without its own limits."""
     gearbox, states = spoilt(kernel, 3, "angle_deviation_1", np.nan, law)
     assert in_lanes(gearbox, "lanes_rates", gearbox.sizes.n_states, states)[0] == OUT_OF_DOMAIN
 
 
 def test_what_the_lanes_do_not_serve_is_said(kernel: Kernel):
-    """Tracked contact points and rigid flanks are for the scalar kernel."""
+    """Tracked contact points and rigid flanks are evaluated by the scalar kernel."""
     served = kernel.library.lanes_serves
     assert served(paper_gearbox(kernel, tracking=ALGEBRAIC).handle) == 0
     rigid = kernel.law(CONTACT, "rigid", restitution=0.5, rest_velocity=1e-3)

@@ -1,1 +1,1 @@
-"""The commands of evolvent-post, a file each; `app` lists them."""
+"""Commands of evolvent-post, one file each; `app` lists them."""

@@ -1,4 +1,4 @@
-"""The program evolvent-post: its commands."""
+"""Program evolvent-post: the table of its commands."""
 
 from evolvent.commands.program import make_program
 

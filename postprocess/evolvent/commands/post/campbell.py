@@ -89,7 +89,7 @@ def campbell(
 
 
 def _range(text: str) -> tuple[float, float]:
-    """Two speeds [rpm]."""
+    """Parse a range of two speeds [rpm]."""
     low, _, high = text.removesuffix("rpm").strip().partition(":")
     try:
         found = float(low), float(high)
@@ -101,7 +101,7 @@ def _range(text: str) -> tuple[float, float]:
 
 
 def _rows(result: xr.Dataset) -> list[dict[str, Any]]:
-    """The crossings, by speed."""
+    """Crossings in the order of speed."""
     return [
         {
             "speed": float(one["crossing_speed"]),

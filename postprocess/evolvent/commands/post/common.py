@@ -1,4 +1,4 @@
-"""What the commands of evolvent-post share: arguments, exit codes, messages, files."""
+"""Arguments, exit codes, messages and files common to the commands of evolvent-post."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def complain(message: str) -> None:
 
 
 def open_with_warning(path: Path, *kinds: str) -> xr.Dataset:
-    """Open a history, or a file of one of these kinds; say if its run did not end well."""
+    """Open a history, or a file of one of these kinds; warn if its run did not end normally."""
     history = open_result(path, *(kinds or (HISTORY,)))
     warning = run_warning(history)
     if warning:
@@ -34,7 +34,7 @@ def open_with_warning(path: Path, *kinds: str) -> xr.Dataset:
 
 
 def labels(files: list[Path]) -> list[str]:
-    """Name the files by the fewest trailing parts of their paths that tell them apart."""
+    """Label the files by the fewest trailing parts of their paths that make the labels unique."""
     for parts in range(1, 1 + max(len(path.parts) for path in files)):
         names = ["/".join([*p.parts[-parts:-1], file_label(p)]).lstrip("/") for p in files]
         if len(set(names)) == len(names):

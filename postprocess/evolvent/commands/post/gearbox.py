@@ -1,4 +1,4 @@
-"""What the program `evolvent` tells of a case: its wheels and meshes, its natural modes."""
+"""Results of the program `evolvent` for a case: wheels and meshes, natural modes."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ Row = list[tuple[float, float]] | None  # natural frequency and damping ratio of
 
 @dataclass(frozen=True)
 class SpeedSetting:
-    """A load that prescribes the speed of a wheel."""
+    """Load that prescribes the speed of a wheel."""
 
     wheel: str
-    number: int  # of the load
+    number: int  # index of the load
     against: str
-    factor: float  # its speed over that of the axis, counterclockwise positive
+    factor: float  # ratio of its speed to that of the axis, counterclockwise positive
 
     def text(self, speed: float) -> str:
-        """Setting that gives the axis a constant speed [rad/s], also instead of a table."""
+        """Return the setting for a constant speed of the axis [rad/s]; it also replaces a table."""
         load = f"{{kind: speed, against: {self.against}, value: {self.factor * speed!r}}}"
         return f"wheels.{self.wheel}.loads.{self.number}={load}"
 
@@ -43,12 +43,12 @@ class Modes:
 
     values: dict[str, np.ndarray]  # natural_frequency [Hz], damping_ratio: dims (speed, mode)
     computed: np.ndarray  # whether there is a steady state, dims (speed)
-    remark: str  # how they were found
+    remark: str  # how the modes were computed
 
 
 @dataclass(frozen=True)
 class Gearbox:
-    """A case as `evolvent show` tells it."""
+    """A case as printed by `evolvent show`."""
 
     path: Path
     settings: tuple[str, ...]
@@ -56,12 +56,12 @@ class Gearbox:
 
     @classmethod
     def ask(cls, path: Path, settings: Sequence[str]) -> Gearbox:
-        """Ask for a case.
+        """Read a case with the program.
 
         Raises
         ------
         EvolventError
-            The program refuses it, in its words and with its exit code, or it has no mesh.
+            The program rejects the case (message and exit code of the program), or it has no mesh.
         """
         told = json.loads(_run("show", path, settings))
         if not told["meshes"]:
@@ -70,7 +70,7 @@ class Gearbox:
 
     @property
     def text(self) -> str:
-        """The case with all defaults, as JSON, which is YAML."""
+        """The case with all defaults, as JSON, which is valid YAML."""
         return json.dumps(self.told["case"])
 
     @property
@@ -79,7 +79,7 @@ class Gearbox:
         return str(self.told["case"]["meshes"][0]["driving"])
 
     def check_wheel(self, name: str) -> None:
-        """Refuse a wheel that there is not."""
+        """Reject the name of a wheel that does not exist."""
         if name not in self.told["wheels"]:
             raise EvolventError(
                 f"{self.path}: has no wheel `{name}`; there is {', '.join(self.told['wheels'])}",
@@ -87,7 +87,7 @@ class Gearbox:
             )
 
     def excitations(self, axis: str, mesh_orders: int, wheel_orders: int) -> list[Excitation]:
-        """Orders of all meshes and wheels, by turns of the wheel `axis`; equal ones once."""
+        """Orders of all meshes and wheels per revolution of the wheel `axis`; no duplicates."""
         from evolvent.signals.campbell import Excitation
 
         teeth = {wheel["name"]: wheel.get("teeth", 0) for wheel in self.told["case"]["wheels"]}
@@ -104,21 +104,20 @@ class Gearbox:
         return found
 
     def modes(self, axis: str, speed: np.ndarray) -> Modes:
-        """Natural frequencies and damping ratios over speeds.
+        """Compute natural frequencies and damping ratios over speeds.
 
-        Where a load prescribes a speed, the modes are computed at each; else once. Where there is
-        no steady state, those at speeds that have one count: the straight line between them, the
-        nearest outside.
+        If a load prescribes a speed, the modes are computed at each speed; otherwise once. Speeds
+        without a steady state get linearly interpolated values, outside the range the nearest ones.
 
         Parameters
         ----------
-        axis : wheel that has the speeds.
+        axis : wheel to which the speeds refer.
         speed : [rad/s].
 
         Raises
         ------
         EvolventError
-            There is no steady state at any speed, or nothing rings.
+            There is no steady state at any speed, or no mode vibrates.
         """
         import numpy as np
 
@@ -151,7 +150,7 @@ class Gearbox:
     def _modes_over(
         self, setting: SpeedSetting, speed: np.ndarray
     ) -> tuple[list[Row], EvolventError | None]:
-        """Modes at each speed, None where there is no steady state, and the first reason."""
+        """Compute modes at each speed (None without a steady state), and the first error."""
         rows: list[Row] = []
         refusal = None
         for value in speed.tolist():
@@ -167,12 +166,12 @@ class Gearbox:
         return rows, refusal
 
     def _ratio(self, wheel: str, axis: str) -> float:
-        """Turns of a wheel in a turn of the axis."""
+        """Revolutions of a wheel per revolution of the axis."""
         wheels = self.told["wheels"]
         return abs(float(wheels[wheel]["speed_ratio"]) / float(wheels[axis]["speed_ratio"]))
 
     def _speed_setting(self, axis: str) -> SpeedSetting | None:
-        """The load that prescribes a speed, if there is one."""
+        """Return the load that prescribes a speed, or None."""
         first = self.told["case"]["meshes"][0]
         wheels = self.told["wheels"]
         sense = -self.told["meshes"][first["name"]]["flank"]
@@ -186,14 +185,14 @@ class Gearbox:
         return None
 
     def _modes_with(self, *more: str) -> list[tuple[float, float]]:
-        """Natural frequency and damping ratio of the modes that ring."""
+        """Natural frequency [Hz] and damping ratio of the oscillatory modes."""
         told = json.loads(_run("modes", self.path, (*self.settings, *more), "--mean"))
         modes = [(mode[KEYS[0]], mode[KEYS[1]]) for mode in told["modes"]]
         return [(frequency, damping) for frequency, damping in modes if frequency is not None]
 
 
 def _run(command: str, path: Path, settings: Sequence[str], *options: str) -> str:
-    """Answer of the program in JSON."""
+    """Run the program and return its JSON output."""
     from evolvent.sweep.program import call, find_program, last_message
 
     words = [word for setting in settings for word in ("--set", setting)]

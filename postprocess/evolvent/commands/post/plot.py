@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from evolvent.figures.table import Drawing, Run
 
 Names = list[str] | None
-WIDE = 240  # letters of a line of a list that a script reads
+WIDE = 240  # characters per line of a list that a script reads
 
 
 class Over(StrEnum):
-    """What is drawn over."""
+    """Variable on the horizontal axis."""
 
     TIME = "time"
     ROLL_ANGLE = "roll-angle"
@@ -39,7 +39,7 @@ class Over(StrEnum):
 
 @dataclass(frozen=True)
 class Choice:
-    """What of the quantities is drawn, and over what."""
+    """Selection of names by dimension, and the variable on the horizontal axis."""
 
     names: dict[str, list[str]]  # by dimension
     over: Over | None
@@ -48,7 +48,7 @@ class Choice:
         return bool(self.names) or self.over is not None
 
     def options(self) -> str:
-        """The options that made it, as they are written."""
+        """Return the options of the selection as typed on the command line."""
         given = [f"--{dim}" for dim in self.names] + (["--over"] if self.over is not None else [])
         return ", ".join(given)
 
@@ -163,12 +163,12 @@ def plot(
         with replacing(target) as temporary:
             save(figure, temporary)
         say(target)
-        del figure  # it is large, and refers to itself
+        del figure  # a figure is large and contains reference cycles
         gc.collect()
 
 
 def _draw(names: list[str], runs: list[Run], choice: Choice) -> dict[str, Figure]:
-    """Draw one picture, or one of each run, by the names of their files."""
+    """Draw one figure for all runs, or one for each; return figures by file name."""
     from evolvent.figures.table import FIGURES
 
     row = FIGURES.get(names[0]) if len(names) == 1 else None
@@ -184,7 +184,7 @@ def _draw(names: list[str], runs: list[Run], choice: Choice) -> dict[str, Figure
 
 
 def _draw_row(row: Drawing, runs: list[Run], choice: Choice) -> Figure:
-    """Draw a picture of the table, with what it can choose."""
+    """Draw a figure of the table with the selection that it supports."""
     from evolvent.figures.quantities import X
     from evolvent.figures.table import pairs, path
 
@@ -236,7 +236,7 @@ def _draw_variables(names: Sequence[str], runs: list[Run], choice: Choice) -> Fi
 
 
 def _expanded(names: Sequence[str]) -> list[str]:
-    """Variables of pictures among variables, such as angular_velocity for speeds."""
+    """Replace figure names among variables by their variables: speeds by angular_velocity."""
     from evolvent.figures.table import FIGURES
 
     found: list[str] = []
@@ -247,7 +247,7 @@ def _expanded(names: Sequence[str]) -> list[str]:
 
 
 def _chosen(given: dict[str, Names], others: Names) -> dict[str, list[str]]:
-    """Names by dimension, from the options."""
+    """Collect names by dimension from the options."""
     chosen = {dim: list(names) for dim, names in given.items() if names}
     for text in others or ():
         dim, equals, name = text.partition("=")
@@ -265,11 +265,11 @@ def _open(
     whole: bool,
     opened: ExitStack,
 ) -> Run:
-    """Open a file of any kind that has figures; of a history what is to be shown.
+    """Open a file of any kind that has figures; restrict a history to the displayed part.
 
     Parameters
     ----------
-    opened : closes it.
+    opened : stack that closes the file.
     """
     from evolvent.figures.pairs import last_pitches
     from evolvent.figures.table import Run
@@ -304,7 +304,7 @@ def _between(history: xr.Dataset, begin: float, end: float) -> xr.Dataset:
 
 
 def _list(files: Sequence[Path]) -> None:
-    """Print the table of the pictures, and of all variables of files."""
+    """Print the table of the figures, and of all variables of the files."""
     from evolvent.figures.table import Run
 
     with ExitStack() as opened:

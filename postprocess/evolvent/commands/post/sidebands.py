@@ -81,7 +81,7 @@ def sidebands(
 def _find(
     history: xr.Dataset, signal: xr.DataArray, mesh: str, carriers: int, sides: int
 ) -> tuple[list[Sideband], list[str]]:
-    """Sidebands of both wheels of a mesh, and over which part of the record."""
+    """Compute the sidebands of both wheels of a mesh, and describe the part of the record used."""
     from evolvent.signals.results import told_sampling
     from evolvent.signals.sampling import EVEN, check_reach, last_periods, read_record
     from evolvent.signals.sidebands import sidebands as find_sidebands

@@ -1,4 +1,4 @@
-"""What the commands about lines of histories share: options, how a record is chosen, files."""
+"""Options, selection of a record and output files common to the commands for spectra."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Window = StrEnum("Window", list(WINDOWS))  # type: ignore[misc]  # its members are a table
 DATA = "h5"
-RPM = 30.0 / math.pi  # rev/min of 1 rad/s
+RPM = 30.0 / math.pi  # rev/min per rad/s
 
 OptionQuantity = Annotated[str, option("--quantity NAME", "Variable of the history.")]
 OptionMesh = Annotated[str | None, option("--mesh NAME", "Its mesh, if there are several.")]
@@ -36,7 +36,7 @@ TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
 
 
 def seconds(text: str | float) -> float:
-    """Time as it is typed [s]: "0.025", "25 ms"; axes of short runs are in ms."""
+    """Parse a time [s]: "0.025", "25 ms"; axes of short runs are in ms."""
     match = re.fullmatch(r"\s*(\S*?[0-9.])\s*([^\W\d]*)\s*", str(text))
     try:
         return float(match[1]) * TIMES[match[2] or "s"] if match else float(text)
@@ -78,7 +78,7 @@ def choice(
     mesh: str | None, wheel: str | None, pair: str | None, axis: str | None,
     others: Sequence[str] | None,
 ) -> dict[str, str]:  # fmt: skip
-    """Names by dimension, from the options."""
+    """Collect names by dimension from the options."""
     chosen = {"mesh": mesh, "wheel": wheel, "pair": pair, "axis": axis}
     for text in others or ():
         dim, equals, name = text.partition("=")
@@ -91,7 +91,7 @@ def choice(
 def open_signal(
     path: Path, quantity: str, chosen: dict[str, str], begin: float, end: float
 ) -> tuple[xr.Dataset, xr.DataArray]:
-    """Part of a history between two times, and one variable of it."""
+    """Open a history between two times, and select one of its variables."""
     from evolvent.signals.sampling import between
     from evolvent.signals.selection import select
 
@@ -101,11 +101,11 @@ def open_signal(
 
 
 def check_outputs(outputs: Sequence[Path] | None, results: int, *more: str) -> None:
-    """Refuse files of other kinds, and several results in one file of numbers, before any work.
+    """Reject unknown file types, and several results in one data file, before any computation.
 
     Parameters
     ----------
-    more : endings that the command writes besides.
+    more : further file extensions that the command writes.
     """
     endings = [DATA, *more, *Format]
     for path in outputs or ():
@@ -125,17 +125,17 @@ def write_outputs(
     outputs: Sequence[Path] | None, results: Sequence[tuple[str, xr.Dataset]], row: str,
     **options: Any,
 ) -> list[Path]:  # fmt: skip
-    """Write the numbers and pictures that were asked for.
+    """Write the requested data files and figures.
 
     Parameters
     ----------
     results : labels and datasets.
     row : name of the figure in the table.
-    options : of the figure.
+    options : options of the figure.
 
     Returns
     -------
-    What was written.
+    Paths of the written files.
     """
     for path in outputs or ():
         if path.suffix.lower() == f".{DATA}":

@@ -100,7 +100,7 @@ def make_spectrum(
     shape: str | None,
     highest: float | None,
 ) -> xr.Dataset:
-    """Lines of one signal; says if a changing speed smears them."""
+    """Compute the spectrum of one signal; warn if a changing speed smears its lines."""
     from evolvent.history import source_name
     from evolvent.signals import results, sampling
     from evolvent.signals.spectrum import line_spectrum
@@ -127,7 +127,7 @@ def make_spectrum(
 
 
 def _print(result: xr.Dataset, count: int) -> None:
-    """Say what was done, and show the largest lines."""
+    """Print a description of the spectrum, and its largest lines."""
     from rich.table import Table
 
     console = new_console()
@@ -153,7 +153,7 @@ def _print(result: xr.Dataset, count: int) -> None:
 
 
 def told(result: xr.Dataset) -> list[str]:
-    """What a spectrum is of and how it was made, in two or three lines."""
+    """Describe the signal and the processing of a spectrum in two or three lines."""
     a = result.attrs
     place = f" of {a['place']}" if a["place"] else ""
     what = f"{a['source']}: {a['quantity']}{place}, t = {a['begin']:.6g} to {a['end']:.6g} s"
@@ -176,7 +176,7 @@ def told(result: xr.Dataset) -> list[str]:
 
 
 def largest(result: xr.Dataset, count: int) -> list[int]:
-    """Indices of the largest lines, by size."""
+    """Indices of the largest lines, in the order of amplitude."""
     from evolvent.signals.spectrum import Lines, peaks
 
     over = str(result["amplitude"].dims[0])

@@ -94,7 +94,7 @@ def make_map(
     shape: str | None,
     highest: float | None,
 ) -> xr.Dataset:
-    """Order map of one signal."""
+    """Compute the order map of one signal."""
     from evolvent.history import source_name
     from evolvent.signals import results, sampling
     from evolvent.signals.order_map import order_map
@@ -112,7 +112,7 @@ def make_map(
 
 
 def _print(result: xr.Dataset) -> None:
-    """Say what was done, and where each of the largest whole orders is largest."""
+    """Print a description of the map, and where each of the largest whole orders peaks."""
     from rich.table import Table
 
     from evolvent.signals.spectrum import ROUNDING

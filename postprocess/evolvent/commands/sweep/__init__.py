@@ -1,1 +1,1 @@
-"""The commands of evolvent-sweep, a file each; `app` lists them."""
+"""Commands of evolvent-sweep, one file each; `app` lists them."""

@@ -1,4 +1,4 @@
-"""`python -m evolvent.commands.sweep`: the command evolvent-sweep, as jobs of a cluster call it."""
+"""`python -m evolvent.commands.sweep`: the command evolvent-sweep, as cluster jobs call it."""
 
 from evolvent.commands.sweep.app import main
 

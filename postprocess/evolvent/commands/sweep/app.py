@@ -1,4 +1,4 @@
-"""The program evolvent-sweep: its commands."""
+"""Program evolvent-sweep: the table of its commands."""
 
 from evolvent.commands.program import make_program
 

@@ -1,4 +1,4 @@
-"""What the commands of evolvent-sweep share: arguments, and how a run ended."""
+"""Arguments common to the commands of evolvent-sweep, and the report at the end of a run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Jobs = Annotated[int | None, option("--jobs J", "Worker processes; all cores if 
 
 
 def told(directory: Path, code: int) -> int:
-    """Say how a run ended; return its exit code."""
+    """Print the result of a run; return its exit code."""
     from evolvent.sweep import folder
     from evolvent.sweep.status import read_status
 

@@ -1,4 +1,4 @@
-"""What evolvent-sweep prints."""
+"""Output of evolvent-sweep on the terminal."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def show_design(design: Design) -> None:
 
 
 def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) -> None:
-    """Print how long a design will take."""
+    """Print the estimated run time of a design."""
     from evolvent.sweep.estimate import span
 
     least = "at least " if is_bound else "about "
@@ -58,7 +58,7 @@ def show_estimate(n_cases: int, seconds: float, is_bound: bool, n_cores: int) ->
 
 
 def show_refusals(sweep: Path, design: Design, checked: Checked) -> None:
-    """Say how many cases would be refused and why, with the row of the first of each reason."""
+    """Print the number of cases that would be rejected, with each reason and its first case."""
     complain(f"{sweep}: {checked.refused} of {design.n_cases} cases would be refused:")
     for reason in checked.reasons[:MOST_REASONS]:
         row = ", ".join(
@@ -74,14 +74,14 @@ def show_refusals(sweep: Path, design: Design, checked: Checked) -> None:
 
 
 def show_counts(directory: Path, found: Status) -> None:
-    """Print what became of the cases, in one line."""
+    """Print the counts of cases by status in one line."""
     say(f"{directory}: {found.counts}")
     if found.counts.unfinished:
         say(f"why they did not finish: evolvent-sweep status {directory}")
 
 
 def show_status(directory: Path, found: Status) -> None:
-    """Print how far a sweep has come."""
+    """Print the progress of a sweep."""
     from rich.table import Table
 
     table = Table(right(""), "", box=None, show_header=False)
@@ -101,7 +101,7 @@ def show_status(directory: Path, found: Status) -> None:
 
 
 def show_collected(output: Path, collected: Records) -> None:
-    """Print what a summary holds, and what it lacks."""
+    """Print the contents of a summary, and the missing cases."""
     from evolvent.sweep.status import listed
 
     say(f"{output}: {collected.counts}")
@@ -134,7 +134,7 @@ def show_indices(indices: xr.Dataset) -> None:
 
 
 def status_as_json(found: Status) -> dict[str, Any]:
-    """Status for scripts; what is not known is null."""
+    """Status for scripts; unknown values are null."""
     told = ("done", "unfinished", "failed", "refused", "missing")
     return {
         "cases": found.counts.n_cases,

@@ -10,7 +10,7 @@ from evolvent.commands.sweep.common import DesignFile, Into, Jobs, told
 
 
 class ExecutorName(StrEnum):
-    """Who runs the cases."""
+    """Executor of the cases."""
 
     EMBEDDED = "embedded"
     DASK = "dask"

@@ -1,4 +1,4 @@
-"""What the commands do that make jobs of Slurm: write the scripts, submit them."""
+"""Create Slurm jobs: write the scripts, submit them."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ def to_slurm(
     order: Order,
     lists: Path | None = None,
 ) -> None:
-    """Write the scripts for these shards, and submit them if asked."""
+    """Write the scripts for these shards, and submit them if requested."""
     from evolvent.sweep import folder
     from evolvent.sweep import slurm as scripts
 
     arrays = scripts.split_arrays(shards, scripts.tasks_of_an_array())
-    kept = directory / folder.COPY  # the copy stays as it is while the jobs wait
+    kept = directory / folder.COPY  # the copy does not change while the jobs wait
     files, collector = scripts.write_scripts(
         program, kept, directory, arrays, order.cpus, order.site, lists
     )

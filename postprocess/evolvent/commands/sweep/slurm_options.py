@@ -1,4 +1,4 @@
-"""The options that all commands have which make jobs of Slurm."""
+"""Options common to all commands that create Slurm jobs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Order:
-    """What jobs Slurm is asked for: each field is an option."""
+    """Options of Slurm jobs: each field is an option."""
 
     cpus: Annotated[int, option("--cores K", "Cores of a shard.", min=1)] = 1
     submit: Annotated[bool, option("--submit", "Submit the scripts as well.")] = False
@@ -33,7 +33,7 @@ class Order:
 
     @property
     def site(self) -> Site:
-        """What stands in the head of the scripts."""
+        """Site-specific lines in the head of the scripts."""
         from evolvent.sweep.slurm import Site
 
         options, lines = tuple(self.options or ()), tuple(self.lines or ())
@@ -41,7 +41,7 @@ class Order:
 
 
 def with_options_of_slurm(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options of an `Order`, which it gets as its argument `order`."""
+    """Add the options of an `Order` to a command, which receives them as its argument `order`."""
     of_slurm = _parameters(Order)
     own = {name: one for name, one in _parameters(command).items() if name != "order"}
 
@@ -57,7 +57,7 @@ def with_options_of_slurm(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _parameters(function: Callable[..., Any]) -> dict[str, Parameter]:
-    """Return the parameters by name, to be given by name, their annotations as they are meant."""
+    """Return the parameters by name, as keyword-only ones, with evaluated annotations."""
     hints = get_type_hints(function, include_extras=True)
     return {
         name: one.replace(annotation=hints[name], kind=Parameter.KEYWORD_ONLY)

@@ -2,8 +2,8 @@
 (() => {
   const element = (id) => document.getElementById(id);
   const facts = JSON.parse(element("explorer-facts").textContent);
-  const panels = new Map(); // the picture of each shown quantity, by name
-  let range = facts.window; // the time that all pictures show; null: all
+  const panels = new Map(); // figure of each displayed quantity, by name
+  let range = facts.window; // time range of all figures; null: all
   let linking = false;
 
   async function unpacked(id) {
@@ -12,7 +12,7 @@
     return new Response(stream).arrayBuffer();
   }
 
-  // Times of all rows, then of each line its rows among them, each less the one before, and its values.
+  // Times of all rows; then for each line its rows among them, as differences, and its values.
   function readLines(buffer) {
     const times = new Float64Array(buffer, 0, facts.times);
     let offset = times.byteLength;
@@ -54,7 +54,7 @@
     }));
   }
 
-  // The values that a picture shows between two times, with some room; undefined if there are none.
+  // Value range of a figure between two times, with a margin; undefined if there are no values.
   function height(plot) {
     let low = Infinity, high = -Infinity;
     for (const trace of plot.data) {
