@@ -123,7 +123,7 @@ class Ground:
             rules.write_text(SCAN.sub(r"\1", text))
 
     def _as_copied(self, name: str, content: bytes) -> bytes:
-        """Drop dependencies that recompile too much; no interface changes, `_change` does includes."""
+        """Drop needless dependencies: interfaces do not change, `_change` handles includes."""
         if Path(name).name != "CMakeLists.txt":
             return content
         lines = content.decode().splitlines(keepends=True)
