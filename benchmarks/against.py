@@ -1,12 +1,12 @@
-"""Processor time and memory of this tree over those of another revision.
+"""Processor time and memory of this tree relative to another revision.
 
     benchmarks/against REVISION [--rows WORDS] [--turns N] [--json FILE]
 
 Builds the revision beside the present tree, both as ./quickstart does (build/against/REVISION and
 build/release), and runs the rows of against_rows.py in alternation: whole processes, one after the
 other, the order changed from turn to turn. Prints the median of the ratios, present over past, with
-its bootstrap interval. A row that the revision cannot run is told and left out. The exit code is 1
-if an interval lies above 1, where --guard is given.
+its bootstrap interval. A row that the revision cannot run is reported and skipped. With --guard the
+exit code is 1 if an interval lies above 1.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def tree_of(revision: str) -> Path:
 
 
 def compare(row: Row, new: Build, old: Build, turns: int) -> dict[str, Any]:
-    """Return the ratios of a row, or why there are none."""
+    """Return the ratios of a row, or the reason why they are missing."""
 
     def use_of(of: Build) -> alternation.Use:
         with tempfile.TemporaryDirectory() as folder:
@@ -70,7 +70,7 @@ def compare(row: Row, new: Build, old: Build, turns: int) -> dict[str, Any]:
             return alternation.run(row.command(of, Path(folder)), path)
 
     try:
-        use_of(new), use_of(old)  # once, so that both are in the machine's memory
+        use_of(new), use_of(old)  # warm-up, so that both are in the page cache
         used = alternation.alternate(lambda: use_of(new), lambda: use_of(old), turns)
     except alternation.FailedError as reason:
         return {"row": row.name, "failed": str(reason)}
@@ -93,7 +93,7 @@ def tell(result: dict[str, Any]) -> None:
 
 
 def main() -> int:
-    """Compare."""
+    """Compare the revisions."""
     parser = argparse.ArgumentParser(prog="benchmarks/against", description=__doc__.split("\n")[0])
     parser.add_argument("revision", help="a commit, tag or branch")
     parser.add_argument("--rows", default="", help="only rows whose name has this in it (regex)")

@@ -24,16 +24,16 @@ RADAU, IDA = "simulation.integrator=radau", "simulation.integrator=ida"
 
 @dataclass(frozen=True)
 class Build:
-    """A program, and the tree that its Python package is in."""
+    """A program, and the tree of its Python package."""
 
     program: Path
     tree: Path
-    version: str  # as the program says it
+    version: str  # as printed by the program
 
 
 @dataclass(frozen=True)
 class Row:
-    """A case; `command` writes what it needs into a folder."""
+    """A case; `command` writes its input into a folder."""
 
     name: str
     command: Callable[[Build, Path], list[str]]
@@ -41,7 +41,7 @@ class Row:
 
 
 def of_run(name: str, case: str, *settings: str) -> Row:
-    """`evolvent run` of an example."""
+    """Make a row of `evolvent run` of an example."""
 
     def command(build: Build, folder: Path) -> list[str]:
         words = [word for setting in settings for word in ("--set", setting)]
@@ -52,7 +52,7 @@ def of_run(name: str, case: str, *settings: str) -> Row:
 
 
 def of_train(name: str, wheels: int, duration: float, integrator: str) -> Row:
-    """`evolvent run` of a row of wheels."""
+    """Make a row of `evolvent run` of a train of wheels."""
 
     def command(build: Build, folder: Path) -> list[str]:
         case = folder / "train.yaml"
@@ -64,7 +64,7 @@ def of_train(name: str, wheels: int, duration: float, integrator: str) -> Row:
 
 
 def of_batch(name: str, friction: float, tolerance: float, outputs: int, cases: int = 40) -> Row:
-    """`evolvent batch` of the paper's case by radau in closed form, 5 s each, torque varied."""
+    """Make a row of `evolvent batch`: the paper's case, radau, closed form, 5 s, torque varied."""
 
     def command(build: Build, folder: Path) -> list[str]:
         text = (EXAMPLES / "paper-friction.yaml").read_text()
@@ -85,7 +85,7 @@ def of_batch(name: str, friction: float, tolerance: float, outputs: int, cases: 
 
 
 def of_words(name: str, *words: str) -> Row:
-    """Make a row of any command; EXAMPLES in a word is their folder, OUTPUT a file of results."""
+    """Make a row of any command; EXAMPLES in a word is their folder, OUTPUT a result file."""
 
     def command(build: Build, folder: Path) -> list[str]:
         places = {"EXAMPLES": str(EXAMPLES), "OUTPUT": str(folder / "results.h5")}
@@ -96,7 +96,7 @@ def of_words(name: str, *words: str) -> Row:
 
 
 def of_python(name: str, module: str, *words: str) -> Row:
-    """Start of a command of the package."""
+    """Make a row of the start of a command of the package."""
 
     def command(_build: Build, _folder: Path) -> list[str]:
         code = f"import sys; from {module} import main; sys.argv[1:] = {list(words)}; main()"

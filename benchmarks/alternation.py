@@ -1,8 +1,8 @@
 """Processor time and memory of whole processes, of two programs in turn.
 
-Machines are busy and change their clock: only what ran side by side can be compared. Each turn runs
-both programs once, first the one, then the other, next time the other way round; its ratio is one
-sample. Medians of ratios, with a bootstrap interval, say what is left of the noise.
+Machines have other load and change their clock: only runs side by side can be compared. Each turn
+runs both programs once, in alternating order; its ratio is one sample. The bootstrap interval of
+the median of ratios shows the remaining noise.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
 class FailedError(Exception):
-    """A command that ended with another exit code than 0; its last line says why."""
+    """A command that ended with another exit code than 0; its last line has the reason."""
 
 
 @dataclass(frozen=True)
 class Use:
-    """What a process and all its children took."""
+    """Resources used by a process and all its children."""
 
     cpu: float  # user and system time [s]
     memory: float  # of the largest of them [MB]
@@ -33,7 +33,7 @@ class Use:
 
 @dataclass(frozen=True)
 class Ratio:
-    """A median of ratios, and the interval in which it lies at a level of 95 %."""
+    """A median of ratios, and its confidence interval at a level of 95 %."""
 
     median: float
     low: float
@@ -74,7 +74,7 @@ def alternate(
 
 
 def ratio_of(new: Sequence[float], old: Sequence[float], draws: int = 2000) -> Ratio:
-    """Median of the ratios new over old of each turn; the draws are the same every time."""
+    """Return the median of the ratios new over old of each turn; draws are reproducible."""
     ratios = [a / b for a, b in zip(new, old, strict=True)]
     generator = random.Random(1)
     medians = sorted(

@@ -1,14 +1,14 @@
-"""What a sweep costs beside its integrations: cases of the paper's setup, 0.2 s of model time each.
+"""Overhead of a sweep besides its integrations: cases of the paper's setup, 0.2 s each.
 
     python benchmarks/batch.py [PROGRAM]             (build/release/evolvent unless given)
 
 Torque, friction and the stiffness of the slider vary. Prints three things: the processor time of
-the whole batch over the sum of its integrations; the memory of a worker while its cases go by; how
-busy two processes are, as sum of case CPU / (2 x wall), beside one. Linux tells how long the
-workers were ready to run and were not let; what of that is not due to their own parent, other
-programs took: "alone" is busy without it, for machines that are not. "idle" is the time in which a
-worker neither ran nor was ready to, waiting for its parent, the disk or a lock: no other program
-changes it. Exits with 1 if a limit is exceeded.
+the whole batch over the sum of its integrations; the memory of a worker over its cases; how
+busy two processes are, as sum of case CPU / (2 x wall), compared with one. Linux reports how long
+the workers were ready but did not run. The part of that time not used by their own parent was taken
+by other programs: "alone" is busy without it, for machines under other load. "idle" is the time in
+which a worker neither ran nor was ready, waiting for its parent, the disk or a lock: other programs
+do not affect it. Exits with 1 if a limit is exceeded.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from sweep_design import write_design as write_columns
 ROOT = Path(__file__).resolve().parents[1]
 DURATION = 0.2  # [s]
 OVERHEAD = 0.03  # of the sum of the integrations, at most
-EFFICIENCY = 0.95  # of two processes, at least, where other programs leave them the processors
+EFFICIENCY = 0.95  # of two processes, at least, without other load
 IDLE = 0.03  # of the time of a worker, at most
 MORE_CPU = 1.05  # CPU a case of two processes over that of one, at most
 PAGE = os.sysconf("SC_PAGE_SIZE") / 1e6  # [MB]
@@ -41,7 +41,7 @@ GROWTH = 0.5  # of a worker's memory from its first cases to its last, at most [
 
 @dataclass(frozen=True)
 class Cost:
-    """What one batch took."""
+    """Resources used by one batch."""
 
     wall: float  # [s]
     cpu: float  # of all its processes [s]
@@ -51,7 +51,7 @@ class Cost:
     idle: float  # share of their time in which the workers could not run
 
     def busy(self, jobs: int, *, alone: bool) -> float:
-        """Share of the wall time in which the workers integrate, or would if they were alone."""
+        """Share of the wall time in which the workers integrate, corrected for other load."""
         return self.integrations / (jobs * self.wall - (self.lost if alone else 0.0))
 
 
@@ -71,7 +71,7 @@ def write_design(path: Path, program: Path, n: int, duration: float, tracking: s
 
 
 def workers(parent: int) -> list[int]:
-    """Processes that the parent has forked."""
+    """List the processes that the parent has forked."""
     found = []
     for entry in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -84,7 +84,7 @@ def workers(parent: int) -> list[int]:
 
 @dataclass
 class Watch:
-    """What is seen of the workers while they are there."""
+    """Samples of the workers while they run."""
 
     memory: list[float] = field(default_factory=list)  # of the first one [MB]
     ran: dict[int, float] = field(default_factory=dict)  # of each [s]
@@ -107,20 +107,20 @@ class Watch:
                 self.memory.append(PAGE * pages)
 
     def idle(self) -> float:
-        """Share of the time between first and last sight in which a worker could not run."""
+        """Share of the time between first and last sample in which a worker could not run."""
         there = sum(self.last[pid][0] - self.first[pid][0] for pid in self.last)
         used = sum(self.last[pid][1] - self.first[pid][1] for pid in self.last)
         return 1.0 - used / there if there > 0.0 else 0.0
 
 
 def watch(parent: int, has_ended: threading.Event, seen: Watch) -> None:
-    """Look at the workers until the batch has ended."""
+    """Sample the workers until the batch has ended."""
     while not has_ended.wait(0.1):
         seen.look(parent)
 
 
 def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
-    """Run a design in so many workers."""
+    """Run a design in a number of workers."""
     command = [str(program), "batch", str(design), "-o", str(folder), "-j", str(jobs), "-q"]
     seen = Watch()
     start = time.monotonic()
@@ -137,8 +137,8 @@ def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
         sys.exit(f"{' '.join(command)} ended with {process.returncode}")
     lines = (folder / "shard-1-of-1.jsonl").read_text().splitlines()[1:]
     integrations = sum(json.loads(line)["cpu_time"] for line in lines)
-    cpu = usage.ru_utime + usage.ru_stime  # of a process and the children that it has waited for
-    by_parent = cpu - sum(seen.ran.values())  # it may have kept the workers waiting
+    cpu = usage.ru_utime + usage.ru_stime  # of a process and its reaped children
+    by_parent = cpu - sum(seen.ran.values())  # it may have made the workers wait
     lost = max(sum(seen.waited.values()) - by_parent, 0.0)
     return Cost(wall, cpu, integrations, seen.memory, lost, seen.idle())
 
@@ -172,7 +172,7 @@ def main() -> int:
             costs[jobs] = cost
             overhead = cost.cpu / cost.integrations - 1.0
             busy, alone = (cost.busy(jobs, alone=alone) for alone in (False, True))
-            kept_away = cost.lost > 0.02 * jobs * cost.wall  # by other programs: busy tells nothing
+            kept_away = cost.lost > 0.02 * jobs * cost.wall  # by other programs: busy is void
             over = overhead > OVERHEAD or cost.idle > IDLE
             over = over or (jobs == 2 and not kept_away and busy < EFFICIENCY)
             exceeded += over

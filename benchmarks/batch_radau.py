@@ -1,4 +1,4 @@
-"""Cases per second of a sweep in closed form, what share of it is integration, what outputs cost.
+"""Cases per second of a sweep in closed form, the share of integration, the cost of outputs.
 
     python benchmarks/batch_radau.py [PROGRAM]       (build/release/evolvent unless given)
 
@@ -9,8 +9,8 @@ includes the values at each output. Both are processor time of one run: their ra
 busy machine, within a few parts in a hundred.
 
 Then the paper's cases of 5 s, without and with friction: the processor time of the integration with
-1001 outputs over that with 11, medians of cases that alternate in one run. `--outputs` does that
-alone. Exits with 1 if a limit is exceeded.
+1001 outputs over that with 11, medians of cases that alternate in one run. `--outputs` runs only
+this part. Exits with 1 if a limit is exceeded.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ PAIRS = 100  # of cases
 
 
 def cost_of_outputs(program: Path, folder: Path, friction: float, tolerance: float) -> list[float]:
-    """Processor time of an integration of 5 s with 11 outputs, and with 1001 [s]."""
+    """Return processor times of an integration of 5 s with 11 outputs, and with 1001 [s]."""
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     case = (ROOT / "examples/paper-friction.yaml").read_text()
     case = case.replace("tracking: differential", "tracking: closed_form")
@@ -54,7 +54,7 @@ def cost_of_outputs(program: Path, folder: Path, friction: float, tolerance: flo
 
 
 def outputs_exceed(program: Path) -> bool:
-    """Print what outputs cost; whether it is too much."""
+    """Print the cost of outputs; return whether a limit is exceeded."""
     exceed = False
     for friction, tolerance, limit in OUTPUTS:
         with tempfile.TemporaryDirectory() as name:

@@ -1,11 +1,11 @@
-"""What eight cases in lanes would gain: an iteration of Newton's method by two layouts.
+"""Possible gain of eight cases in lanes: an iteration of Newton's method in two layouts.
 
     python benchmarks/case_lanes.py [-march=...]     (-march=native unless given; needs gfortran)
 
 Compiles benchmarks/case_lanes.f90 with the kernel's sources and options, and checks that both
 layouts give the same bits. Prints nanoseconds of processor time for an iteration of one case, the
-shortest of many turns: with its stages in lanes, as radau has it; with eight cases in lanes; and
-what it takes to go from one layout to the other and back, since the model has the stages in lanes.
+shortest of many turns: with its stages in lanes, as in radau; with eight cases in lanes; and the
+conversion from one layout to the other and back, since the model has the stages in lanes.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What the numbers over whole periods cost: `python benchmarks/case_numbers.py PROGRAM [CASE]`.
+"""Cost of key figures over whole periods: `python benchmarks/case_numbers.py PROGRAM [CASE]`.
 
-Processor time of a batch with all numbers over one with the usual list, in alternation; the window
-is the last half of each case, as where nothing is said.
+Processor time of a batch with all key figures over one with the usual list, in alternation; the
+window is the last half of each case, the default.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def write_design(path: Path, case: str, version: str, numbers: str) -> None:
 
 
 def cpu_time(program: str, design: Path, folder: Path) -> float:
-    """Processor time of the integrations with all that hears of them [s]."""
+    """Return the processor time of the integrations with all consumers of their steps [s]."""
     subprocess.run([program, "batch", design, "-o", folder, "-q"], check=True)
     lines = (folder / "shard-1-of-1.jsonl").read_text().splitlines()[1:]
     return sum(json.loads(line)["cpu_time"] for line in lines)

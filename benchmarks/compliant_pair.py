@@ -1,11 +1,11 @@
-"""What teeth that bend cost a run: the same pair stiff and with compliance, by radau and by IDA.
+"""Cost of compliant teeth in a run: the same pair stiff and with compliance, by radau and IDA.
 
 Run it as ``python benchmarks/compliant_pair.py [PROGRAM]`` after a build. The pair is
-examples/spur-pair.yaml, 1 s at 1500 rpm and 50 N m with an output each millisecond: as it is, and
-with finite elements in both wheels, coupled teeth and contact of the tip edges.
+examples/spur-pair.yaml, 1 s at 1500 rpm and 50 N m with an output each millisecond: unchanged, and
+with finite elements in both wheels, coupled teeth and corner contact of the tip edges.
 
-CPU is that of the whole process, less that of the same process for a run of 1 ns, so that neither
-its start nor the elements count. All runs take turns, and the smallest of several times counts. The
+CPU is that of the whole process, less that of the same process for a run of 1 ns, which excludes
+its start and the elements. The runs alternate, and the smallest of several times counts. The
 exit code is 1 if compliance takes more than 3 times as long by radau, or IDA less than 5 times as
 long as radau with compliance.
 """

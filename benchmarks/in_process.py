@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""What a run in this process costs beside the integration: CPU time of a case, medians.
+"""Overhead of a run in this process besides the integration: CPU time of a case, medians.
 
 usage: python benchmarks/in_process.py [CASE.yaml] [--repeats N] [--set PATH=VALUE]...
 
 read      the case: YAML, checks, the gearbox
 run       everything of evolvent_run
- beside   what of it is not the integration: run without its steps and outputs, as a run of two
-          outputs has it, of which the integration is next to nothing
+ beside   its part outside the integration: measured with a run of two outputs, whose
+          integration time is negligible
 dataset   the result as a dataset of xarray
 whole     evolvent.run, all of this with its threads
-program   `evolvent run -q` as a process of its own, with its file
+program   `evolvent run -q` as a separate process, with its file
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ PAPER = Path(__file__).resolve().parents[1] / "examples" / "paper.yaml"
 
 
 def milliseconds(work: Callable[[], Any], clock: Callable[[], float]) -> tuple[float, Any]:
-    """What it takes, and what it gives."""
+    """Return the time of a call [ms], and its result."""
     begun = clock()
     result = work()
     return 1e3 * (clock() - begun), result
 
 
 def of_children() -> float:
-    """CPU time of processes that have ended [s]."""
+    """Return the CPU time of processes that have ended [s]."""
     spent = os.times()
     return spent.children_user + spent.children_system
 
 
 def measure(case: Path, settings: list[str], repeats: int) -> dict[str, list[float]]:
-    """Milliseconds of each part, as often as asked."""
+    """Measure each part [ms], with the requested repeats."""
     library, error = load(), Error()
     parts: dict[str, list[float]] = {}
 

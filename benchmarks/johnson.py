@@ -1,7 +1,7 @@
-"""Time of one evaluation of the Johnson force, beside the paper's iteration (18).
+"""Time of one evaluation of the Johnson force, compared with the paper's iteration (18).
 
 Run it as ``python benchmarks/johnson.py [libkernel_test.so]`` after a build with
--DEVOLVENT_TESTS=ON; the library is that of build/ci unless given. Printed is the best of many
+-DEVOLVENT_TESTS=ON; the library is that of build/ci unless given. Prints the best of many
 rounds, in nanoseconds a call of force with both derivatives, over penetrations of 1e-10 to 1e-4 m
 in random order.
 """
@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-CALLS = 5000  # values a round: their arrays stay in the cache
+CALLS = 5000  # values a round: their arrays fit in the cache
 ROUNDS = 200
 
 
 def best_time(procedure: object, *arguments: object) -> float:
-    """Shortest time of a round, in nanoseconds a call; arrays are passed by address."""
+    """Return the shortest time of a round [ns a call]; arrays are passed by address."""
     passed = [ctypes.c_void_p(a.ctypes.data) if isinstance(a, np.ndarray) else a for a in arguments]
     best = np.inf
     for _ in range(ROUNDS):

@@ -1,9 +1,9 @@
-"""Cost of one evaluation of f for eight states at once: for each law, load, deviation and bending.
+"""Cost of one evaluation of f for eight states: for each law, load, deviation and compliance.
 
-For each are printed nanoseconds for eight states in lanes, for eight states one by one, and their
-ratio; for flanks the pairs that touch, of which there are several. Given a second library, of
-another build, the ratio of its time in lanes to that of the first follows: how much faster the
-first one is. The times are CPU times, the shortest of many turns that take the libraries in turn.
+Prints for each the nanoseconds for eight states in lanes, for eight states one by one, and their
+ratio; for flanks also the number of pairs in contact. With a second library, of
+another build, it also prints the ratio of its time in lanes to that of the first: how much faster
+the first one is. Times are CPU times, the shortest of many turns in which the libraries alternate.
 
 Run it as ``python benchmarks/lane_laws.py [libkernel_test.so [another libkernel_test.so]]`` after a
 build with -DEVOLVENT_TESTS=ON; the library is that of build/ci unless given.
@@ -50,7 +50,7 @@ BENDING: dict[str, dict[str, Any]] = {
 
 
 def cases(kernel: Kernel) -> Iterator[tuple[str, Gearbox, State]]:
-    """Name, gearbox and a state under load of each case."""
+    """Return name, gearbox and a loaded state of each case."""
 
     def paired(name: str, gearbox: Gearbox) -> tuple[str, Gearbox, State]:
         state = in_mode(gearbox, np.random.default_rng(1), (LOADED, 0), displacement=1e-6)
@@ -77,17 +77,17 @@ def cases(kernel: Kernel) -> Iterator[tuple[str, Gearbox, State]]:
 
 
 class Worker:
-    """All cases of one library. Two libraries want two processes: they bring their own kernels."""
+    """All cases of one library. Two libraries need two processes: each has its own kernel."""
 
     def __init__(self, library: str) -> None:
         self.cases = list(cases(Kernel(Path(library))))
 
     def names(self) -> list[str]:
-        """Names of the cases."""
+        """Return the names of the cases."""
         return [name for name, *_ in self.cases]
 
     def measure(self, case: int) -> tuple[float, float]:
-        """Nanoseconds of f for eight states in lanes, and for one."""
+        """Return the nanoseconds of f for eight states in lanes, and for one."""
         _, gearbox, state = self.cases[case]
         y = np.repeat(state.y[:, None], LANES, axis=1).copy()
         f, t = np.empty_like(y), np.full(LANES, state.t)
@@ -101,7 +101,7 @@ class Worker:
 
 
 def nanoseconds(call: Callable[[], int]) -> float:
-    """CPU time of one evaluation."""
+    """Measure the CPU time of one evaluation."""
     before = time.process_time_ns()
     code = call()
     assert code == 0, code
@@ -115,12 +115,12 @@ def load_library(library: str) -> None:
 
 
 def names() -> list[str]:
-    """Names of the cases, asked in a process of its own."""
+    """Return the names of the cases, from a separate process."""
     return worker.names()
 
 
 def measure(case: int) -> tuple[float, float]:
-    """Nanoseconds of a case, asked in a process of its own."""
+    """Return the nanoseconds of a case, from a separate process."""
     return worker.measure(case)
 
 

@@ -1,14 +1,14 @@
 """Cost of the paper's case in lanes: of f and its Jacobian, and of the integration alone.
 
-5 s with 1001 outputs, without and with friction, in closed form. Printed are nanoseconds an
-evaluation, of f for eight states at once, the same where each waits for the one before, for one
-state, and of the Jacobian for one; then for some tolerances the largest error of the penetration
-over all outputs (against a tolerance of 1e-12, relative to the 3e-9 m of the paper's figure 4), CPU
-time of the fastest of many runs, and the counts.
+5 s with 1001 outputs, without and with friction, in closed form. Prints nanoseconds an
+evaluation: of f for eight states at once, of the same with each call depending on the previous one,
+of f for one state, and of the Jacobian for one; then for some tolerances the largest error of the
+penetration over all outputs (against a tolerance of 1e-12, relative to the 3e-9 m of the paper's
+figure 4), CPU time of the fastest of many runs, and the counts.
 
 Run it as ``python benchmarks/lanes.py [libkernel_test.so]`` after a build with -DEVOLVENT_TESTS=ON;
-the library is that of build/ci unless given. -DEVOLVENT_MARCH=x86-64-v3 or -v4 says how much wider
-vectors gain.
+the library is that of build/ci unless given. -DEVOLVENT_MARCH=x86-64-v3 or -v4 shows the gain by
+wider vectors.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ COUNTS = (
 
 
 def fastest(call: Callable[[], object], runs: int) -> float:
-    """CPU time of the fastest of some calls [s]."""
+    """Return the CPU time of the fastest of some calls [s]."""
     best = np.inf
     for _ in range(runs):
         before = time.process_time()
@@ -54,7 +54,7 @@ def fastest(call: Callable[[], object], runs: int) -> float:
 
 
 def evaluation(gearbox: Gearbox) -> tuple[float, ...]:
-    """Nanoseconds of f for eight states, freely and in turn, for one, and of its Jacobian."""
+    """Measure f [ns]: eight states, independent and dependent calls; one state; its Jacobian."""
     state = gearbox.start()
     state.y[gearbox.place("angle_deviation_1")] -= 1e-8
     gearbox.mode(state)[:] = 0, 1, 1
@@ -75,7 +75,7 @@ def evaluation(gearbox: Gearbox) -> tuple[float, ...]:
 
 
 def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray, float, list[int]]:
-    """States at the outputs, time of the fastest run [s] and counts."""
+    """Return states at the outputs, time of the fastest run [s] and counts."""
     library, state = gearbox.library, gearbox.start()
     radau = Radau(gearbox, tolerance, max_step=DURATION / 50)
     outputs = np.empty((OUTPUTS, len(state.y)))
@@ -97,7 +97,7 @@ def integrate(gearbox: Gearbox, tolerance: float, runs: int) -> tuple[np.ndarray
 
 
 def penetration(gearbox: Gearbox, outputs: np.ndarray) -> np.ndarray:
-    """How far the flanks overlap at every output [m], whatever the pair: from psi and s."""
+    """Return the penetration at every output [m], of any tooth pair: from psi and s."""
     state = gearbox.start()
     gearbox.mode(state)[1] = OPEN
     values = np.empty(len(outputs))
@@ -108,7 +108,7 @@ def penetration(gearbox: Gearbox, outputs: np.ndarray) -> np.ndarray:
 
 
 def main() -> None:
-    """Print both."""
+    """Print both tables."""
     built = ROOT / "build/ci/tests/libkernel_test.so"
     named = sys.argv[1] if len(sys.argv) > 1 else built
     kernel = Kernel(Path(named))

@@ -1,9 +1,9 @@
-"""What orbits cost: branches of test systems, and long runs for the same states.
+"""Cost of orbits: branches of test systems, and long runs for the same states.
 
     python benchmarks/orbit_branches.py [LIBRARY]    (build/ci/tests/libkernel_test.so)
 
-Prints processor time: of a branch; of one period with its derivative; of Newton's iteration from
-0.1 beside an orbit, and of a run long enough to come within 1e-8 of it from there.
+Prints processor time: of a branch; of one period with its derivative; of Newton's iteration from a
+distance of 0.1 to an orbit, and of a run from there long enough to come within 1e-8 of the orbit.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
-"""What the numbers of a sweep cost by orbits: `python benchmarks/orbits.py PROGRAM [CASE...]`.
+"""Cost of key figures of a sweep by orbits: `python benchmarks/orbits.py PROGRAM [CASE...]`.
 
-Of each case a sweep, up and down, and the stable orbits at the same 401 values: processor time of
-both processes, medians of runs in turn, and how far numbers differ where the sweep's motion is one
-of the orbits. Extremes of a sweep have what its motion still lacks: it counts as periodic when it
-repeats to about 1e-6.
-There are also the unstable ones beside these, the folds and the multipliers, which no sweep finds.
+For each case a sweep, up and down, and the stable orbits at the same 401 values: processor time of
+both processes, medians of alternating runs, and the differences of key figures where the sweep's
+motion is one of the orbits. Extremes of a sweep contain its remaining transient: a motion counts as
+periodic when it repeats to about 1e-6.
+The orbits also include unstable ones, folds and multipliers, which no sweep finds.
 
 Cases: `backlash`, over the amplitude of its load, a curve with two folds; `resonance` and `mesh`,
 rectangular mesh stiffness over a part and all of its speeds; in the last one orbits of 4 and more
-pitches are left out. Without a name: all.
+pitches are omitted. Without a name: all.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from system.test_numbers import HALF_GAP, oscillator, rectangular
 from system.test_respond import SPEED, UNIT
 
 VALUES = 401
-ALIKE = 1e-3  # deviations of the transmission error this near are those of one motion
-NEAR = 1e-5  # of numbers that are said to be the same
+ALIKE = 1e-3  # relative: deviations of the transmission error this close belong to one motion
+NEAR = 1e-5  # of key figures that count as equal
 LONGEST = 2  # pitches
-RUNS = 7  # of each, in turn
-MOST = 600  # pitches that a motion is followed; one that takes them all still settles
+RUNS = 7  # of each, alternating
+MOST = 600  # pitches that a motion is followed; with all of them it is still settling
 TOLD = ("transmission_error_standard_deviation", "dynamic_factor", "normal_force_max")
 
 CASES: dict[str, tuple[dict[str, Any], str]] = {
@@ -51,7 +51,7 @@ CASES: dict[str, tuple[dict[str, Any], str]] = {
 
 
 def run(program: str, folder: Path, over: str, *options: str) -> tuple[float, xr.Dataset]:
-    """Processor time [s] and result."""
+    """Return processor time [s] and result."""
     result = folder / "result.h5"
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     command = [program, "respond", folder / "case.yaml", "--over", over, "-q", "-o", result]
@@ -62,7 +62,7 @@ def run(program: str, folder: Path, over: str, *options: str) -> tuple[float, xr
 
 
 def compare(sweep: xr.Dataset, orbits: xr.Dataset) -> tuple[int, int, list[tuple[float, str]]]:
-    """Motions that repeat soon enough, those among the orbits, and the differences of these."""
+    """Count motions that repeat in time and those among the orbits; return their differences."""
     deviation = "transmission_error_standard_deviation"
     n, found, differences = 0, 0, []
     for direction in range(sweep.sizes["direction"]):
@@ -89,7 +89,7 @@ def compare(sweep: xr.Dataset, orbits: xr.Dataset) -> tuple[int, int, list[tuple
 
 
 def measure(program: str, name: str, folder: Path) -> None:
-    """Print what one case costs both ways, and how far the numbers differ."""
+    """Print the cost of one case both ways, and the differences of the key figures."""
     case, over = CASES[name]
     case["simulation"].pop("numbers", None)
     case["simulation"]["tolerance"] = 1e-9  # a sweep's motions repeat to a thousand times that

@@ -1,8 +1,8 @@
-"""Reproduce the paper: its figures, its Table 1 and its conclusions, on a page with the numbers.
+"""Reproduce the paper: its figures, its Table 1 and its conclusions, on a page with the values.
 
 Run it as ``./reproduce-paper``, which builds first, or as ``python benchmarks/paper.py FOLDER``.
 It runs examples/paper*.yaml with the program of build/release, or the one that is named. The four
-runs of Table 1 take turns, so that whatever else the machine does meets all of them alike; CPU
+runs of Table 1 alternate, so that other load of the machine affects all of them equally; CPU
 times are medians. The exit code is 1 if an invariant or a conclusion does not hold.
 """
 
@@ -38,14 +38,14 @@ CASES = {
     "rigid": "paper-rigid.yaml",
     "rigid_friction": "paper-rigid-friction.yaml",
 }
-FINE = "simulation.output_interval=5e-5"  # 17 outputs in a period of the contact's ringing
+FINE = "simulation.output_interval=5e-5"  # 17 outputs in a period of the contact vibration
 CLOSED_FORM = "meshes.0.tracking=closed_form"
 NO_OUTPUT = "simulation.output_interval=5"
 NO_TIME = ("simulation.duration=1e-6", "simulation.output_interval=1e-6")
 
 
 def paper_run(program: Path, case: str, folder: Path) -> PaperRun:
-    """Make one run and hold it in memory."""
+    """Make one run and load it into memory."""
     file = ROOT / "examples" / case
     output = folder / "history.h5"
     subprocess.run([program, "run", file, "-o", output, "--set", FINE], check=True)
@@ -56,7 +56,7 @@ def paper_run(program: Path, case: str, folder: Path) -> PaperRun:
 
 
 def ringing_steps(program: Path, case: str, run: PaperRun) -> int:
-    """Steps within RINGING after the start and after each tooth switch."""
+    """Count steps within RINGING after the start and after each tooth switch."""
 
     def until(time: float) -> int:
         return cost(program, case, f"simulation.duration={time!r}").steps if time > 0 else 0
@@ -66,7 +66,7 @@ def ringing_steps(program: Path, case: str, run: PaperRun) -> int:
 
 
 def costs(program: Path, runs: PaperRuns, rounds: int) -> Costs:
-    """Median CPU times of the four runs in differential tracking, and of what explains them."""
+    """Measure median CPU times of the four runs in differential tracking and of variants."""
     samples = defaultdict(list)
     for _ in range(rounds):
         for name, case in CASES.items():
@@ -94,7 +94,7 @@ def costs(program: Path, runs: PaperRuns, rounds: int) -> Costs:
 
 
 def processor() -> str:
-    """Name of the processor, as Linux has it."""
+    """Return the name of the processor, as reported by Linux."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""The page about the reproduced paper: what was measured, beside what the paper prints."""
+"""The page about the reproduced paper: measured values beside those of the paper."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from paper_runs import (
 
 # CPU time of 5 s of model time [s].   Source: Kosenko & Gusev 2011, Table 1.
 PAPER_CPU = {"compliant_friction": 20.4, "compliant": 16.1, "rigid_friction": 13.0, "rigid": 11.4}
-RINGING = 0.1  # how long contact is taken to ring after the start and after a tooth switch [s]
+RINGING = 0.1  # assumed duration of contact vibration after the start and after a tooth switch [s]
 
 
 @dataclass(frozen=True)
 class Costs:
     """CPU times of whole processes [s], each the median of several, and steps; by run."""
 
-    differential: Mapping[str, float]  # as the examples are: an output each millisecond
+    differential: Mapping[str, float]  # the examples unchanged: an output each millisecond
     closed_form: Mapping[str, float]  # the same in closed form tracking, also by IDA
-    radau: Mapping[str, float]  # by the integrator radau, which takes compliant contacts alone
-    no_output: Mapping[str, float]  # differential, but for the first and last output
+    radau: Mapping[str, float]  # by the integrator radau, which supports compliant contacts only
+    no_output: Mapping[str, float]  # differential, with the first and last output only
     start: float  # of a run over almost no time
     ringing_steps: Mapping[str, int]  # steps within RINGING after the start and each tooth switch
-    rounds: int  # of which the median was taken
+    rounds: int  # number of runs for each median
     processor: str
 
 
@@ -57,20 +57,20 @@ class JumpRow:
     """One jump of the transmission error."""
 
     what: str
-    time: float  # of its begin [s]
-    lasting: float  # [s]
+    time: float  # of its start [s]
+    lasting: float  # duration [s]
     change: float  # of the transmission error [m]
     penetration: float  # its part from the contact [m]
     error: float  # relative, from the closed form
 
     @property
     def axle_share(self) -> float:
-        """Part of the change that is no penetration, and so comes from the axle."""
+        """Part of the change that is not penetration, and so is due to the axle."""
         return 1 - self.penetration / self.change
 
 
 def page(runs: PaperRuns, claims: Sequence[Claim], costs: Costs) -> str:
-    """Make the page, Markdown; its figures lie beside it."""
+    """Make the page, Markdown; its figures are in the same folder."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
         trim_blocks=True,
@@ -121,7 +121,7 @@ def _cost_row(name: str, run: PaperRun, costs: Costs) -> CostRow:
 
 
 def _ratios(rows: Mapping[str, CostRow], suffix: str) -> dict[str, float]:
-    """Ratios compliant/rigid with the same friction."""
+    """Return the ratios compliant/rigid with the same friction."""
     compliant, rigid = rows[f"compliant{suffix}"], rows[f"rigid{suffix}"]
     return {
         "friction": compliant.friction,

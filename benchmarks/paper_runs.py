@@ -1,7 +1,7 @@
 """The paper's figures and conclusions, from the four runs of its virtual setup.
 
 Source: Kosenko & Gusev 2011, sections 7.2, 7.3 and 8. The runs are those of `examples/paper*.yaml`;
-`./reproduce-paper` makes them and writes what comes out of here. docs/theory.md explains the terms.
+`./reproduce-paper` makes them and writes these results. docs/theory.md explains the terms.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from evolvent.figures.over_time import Curve, Panel, figure_over_time
 from evolvent.history import require
 
 MEAN_FROM = 2.0  # mean forces are taken over the whole pitches after this time [s]
-# The contact's ringing decays with 146/s: 8e-6 of it are left this long after an event [s].
+# The contact vibration decays with 146/s: 8e-6 of it remain this long after an event [s].
 SETTLING = 0.08
 
 
@@ -75,7 +75,7 @@ class PaperRuns:
 
 @dataclass(frozen=True)
 class Jump:
-    """A change of the friction force that is short beside a pitch: from `begin` to `end` [s]."""
+    """A change of the friction force that is short compared with a pitch: `begin` to `end` [s]."""
 
     what: str  # "pitch point" or "tooth switch"
     begin: float
@@ -84,7 +84,7 @@ class Jump:
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement about the runs, with the number that decides it."""
+    """A statement about the runs, with the value that decides it."""
 
     statement: str
     measured: float
@@ -93,15 +93,15 @@ class Claim:
 
     @property
     def holds(self) -> bool:
-        """Whether it is so; a value that is no number decides against it."""
+        """Whether the claim holds; NaN decides against it."""
         return self.measured <= self.bound
 
 
 def mean_force(run: PaperRun, after: float = MEAN_FROM) -> float:
-    """Mean of the normal force [N] over the whole pitches after a time [s].
+    """Return the mean normal force [N] over the whole pitches after a time [s].
 
-    From the first to the last tooth switch after that time, by the trapezoidal rule; outputs have
-    to follow each other in less than a fifth of a period of the contact's ringing.
+    From the first to the last tooth switch after that time, by the trapezoidal rule; the output
+    interval has to be less than a fifth of a period of the contact vibration.
 
     Raises
     ------
@@ -121,12 +121,12 @@ def mean_force(run: PaperRun, after: float = MEAN_FROM) -> float:
 
 
 def quasi_static(run: PaperRun, *, with_friction: bool = True) -> xr.Dataset:
-    """Normal force [N] and transmission error [m] without any oscillation, dim (time).
+    """Compute normal force [N] and transmission error [m] without any oscillation, dim (time).
 
-    The force is that which turns both wheels as if they were geared without elasticity, under the
+    The force is that of rigidly coupled wheels under the
     loads and with the ratio of friction to normal force that the run has at that time (or without
-    friction); the transmission error adds the penetration by (13), if contact is compliant, and
-    what the axle gives way under this force. A closed form: of the run it takes speeds and arms.
+    friction). The transmission error adds the penetration by (13), if contact is compliant, and
+    the deflection of the axle under this force. A closed form: it uses speeds and arms of the run.
     """
     force = run.of_mesh("normal_force")
     ratio = (run.of_mesh("friction_force") / force.where(force > 0.0)).fillna(0.0)
@@ -155,16 +155,16 @@ def quasi_static(run: PaperRun, *, with_friction: bool = True) -> xr.Dataset:
 
 
 def friction_part(run: PaperRun) -> xr.DataArray:
-    """Transmission error less its quasi-static value without friction [m], dim (time)."""
+    """Subtract the quasi-static value without friction from the transmission error [m] (time)."""
     smooth = quasi_static(run, with_friction=False)["transmission_error"]
     part = run.of_mesh("transmission_error") - smooth
     return part.assign_attrs(units="m")
 
 
 def jumps(run: PaperRun) -> list[Jump]:
-    """Passages of the pitch point and tooth switches that the run shows until they have settled.
+    """List passages of the pitch point and tooth switches that the run covers until settled.
 
-    At the pitch point sliding ends and begins again; before the first passage, it begins once.
+    At the pitch point sliding ends and starts again; before the first passage it starts once.
     """
     ended, began = run.times("sliding_ended"), run.times("sliding_began")
     found = [Jump("pitch point", t, began[began > t].min(initial=np.inf)) for t in ended]
@@ -174,14 +174,14 @@ def jumps(run: PaperRun) -> list[Jump]:
 
 
 def jump_size(jump: Jump, values: xr.DataArray) -> float:
-    """Change of a quantity from the last output before a jump to the first one after settling."""
+    """Return the change of a quantity from the last output before a jump to the first settled."""
     before = values["time"].values < jump.begin
     after = values["time"].values >= jump.end + SETTLING
     return float(values[after][0] - values[before][-1])
 
 
 def calm(run: PaperRun) -> xr.DataArray:
-    """Tell when no event has been for the settling time, dim (time)."""
+    """Return a mask of times without an event during the settling time before, dim (time)."""
     time = run.history["time"]
     found = xr.ones_like(time, dtype=bool) & (time > SETTLING)
     for event in run.events["time"].values:
@@ -192,7 +192,7 @@ def calm(run: PaperRun) -> xr.DataArray:
 
 
 def claims(runs: PaperRuns) -> list[Claim]:
-    """Decide the conclusions of the paper (its sections 7.2, 7.3 and 8) with the four runs."""
+    """Check the conclusions of the paper (its sections 7.2, 7.3 and 8) with the four runs."""
     found = [
         Claim(
             f"Compliant and rigid contact give the same mean force, f = {compliant.friction:g}",
@@ -262,7 +262,7 @@ def claims(runs: PaperRuns) -> list[Claim]:
 
 
 def jump_errors(run: PaperRun) -> dict[Jump, float]:
-    """Deviation of each jump of the transmission error from the closed form, over the latter."""
+    """Return the relative deviation of each jump of the transmission error from the closed form."""
     expected = quasi_static(run)["transmission_error"]
     measured = run.of_mesh("transmission_error")
     return {j: abs(jump_size(j, measured) / jump_size(j, expected) - 1) for j in jumps(run)}
@@ -288,7 +288,7 @@ def figure_discrepancy(run: PaperRun) -> Figure:
 
 
 def figure_transmission_error(without: PaperRun, with_friction: PaperRun) -> Figure:
-    """Draw the transmission error [m] of both runs over time, and below what friction makes of it.
+    """Draw the transmission error [m] of both runs over time, and below the effect of friction.
 
     Source: Kosenko & Gusev 2011, Figure 4.
     """
@@ -303,7 +303,7 @@ def figure_transmission_error(without: PaperRun, with_friction: PaperRun) -> Fig
             Panel(
                 "part from friction",
                 [
-                    # The ringing at the start is many times larger, and has nothing to do with it.
+                    # The vibration at the start is many times larger, and unrelated to it.
                     Curve(f"f = {run.friction:g}", part.where(part["time"] > SETTLING))
                     for run, part in ((run, friction_part(run)) for run in both)
                 ],
@@ -358,5 +358,5 @@ def _largest_lambda_deviation(run: PaperRun) -> float:
         float(run.history["base_radius"][int(run.static(f"{side}_wheel"))])
         for side in ("driving", "driven")
     )
-    # Not a number, as in closed form, stays one and decides against the claim.
+    # NaN, as in closed form, remains NaN and decides against the claim.
     return float(abs(run.of_mesh("gradient_ratio") * driving / driven + 1).max(skipna=False))

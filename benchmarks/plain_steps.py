@@ -1,7 +1,7 @@
-"""Where motions end in plain steps of a speed: `python benchmarks/plain_steps.py`.
+"""Speeds at which motions end in plain steps: `python benchmarks/plain_steps.py`.
 
-The oscillator of docs/response.md by itself, from 2.4 down in steps of 0.005: over the place in the
-pitch where the speed changes, and over the number of pitches that each speed is followed. Twenty
+The oscillator of docs/response.md alone, from 2.4 down in steps of 0.005: over the position in the
+pitch at which the speed changes, and over the number of pitches followed at each speed. Twenty
 minutes.
 """
 
@@ -25,7 +25,7 @@ PLACES, TRIES, SMALL = 80, 1000, 1e-12
 
 
 class Disturbed(Oscillator):
-    """One that has other last digits at each frequency."""
+    """An oscillator with random changes of the last digits at each frequency."""
 
     def __init__(self, seed: int, size: float) -> None:
         super().__init__()
@@ -34,7 +34,7 @@ class Disturbed(Oscillator):
     def follow(
         self, values: Iterable[float], place: float, pitches: int = 0
     ) -> Iterator[tuple[float, float]]:
-        """Go on from beside where the motion was."""
+        """Continue from a disturbed state of the motion."""
         for omega in values:
             self.x += self.draw.uniform(-self.size, self.size)
             self.v += self.draw.uniform(-self.size, self.size)
@@ -42,19 +42,19 @@ class Disturbed(Oscillator):
 
 
 def both_ends(place: float, pitches: int, motion: Oscillator | None = None) -> tuple[Line, Line]:
-    """Of the motion of period 2, which ends above 0.7, and of the one it falls to."""
+    """Find the end of the motion of period 2, which ends above 0.7, and of its successor."""
     found = falls(steps(2.4, 0.4), place, pitches, motion)
     above, below = ([line for line in found if (line[1] > 0.7) == upper] for upper in (True, False))
     return above[-1], below[0]
 
 
 def is_told(line: Line, told: Line) -> bool:
-    """All the digits that the other program printed."""
+    """Check for agreement in all digits that the other program printed."""
     return line[:2] == told[:2] and round(line[2], 4) == told[2]
 
 
 def tell(name: str, ends: list[tuple[Line, Line]]) -> None:
-    """Shares, and where motions end."""
+    """Print shares, and the speeds at which motions end."""
     told = [tuple(map(is_told, pair, TOLD)) for pair in ends]
     first, second = (sum(of) for of in zip(*told, strict=True))
     print(f"{name}: first line {first}, second {second}, both {sum(map(all, told))} of {len(ends)}")
@@ -65,7 +65,7 @@ def tell(name: str, ends: list[tuple[Line, Line]]) -> None:
 
 
 def one_step() -> None:
-    """Behind 0.440, where the second pair comes, in both pitches of the period."""
+    """Step from 0.440 where the second pair comes, in both pitches of the period."""
     start = Disturbed(1, SMALL)
     falls(steps(0.8, 0.44), 0.0, 600, start)
     for pitch in range(2):

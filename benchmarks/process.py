@@ -2,14 +2,14 @@
 
 Run it as ``python benchmarks/process.py [evolvent]`` after a build; the program is that of
 build/release unless given. Each line is the median of several runs of 5 s of model time with an
-output each millisecond. The budget, where there is one, stands beside what was measured. Then
+output each millisecond. The budget, if there is one, is printed beside the measured value. Then
 
-- `run` is set beside `show`, which starts, reads the case and builds the gearbox as well, but
-  integrates and writes nothing: both alternate, and the ratio of their CPU times counts;
-- with valgrind there, the instructions of the run in closed form are counted;
+- `run` is compared with `show`, which also starts, reads the case and builds the gearbox, but
+  does not integrate or write: both alternate, and the ratio of their CPU times counts;
+- if valgrind is installed, the instructions of the run in closed form are counted;
 - the peak memory of 500 s is compared with that of 5 s: it writes 320 MB to the temporary folder;
 - steps and errors of radau by default are compared with those without a longest step and of steps
-  of at most 20 ms (``--steps``: these alone).
+  of at most 20 ms (``--steps``: only these).
 
 The exit code is 1 if a budget is exceeded.
 """
@@ -63,9 +63,9 @@ STEPPED = [
     ("paper.yaml", 2e-5, 500),
 ]
 MORE_STEPS = 1.02  # of a run by default, over those without a longest step
-MORE_ERROR = 1.25  # of it, over that of a run in short steps, where it is above the tolerance
+MORE_ERROR = 1.25  # of its error, over that of a run in short steps, if above the tolerance
 SHORT_STEP = 0.02  # [s]
-MORE_MEMORY = 1.0  # that 500 s may take beyond 5 s: pages come and go [MB]
+MORE_MEMORY = 1.0  # of 500 s over 5 s, at most: page counts vary [MB]
 PEAKS = [("closed_form", "radau"), ("closed_form", "ida"), ("differential", "ida")]
 CLOSED_FORM = "meshes.0.tracking=closed_form"
 RATIOS = [("closed form", [CLOSED_FORM], 2.0), ("as it is", [], 4.0)]  # CPU of run over show
@@ -74,19 +74,19 @@ INSTRUCTIONS = 45e6  # of the run in closed form
 
 @dataclass(frozen=True)
 class Cost:
-    """What one run took."""
+    """Resources used by one run."""
 
     cpu: float  # user and system time of the process [s]
     steps: int
 
 
 def set_options(settings: Sequence[str]) -> list[str]:
-    """The settings as options of the program."""
+    """Return the settings as options of the program."""
     return [word for setting in settings for word in ("--set", setting)]
 
 
 def usage_of(command: list[str]) -> tuple[resource.struct_rusage, str]:
-    """Run a command; what the kernel of the machine says that it took, and what it said."""
+    """Run a command; return its resource usage from the operating system and its output."""
     with tempfile.TemporaryFile("w+") as messages:
         process = subprocess.Popen(
             command, stdout=subprocess.DEVNULL, stderr=messages, env=ONE_THREAD
@@ -112,7 +112,7 @@ def cost(program: Path, case: str, *settings: str) -> Cost:
 
 
 def run_beside_show(runs: int, program: Path, settings: Sequence[str]) -> tuple[float, float]:
-    """Medians of the CPU time of `run` and of `show`, alternating [s]."""
+    """Return medians of the CPU time of `run` and of `show`, alternating [s]."""
     show = [str(program), "show", str(ROOT / "examples/paper.yaml"), *set_options(settings)]
     times: tuple[list[float], list[float]] = ([], [])
     for _ in range(runs):
@@ -123,7 +123,7 @@ def run_beside_show(runs: int, program: Path, settings: Sequence[str]) -> tuple[
 
 
 def instructions(program: Path) -> float | None:
-    """Instructions of the run in closed form; None without valgrind."""
+    """Count the instructions of the run in closed form; None without valgrind."""
     valgrind = shutil.which("valgrind")
     if valgrind is None:
         return None
@@ -136,10 +136,10 @@ def instructions(program: Path) -> float | None:
 
 
 def peak_memory(program: Path, case: str, *settings: str) -> float:
-    """Peak memory of a run [MB].
+    """Return the peak memory of a run [MB].
 
-    That of its own address space, looked at until it is gone: the usual number, which the parent is
-    told, counts the memory of this Python as well, from which the program was started.
+    That of its own address space, sampled until it ends: the usual value, reported to the
+    parent, includes the memory of this Python, from which the program was started.
     """
     peak = 0
     with tempfile.TemporaryDirectory() as folder:
@@ -158,7 +158,7 @@ def peak_memory(program: Path, case: str, *settings: str) -> float:
 
 
 def median_cost(runs: int, program: Path, case: str, *settings: str) -> Cost:
-    """Median of each cost."""
+    """Return the median of each cost."""
     costs = [cost(program, case, *settings) for _ in range(runs)]
     return Cost(
         statistics.median(c.cpu for c in costs),
@@ -178,7 +178,7 @@ def history(program: Path, case: str, *settings: str) -> xr.Dataset:
 
 
 def step_lengths(program: Path) -> int:
-    """Compare radau by default with other lengths of its steps; how many limits are exceeded."""
+    """Compare radau by default with other step lengths; return the number of exceeded limits."""
     exceeded = 0
     print(f"steps of radau by default over those without a longest step, <= {MORE_STEPS},")
     print(f"and its error over that of steps of at most {SHORT_STEP:g} s, <= {MORE_ERROR}")

@@ -1,9 +1,9 @@
-"""What the Python commands cost beside their work: their start, and the memory of long histories.
+"""Overhead of the Python commands: their start, and the memory of long histories.
 
     python benchmarks/python_start.py [evolvent] [--outputs N]     (a million outputs unless given)
 
 Processor time of `evolvent-post check` of a small history, and of the help of both programs, over
-that of `python -c "import h5py"`: medians of ratios of runs that alternate. Then the largest memory
+that of `python -c "import h5py"`: medians of ratios of alternating runs. Then the largest memory
 of `check`, `plot` of each figure and `report`, of a history of a million outputs of a pair with
 several tooth pairs in contact: it writes 1 GB to the temporary folder, and takes a minute or two.
 The program is that of build/release unless given. Exits with 1 if a limit is exceeded.
@@ -33,7 +33,7 @@ STARTS = {  # words, and the limit over `import h5py`
 
 
 def cost(folder: Path, words: Sequence[str]) -> tuple[float, float]:
-    """Processor time [s] and largest memory [MB] of a Python of its own."""
+    """Measure processor time [s] and largest memory [MB] of a separate Python process."""
     process = subprocess.Popen(
         [sys.executable, *words],
         cwd=folder,
@@ -50,7 +50,7 @@ def cost(folder: Path, words: Sequence[str]) -> tuple[float, float]:
 
 
 def called(program: str, *words: str) -> list[str]:
-    """A command, as the script that starts it does."""
+    """Return the code that starts a command, as its script does."""
     return ["-c", f"from evolvent.commands.{program}.app import main; main()", *words]
 
 
@@ -65,7 +65,7 @@ def run(program: Path, path: Path, outputs: int) -> None:
 
 
 def starts(folder: Path) -> bool:
-    """Compare starts; tell whether all are within their limits."""
+    """Compare starts; return whether all are within their limits."""
     ratios: dict[str, list[float]] = {name: [] for name in STARTS}
     for _ in range(RUNS):
         plain, _ = cost(folder, ["-c", "import h5py"])
@@ -81,7 +81,7 @@ def starts(folder: Path) -> bool:
 
 
 def long_history(folder: Path) -> bool:
-    """Use a long history; tell whether no command takes too much memory."""
+    """Use a long history; return whether all commands are within the memory limit."""
     commands = [["check", "long.h5"]]
     commands += [["plot", "long.h5", "--whole", "--quantity", name] for name in FIGURES]
     commands += [["plot", "long.h5", "--whole"], ["report", "long.h5"]]

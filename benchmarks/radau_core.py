@@ -1,7 +1,7 @@
-"""Cost of the integrator alone: a chain of oscillators, its work beside that of scipy's methods.
+"""Cost of the integrator alone: a chain of oscillators, compared with scipy's methods.
 
 Masses on a line with hardening springs and dampers (tests/integrator/oscillator_chain.f90), n = 6,
-20 and 50 states, fastest mode near 1 to 1.6 kHz, like the contacts of a gearbox. Printed are, for
+20 and 50 states, fastest mode near 1 to 1.6 kHz, like the contacts of a gearbox. Prints, for
 three tolerances, the largest error over 1001 outputs (states in units of their scales, against a
 run with a tolerance of 1e-13), CPU time of the fastest of many runs, microseconds a step, and the
 counts. Then the evaluations of f that scipy's methods need for the same error: evaluations, since
@@ -35,14 +35,14 @@ Chain = tuple[int, float, float, float, float]
 
 
 def start(masses: int, stiffness: float) -> np.ndarray:
-    """One mass displaced, all of them moving."""
+    """Return the initial state: one mass displaced, all of them moving."""
     y = np.zeros(2 * masses)
     y[0], y[masses:] = 0.3, 0.1 * np.sqrt(stiffness)
     return y
 
 
 def ours(library: ctypes.CDLL, chain: Chain, tolerance: float, runs: int = RUNS):
-    """Rows at the outputs, fastest time [s], counts."""
+    """Return rows at the outputs, fastest time [s], counts."""
     masses, t_end, *law = chain
     best, rows = np.inf, np.empty((OUTPUTS, 2 * masses))
     counts = np.zeros(9, np.int32)
@@ -67,7 +67,7 @@ def ours(library: ctypes.CDLL, chain: Chain, tolerance: float, runs: int = RUNS)
 
 
 def peer(chain: Chain, method: str, tolerance: float):
-    """Rows at the outputs and evaluations of f of one of scipy's methods."""
+    """Return rows at the outputs and evaluations of f of one of scipy's methods."""
     masses, t_end, stiffness, hardening, damping = chain
     u, v = np.zeros(masses + 2), np.zeros(masses + 2)
 

@@ -1,8 +1,8 @@
-"""Random gearboxes: whether any run fails, how large the errors are, whether energy gets lost.
+"""Random gearboxes: failed runs, errors, energy balance.
 
 Run it as ``python benchmarks/random_gearboxes.py [PROGRAM]`` after a build; 300 gearboxes take some
 two minutes on two cores. The gearboxes are those of tests/system/random_gearboxes.py: half of them
-are made to lose contact. Each is run with radau at the default tolerance, and three times at a
+are designed to lose contact. Each is run with radau at the default tolerance, and three times at a
 10,000 times smaller one: as it is, and twice with every torque, damper and initial gap changed by
 at most 1e-10 of itself. A fifth run is at the default tolerance with steps of at most a thousandth
 of the duration.
@@ -10,11 +10,11 @@ of the duration.
 - *error*: largest difference of a penetration, drive or coast flank, to that of the tight run, over
   the largest penetration of all meshes;
 - *growth*: the same for the changed runs, over 1e-10. Where small changes grow more than 1000
-  times, ten times the tolerance, which is what the integrator promises for its own error, becomes
+  times, ten times the tolerance, the expected error of the integrator, becomes
   more than 1e-5: no error below that can be expected, and the gearbox counts as chaotic;
 - *energy*: the balance of evolvent-post check, of the run at the default tolerance;
-- *events*: kinds of which the default run has not as many as both the run in short steps and the
-  tight one have. What touches by less than the errors may touch in any of them.
+- *events*: kinds whose number in the default run differs from that in both the run in short steps
+  and the tight one. A contact closer than the errors may occur in any of them.
 
 The exit code is 1 if a run fails, if an energy balance is worse than 1e-6, if more than 1 % of
 the gearboxes that are not chaotic have an error above 1e-5, or if one of these has missed an event.
@@ -53,26 +53,26 @@ SHORT_STEPS = 1e-3  # of the duration
 CHANGE = 1e-10  # of loads and gaps, relative
 CHAOS = 1e3  # growth of that change from which a gearbox is chaotic
 LARGEST_ERROR, LARGEST_ENERGY = 1e-5, 1e-6
-SHARE = 0.99  # of the gearboxes without chaos that have to be as accurate
+SHARE = 0.99  # of gearboxes that are not chaotic that have to reach the accuracy
 QUANTILES = (0.5, 0.9, 0.99, 1.0)
 
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one gearbox."""
+    """Results of one gearbox."""
 
     seed: int
     failure: str  # message of the run that failed; "" if none did
     steps: int = 0
-    openings: int = 0  # how often contact was lost
+    openings: int = 0  # number of losses of contact
     error: float = 0.0
     growth: float = 0.0
     energy: float = 0.0
-    missed: str = ""  # kinds of events that the default run has not as often as the two others
+    missed: str = ""  # kinds of events whose number differs from the two other runs
 
     @property
     def chaotic(self) -> bool:
-        """Whether no accuracy can be asked for."""
+        """Whether no accuracy can be required."""
         return self.growth > CHAOS
 
 
@@ -104,7 +104,7 @@ def changed(case: dict[str, Any], seed: int) -> dict[str, Any]:
 def run(
     program: Path, case: dict[str, Any], *settings: str
 ) -> tuple[xr.Dataset, collections.Counter[str]]:
-    """Run a case; its history, and how often which kind of event happened."""
+    """Run a case; return its history, and the number of events of each kind."""
     with tempfile.TemporaryDirectory() as folder:
         file, output = Path(folder) / "case.yaml", Path(folder) / "history.h5"
         file.write_text(json.dumps(case), encoding="utf-8")  # JSON is YAML
@@ -149,13 +149,13 @@ def judge(program: Path, seed: int) -> Result:
 
 
 def worst_energy(history: xr.Dataset) -> float:
-    """Largest error of the energy balance over the energy put in."""
+    """Return the largest error of the energy balance over the energy input."""
     verdicts = {v.invariant.name: v for v in check_history(history)}
     return float(verdicts["energy balance"].worst or 0.0)
 
 
 def quantiles(values: Iterable[float]) -> str:
-    """Quantiles of a row of the table."""
+    """Return the quantiles of a row of the table."""
     numbers = list(values)
     if not numbers:
         return "  ".join("      -" for _ in QUANTILES)
@@ -177,7 +177,7 @@ def print_group(name: str, group: list[Result]) -> None:
 
 
 def main() -> int:
-    """Run all seeds and print what became of them."""
+    """Run all seeds and print the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     default = ROOT / "build" / "release" / "evolvent"
     parser.add_argument("program", nargs="?", type=Path, default=default)

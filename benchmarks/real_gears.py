@@ -1,9 +1,9 @@
-"""What radau and IDA take for real gears: a pair under load, a rattling pair, a two-stage train.
+"""Cost of radau and IDA for involute gears: a loaded pair, a rattling pair, a two-stage train.
 
 Run it as ``python benchmarks/real_gears.py [PROGRAM]`` after a build. Three cases in closed form,
 each by both integrators at a row of tolerances:
 
-- *pair*: 49 and 69 teeth, contact ratio 1.75, followed on both flanks, so four entries and exits
+- *pair*: 49 and 69 teeth, contact ratio 1.75, both flanks followed, so four entries and exits
   of tooth pairs a pitch, under 50 N m at 1500 rpm, with friction;
 - *rattle*: examples/rattle.yaml, which loses contact some hundred times;
 - *train*: examples/two-stage-gears.yaml with bearings under the first pinion and the last gear: 20
@@ -11,7 +11,7 @@ each by both integrators at a row of tolerances:
 
 CPU is `cpu_time` of `evolvent batch`, the processor time of the integration: with the quantities
 that are derived at every output, and with one output only. No history is written. Both integrators
-take turns; the smallest of several times counts. The error is the largest difference of a
+alternate; the smallest of several times counts. The error is the largest difference of a
 penetration to that of radau at a tolerance of 1e-13, over the largest penetration, and the same for
 the normal force, which jumps where a pair enters or leaves under load: an output there shows the
 error of an event's time.
@@ -46,7 +46,7 @@ FASTER = 10.0
 
 @dataclass
 class Measured:
-    """What one integrator took at one tolerance."""
+    """Cost and errors of one integrator at one tolerance."""
 
     steps: int = 0
     events: int = 0
@@ -73,7 +73,7 @@ def pair() -> dict[str, Any]:
 
 
 def train() -> dict[str, Any]:
-    """Put bearings into examples/two-stage-gears.yaml."""
+    """Add bearings to examples/two-stage-gears.yaml."""
     case = example("two-stage-gears.yaml")
     for wheel in case["wheels"]:
         if wheel["name"] in ("pinion-1", "gear-2"):
@@ -98,7 +98,7 @@ def run(program: Path, case: dict[str, Any], folder: Path) -> xr.Dataset:
 
 
 def seconds(program: Path, case: dict[str, Any], folder: Path) -> float:
-    """Processor time of the integration alone [s]."""
+    """Measure the processor time of the integration alone [s]."""
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     with h5py.File(folder / "design.h5", "w") as design:
         design.attrs.update(
@@ -112,7 +112,7 @@ def seconds(program: Path, case: dict[str, Any], folder: Path) -> float:
             history_every=1,
             n_cases=1,
         )
-        tolerance = case["simulation"]["tolerance"]  # a design varies something
+        tolerance = case["simulation"]["tolerance"]  # a design needs a varied parameter
         column = design.create_dataset("parameters/p0", data=[tolerance])
         column.attrs["path"] = "simulation.tolerance"
     with tempfile.TemporaryDirectory(dir=folder) as results:
@@ -130,7 +130,7 @@ def with_settings(case: dict[str, Any], **settings: Any) -> dict[str, Any]:
 def measure(
     program: Path, case: dict[str, Any], rounds: int, folder: Path
 ) -> dict[tuple[str, float], Measured]:
-    """Run a case by both integrators at all tolerances, in turns."""
+    """Run a case by both integrators at all tolerances, in alternation."""
     exact = with_settings(case, integrator="radau", tolerance=REFERENCE)
     reference = run(program, exact, folder)
     table = {(name, tol): Measured() for name, row in TOLERANCES.items() for tol in row}
@@ -151,14 +151,14 @@ def measure(
 
 
 def same_accuracy(table: dict[tuple[str, float], Measured]) -> float | None:
-    """Tolerance of the cheapest run of IDA as accurate as radau by default, None if none is."""
+    """Return the tolerance of IDA's cheapest run as accurate as radau by default, or None."""
     bound = table["radau", DEFAULT].penetration
     enough = [key for key, m in table.items() if key[0] == "ida" and m.penetration <= bound]
     return min(enough, key=lambda key: min(table[key].bare))[1] if enough else None
 
 
 def print_table(name: str, table: dict[tuple[str, float], Measured]) -> None:
-    """Print what was measured of a case."""
+    """Print the measurements of a case."""
     columns = ("steps", "events", "CPU [ms]", "one output", "error of h", "of the force")
     print(f"{name:8} {'tolerance':>9} " + " ".join(f"{column:>12}" for column in columns))
     for (integrator, tolerance), m in table.items():
@@ -169,7 +169,7 @@ def print_table(name: str, table: dict[tuple[str, float], Measured]) -> None:
 
 
 def ratios(table: dict[tuple[str, float], Measured]) -> bool:
-    """Print how many times faster radau is; whether that is enough."""
+    """Print the speed ratios; return whether radau is fast enough."""
     radau, ida = table["radau", DEFAULT], table["ida", DEFAULT]
     slowest = min(ida.bare) / min(radau.bare)
     print(f"IDA over radau, both by default: {slowest:.1f}", end="")

@@ -1,4 +1,4 @@
-"""What a response costs, and where it jumps: `python benchmarks/response.py PROGRAM`.
+"""Cost and jumps of a response: `python benchmarks/response.py PROGRAM`.
 
 The oscillator with rectangular mesh stiffness of docs/response.md, in both directions, 401 speeds
 each, in at most 60 s of processor time.

@@ -1,11 +1,11 @@
-"""Gearboxes with falling friction: whether radau follows the vibrations that it feeds.
+"""Gearboxes with falling friction: check that radau follows self-excited vibrations.
 
 Run it as ``python benchmarks/self_excited.py [PROGRAM] [--count 200]`` after a build; 200 gearboxes
 take some five minutes on two cores. They are those of tests/system/stribeck_gearboxes.py, judged as
-tests/system/test_self_excited.py does with --long; here any number of them, with what was found.
+tests/system/test_self_excited.py does with --long; here any number of them, with the results.
 
 The exit code is 1 if a run fails, or if a statistic differs by more than 5 % and the run did not
-say that a vibration feeds itself.
+report a self-excited vibration.
 """
 
 from __future__ import annotations

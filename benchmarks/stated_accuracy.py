@@ -1,4 +1,4 @@
-"""Whether a stated accuracy is kept, what tolerances it comes from, and what sweeps gain by it.
+"""Check specified accuracies, measure errors over tolerances, and the gain in sweeps.
 
     python benchmarks/stated_accuracy.py [PROGRAM]            (build/release/evolvent unless given)
     python benchmarks/stated_accuracy.py [PROGRAM] --measure  the errors at a row of tolerances
@@ -6,15 +6,15 @@
 
 The error is the largest difference of a penetration at an output to that of radau at a tolerance of
 1e-13, over the largest penetration of all meshes. The cases are examples in closed form, which both
-integrators take. Printed for each accuracy is the error over it; the exit code is 1 if one is above
-1, but for gears that rattle, by IDA.
+integrators support. Prints the error over each accuracy; the exit code is 1 if a ratio is above
+1, except for rattling gears with IDA.
 
 Sweeps are planned as a user does, and again at a tolerance of 1e-9; every n-th of their cases runs
-in both, in turns, in one process. Printed are the processor time of the integrations with their
+in both, alternating, in one process. Prints the processor time of the integrations with their
 outputs over that at 1e-9, the smallest of some turns of each case, and the largest difference of a
-number of the journal, over the largest value of that number in the sweep (of a phase times its
-amplitude: one of nothing is nothing). The exit code is 1 if a difference is above its limit, 1e-5
-in the paper's gearbox, or the time above 0.55 where events are few: there, in closed form.
+result of the journal, over the largest value of that result in the sweep (a phase is weighted with
+its amplitude: it is undefined at amplitude 0). The exit code is 1 if a difference is above its
+limit, 1e-5 in the paper's gearbox, or the time above 0.55 there in closed form, with few events.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ TOLERANCES = {
     "ida": (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
 }
 EXACT = {"tolerance": 1e-13, "integrator": "radau"}
-# Cases with what is changed in their simulation, so that the slow ones stay short.
+# Cases with changes of their simulation block, which shorten the slow ones.
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "paper, f = 0": ("paper.yaml", {}),
     "paper, f = 0.3": ("paper-friction.yaml", {}),
@@ -59,7 +59,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "rattle": ("rattle.yaml", {}),
 }
 # Plans of the examples, in closed form or as they are: every n-th of their cases runs. Limits of
-# time and differences; extremes of real gears are known to 3e-5 at any tolerance.
+# time and differences; extremes of gears with a basic rack are known to 3e-5 at any tolerance.
 SWEEPS = {
     "sweep-torque.yaml, closed form": (1, 0.55, 1e-5),
     "sweep-torque.yaml": (4, None, 1e-5),
@@ -67,7 +67,7 @@ SWEEPS = {
     "tutorial-sweep.yaml": (20, None, 5e-5),
 }
 TURNS = 3
-OF_THE_RUN = ("steps", "cpu_time", "energy_residual", "check")  # numbers that are no results
+OF_THE_RUN = ("steps", "cpu_time", "energy_residual", "check")  # no results of the case
 
 
 def example(name: str) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def example(name: str) -> dict[str, Any]:
 
 
 def errors(program: Path, folder: Path, settings: list[dict[str, Any]]) -> dict[str, list[float]]:
-    """Error of each case with each of some settings."""
+    """Return the error of each case with each of some settings."""
     found = {}
     for name in CASES:
         case = example(name)
@@ -108,7 +108,7 @@ def measure(program: Path, folder: Path) -> int:
 
 
 def check(program: Path, folder: Path) -> int:
-    """Print error over accuracy; how many are above 1."""
+    """Print error over accuracy; return the number of ratios above 1."""
     above = 0
     for integrator in TOLERANCES:
         settings = [{"integrator": integrator, "accuracy": a} for a in ACCURACIES]
@@ -122,7 +122,7 @@ def check(program: Path, folder: Path) -> int:
 
 
 def records(program: Path, design: Design, folder: Path) -> list[dict[str, Any]]:
-    """Run a design; its records in the order of the cases."""
+    """Run a design; return its records in the order of the cases."""
     write_design(design, folder / "design.h5")
     with tempfile.TemporaryDirectory(dir=folder) as results:
         command = [program, "batch", folder / "design.h5", "-o", f"{results}/r", "-j", "1", "-q"]
@@ -132,7 +132,7 @@ def records(program: Path, design: Design, folder: Path) -> list[dict[str, Any]]
 
 
 def difference(records: list[dict[str, Any]], others: list[dict[str, Any]]) -> tuple[float, str]:
-    """Largest difference of a number over its largest value, and which number that is."""
+    """Return the largest difference of a result over its largest value, and the result's name."""
     worst = (0.0, "none")
 
     def column(some: list[dict[str, Any]], name: str) -> np.ndarray:
@@ -180,7 +180,7 @@ def sweeps(program: Path, folder: Path) -> int:
 
 
 def main() -> int:
-    """Do what is asked for."""
+    """Run the requested comparison."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     default = ROOT / "build" / "release" / "evolvent"
     parser.add_argument("program", nargs="?", type=Path, default=default)

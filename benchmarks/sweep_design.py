@@ -1,4 +1,4 @@
-"""A design of a sweep, as `evolvent batch` takes it."""
+"""A design of a sweep for `evolvent batch`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def write_design(
 ) -> None:
     """Write a design of a base case and of columns of values, one for each case.
 
-    `version` is that of the program that reads it.
+    `version` is the version of the reading program.
     """
     values = {where: np.asarray(column) for where, column in columns.items()}
     digest = hashlib.sha256(case.encode())

@@ -1,13 +1,13 @@
-"""Plan, status and collect of a large sweep: time and memory, with journals that are made up.
+"""Plan, status and collect of a large sweep: time and memory, with synthetic journals.
 
     python benchmarks/sweep_scale.py [NUMBER OF CASES]       (a million unless given)
 
-Nothing is integrated: the journals of four shards are written as `evolvent batch` would. Each step
-runs in a process of its own, with a tenth of the cases first. Processor time is that of the step
-with its imports, and beside it that of the program `evolvent` which it asks: `plan` asks it about
-every case, which is most of what a plan costs and grows with the case, and `status` and `collect`
-have it read the journals. Exits with 1 if a step is beyond its limit: of a million cases 2 s for a
-plan without what the program does, 10 s for a status and 60 s to collect with it, and 1 GB.
+No case is integrated: the journals of four shards are written as by `evolvent batch`. Each step
+runs in a separate process, with a tenth of the cases first. Processor time is that of the step
+with its imports, and separately that of the program `evolvent` which it calls: for `plan` the
+program checks every case, most of the cost of a plan, which grows with the case; for `status` and
+`collect` it reads the journals. Exits with 1 if a step exceeds its limit: for a million cases 2 s
+for a plan without the program, 10 s for a status and 60 s to collect with it, and 1 GB.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ ROOT = Path(__file__).resolve().parents[1]
 SHARDS = 4
 EVENTS = 16
 FULL = 1_000_000
-LONGEST = {"plan": 2.0, "status": 10.0, "collect": 60.0}  # processor time of so many cases [s]
-SETTLED = 1.0  # of it that a small sweep may take whatever its size: imports
+LONGEST = {"plan": 2.0, "status": 10.0, "collect": 60.0}  # processor time of all cases [s]
+SETTLED = 1.0  # part independent of the size of a sweep: imports
 LARGEST = 1024.0  # memory [MB]
 PLAN = """
 format: 1
@@ -93,7 +93,7 @@ def write_journals(folder: Path) -> None:
 
 
 def write_line(journal: TextIO, row: dict[str, Any], head: int) -> int:
-    """Write a line with its check, which goes on from that of the head; give the check."""
+    """Write a line with its check, which continues from that of the head; return the check."""
     line = json.dumps(row, separators=(",", ":"))[:-1]
     check = zlib.crc32(line.encode(), head)
     journal.write(f'{line},"check":"{check:08x}"}}\n')
@@ -101,7 +101,7 @@ def write_line(journal: TextIO, row: dict[str, Any], head: int) -> int:
 
 
 def measured(step: Callable[[Path], None], folder: Path) -> tuple[float, float, float]:
-    """Processor time of a step in a process of its own and of the program [s], memory [MB]."""
+    """Measure a step in a separate process: its and the program's CPU time [s], memory [MB]."""
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(target=_measure, args=(step, folder, sender))

@@ -1,10 +1,10 @@
-"""What a step costs in a row of 10 to 200 wheels, an output, and the set-up: all grow with it.
+"""Cost of a step, an output and the set-up in a train of 10 to 200 wheels: growth with its length.
 
 Run it as ``python benchmarks/train.py [PROGRAM] [--integrator radau|ida] [--instructions]``; it
-needs valgrind. Instructions are counted, so that a busy machine gives the same numbers: those of a
+needs valgrind. Instructions are counted, which do not depend on other load: those of a
 longer run less those of a shorter one, over the steps between them; of a run with many outputs less
-one with few, over the outputs between them; the set-up is what a run of one step takes. CPU times
-come from runs of both lengths in turn, of each the fastest. The exit code is 1 if a ratio in
+one with few, over the outputs between them; the set-up is the cost of a run of one step. CPU times
+are the fastest of alternating runs of both lengths. The exit code is 1 if a ratio in
 instructions, or of CPU times, is above its limit.
 """
 
@@ -28,11 +28,11 @@ SPANS = {"radau": (1e-3, 3e-3), "ida": (2e-4, 6e-4)}  # [s] shorter and longer r
 OUTPUTS = 200  # of the run with many
 ONE_STEP = 1e-9  # [s]
 TURNS = 7  # of CPU times
-LIMITS = {"radau": 2.3, "ida": 2.5}  # of twice as many wheels: the longest row over the one before
+LIMITS = {"radau": 2.3, "ida": 2.5}  # of twice as many wheels: longest train over the previous
 
 
 def row(n: int, duration: float, integrator: str = "radau", outputs: int = 1) -> dict[str, Any]:
-    """Row of n wheels, each of which turns the next one; friction, and every axle in bearings."""
+    """Make a train of n wheels, each driving the next; friction, and every axle in bearings."""
     teeth = [20 + 3 * (i % 5) for i in range(n)]
     bearing = {"kind": "bearing", "stiffness": [2e8, 3e8], "damping": [2e3, 3e3], "mass": 1}
     wheels: list[dict[str, Any]] = [
@@ -67,19 +67,19 @@ def row(n: int, duration: float, integrator: str = "radau", outputs: int = 1) ->
 
 @dataclass
 class Run:
-    """A case and where it is tried."""
+    """A case and its working folder."""
 
     program: Path
     folder: Path
 
     def command(self, case: dict[str, Any]) -> list[str]:
-        """Write the case; the run of it."""
+        """Write the case; return the command of its run."""
         file = self.folder / "case.yaml"
         file.write_text(json.dumps(case))  # JSON is YAML
         return [str(self.program), "run", str(file), "-o", str(self.folder / "history.h5")]
 
     def instructions(self, case: dict[str, Any]) -> tuple[int, int]:
-        """Instructions and steps."""
+        """Count instructions and steps."""
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={self.folder / 'counts'}"]
         command += self.command(case)
         done = subprocess.run(command, check=True, capture_output=True, text=True)
@@ -90,7 +90,7 @@ class Run:
         return int(counted[1]), int(steps[1])
 
     def cpu(self, case: dict[str, Any]) -> float:
-        """CPU time [s]."""
+        """Measure the CPU time [s]."""
         child = subprocess.Popen(
             self.command(case), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
@@ -103,7 +103,7 @@ class Run:
 
 @dataclass
 class Cost:
-    """What a row costs."""
+    """Cost of a train."""
 
     step: float  # instructions
     output: float
@@ -113,7 +113,7 @@ class Cost:
 
 
 def cost(run: Run, n: int, integrator: str, *, timed: bool) -> Cost:
-    """Measure a row of n wheels."""
+    """Measure a train of n wheels."""
     short, long = SPANS[integrator]
     cases = row(n, short, integrator), row(n, long, integrator)
     (few, few_steps), (many, many_steps) = (run.instructions(case) for case in cases)
@@ -128,7 +128,7 @@ def cost(run: Run, n: int, integrator: str, *, timed: bool) -> Cost:
 
 
 def judge(integrator: str, costs: dict[int, Cost]) -> bool:
-    """Print what the longest row costs over the one before; whether a limit is broken."""
+    """Compare the longest train with the previous one; return whether a limit is exceeded."""
     before, last = (costs[n] for n in NUMBERS[integrator][-2:])
     limit, broken = LIMITS[integrator], False
     for name in ("step", "output", "set_up", "cpu"):

@@ -1,11 +1,11 @@
-# evolvent_options: what every target of the project is compiled with.
+# evolvent_options: compile options of every target of the project.
 #
-# No -ffast-math, and no fused multiply-add behind our back (-ffp-contract=off): the same case gives the same bits with
+# No -ffast-math, and no implicit fused multiply-add (-ffp-contract=off): the same case gives the same bits with
 # every option below.
 set(CMAKE_C_STANDARD 11)
 set(CMAKE_C_STANDARD_REQUIRED ON)
 set(CMAKE_C_EXTENSIONS OFF)
-set(CMAKE_Fortran_PREPROCESS OFF) # no source asks for it, and a build starts half as many processes
+set(CMAKE_Fortran_PREPROCESS OFF) # no source needs it, and a build starts half as many processes
 
 add_library(evolvent_options INTERFACE)
 target_compile_definitions(evolvent_options INTERFACE $<$<COMPILE_LANGUAGE:C>:_POSIX_C_SOURCE=200809L>)
@@ -22,10 +22,10 @@ target_compile_options(
   evolvent_options
   INTERFACE
     -ffp-contract=off
-    # GCC 12 fuses a product and a sum all the same where it makes vectors of statements whose signs alternate, as in
-    # (n s + t c, t s - n c); vectors of loops stay.
+    # GCC 12 nevertheless fuses a product and a sum where it vectorises statements with alternating signs, as in
+    # (n s + t c, t s - n c); vectorisation of loops stays on.
     $<$<COMPILE_LANGUAGE:Fortran>:-fno-tree-slp-vectorize>
-    # Nobody replaces a procedure of the shared kernel by another at load time, so it may be inlined as in the executable.
+    # No procedure of the shared kernel is replaced at load time, so it may be inlined as in the executable.
     -fno-semantic-interposition
     $<$<BOOL:${EVOLVENT_NATIVE}>:-march=native>
     $<$<BOOL:${EVOLVENT_MARCH}>:-march=${EVOLVENT_MARCH}>
@@ -36,8 +36,8 @@ target_compile_options(
     $<$<COMPILE_LANGUAGE:Fortran>:-std=f2018$<SEMICOLON>-fimplicit-none$<SEMICOLON>-frecursive>
     # Honour `!$omp simd` before the short loops over lanes, which gfortran would unroll instead; no threads, no library.
     $<$<COMPILE_LANGUAGE:Fortran>:-fopenmp-simd>
-    # No signals on overflow and the like are counted on, so both sides of a merge() may be computed, and nobody reads errno after
-    # a square root: values stay the same. C has to say so as well, or link-time optimisation takes its word for Fortran's loops.
+    # No code relies on signals on overflow and the like, so both branches of a merge() may be computed, and none reads errno after
+    # a square root: values stay the same. C needs these options too: link-time optimisation applies those of C to Fortran's loops.
     -fno-trapping-math
     -fno-math-errno
     $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=all,no-array-temps$<SEMICOLON>-fbacktrace>
@@ -46,8 +46,8 @@ target_compile_options(
 if(EVOLVENT_SANITIZE)
   set(sanitize -fsanitize=${EVOLVENT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_compile_options(evolvent_options INTERFACE ${sanitize})
-  # gfortran itself adds to the bounds of arrays that are not allocated, which may be any numbers, and our logarithm to the bits of
-  # what is no number.
+  # gfortran itself adds to the bounds of arrays that are not allocated, which may have any value, and our logarithm adds to the
+  # bits of NaN.
   target_compile_options(
     evolvent_options
     INTERFACE $<$<COMPILE_LANGUAGE:Fortran>:-fno-sanitize=signed-integer-overflow>
@@ -55,7 +55,7 @@ if(EVOLVENT_SANITIZE)
   target_link_options(evolvent_options INTERFACE ${sanitize})
 endif()
 
-# Link-time optimisation sees C and Fortran together, so it also finds a C declaration that drifted from its Fortran.
+# Link-time optimisation compares C and Fortran, so it also detects a C declaration that differs from its Fortran procedure.
 if(EVOLVENT_LTO AND NOT EVOLVENT_SANITIZE AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
   include(CheckIPOSupported)
   check_ipo_supported(RESULT has_lto OUTPUT lto_output LANGUAGES C Fortran)

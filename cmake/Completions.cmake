@@ -1,5 +1,5 @@
-# Shell completion, which the program itself prints, where shells look for it: of an installation in the folders below its prefix.
-# A program that does not run on the machine that installs it is installed without.
+# Shell completion, printed by the program itself, in the folders where shells search: those below the prefix of the installation.
+# A program that does not run on the installing machine is installed without completion.
 function(evolvent_install_completions)
   set(share "${CMAKE_INSTALL_DATAROOTDIR}")
   if(SKBUILD)

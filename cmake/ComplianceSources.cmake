@@ -1,4 +1,4 @@
-# What the numbers of a wheel with compliance come from, so that a cache of them counts for the program that computed them alone.
+# Everything that affects the computed compliance of a wheel, so that a cache entry is valid only for the program that computed it.
 file(
   GLOB compliance_sources
   CONFIGURE_DEPENDS

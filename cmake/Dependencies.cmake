@@ -1,4 +1,4 @@
-# Outside libraries. Each that is missing is named with the package that has it, all in one message.
+# External libraries. One message lists all missing ones with their packages.
 set(missing "")
 
 find_package(PkgConfig QUIET)
@@ -6,7 +6,7 @@ if(NOT PKG_CONFIG_FOUND)
   list(APPEND missing "pkg-config: Debian pkg-config, conda-forge pkg-config")
 endif()
 
-# The matrices are small: plain LAPACK starts faster than a threaded one. -DBLA_VENDOR=... chooses another.
+# The matrices are small: plain LAPACK starts faster than a threaded one. -DBLA_VENDOR=... selects another.
 if(BLA_VENDOR)
   find_package(LAPACK QUIET)
 else()
@@ -23,7 +23,7 @@ endif()
 
 find_package(SUNDIALS 6.4 QUIET COMPONENTS ida nvecserial sunmatrixdense sunlinsoldense)
 if(NOT SUNDIALS_FOUND)
-  # A package of a later major version answers only to its own number.
+  # A package of a later major version is found only by its own version number.
   find_package(SUNDIALS 7 QUIET COMPONENTS ida nvecserial sunmatrixdense sunlinsoldense)
 endif()
 if(SUNDIALS_FOUND)
@@ -53,7 +53,7 @@ if(PKG_CONFIG_FOUND)
   endif()
   if(EVOLVENT_FMU)
     pkg_check_modules(MINIZIP QUIET IMPORTED_TARGET minizip)
-    # Mini-XML 4 answers to a name of its own.
+    # Mini-XML 4 has a different package name.
     pkg_search_module(MXML QUIET IMPORTED_TARGET mxml4 mxml)
     if(MINIZIP_FOUND AND MXML_FOUND)
       set(evolvent_fmu_libraries PkgConfig::MINIZIP PkgConfig::MXML)
@@ -80,7 +80,7 @@ endif()
 message(STATUS "SUNDIALS ${SUNDIALS_VERSION} ${with_klu}, HDF5 ${HDF5_VERSION}, libyaml ${YAML_VERSION}")
 
 include(StaticLibraries)
-# Debian keeps only links in its folder of HDF5: with them the program would look there for each of its libraries.
+# Debian's HDF5 folder has only links: with them the program would search there for each of its libraries.
 foreach(library hdf5::hdf5 hdf5::hdf5_hl)
   get_target_property(location ${library} IMPORTED_LOCATION)
   if(location)

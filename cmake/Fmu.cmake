@@ -1,6 +1,6 @@
-# The binary of an FMU, which `evolvent fmu` puts into each: kernel, driver and their libraries in one file, so that nothing of the
-# importer's system is needed but the C library. libgfortran alone cannot be part of another library, since Debian's archive is not
-# position-independent; the program puts it beside the binary.
+# The binary that `evolvent fmu` packs into each FMU: kernel, driver and their libraries in one file, so that the importer's
+# system needs to provide only the C library. Only libgfortran cannot be part of another library, since Debian's archive is not
+# position-independent; the program packs it beside the binary.
 set(fmu_name evolvent_fmu)
 file(GLOB fmu_sources CONFIGURE_DEPENDS driver/fmu/fmi3_*.c)
 set_source_files_properties(driver/fmu/fmi3_absent.c PROPERTIES COMPILE_OPTIONS -Wno-unused-parameter)
@@ -25,7 +25,7 @@ target_include_directories(
 )
 add_dependencies(evolvent_fmu evolvent_driver evolvent_kernel)
 
-# LAPACK becomes part of it where its archives are for that.
+# Link LAPACK statically if its archives are suitable for that.
 set(fmu_lapack LAPACK::LAPACK)
 set(
   fmu_carries
@@ -74,7 +74,7 @@ target_link_libraries(
 )
 if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
   set(exported "${PROJECT_SOURCE_DIR}/cmake/fmu.map")
-  # The old kind of search path also holds for what libgfortran needs.
+  # The old kind of search path (RPATH) also applies to the libraries that libgfortran needs.
   target_link_options(
     evolvent_fmu
     PRIVATE "-Wl,--version-script=${exported}" -static-libgcc "-Wl,--disable-new-dtags"
@@ -85,7 +85,7 @@ evolvent_end_without_memory(evolvent_fmu)
 add_dependencies(evolvent evolvent_fmu)
 install(TARGETS evolvent_fmu LIBRARY DESTINATION "${evolvent_library_dir}" COMPONENT program)
 
-# Where the program finds it, from its own folder, and what it puts beside it of what it runs with itself.
+# Path of the binary relative to the program's folder, and the program's own libraries that are packed beside it.
 list(JOIN fmu_carries " " fmu_carries)
 set_source_files_properties(
   driver/fmu/fmu_binary.c

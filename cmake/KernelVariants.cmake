@@ -1,8 +1,8 @@
-# EVOLVENT_VARIANTS: the program takes the kernel that fits the processor it starts on.
+# EVOLVENT_VARIANTS: the program loads the kernel for the processor on which it starts.
 #
-# The kernel is compiled again for newer processors, into glibc-hwcaps/PROCESSOR beside the one for any. The loader of glibc
-# 2.33 and newer looks there first and takes the best that the processor runs; other loaders take the one beside. All give
-# the same bits.
+# The kernel is also compiled for newer processors, into glibc-hwcaps/PROCESSOR beside the generic kernel. The loader of glibc
+# 2.33 and newer searches there first and loads the best one that the processor supports; other loaders use the generic one. All
+# give the same bits.
 include(CheckCompilerFlag)
 include(CMakeDependentOption)
 
@@ -16,7 +16,7 @@ cmake_dependent_option(
   OFF
 )
 
-# Where there is no memory a target ends the program evolvent with one line, whoever asked for it.
+# Without memory, a target ends the program evolvent with one line, whichever code requested the memory.
 function(evolvent_end_without_memory target)
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT EVOLVENT_SANITIZE)
     target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/driver/base/no_memory.c")
@@ -24,7 +24,7 @@ function(evolvent_end_without_memory target)
   endif()
 endfunction()
 
-# The kernel as a shared library with the name that the loader looks for.
+# The kernel as a shared library with the name that the loader searches for.
 function(evolvent_shared_kernel target)
   set_target_properties(
     ${target}
@@ -39,7 +39,7 @@ function(evolvent_shared_kernel target)
   target_link_libraries(${target} PRIVATE evolvent_options LAPACK::LAPACK)
 endfunction()
 
-# The kernel once more for each newer processor, with the same sources; the program waits for them.
+# The kernel for each newer processor, from the same sources; the program depends on them.
 function(evolvent_add_kernel_variants sources)
   foreach(processor IN LISTS kernel_processors)
     set(variant evolvent_kernel_${processor})
@@ -61,14 +61,14 @@ function(evolvent_add_kernel_variants sources)
   endforeach()
 endfunction()
 
-# The program names LAPACK itself, although only the kernel calls it. The loader looks for a name in what the program names,
-# then in what that needs: it would find the many names of an OpenBLAS late, which costs 1 ms a start.
+# Link the program itself to LAPACK, although only the kernel calls it. The loader searches a symbol in the libraries of the program
+# first, then in their dependencies: it would find the many symbols of an OpenBLAS late, which costs 1 ms a start.
 function(evolvent_name_lapack target)
   set(libraries ${LAPACK_LIBRARIES})
   list(FILTER libraries INCLUDE REGEX "\\.so$")
   if(libraries)
     list(JOIN libraries "," libraries)
-    # The second gives the folder of LAPACK to the search path.
+    # The second adds the folder of LAPACK to the search path.
     target_link_libraries(
       ${target}
       PRIVATE "-Wl,--push-state,--no-as-needed,${libraries},--pop-state" LAPACK::LAPACK

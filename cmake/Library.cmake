@@ -1,7 +1,7 @@
-# libevolvent: the program's analyses for other programs, without HDF5, which would meet another one in their process.
+# libevolvent: the program's analyses for other programs, without HDF5, which could conflict with another HDF5 in their process.
 #
-# It takes from the driver what it needs, with answers of its own where the program writes files or ends itself: the linker looks
-# into the archive only for what is not there yet.
+# It links the driver's archive, with its own implementations where the program writes files or ends itself: the linker searches
+# the archive only for symbols that are not yet defined.
 file(GLOB library_sources CONFIGURE_DEPENDS driver/library/*.c)
 add_library(
   evolvent_library
@@ -37,9 +37,9 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
   set_property(TARGET evolvent_library APPEND PROPERTY LINK_DEPENDS "${exported}")
 endif()
 evolvent_end_without_memory(evolvent_library)
-add_dependencies(evolvent evolvent_library) # who builds the program, as a wheel does, has it too
+add_dependencies(evolvent evolvent_library) # built with the program, as in a wheel
 
-# What other programs need: find_package(evolvent), pkg-config, headers. The folder of an installation may be moved.
+# Files for other programs: find_package(evolvent), pkg-config, headers. The folder of an installation may be moved.
 include(CMakePackageConfigHelpers)
 set_target_properties(evolvent_kernel_shared PROPERTIES EXPORT_NAME kernel)
 set_target_properties(evolvent_library PROPERTIES EXPORT_NAME evolvent)
@@ -87,7 +87,7 @@ if(NOT SKBUILD)
     DESTINATION "${evolvent_package_dir}"
     COMPONENT library
   )
-  # Two modules: the library of cases, and the kernel alone.
+  # Two modules: the library of cases, and the kernel.
   set(pkgconfig_names evolvent evolvent-kernel)
   set(
     pkgconfig_texts

@@ -1,10 +1,10 @@
-# SUNDIALS' solver KLU for the sparse matrices of long trains, if it is there: SUNDIALS may have been built without it, or with a
-# KLU whose own files are not there. Archives are preferred: few runs need it, and each shared library takes its time at every
-# start of the program.
+# SUNDIALS' solver KLU for the sparse matrices of long trains, if available: SUNDIALS may have been built without it, or with a
+# KLU whose own files are missing. Archives are preferred: few runs need KLU, and each shared library adds to the start time
+# of the program.
 include(CheckCSourceCompiles)
 
 set(with_klu "without KLU")
-set(klu_needs "") # of KLU's archives
+set(klu_needs "") # dependencies of KLU's archives
 if(EVOLVENT_KLU AND TARGET SUNDIALS::sunlinsolklu AND TARGET SUNDIALS::sunmatrixsparse)
   set(klu_files "")
   set(klu_folders "")
@@ -28,7 +28,7 @@ if(EVOLVENT_KLU AND TARGET SUNDIALS::sunlinsolklu AND TARGET SUNDIALS::sunmatrix
         set(has_archives OFF)
       endif()
     endforeach()
-    # From SuiteSparse 6 on its archives ask OpenMP for the time.
+    # From SuiteSparse 6 on its archives call OpenMP for the time.
     if(has_archives)
       set(CMAKE_REQUIRED_QUIET ON)
       foreach(needs IN ITEMS m gomp)

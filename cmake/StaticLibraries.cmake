@@ -1,8 +1,8 @@
-# EVOLVENT_STATIC: SUNDIALS, HDF5, libyaml, minizip and Mini-XML become part of the program, where static libraries lie beside the
+# EVOLVENT_STATIC: link SUNDIALS, HDF5, libyaml, minizip and Mini-XML statically if static libraries exist beside the
 # shared ones.
 #
-# Of the loader's work at each start they and what they need cost nine tenths: Debian's shared HDF5 takes a client of the network
-# with it, of which a program that links the static one needs nothing. What is not there, or does not link, stays shared.
+# As shared libraries they and their dependencies take nine tenths of the loader's work at each start: Debian's shared HDF5
+# needs a network client, which a program with the static HDF5 does not. Libraries that are missing or do not link stay shared.
 include(CheckCSourceCompiles)
 
 option(
@@ -11,7 +11,7 @@ option(
   ON
 )
 
-# The static libraries beside shared ones; empty unless all are there.
+# The static libraries beside shared ones; empty unless all exist.
 function(evolvent_static_beside result)
   set(found "")
   foreach(library IN LISTS ARGN)
@@ -26,7 +26,7 @@ function(evolvent_static_beside result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-# Whether a program that calls a function links with static libraries, of which there are some, and what they need.
+# Whether a program that calls a function links with the given static libraries and their dependencies; false without libraries.
 function(evolvent_links result function libraries)
   if(NOT EVOLVENT_STATIC OR NOT libraries)
     set(${result} OFF PARENT_SCOPE)
@@ -40,7 +40,7 @@ endfunction()
 
 set(evolvent_static_names "")
 
-# SUNDIALS. Its static targets name shared ones as what they need, so take the files only. All of them or none.
+# SUNDIALS. Its static targets depend on shared ones, so use the files only. All of them or none.
 get_target_property(sundials_parts evolvent_sundials INTERFACE_LINK_LIBRARIES)
 if(NOT TARGET SUNDIALS::core)
   list(APPEND sundials_parts SUNDIALS::generic)
@@ -55,7 +55,7 @@ foreach(part IN LISTS sundials_parts)
     set(location "${part}")
   elseif(part MATCHES "^\\$<TARGET_FILE:(.*_static)>$")
     get_target_property(location ${CMAKE_MATCH_1} LOCATION)
-  elseif(TARGET ${part}_static AND NOT part MATCHES "klu") # by its target KLU is shared
+  elseif(TARGET ${part}_static AND NOT part MATCHES "klu") # its target has the shared KLU
     get_target_property(location ${part}_static LOCATION)
   endif()
   if(NOT location)
@@ -72,7 +72,7 @@ if(EVOLVENT_LINKS_STATIC_SUNDIALS)
   list(APPEND evolvent_static_names SUNDIALS)
 endif()
 
-# HDF5 with its high-level library, and what its filters need: one copy of HDF5 a program.
+# HDF5 with its high-level library and the libraries of its filters: one copy of HDF5 a program.
 set(hdf5_targets hdf5::hdf5 hdf5::hdf5_hl)
 set(hdf5_shared "")
 foreach(target IN LISTS hdf5_targets)
@@ -90,7 +90,7 @@ foreach(name sz aec z)
 endforeach()
 find_package(Threads QUIET)
 list(APPEND hdf5_needs ${CMAKE_DL_LIBS} ${CMAKE_THREAD_LIBS_INIT} m)
-list(REVERSE hdf5_static) # the high-level library comes before what it needs
+list(REVERSE hdf5_static) # the high-level library comes before its dependencies
 evolvent_links(EVOLVENT_LINKS_STATIC_HDF5 H5open "${hdf5_static}" ${hdf5_needs})
 list(REVERSE hdf5_static)
 if(EVOLVENT_LINKS_STATIC_HDF5)
@@ -110,7 +110,7 @@ if(EVOLVENT_LINKS_STATIC_YAML)
   list(APPEND evolvent_static_names libyaml)
 endif()
 
-# minizip and Mini-XML, which only `evolvent fmu` needs
+# minizip and Mini-XML, needed only by `evolvent fmu`
 if(EVOLVENT_FMU)
   evolvent_static_beside(fmu_static ${MINIZIP_LINK_LIBRARIES})
   evolvent_links(EVOLVENT_LINKS_STATIC_MINIZIP zipOpen "${fmu_static}" "${EVOLVENT_LIBRARY_z}")

@@ -2,10 +2,10 @@
 
     carry_libraries.py WHEEL FOLDER [--archive FILE ...]
 
-auditwheel judges here. Its repair puts libraries where only modules find them, and a Python script
-before each program; so that is done here, for the places to which pip brings the files. Each
-library gets a name with its hash: in one process it is never taken for another of its name.
-Licences of what is carried, also of linked archives, go beside evolvent's own.
+auditwheel only determines the tag. Its repair puts libraries where only modules find them, and a
+Python script before each program. So this script copies them, for the paths of an installation by
+pip. Each library gets a name with its hash: in one process it is not confused with another library
+of its name. Licences of carried libraries and of linked archives are added beside evolvent's own.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
-# Of the C library, and libgcc_s, of which a process must have one only: every system has them.
+# The C library, and libgcc_s, which must exist only once in a process: every system has them.
 SYSTEM = re.compile(r"(linux-vdso|ld-linux-x86-64|lib(c|m|mvec|dl|rt|pthread|gcc_s))\.so(\.\d+)?$")
-# What may be carried. Anything else, such as an HDF5 with a client of the network, is an error.
+# Libraries that may be carried. Any other, such as an HDF5 with a network client, is an error.
 CARRIED = re.compile(r"lib(gfortran|quadmath|lapack|blas)\.so\.\d+$")
-# Where pip puts a wheel's data, below the prefix; all else goes together to where modules are.
+# Where pip installs a wheel's data, below the prefix; everything else goes to the modules' folder.
 SCHEMES = {"scripts": PurePosixPath("bin"), "data": PurePosixPath()}
 PREFIX_LIBRARIES = PurePosixPath("libexec/evolvent")
 
 
 def run(*command: str | Path, **environment: str) -> str:
-    """Output of a command; a failure ends with what it said."""
+    """Run a command and return its output; a failure ends the program with the command's output."""
     done = subprocess.run(
         command, env=os.environ | environment, capture_output=True, text=True, check=False
     )
@@ -42,7 +42,7 @@ def run(*command: str | Path, **environment: str) -> str:
 
 
 def binaries(folder: Path) -> list[Path]:
-    """Programs and shared libraries in a folder."""
+    """List the programs and shared libraries in a folder."""
 
     def is_binary(path: Path) -> bool:
         if path.is_symlink() or not path.is_file():
@@ -56,7 +56,7 @@ def binaries(folder: Path) -> list[Path]:
 def installed_trees(tree: Path) -> Iterator[tuple[dict[Path, PurePosixPath], Path, PurePosixPath]]:
     """Binaries of an unpacked wheel that are installed together.
 
-    As file -> installed place; with the folder of the libraries that they get, and its place.
+    As file -> installed path; with the folder of their carried libraries, and its installed path.
     """
     (data,) = [*tree.glob("*.data")] or [tree / "none.data"]
     prefix: dict[Path, PurePosixPath] = {}
@@ -75,7 +75,7 @@ def installed_trees(tree: Path) -> Iterator[tuple[dict[Path, PurePosixPath], Pat
 
 
 def needed_from_outside(files: list[Path]) -> dict[str, Path]:
-    """Libraries that a wheel of these files has to carry: name -> file on this machine."""
+    """Find the libraries that a wheel of these files has to carry: name -> file on this machine."""
     own = {path.name for path in files}
     folders = ":".join(sorted({str(path.parent) for path in files}))
     outside: dict[str, Path] = {}
@@ -98,7 +98,7 @@ def needed_from_outside(files: list[Path]) -> dict[str, Path]:
 
 
 def carry(placed: dict[Path, PurePosixPath], folder: Path, place: PurePosixPath) -> list[Path]:
-    """Copy what the files need into a folder, where they find it; give what was copied."""
+    """Copy required libraries into a folder, set search paths to it, return the copied sources."""
     outside = needed_from_outside([*placed])
     folder.mkdir(parents=True, exist_ok=True)
     names = {}
@@ -125,7 +125,7 @@ def carry(placed: dict[Path, PurePosixPath], folder: Path, place: PurePosixPath)
 
 
 def add_licences(tree: Path, sources: list[Path]) -> None:
-    """Copyright files of the Debian packages of what is carried, with a list of their versions."""
+    """Add copyright files of the Debian packages of carried files, with a list of versions."""
     (info,) = tree.glob("*.dist-info")
     folder = info / "licenses" / "carried"
     folder.mkdir(parents=True)
@@ -143,7 +143,7 @@ def add_licences(tree: Path, sources: list[Path]) -> None:
 
 
 def manylinux_tag(tree: Path, trees: list[dict[Path, PurePosixPath]]) -> str:
-    """What auditwheel allows to the binaries, in a wheel that has them where pip puts them."""
+    """Determine auditwheel's tag for the binaries, laid out as in an installation."""
     with tempfile.TemporaryDirectory() as scratch:
         laid = Path(scratch, tree.name)
         (info,) = tree.glob("*.dist-info")
@@ -155,7 +155,7 @@ def manylinux_tag(tree: Path, trees: list[dict[Path, PurePosixPath]]) -> str:
                 shutil.copy2(file, target)
         run(sys.executable, "-m", "wheel", "pack", laid, "--dest-dir", scratch)
         (wheel,) = Path(scratch).glob("*.whl")
-        # Kernels for newer processors are chosen by the loader, not by the tag.
+        # Kernels for newer processors are selected by the loader, not by the tag.
         said = json.loads(run("auditwheel", "show", "--json", "--disable-isa-ext-check", wheel))
     tag = said.get("overall_tag") or said.get("overall_policy") or ""
     if not isinstance(tag, str) or not tag.startswith("manylinux_"):
@@ -164,7 +164,7 @@ def manylinux_tag(tree: Path, trees: list[dict[Path, PurePosixPath]]) -> str:
 
 
 def main() -> None:
-    """Command line."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("wheel", type=Path)
     parser.add_argument("folder", type=Path)

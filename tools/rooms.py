@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Rooms of the code and the arrows between them, read off the lines that name another file.
+"""Modules of the code and their dependencies, read from the lines that name another file.
 
 usage: tools/rooms.py [--write]
 
-Without an argument: one line for every arrow that docs/rooms.toml does not allow, and exit code 1
-if there is any. With --write: what docs/architecture.md shows of the code is made anew.
+Without an argument: one line for every dependency that docs/rooms.toml does not allow, and exit
+code 1 if there is any. With --write: generate the diagrams and tables of docs/architecture.md.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ VARIABLES = "variables"
 
 @dataclass(frozen=True)
 class Tree:
-    """One source tree: its table, and where it stands."""
+    """One source tree: its table and its location."""
 
     root: Path
     name: str
@@ -35,37 +35,37 @@ class Tree:
 
     @property
     def folder(self) -> Path:
-        """Where its files are."""
+        """Folder of its files."""
         return self.root / self.name
 
     @cached_property
     def named(self) -> dict[str, Path]:
-        """Its files by their names."""
+        """Paths of its files by file name."""
         return {file.name: file for file in self.files()}
 
     def files(self) -> list[Path]:
-        """Files of the language, relative to the tree."""
+        """List the files of the language, relative to the tree."""
         endings = {"Fortran": ("f90", "inc"), "C": ("c", "h"), "Python": ("py",)}[self.language]
         found = (path for ending in endings for path in self.folder.rglob(f"*.{ending}"))
         return sorted(path.relative_to(self.folder) for path in found)
 
     def room(self, file: Path) -> str | None:
-        """Room of a file: its folder, or of a file at the top of the tree its name."""
+        """Module of a file: its folder, or the stem of a file at the top of the tree."""
         name = file.parts[0] if len(file.parts) > 1 else file.stem
         return name if name in self.rooms else None
 
     def floor(self, room: str) -> int:
-        """Floor of a room, from the ground up."""
+        """Layer index of a module, lowest first."""
         return next(i for i, rooms in enumerate(self.floors) if room in rooms)
 
     def allows(self, start: str, end: str) -> bool:
-        """Whether one room may know another."""
+        """Whether a module may depend on another."""
         return start == end or self.floor(end) < self.floor(start)
 
 
 @dataclass(frozen=True)
 class Arrow:
-    """One line of a file that names another file, or something from outside of the tree."""
+    """One dependency: a line of a file that names another file, or a name from outside the tree."""
 
     file: Path
     line: int
@@ -74,7 +74,7 @@ class Arrow:
 
 
 def trees(root: Path) -> list[Tree]:
-    """All trees of the table of a checkout."""
+    """Read all trees from the table of a checkout."""
     table = tomllib.loads((root / "docs" / "rooms.toml").read_text())
     return [
         Tree(
@@ -128,7 +128,7 @@ def _python(tree: Tree, file: Path, text: str) -> Iterator[tuple[int, str, Path 
             dotted = ".".join([*base[: len(base) - level + 1], *filter(None, [dotted.lstrip(".")])])
         parts = dotted.split(".")[1:]
         names = [name.split(" as ")[0].strip() for name in (several or one or "").split(",")]
-        if not parts:  # names of the package itself: each is a room or a name of its __init__
+        if not parts:  # names of the package itself: each is a module or a name of its __init__
             for name in names:
                 yield line, f"{dotted}.{name}", Path(name, "__init__.py")
         else:
@@ -139,7 +139,7 @@ READERS = {"Fortran": _fortran, "C": _c, "Python": _python}
 
 
 def arrows(tree: Tree) -> Iterator[Arrow]:
-    """Every arrow of a tree."""
+    """Iterate over the dependencies of a tree."""
     for file in tree.files():
         text = (tree.folder / file).read_text()
         for line, name, target in READERS[tree.language](tree, file, text):
@@ -147,7 +147,7 @@ def arrows(tree: Tree) -> Iterator[Arrow]:
 
 
 def faults(root: Path) -> list[str]:
-    """What the table does not allow, one line each."""
+    """List the violations of the table, one line each."""
     found = []
     for tree in trees(root):
         listed = [room for rooms in tree.floors for room in rooms]
@@ -175,7 +175,7 @@ def faults(root: Path) -> list[str]:
 
 
 def drawing(tree: Tree) -> str:
-    """A tree as a diagram and a list; an arrow says that a room knows another."""
+    """Draw a tree as a diagram and a list; an arrow is a dependency of a module on another."""
     known = {
         (tree.room(arrow.file), arrow.room)
         for arrow in arrows(tree)
@@ -187,7 +187,7 @@ def drawing(tree: Tree) -> str:
         lines.append("    direction LR")
         lines += [f"    {room}" for room in rooms]
         lines.append("  end")
-    # Of the arrows that pass a room on their way, the drawing leaves those out that others imply.
+    # Omit arrows that are implied by a path of two others.
     for start, end in sorted(known, key=lambda pair: (tree.floor(pair[0]), pair)):
         between = {b for a, b in known if a == start and b != end}
         if not any((middle, end) in known for middle in between):
@@ -198,7 +198,7 @@ def drawing(tree: Tree) -> str:
 
 
 def variables(root: Path) -> str:
-    """Which file of the kernel gives which variable of a history, as a table."""
+    """Tabulate the variables of a history that each file of the kernel provides."""
     text = (root / "docs" / "result_format.md").read_text()
     names = {
         name
@@ -209,7 +209,7 @@ def variables(root: Path) -> str:
     }
     files: dict[str, list[str]] = {}
     for file in sorted((root / "src" / "answers").glob("*.f90")):
-        if file.stem == "static_outputs":  # of another analysis, with names of its own
+        if file.stem == "static_outputs":  # of another analysis, with its own names
             continue
         row = r'^ +call add_(?:output|components)\(registry, "(\w+)"'
         added = set(re.findall(row, file.read_text(), re.MULTILINE))
@@ -231,13 +231,13 @@ def _between(text: str, what: str, body: str) -> str:
 
 
 def page(text: str, root: Path) -> str:
-    """The page with all that is made from the code made anew."""
+    """Return the page with its generated parts updated."""
     text = _between(text, ROOMS, "\n".join(drawing(tree) for tree in trees(root)))
     return _between(text, VARIABLES, variables(root))
 
 
 def main(arguments: list[str]) -> int:
-    """Check, or draw."""
+    """Check the dependencies, or update the page."""
     root = Path(__file__).parents[1]
     if arguments == ["--write"]:
         file = root / "docs" / "architecture.md"

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What quickstart and runtests share: Debian packages, the build, the Python environment. To be sourced from the
+# Shared steps of quickstart and runtests: Debian packages, the build, the Python environment. To be sourced from the
 # repository's root. Each step is skipped when it is done, prints one line, and keeps its output in build/log/.
 
 export LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive MPLBACKEND=Agg
@@ -14,10 +14,10 @@ die() {
   exit 1
 }
 
-# log_of TEXT: where the output of a step goes.
+# log_of TEXT: path of the log of a step.
 log_of() { printf 'build/log/%s.log' "$(tr -cs 'A-Za-z0-9\n' '-' <<<"$1")"; }
 
-# ended TEXT STATUS START: say how a step ended; after a failure show the end of its log and stop.
+# ended TEXT STATUS START: print the result of a step; after a failure show the end of its log and stop.
 ended() {
   if [ "$2" = 0 ]; then
     printf 'done (%d s)\n' $((SECONDS - $3))
@@ -37,7 +37,7 @@ step() {
   ended "$text" $status $start
 }
 
-# counted_step TEXT COMMAND...: the same of a command that counts its work as Ninja does, and show how far it is.
+# counted_step TEXT COMMAND...: the same for a command that counts its steps as Ninja does, with its progress.
 counted_step() {
   local text=$1 start=$SECONDS status=0
   shift
@@ -46,7 +46,7 @@ counted_step() {
   ended "$text" $status $start
 }
 
-# show_count TEXT: of lines that begin with [DONE/ALL], on a terminal the count, in its line; elsewhere a line each quarter.
+# show_count TEXT: show the count of lines that start with [DONE/ALL]: on a terminal in one line; elsewhere a line each quarter.
 show_count() {
   local text=$1 line percent start=$SECONDS shown=0
   while IFS= read -r line; do
@@ -75,7 +75,7 @@ install_packages() {
   fi
 }
 
-# The Debian packages that a log of CMake, or all that its list of libraries names.
+# The Debian packages named in a log of CMake, or all packages of its list of libraries.
 library_packages() { sed -n 's/.*: Debian \([a-z0-9-]*\),.*/\1/p' "${1:-cmake/Dependencies.cmake}"; }
 
 can_install() {
@@ -106,7 +106,7 @@ find_python() {
   return 1
 }
 
-# Tools are looked for by their commands, so that modules and conda environments count as well.
+# Tools are searched by their commands, so that modules and conda environments are found as well.
 setup_tools() {
   local missing=()
   command -v gcc >/dev/null || command -v "${CC:-cc}" >/dev/null || missing+=(gcc libc6-dev)
@@ -116,7 +116,7 @@ setup_tools() {
   command -v pkg-config >/dev/null || missing+=(pkg-config)
   find_python >/dev/null || missing+=(python3-venv)
   if [ ${#missing[@]} -gt 0 ] && ! can_install; then
-    # CMake cannot look for the libraries yet, so name them all.
+    # CMake cannot search for the libraries yet, so name them all.
     mapfile -t -O ${#missing[@]} missing < <(library_packages | grep -v pkg-config)
   fi
   need "${missing[@]}"
@@ -134,7 +134,7 @@ missing_test_packages() {
   done <"$list"
 }
 
-# Everything else that the tests need. Without the right to install it, tests are skipped that lack a program.
+# Everything else that the tests need. Without the right to install it, tests whose programs are missing are skipped.
 setup_test_tools() {
   local missing
   mapfile -t missing < <(missing_test_packages | sort -u)
@@ -148,7 +148,7 @@ setup_test_tools() {
   export EVOLVENT_TESTS_COMPLETE=1
 }
 
-# configure PRESET: CMake finds the libraries, and it names the Debian packages of those that are missing.
+# configure PRESET: CMake finds the libraries, and lists the Debian packages of the missing ones.
 configure() {
   local dir=build/$1 home missing
   home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$dir/CMakeCache.txt" 2>/dev/null || true)
@@ -173,7 +173,7 @@ build() {
   counted_step "Building $1" cmake --build --preset "$1"
 }
 
-# python_environment LOCK: .venv with exactly what the lock file says.
+# python_environment LOCK: create .venv with exactly the packages of the lock file.
 python_environment() {
   local lock=$1 python identity
   python=$(find_python)
@@ -187,7 +187,7 @@ python_environment() {
     step "Installing Python packages ($lock)" .venv/bin/python -m pip install --require-hashes -r "$lock"
     cp "$lock" ".venv/.$lock"
   fi
-  # The package in place: Python reads the sources, and CMake's program is linked, not built again.
+  # Editable installation: Python reads the sources, and CMake's program is linked, not built again.
   if ! cmp -s pyproject.toml .venv/.pyproject.toml || ! cmp -s CMakeLists.txt .venv/.CMakeLists.txt; then
     step "Installing the Python package evolvent in place" .venv/bin/python -m pip install \
       --no-deps --no-build-isolation --config-settings=wheel.cmake=false --config-settings=editable.mode=inplace -e .

@@ -1,1 +1,1 @@
-"""Mutants of the code: the list, where they are built, what is run on them."""
+"""Mutation testing: the list of mutants, their build folders, the tests run on them."""

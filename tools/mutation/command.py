@@ -1,4 +1,4 @@
-"""The command: which mutants are run, where, and what is told of them."""
+"""The command line: select mutants, run their tests, report the verdicts."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from mutation.trial import adopt_orphans, run_tests
 
 FOLDER = ROOT / "build" / "mutate"
 RECORDS = FOLDER / "records.jsonl"
-FEW = 8  # tests that are asked first because they noticed mutants of the same file
-REST = ("tests",)  # what --all asks when the named tests have passed
+FEW = 8  # tests to run first because they detected mutants of the same file
+REST = ("tests",)  # tests that --all runs when the named tests have passed
 
 
 def _options() -> argparse.ArgumentParser:
@@ -74,7 +74,7 @@ def _options() -> argparse.ArgumentParser:
 def chosen(
     mutants: list[Mutant], records: dict[str, Record], options: argparse.Namespace
 ) -> list[Mutant]:
-    """Tell which mutants are to be run: not those that are known to be equivalent."""
+    """Select the mutants to be run, without those known to be equivalent."""
     some = [m for m in mutants if not m.equivalent]
     if options.only:
         some = [m for m in some if any(text in str(m) or text == m.key for text in options.only)]
@@ -89,7 +89,7 @@ def chosen(
 
 
 def judge(ground: Ground, mutant: Mutant, ask_all: bool, first: Sequence[str] = ()) -> Record:
-    """Run the tests of one mutant, `first` those that noticed others."""
+    """Run the tests of one mutant, starting with `first`, which detected others."""
     start = time.monotonic()
     ground.put(mutant)
     outcome = run_tests(ground, mutant.tests, ground.folder, first)
@@ -103,7 +103,7 @@ def judge(ground: Ground, mutant: Mutant, ask_all: bool, first: Sequence[str] = 
 
 
 def quickest(mutant: Mutant, records: dict[str, Record], path_of: dict[str, str]) -> list[str]:
-    """Tell which tests noticed other mutants of the file, the most often first."""
+    """List tests that detected other mutants of the file, the most frequent first."""
     count = Counter(
         record.by
         for record in records.values()
@@ -113,7 +113,7 @@ def quickest(mutant: Mutant, records: dict[str, Record], path_of: dict[str, str]
 
 
 def doubted(ground: Ground, records: list[Record]) -> list[Record]:
-    """Ask the tests that noticed without a mutant: one that fails all the same says nothing."""
+    """Run the detecting tests without a mutant: the verdict of a test that still fails is void."""
     killers = sorted({record.by for record in records if record.verdict == KILLED})
     failing = set()
     ground.put(None)
@@ -125,7 +125,7 @@ def doubted(ground: Ground, records: list[Record]) -> list[Record]:
             raise ListError(f"the tree does not build: {ground.log}")
         if outcome.by in left:
             failing.add(outcome.by)
-        else:  # one of them cannot even be asked
+        else:  # one of them cannot even be run
             failing |= {k for k in left if not run_tests(ground, (k,), ground.folder).passed}
             break
     return [
@@ -138,8 +138,8 @@ def doubted(ground: Ground, records: list[Record]) -> list[Record]:
 def _work(
     number: int, files: multiprocessing.Queue[list[Mutant]], ask_all: bool, jobs: int
 ) -> None:
-    """Run the mutants of one file after another in a copy of its own."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # what it started ends with it
+    """Run the mutants of one file after another in a separate copy."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # its child processes end with it
     os.nice(max(0, 10 - os.nice(0)))
     adopt_orphans()
     ground = Ground(FOLDER / str(number), jobs)
@@ -158,7 +158,7 @@ def _work(
 
 
 def _doubt(mutants: list[Mutant], jobs: int) -> None:
-    """Look again at all that was killed, with the tree as it is."""
+    """Check all killed mutants again, with the unmodified tree."""
     records = read_records(RECORDS)
     ground = Ground(FOLDER / "1", jobs)
     ground.prepare()
@@ -179,7 +179,7 @@ def _run(mutants: list[Mutant], copies: int, ask_all: bool) -> bool:
     for mutant in mutants:
         by_file.setdefault(mutant.path, []).append(mutant)
     groups = list(by_file.values())
-    random.Random(0).shuffle(groups)  # a run that is stopped has looked into all rooms
+    random.Random(0).shuffle(groups)  # a run that is stopped has sampled all modules
     files: multiprocessing.Queue[list[Mutant]] = multiprocessing.Queue()
     for group in groups:
         files.put(group)
@@ -194,7 +194,7 @@ def _run(mutants: list[Mutant], copies: int, ask_all: bool) -> bool:
         for worker in workers:
             worker.join()
     except BaseException:
-        files.cancel_join_thread()  # nobody takes what is left of them
+        files.cancel_join_thread()  # no process takes the remaining ones
         for worker in workers:
             worker.terminate()
         raise
@@ -202,7 +202,7 @@ def _run(mutants: list[Mutant], copies: int, ask_all: bool) -> bool:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit code: 0 if all that were run are killed, 1 if one survived, 2 if the list is wrong."""
+    """Return exit code 0 if all are killed, 1 if one survived, 2 if the list is wrong."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     adopt_orphans()
     options = _options().parse_args(arguments)
@@ -231,5 +231,5 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def paths() -> tuple[Path, Path]:
-    """Tell where the copies and the records are, for tests."""
+    """Return the paths of the copies and of the records, for tests."""
     return FOLDER, RECORDS

@@ -1,4 +1,4 @@
-"""The list of mutants: what each changes, and which tests are asked first."""
+"""The list of mutants: the change of each, and the tests to run first."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LIST = ROOT / "tools" / "mutants"
 
 
 class ListError(Exception):
-    """What is wrong with the list, in one line."""
+    """An error of the list, in one line."""
 
 
 @dataclass(frozen=True)
@@ -29,24 +29,24 @@ class Mutant:
 
     @property
     def key(self) -> str:
-        """Its name in the records: that of the change, wherever the file moves its line to."""
+        """Its name in the records: a hash of the change, independent of the line number."""
         text = "\0".join((self.path, self.find, self.put))
         return hashlib.sha256(text.encode()).hexdigest()[:10]
 
     @property
     def room(self) -> str:
-        """Tree and room of the file: `src/laws`."""
+        """Tree and module of the file: `src/laws`."""
         folders = [part for part in self.path.split("/")[:-1] if part != "evolvent"]
         return "/".join(folders[:2])
 
     def __str__(self) -> str:
-        """One line that tells the change."""
+        """One line that describes the change."""
         before, after = (" ".join(text.split()) for text in (self.find, self.put))
         note = f"  ({self.note})" if self.note else ""
         return f"{self.path}: {before} -> {after or 'nothing'}{note}"
 
     def applied(self, text: str) -> str:
-        """Text of the file with the change."""
+        """Return the text of the file with the change."""
         count = text.count(self.find)
         if count != 1:
             raise ListError(f"stale: found {count} times instead of once: {self}")
@@ -77,12 +77,12 @@ def _entries(file: Path) -> Iterator[Mutant]:
 
 
 def read_list(folder: Path = LIST) -> list[Mutant]:
-    """Read all mutants, those of a file beside each other, so that builds are incremental.
+    """Read all mutants, grouped by file, so that builds are incremental.
 
     Raises
     ------
     ListError
-        For a row that is not one, and for two that make the same change.
+        For an invalid row, and for two rows with the same change.
     """
     mutants = [mutant for file in sorted(folder.glob("*.toml")) for mutant in _entries(file)]
     seen: dict[str, Mutant] = {}
@@ -94,7 +94,7 @@ def read_list(folder: Path = LIST) -> list[Mutant]:
 
 
 def stale(mutants: list[Mutant], root: Path = ROOT) -> list[str]:
-    """Tell which rows do not fit the tree: a text that is not there once, a test that is gone."""
+    """List rows that do not fit the tree: text not found exactly once, test file missing."""
     complaints = []
     for mutant in mutants:
         file = root / mutant.path

@@ -1,4 +1,4 @@
-"""Where mutants live: a copy of the tree with a build of its own, under build/mutate."""
+"""Build folders of mutants: a copy of the tree with its own build, under build/mutate."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ OPTIONS = {
     "EVOLVENT_LTO": "OFF",
     "EVOLVENT_VARIANTS": "OFF",
 }
-# What tests in Python load or run: the program, the libraries, the layers below a program.
+# Targets for tests in Python: the program, the libraries, the layers below a program.
 FOR_PYTHON = (
     "evolvent",
     "evolvent_library",
@@ -32,7 +32,7 @@ SCAN = re.compile(r"^(rule Fortran_SCAN\w*\n)  depfile = .*\n", re.MULTILINE)
 
 
 class Ground:
-    """One copy of the tree, and what is built from it."""
+    """One copy of the tree, and its build."""
 
     def __init__(self, folder: Path, jobs: int) -> None:
         self.folder = folder
@@ -42,11 +42,11 @@ class Ground:
         self.jobs = jobs
         self._sources: dict[str, str] = {}
         self._mutated: str | None = None
-        self._is_dirty = True  # something that is compiled has changed since it was built
-        self._made: set[str] = set()  # targets as the tree is
+        self._is_dirty = True  # a compiled file has changed since the last build
+        self._made: set[str] = set()  # targets built from the present tree
 
     def prepare(self) -> None:
-        """Make the copy as the tree is now, and configure its build."""
+        """Copy the present tree, and configure its build."""
         names = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True, text=True,
@@ -58,7 +58,7 @@ class Ground:
         for path in [path for path in self.tree.rglob("*") if path.is_file()]:
             if str(path.relative_to(self.tree)) not in wanted:
                 path.unlink()
-        # Held against its source when it is loaded: a mutant's is compiled anew, in memory.
+        # Checked against its source on import: a mutant's module is compiled anew, in memory.
         compiler = [sys.executable, "-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
         folders = [str(self.tree / "postprocess"), str(self.tree / "tests")]
         subprocess.run([*compiler, *folders], check=True)
@@ -77,7 +77,7 @@ class Ground:
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
     def put(self, mutant: Mutant | None) -> None:
-        """Bring the tree into the state of one mutant, or into its own."""
+        """Apply one mutant to the tree, or restore the tree."""
         if self._mutated is not None and (mutant is None or mutant.path != self._mutated):
             self._change(self._mutated, self._sources[self._mutated])
             self._mutated = None
@@ -87,7 +87,7 @@ class Ground:
             self._change(mutant.path, mutant.applied(source))
 
     def make(self, tests: tuple[str, ...]) -> bool:
-        """Build what the tests are: C tests, or all that tests in Python load or run."""
+        """Build C tests, or everything that tests in Python load or run."""
         named = {Path(test).stem for test in tests if test.endswith(".c")}
         if any(not test.endswith(".c") for test in tests):
             named |= set(FOR_PYTHON)
@@ -102,7 +102,7 @@ class Ground:
         return done
 
     def environment(self) -> dict[str, str]:
-        """Give tests this build, and Python this tree; no compiled Python, which could be stale."""
+        """Environment of the tests: this build, Python of this tree, no stale bytecode."""
         python = [self.tree / "postprocess", ROOT / "tools", ROOT / "tools" / "mutation" / "site"]
         return {
             **os.environ,
@@ -116,14 +116,14 @@ class Ground:
         }
 
     def _quicken(self) -> None:
-        """Scan only what changed: CMake 3.25 tells Ninja of a scan by the name of another file."""
+        """Scan only changed files: the depfile of a scan by CMake 3.25 names another file."""
         rules = self.build / "CMakeFiles" / "rules.ninja"
         text = rules.read_text()
         if SCAN.search(text):
             rules.write_text(SCAN.sub(r"\1", text))
 
     def _as_copied(self, name: str, content: bytes) -> bytes:
-        """Drop what recompiles too much: interfaces stay, and `_change` sees to includes."""
+        """Drop needless dependencies: interfaces do not change, `_change` handles includes."""
         if Path(name).name != "CMakeLists.txt":
             return content
         lines = content.decode().splitlines(keepends=True)
@@ -144,7 +144,7 @@ class Ground:
                 (self.tree / file).touch()
 
     def _includers(self, included: str) -> set[str]:
-        """Fortran files that include a file, also through others: CMake does not follow them."""
+        """Fortran files that include a file, also indirectly: CMake does not track includes."""
         found: set[str] = set()
         names = {included}
         files = [*self.tree.glob("src/*/*"), *self.tree.glob("tests/*/*.f90")]

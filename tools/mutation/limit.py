@@ -1,4 +1,4 @@
-"""A pytest plugin: a test that takes too long ends the whole run; tests that noticed come first."""
+"""A pytest plugin: a test that takes too long ends the run; detecting tests come first."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 SECONDS = "EVOLVENT_MUTATE_SECONDS"
-RUNNING = "EVOLVENT_MUTATE_RUNNING"  # a file: the test that runs; at the end, how many were skipped
-FIRST = "EVOLVENT_MUTATE_FIRST"  # tests that are asked before the others, a line each
+RUNNING = "EVOLVENT_MUTATE_RUNNING"  # a file: the running test; at the end, the number skipped
+FIRST = "EVOLVENT_MUTATE_FIRST"  # tests to run before the others, a line each
 SKIPPED: set[str] = set()
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Ask those first that noticed other mutants of the file."""
+    """Run tests first that detected other mutants of the file."""
     first = os.environ.get(FIRST, "").splitlines()
     rank = {name: place for place, name in enumerate(first)}
     items.sort(key=lambda item: rank.get(item.nodeid, len(rank)))
@@ -25,7 +25,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
-    """Note the test that runs, and let the alarm's own action end it, also in compiled code."""
+    """Record the running test; the default action of the alarm ends it, also in compiled code."""
     Path(os.environ[RUNNING]).write_text(item.nodeid)
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(int(os.environ[SECONDS]))
@@ -36,13 +36,13 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
-    """Note what was not asked."""
+    """Record skipped tests."""
     if report.skipped:
         SKIPPED.add(report.nodeid)
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(exitstatus: int) -> None:
-    """Tell how many were skipped: a mutant that survives those was not looked at."""
+    """Write the number of skipped tests: they give no verdict on a surviving mutant."""
     if exitstatus == 0:
         Path(os.environ[RUNNING]).write_text(str(len(SKIPPED)))

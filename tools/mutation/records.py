@@ -1,4 +1,4 @@
-"""What came out so far: a line for each mutant, so that a run goes on where it was stopped."""
+"""Results so far: a line for each mutant, so that a stopped run can be resumed."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class Record:
 
     key: str
     verdict: str
-    by: str  # which test noticed, or what is wrong
-    how: str  # if it did not simply fail
+    by: str  # the detecting test, or the error
+    how: str  # empty if it simply failed
     seconds: float
     left_behind: int = 0
 
 
 def read_records(file: Path) -> dict[str, Record]:
-    """Read the last verdict on every mutant; a line that was cut off counts for nothing."""
+    """Read the last verdict on every mutant; a truncated line is ignored."""
     records = {}
     for line in file.read_text().splitlines() if file.is_file() else []:
         try:
@@ -37,13 +37,13 @@ def read_records(file: Path) -> dict[str, Record]:
 
 
 def append_record(file: Path, record: Record) -> None:
-    """Add one line, whole or not at all."""
+    """Append one line, completely or not at all."""
     with file.open("a") as out:
         out.write(json.dumps(asdict(record)) + "\n")
 
 
 def summary(mutants: list[Mutant], records: dict[str, Record]) -> str:
-    """Tell how many of each room were run and killed, who survived, which rows are wrong."""
+    """Summarise run and killed mutants of each module, survivors and wrong rows."""
     rooms: dict[str, Counter[str]] = {}
     for mutant in mutants:
         count = rooms.setdefault(mutant.room, Counter())

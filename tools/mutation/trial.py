@@ -1,4 +1,4 @@
-"""Tests that are run on a mutant: each within its time, and no process of theirs left behind."""
+"""Run the tests of a mutant: each with a time limit, and leave no process behind."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ import pytest
 from mutation import limit
 from mutation.ground import Ground
 
-SECONDS = 60  # each test may take; more of them where the machine does other things, too
+SECONDS = 60  # limit of each test; set higher on a machine under other load
 PR_SET_CHILD_SUBREAPER = 36
-BROKEN = re.compile(r"^ERROR (\S+)", re.MULTILINE)  # a file that is not even collected
+BROKEN = re.compile(r"^ERROR (\S+)", re.MULTILINE)  # a file that cannot be collected
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Whether all tests passed; if not, which of them noticed, and how."""
+    """Whether all tests passed; if not, the detecting test and the kind of failure."""
 
     passed: bool
     by: str = ""
-    how: str = ""  # if it did not simply fail
+    how: str = ""  # empty if it simply failed
     left_behind: int = 0
     is_built: bool = True
 
 
 def adopt_orphans() -> None:
-    """Become the parent of what tests leave behind."""
+    """Become the parent of processes that tests leave behind."""
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def end_what_is_left() -> int:
-    """Kill all children of this process and theirs; tell how many there were."""
+    """Kill all descendants of this process; return their number."""
     count = 0
     while pids := _children(os.getpid()):
         for pid in pids:
@@ -58,10 +58,10 @@ def _children(parent: int) -> list[int]:
 def run_tests(
     ground: Ground, tests: tuple[str, ...], folder: Path, first: Sequence[str] = ()
 ) -> Outcome:
-    """Run tests until one fails: C files as the programs they are, then Python files by pytest.
+    """Run tests until one fails: C tests as programs, then Python files by pytest.
 
-    What tests in Python need is built only where the programs noticed nothing. `first` are tests
-    that are asked before the others.
+    Targets of tests in Python are built only if all C tests passed. `first` are tests
+    to run before the others.
     """
     for test in [test for test in tests if test.endswith(".c")]:
         if not ground.make((test,)):
@@ -92,7 +92,7 @@ def _pytest(ground: Ground, tests: list[str], folder: Path, first: Sequence[str]
         limit.FIRST: "\n".join(first),
     }
     options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "mutation.limit", "--no-header"]
-    options += [f"--basetemp={folder / 'pytest'}", "--ignore=tests/tools"]  # they hold the list
+    options += [f"--basetemp={folder / 'pytest'}", "--ignore=tests/tools"]  # they check the list
     command = [sys.executable, "-m", "pytest", *options, *tests]
     code, output = _run(command, ground, environment, 20 * SECONDS)
     (folder / "pytest.log").write_text(output)
@@ -106,7 +106,7 @@ def _pytest(ground: Ground, tests: list[str], folder: Path, first: Sequence[str]
 
 
 def _how(code: int) -> str:
-    """Tell how a process ended that had no time to say so."""
+    """Describe how a process ended by a signal."""
     if code == -signal.SIGALRM:
         return f"not within {SECONDS} s"
     return signal.Signals(-code).name if code < 0 else ""
@@ -115,7 +115,7 @@ def _how(code: int) -> str:
 def _run(
     command: Sequence[str | Path], ground: Ground, environment: dict[str, str], seconds: float
 ) -> tuple[int, str]:
-    """Exit code and output of a command; one that takes too long ends as by an alarm."""
+    """Run a command, return exit code and output; a timeout counts as an alarm signal."""
     log = ground.log.with_name("test.log")
     with log.open("w") as output:
         process = subprocess.Popen(
@@ -131,5 +131,5 @@ def _run(
         except BaseException:
             os.killpg(process.pid, signal.SIGKILL)
             raise
-    time.sleep(0.01)  # what ends with its parent has ended
+    time.sleep(0.01)  # processes that end with their parent have ended
     return code, log.read_text(errors="replace")

@@ -1,4 +1,4 @@
-"""Python of a mutant's tree: an installation of evolvent in this environment would hide it."""
+"""Remove editable installations of evolvent, which would hide the Python of a mutant's tree."""
 
 import sys
 
