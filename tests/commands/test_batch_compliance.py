@@ -195,7 +195,7 @@ def test_the_file_is_what_the_documentation_says(
         assert path.read_bytes() == content
         assert path.name == f"compliance-{fnv(key):016x}.h5"
         assert path.stat().st_mode & 0o444 == 0o444 & ~current_umask()
-        assert list(key[[0, 1, 8]]) == [1.0, 5.0, 19.0]  # version, order, teeth
+        assert list(key[[0, 1, 8]]) == [2.0, 5.0, 19.0]  # version, order, teeth
         radii.append(key[2])
         rho, own = numbers[:17], numbers[17:34]
         assert np.all(np.diff(rho) > 0)
