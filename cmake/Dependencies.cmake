@@ -46,6 +46,11 @@ if(NOT HDF5_FOUND)
   list(APPEND missing "HDF5 with its high-level C library: Debian libhdf5-dev, conda-forge hdf5")
 endif()
 
+find_package(ZLIB 1.2.9 QUIET) # crc32_z
+if(NOT ZLIB_FOUND)
+  list(APPEND missing "zlib 1.2.9 or newer: Debian zlib1g-dev, conda-forge zlib")
+endif()
+
 if(PKG_CONFIG_FOUND)
   pkg_check_modules(YAML QUIET IMPORTED_TARGET yaml-0.1)
   if(NOT YAML_FOUND)

@@ -1,4 +1,4 @@
-# EVOLVENT_STATIC: link SUNDIALS, HDF5, libyaml, minizip and Mini-XML statically if static libraries exist beside the
+# EVOLVENT_STATIC: link SUNDIALS, HDF5, zlib, libyaml, minizip and Mini-XML statically if static libraries exist beside the
 # shared ones.
 #
 # As shared libraries they and their dependencies take nine tenths of the loader's work at each start: Debian's shared HDF5
@@ -7,7 +7,7 @@ include(CheckCSourceCompiles)
 
 option(
   EVOLVENT_STATIC
-  "Make SUNDIALS, HDF5, libyaml, minizip and Mini-XML part of the program where their static libraries are found"
+  "Make SUNDIALS, HDF5, zlib, libyaml, minizip and Mini-XML part of the program where their static libraries are found"
   ON
 )
 
@@ -100,6 +100,14 @@ if(EVOLVENT_LINKS_STATIC_HDF5)
   set_property(TARGET hdf5::hdf5 PROPERTY INTERFACE_LINK_LIBRARIES "${hdf5_needs}")
   set_property(TARGET hdf5::hdf5_hl PROPERTY INTERFACE_LINK_LIBRARIES hdf5::hdf5)
   list(APPEND evolvent_static_names HDF5)
+endif()
+
+# zlib: the same copy as that of HDF5
+evolvent_static_beside(zlib_static ${ZLIB_LIBRARIES})
+evolvent_links(EVOLVENT_LINKS_STATIC_ZLIB crc32_z "${zlib_static}")
+if(EVOLVENT_LINKS_STATIC_ZLIB)
+  set_target_properties(ZLIB::ZLIB PROPERTIES IMPORTED_LOCATION "${zlib_static}")
+  list(APPEND evolvent_static_names zlib)
 endif()
 
 # libyaml
