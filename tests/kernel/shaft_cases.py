@@ -35,12 +35,14 @@ def two_stages(
     driven_by: str = "torque",
     housing: Block | None = None,
     against_housing: bool = False,
+    second_first: bool = False,
     **fields: Any,
 ) -> Gearbox:
     """Motor disc, two stages, drum; an elastic shaft at either end, one in the middle.
 
     middle: stiffness of the shaft between the stages, None if it is rigid; driven_by: torque, or
-    the wheel with a prescribed speed, motor, gear or drum. Fields of both meshes.
+    the wheel with a prescribed speed, motor, gear or drum; second_first: order of the meshes.
+    Fields of both meshes.
     """
     wheels = [
         wheel(teeth=0, pitch_radius=0.08, width=0.05),
@@ -84,6 +86,8 @@ def two_stages(
         shaft(GEAR, SECOND_PINION, middle, 0.0 if middle is None else 0.5),
         shaft(DRUM, SECOND_GEAR, 1e5, 5.0),
     ]
+    if second_first:
+        meshes.reverse()
     return Gearbox(kernel, wheels, loads, meshes, housing, shafts)
 
 
