@@ -11,12 +11,23 @@ import os
 import random
 import statistics
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 Command = Sequence[str | os.PathLike[str]]
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+# Linux counts the parent's memory at the fork as memory of the child. So a small process starts
+# the command and reports its use. About 9 MB are the least memory that can be measured.
+LAUNCHER = """
+import os, sys
+process = os.posix_spawnp(sys.argv[2], sys.argv[2:], os.environ)
+_, status, used = os.wait4(process, 0)
+report = (os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_maxrss)
+os.write(int(sys.argv[1]), " ".join(map(repr, report)).encode())
+"""
 
 
 class FailedError(Exception):
@@ -46,20 +57,23 @@ class Ratio:
 
 def run(command: Command, environment: dict[str, str] | None = None) -> Use:
     """Run a command to its end."""
-    with tempfile.TemporaryFile() as said:
-        process = subprocess.Popen(
-            [os.fspath(word) for word in command],
+    with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as report:
+        launcher = [sys.executable, "-I", "-S", "-c", LAUNCHER, str(report.fileno())]
+        subprocess.run(
+            [*launcher, *(os.fspath(word) for word in command)],
             stdout=subprocess.DEVNULL,
             stderr=said,
             env={**os.environ, **ONE_THREAD, **(environment or {})},
+            pass_fds=[report.fileno()],
+            check=False,
         )
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode != 0:
+        report.seek(0)
+        code, cpu, memory = report.read().split() or (b"127", b"0", b"0")
+        if int(code) != 0:
             said.seek(0)
             lines = said.read().decode(errors="replace").strip().splitlines() or ["no message"]
-            raise FailedError(f"exit code {process.returncode}: {lines[-1]}")
-    return Use(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+            raise FailedError(f"exit code {int(code)}: {lines[-1]}")
+    return Use(float(cpu), float(memory) / 1024)
 
 
 def alternate(

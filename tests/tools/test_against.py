@@ -46,9 +46,17 @@ def test_children_count_and_a_failure_is_told_with_its_last_line() -> None:
     child = f"import subprocess, sys; subprocess.run([sys.executable, '-c', '{spin}'], check=True)"
     start = alternation.run([sys.executable, "-c", "pass"])
     assert alternation.run([sys.executable, "-c", child]).cpu > start.cpu > 0
-    assert start.memory > 1
     with pytest.raises(alternation.FailedError, match=r"^exit code 3: no such thing$"):
         alternation.run(["sh", "-c", "echo first >&2; echo no such thing >&2; exit 3"])
+
+
+def test_memory_is_that_of_the_command_and_not_of_the_process_that_measures() -> None:
+    here = bytearray(100_000_000)
+    small = alternation.run([sys.executable, "-c", "pass"]).memory
+    large = alternation.run([sys.executable, "-c", "x = bytearray(50_000_000)"]).memory
+    assert len(here) / 2**20 > large
+    assert 1 < small < 40
+    assert large - small == pytest.approx(50_000_000 / 2**20, abs=5)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
