@@ -15,6 +15,8 @@ from documents import ROOT, blocks
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
 DOCKERFILE = (ROOT / "Dockerfile").read_text()
+LOCKS = sorted(path.stem for path in (ROOT / "requirements").glob("*.lock"))
+LOCK = re.compile(r"\brequirements/[\w.-]+\.lock\b")
 
 
 def version() -> str:
@@ -86,13 +88,24 @@ def test_the_container_copies_and_runs_files_that_are_there() -> None:
     assert copied
     for name in copied:
         assert (ROOT / name).exists()
+    (lock,) = re.findall(r"--require-hashes -r /evolvent/(\S+)", DOCKERFILE)
+    assert lock in [Path(name).name for name in copied]
     (script,) = re.findall(r"^RUN /evolvent/(\S+)", DOCKERFILE, re.MULTILINE)
     assert (ROOT / script).stat().st_mode & 0o111
 
 
-@pytest.mark.parametrize("name", sorted(path.name for path in ROOT.glob("requirements*.lock")))
+def test_the_scripts_name_every_lock_and_no_other() -> None:
+    scripts = ["quickstart", "runtests", "reproduce-paper", "Dockerfile", "tools/build-wheel"]
+    named = {
+        name for script in scripts for name in LOCK.findall((ROOT / script).read_text("utf-8"))
+    }
+    assert named == {f"requirements/{name}.lock" for name in LOCKS}
+    assert set(LOCK.findall((ROOT / "tools/update-locks").read_text("utf-8"))) == named
+
+
+@pytest.mark.parametrize("name", LOCKS)
 def test_every_package_is_pinned_by_version_and_hash(name: str) -> None:
-    lines = (ROOT / name).read_text().replace("\\\n", " ").splitlines()
+    lines = (ROOT / f"requirements/{name}.lock").read_text().replace("\\\n", " ").splitlines()
     requirements = [line for line in lines if line and not line.lstrip().startswith("#")]
     assert len(requirements) > 5
     for requirement in requirements:
