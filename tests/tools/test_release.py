@@ -14,6 +14,7 @@ from documents import ROOT, blocks
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+CHANGELOG = (ROOT / "CHANGELOG.md").read_text()
 DOCKERFILE = (ROOT / "Dockerfile").read_text()
 LOCKS = sorted(path.stem for path in (ROOT / "requirements").glob("*.lock"))
 LOCK = re.compile(r"\brequirements/[\w.-]+\.lock\b")
@@ -28,6 +29,17 @@ def version() -> str:
     return found[1]
 
 
+def number(text: str) -> tuple[int, ...]:
+    """Give a version as numbers that can be compared."""
+    return tuple(int(part) for part in text.split("."))
+
+
+def changelog() -> dict[str, str]:
+    """Give the text of each section of the changelog by its heading, in order."""
+    _, *parts = re.split(r"^## (.*)$", CHANGELOG, flags=re.MULTILINE)
+    return dict(zip(parts[::2], map(str.strip, parts[1::2]), strict=True))
+
+
 def test_the_version_is_read_from_cmakelists_and_stands_in_no_other_place(executable: Path) -> None:
     said = subprocess.run([executable, "--version"], capture_output=True, text=True, check=True)
     assert said.stdout.splitlines()[0] == f"evolvent {version()}"
@@ -40,18 +52,32 @@ def test_the_version_is_read_from_cmakelists_and_stands_in_no_other_place(execut
         assert version() not in (ROOT / name).read_text(), f"{name} would have to be changed too"
 
 
-def test_the_changelog_begins_with_the_version() -> None:
-    heads = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
-    assert re.fullmatch(
-        rf"Unreleased \({re.escape(version())}\)|{re.escape(version())} - \d{{4}}-\d\d-\d\d",
-        heads[0],
-    )
+def test_the_changelog_has_unreleased_changes_and_then_versions() -> None:
+    """In the form of Keep a Changelog; only the newest version may have no date yet."""
+    first, *versions = changelog()
+    assert first == "[Unreleased]"
+    assert versions
+    for index, head in enumerate(versions):
+        dated = re.fullmatch(r"\[\d+\.\d+\.\d+\] - (\d{4}-\d\d-\d\d|not released)", head)
+        assert dated, head
+        assert index == 0 or dated[1] != "not released"
+    kinds = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
+    assert set(re.findall(r"^### (.*)$", CHANGELOG, re.MULTILINE)) <= kinds
+
+
+def test_the_version_is_the_newest_of_the_changelog_or_that_of_the_unreleased_changes() -> None:
+    sections = changelog()
+    newest = next(head for head in sections if head != "[Unreleased]")
+    released, date = re.fullmatch(r"\[(.*)\] - (.*)", newest).groups()
+    if sections["[Unreleased]"] and date != "not released":
+        assert number(version()) > number(released)
+    else:
+        assert version() == released
 
 
 def test_a_release_of_the_changelog_is_recorded_with_its_commit() -> None:
     """But the newest one until the commit after it."""
-    changelog = (ROOT / "CHANGELOG.md").read_text()
-    dated = re.findall(r"^## ([0-9.]+) - (\d{4}-\d\d-\d\d)$", changelog, re.MULTILINE)
+    dated = re.findall(r"^## \[([0-9.]+)\] - (\d{4}-\d\d-\d\d)$", CHANGELOG, re.MULTILINE)
     rows = re.findall(
         r"^\| ([0-9.]+) \| (\S+) \| ([0-9a-f]{40}) \|$",
         (ROOT / "docs/releases.md").read_text(),
