@@ -120,6 +120,22 @@ def test_the_container_copies_and_runs_files_that_are_there() -> None:
     assert (ROOT / script).stat().st_mode & 0o111
 
 
+def test_the_pipeline_checks_out_and_calls_the_script_of_all_checks() -> None:
+    (workflow,) = (ROOT / ".github/workflows").glob("*.yml")
+    (job,) = yaml.safe_load(workflow.read_text())["jobs"].values()
+    used = [step["uses"] for step in job["steps"] if "uses" in step]
+    assert [name.partition("@")[0] for name in used] == [
+        "actions/checkout",
+        "actions/upload-artifact",
+    ]
+    assert all(re.fullmatch(r"[\w/-]+@v\d+\.\d+\.\d+", name) for name in used)
+    (command,) = [step["run"] for step in job["steps"] if ".ci/run" in step.get("run", "")]
+    assert command.endswith(" && .ci/run")
+    script = ROOT / ".ci/run"
+    assert script.stat().st_mode & 0o111
+    assert script.read_text().splitlines()[-1].startswith("exec ./runtests")
+
+
 def test_the_scripts_name_every_lock_and_no_other() -> None:
     scripts = ["quickstart", "runtests", "reproduce-paper", "Dockerfile", "tools/build-wheel"]
     named = {
