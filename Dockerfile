@@ -6,11 +6,11 @@ RUN /evolvent/tools/build-wheel /dist
 
 FROM debian:trixie-slim
 RUN apt-get update && apt-get install -y --no-install-recommends python3-venv && rm -rf /var/lib/apt/lists/*
-COPY requirements.lock /evolvent/
+COPY requirements/run.lock /evolvent/
 COPY --from=wheel /dist /evolvent
 # Python packages as tested: those of the lock, then the wheel alone.
 RUN python3 -m venv /opt/evolvent \
-    && /opt/evolvent/bin/pip install --no-cache-dir --require-hashes -r /evolvent/requirements.lock \
+    && /opt/evolvent/bin/pip install --no-cache-dir --require-hashes -r /evolvent/run.lock \
     && /opt/evolvent/bin/pip install --no-cache-dir --no-deps /evolvent/*.whl \
     && rm -r /evolvent
 ENV PATH=/opt/evolvent/bin:$PATH MPLBACKEND=Agg MPLCONFIGDIR=/tmp/matplotlib LC_ALL=C.UTF-8

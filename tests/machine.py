@@ -66,11 +66,11 @@ def program(name: str) -> str:
 
 
 def module(name: str) -> ModuleType:
-    """Import a Python package of requirements-dev.lock."""
+    """Import a Python package of requirements/development.lock."""
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError:
-        missing(f"no Python package {name} here", "pip install -r requirements-dev.lock")
+        missing(f"no Python package {name} here", "pip install -r requirements/development.lock")
 
 
 def missing(what: str, remedy: str) -> NoReturn:

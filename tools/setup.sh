@@ -175,7 +175,7 @@ build() {
 
 # python_environment LOCK: create .venv with exactly the packages of the lock file.
 python_environment() {
-  local lock=$1 python identity
+  local lock=$1 installed=.venv/.${1##*/} python identity
   python=$(find_python)
   identity="$PWD $("$python" --version)"
   if [ "$(cat .venv/.identity 2>/dev/null)" != "$identity" ]; then
@@ -183,9 +183,9 @@ python_environment() {
     step "Making the Python environment .venv" "$python" -m venv .venv
     printf '%s\n' "$identity" >.venv/.identity
   fi
-  if ! cmp -s "$lock" ".venv/.$lock"; then
+  if ! cmp -s "$lock" "$installed"; then
     step "Installing Python packages ($lock)" .venv/bin/python -m pip install --require-hashes -r "$lock"
-    cp "$lock" ".venv/.$lock"
+    cp "$lock" "$installed"
   fi
   # Editable installation: Python reads the sources, and CMake's program is linked, not built again.
   if ! cmp -s pyproject.toml .venv/.pyproject.toml || ! cmp -s CMakeLists.txt .venv/.CMakeLists.txt; then

@@ -134,7 +134,12 @@ def test_gaps_leave_every_pair_of_a_mesh_that_hands_over_within_its_pitch(
     ]
     gearbox = Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], meshes)
     gaps = [part * backlash for part in parts]
-    gearbox.check_modes(gearbox.start(SPEEDS, [0.0] * 3, gaps))
+    state = gearbox.start(SPEEDS, [0.0] * 3, gaps)
+    gearbox.check_modes(state)
+    outputs = gearbox.outputs(state)
+    np.testing.assert_allclose(outputs["gap"], gaps, rtol=1e-12, atol=1e-19)
+    coast = [backlash - gap for gap in gaps]
+    np.testing.assert_allclose(outputs["coast_gap"], coast, rtol=1e-9, atol=1e-18)
 
 
 def test_a_penetration_gives_its_force_at_once(kernel: Kernel):

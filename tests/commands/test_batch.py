@@ -630,17 +630,38 @@ def test_a_bad_design_is_refused_as_a_whole(
 
 
 def test_a_path_need_not_stand_in_the_base_case(evolvent: Evolvent, tmp_path: Path) -> None:
-    columns = {"simulation.max_step": [0.01], "gravity": ["[0, 0, 0]"], "wheels.pinion.mass": [30]}
-    design = write_design(tmp_path / "design.h5", columns)
+    """The mass of the pinion changes the force of the pair as the equation of motion states."""
+    masses = np.array([49.0, 98.0])
+    columns = {
+        "simulation.max_step": [0.01] * 2,
+        "gravity": ["[0, 0, 0]"] * 2,
+        "wheels.pinion.mass": masses.tolist(),
+    }
+    base, window = paper_case(0.2, "paper.yaml"), (0.1, 0.2)
+    design = write_design(tmp_path / "design.h5", columns, base, window)
     assert evolvent("batch", design, "-o", "r").returncode == 0
+    rows = read_journal(tmp_path / JOURNAL).results.values()
+    # rigid teeth: (J + J') omega' = T - c' omega from rest, J' and c' of the gear over 1.5**2;
+    # the elastic pair vibrates about it and is damped before the window
+    inertia, other, drag = masses * 0.2**2 / 2, 9.924291192690157 / 1.5**2, 10 / 1.5**2
+    rate = drag / (inertia + other)
+    decay = (np.exp(-rate * window[0]) - np.exp(-rate * window[1])) / (rate * 0.1)
+    force = (1 - inertia / (inertia + other) * decay) / 0.19827958341640872
+    found = [row["normal_force_mean"] for row in rows]
+    np.testing.assert_allclose(found, force, rtol=1e-3)
 
 
 def test_a_column_without_path_changes_nothing(evolvent: Evolvent, tmp_path: Path) -> None:
+    other = write_design(tmp_path / "other.h5", {TORQUE: [-1.0]})
+    assert evolvent("batch", other, "-o", "other").returncode == 0
+    expected = read_journal(tmp_path / "other/shard-1-of-1.jsonl").results
+    assert expected[0]["normal_force_mean"] > 0
     design = write_design(tmp_path / "design.h5", {TORQUE: [-1.0], "other": [3.0]})
     with h5py.File(design, "a") as file:
         file["parameters/p1"].attrs["path"] = ""
     seal(design)
     assert evolvent("batch", design, "-o", "r").returncode == 0
+    assert read_journal(tmp_path / JOURNAL).results == expected
 
 
 @pytest.mark.parametrize("text", ["no HDF5", ""])

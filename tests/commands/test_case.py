@@ -568,10 +568,26 @@ def test_show_applies_options(evolvent: Evolvent, examples: Path) -> None:
     assert shown["wheels"]["gear"]["pitch_radius"] == pytest.approx(0.4, rel=1e-14)
 
 
-@pytest.mark.parametrize("name", ["paper.yaml", "paper-friction.yaml", "pair-23-41.yaml"])
-def test_every_example_is_a_good_case(evolvent: Evolvent, examples: Path, name: str) -> None:
-    result = evolvent("show", examples / name)
-    assert result.returncode == 0, result.stderr
+@pytest.mark.parametrize(
+    ("name", "teeth"),
+    [("paper.yaml", (20, 30)), ("paper-friction.yaml", (20, 30)), ("pair-23-41.yaml", (23, 41))],
+)
+def test_every_example_is_a_good_case(
+    evolvent: Evolvent, examples: Path, name: str, teeth: tuple[int, int]
+) -> None:
+    """Its geometry is that of two involutes of one base pitch that meet at the pitch point."""
+    for options in ((), ("--json",)):
+        result = evolvent("show", examples / name, *options)
+        assert result.returncode == 0, result.stderr
+    shown = json.loads(result.stdout)
+    (mesh,), pair = shown["meshes"].values(), list(shown["wheels"].values())
+    assert mesh["transmission_ratio"] == pytest.approx(teeth[1] / teeth[0], rel=1e-14)
+    assert mesh["contact_ratio"] == pytest.approx(1, abs=1e-12)  # one pair hands over to the next
+    alpha = mesh["working_pressure_angle"]
+    for wheel, z in zip(pair, teeth, strict=True):
+        assert wheel["base_radius"] == pytest.approx(wheel["pitch_radius"] * np.cos(alpha))
+        assert mesh["base_pitch"] == pytest.approx(2 * np.pi * wheel["base_radius"] / z, rel=1e-14)
+    assert mesh["centre_distance"] == pytest.approx(sum(w["pitch_radius"] for w in pair), rel=1e-14)
 
 
 def test_all_laws_are_listed_with_their_parameters_and_units(evolvent: Evolvent) -> None:

@@ -127,7 +127,10 @@ def test_every_command_refuses_what_it_does_not_know_and_names_what_it_needs(
 
 
 def test_help_wins_over_a_missing_case(evolvent: Evolvent) -> None:
-    assert evolvent("run", "no-such-case.yaml", "--help").returncode == 0
+    result = evolvent("run", "no-such-case.yaml", "--help")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout == evolvent("run", "--help").stdout
+    assert result.stdout.startswith("Usage: evolvent run ")
 
 
 def test_version_is_that_of_the_build_and_names_the_libraries(

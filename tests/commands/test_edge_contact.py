@@ -6,7 +6,9 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -54,11 +56,17 @@ def test_what_edges_cannot_have_is_refused(
 
 @pytest.mark.parametrize("case", ["spur-pair", "tip-relief", "rattle", "two-stage-gears"])
 def test_edges_of_wheels_that_do_not_bend_run(
-    evolvent: Evolvent, examples: Path, case: str
+    evolvent: Evolvent, examples: Path, tmp_path: Path, case: str
 ) -> None:
-    """Johnson's contact alone."""
+    """Johnson's contact alone: pairs touch at flanks and edges, and energy balances."""
     short = ("simulation.duration=3e-3", "simulation.output_interval=1e-5")
     result = evolvent(
         "run", examples / f"{case}.yaml", *settings(EDGES, *short), "-o", "x.h5", "-q"
     )
     assert result.returncode == 0, result.stderr
+    with xr.open_dataset(tmp_path / "x.h5", engine="netcdf4") as run:
+        assert np.unique(run.pair_contact_kind).tolist() == [0, 1, 2]  # none, flanks, an edge
+        energy = run.kinetic_energy + run.potential_energy + run.dissipated_energy
+        rest = (energy - run.load_work).values
+        # the tolerance of the integration, of the energy that flows through the mesh
+        assert np.abs(rest - rest[0]).max() < 1e-8 * np.abs(run.load_work).max()

@@ -302,8 +302,15 @@ def test_deviations_above_a_tenth_of_a_module_are_refused(
 
 
 def test_deviations_below_it_are_accepted(evolvent: Evolvent, examples: Path) -> None:
-    option = "wheels.pinion.profile_crowning=0.29 mm"
-    assert evolvent("validate", examples / "spur-pair.yaml", "--set", option).returncode == 0
+    """Up to the bound of 0.1 modules itself, 300 um; one micrometre more is refused."""
+    case = examples / "spur-pair.yaml"
+    for given, code in (("0.3 mm", 0), ("0.301 mm", 3)):
+        option = f"wheels.pinion.profile_crowning={given}"
+        assert evolvent("validate", case, "--set", option).returncode == code
+        shown = evolvent("show", case, "--set", option, "--json")
+        assert shown.returncode == code
+        if code == 0:
+            assert json.loads(shown.stdout)["case"]["wheels"][0]["profile_crowning"] == 0.3e-3
 
 
 @pytest.mark.parametrize(

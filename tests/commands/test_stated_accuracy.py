@@ -140,5 +140,10 @@ def test_show_run_and_the_history_tell_the_tolerance_and_the_case_gives_the_same
 def test_no_accuracy_asks_for_a_tolerance_that_radau_refuses(
     evolvent: Evolvent, case: Path
 ) -> None:
-    settings = sets(PLACES["radau"], "simulation.integrator=radau", "simulation.accuracy=1e-9")
-    assert evolvent("validate", case, *settings).returncode == 0
+    radau = (PLACES["radau"], "simulation.integrator=radau")
+    smallest = (*radau, "simulation.accuracy=1e-9")
+    assert evolvent("validate", case, *sets(*smallest)).returncode == 0
+    assert tolerance(evolvent, case, *smallest) >= 1e-13
+    for value, code in ((1e-13, 0), (0.99e-13, 3)):  # the smallest tolerance of radau
+        options = sets(*radau, f"simulation.tolerance={value}")
+        assert evolvent("validate", case, *options).returncode == code

@@ -208,7 +208,18 @@ def test_compliances_that_are_not_definite_are_refused(kernel: Kernel):
 
 
 def test_state_outside_the_domain_is_refused(kernel: Kernel):
+    """And has no forces. Of a pair alone h(N) is largest, and dh/dN zero, at h = 4 L/e**2."""
     c = compliances(np.random.default_rng(1), 2)
-    assert coupled_pairs(kernel, [1e-5, np.nan], LENGTH, c, E_STAR).code == OUT_OF_DOMAIN
-    assert coupled_pairs(kernel, [1e-5, 1e-5], -1.0, c, E_STAR).code == OUT_OF_DOMAIN
-    assert coupled_pairs(kernel, [1.0], LENGTH, [[0.0]], E_STAR).code == OUT_OF_DOMAIN
+    limit = 4 * LENGTH / np.e**2
+    below = coupled_pairs(kernel, [0.999 * limit], LENGTH, [[0.0]], E_STAR)
+    assert below.code == OK
+    assert np.abs(leftover(np.array([0.999 * limit]), np.zeros((1, 1)), below.force)).max() < 1e-14
+    for h, length, compliance in (
+        ([1e-5, np.nan], LENGTH, c),
+        ([1e-5, 1e-5], -1.0, c),
+        ([1.001 * limit], LENGTH, [[0.0]]),
+        ([1.0], LENGTH, [[0.0]]),
+    ):
+        pairs = coupled_pairs(kernel, h, length, compliance, E_STAR)
+        assert pairs.code == OUT_OF_DOMAIN
+        assert np.isnan(pairs.force).all()

@@ -10,7 +10,7 @@ from gearbox.test_yielding_flanks import bend
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox
 from kernel.gearbox_description import TORQUE, VISCOUS, load, mesh, wheel
 from kernel.gears import gear_description
-from kernel.kernel import CONTACT, DAMPING, OK, Floats, Kernel, _at
+from kernel.kernel import CONTACT, DAMPING, OK, OUT_OF_DOMAIN, Floats, Kernel, _at
 
 FLANKS = np.array([LOADED, UNLOADED, LOADED], np.int32)
 # h, h', rho_A, rho_B of each contact: deep and shallow, approaching and separating
@@ -154,11 +154,14 @@ def test_two_callers_in_turn_have_the_bits_of_each_alone(kernel: Kernel):
                 np.testing.assert_array_equal(found, value)
 
 
-def test_a_limit_of_a_law_is_refused_with_its_mesh(kernel: Kernel):
+def test_a_penetration_past_the_limit_of_a_law_is_refused(kernel: Kernel):
+    """Johnson's law ends at h = 4 (rho_A + rho_B)/e**2, where dh/dN is zero."""
     gearbox = pair(kernel, "johnson", "none")
     places = PLACES.copy()
-    places[2, 0] = 0.05  # beyond 4 (rho_A + rho_B)/e**2
-    forces = np.full((2, len(PLACES)), np.nan)
-    arrays = (FLANKS, places, *forces)
-    code = kernel.library.test_flank_laws(gearbox.handle, 1, len(PLACES), *map(_at, arrays))
-    assert code != OK
+    limit = 4 * (places[2, 2] + places[2, 3]) / np.e**2
+    for h, expected in ((0.999 * limit, OK), (1.001 * limit, OUT_OF_DOMAIN), (0.05, OUT_OF_DOMAIN)):
+        places[2, 0] = h
+        forces = np.full((2, len(PLACES)), np.nan)
+        arrays = (FLANKS, places, *forces)
+        code = kernel.library.test_flank_laws(gearbox.handle, 1, len(PLACES), *map(_at, arrays))
+        assert code == expected

@@ -212,7 +212,11 @@ def test_rigid_contacts_have_no_deviations(kernel: Kernel):
 
 
 def test_meshes_whose_wheels_are_perfect_may_be_tracked(kernel: Kernel):
-    train(kernel, [None, None, deviations(runout_amount=1e-6)], tracking=DIFFERENTIAL)
+    gearbox = train(kernel, [None, None, deviations(runout_amount=1e-6)], tracking=DIFFERENTIAL)
+    outputs = gearbox.outputs(gearbox.start())
+    assert outputs["tracking"].tolist() == [2, 0]  # differential, closed form
+    assert outputs["flank_deviation"][0] == 0
+    assert 0 < abs(outputs["flank_deviation"][1]) <= 1e-6
 
 
 def test_a_wheel_without_module_has_no_deviations(kernel: Kernel):

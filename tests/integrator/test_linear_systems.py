@@ -107,8 +107,14 @@ def test_kinematic_rows_are_condensed(library: Library, masses):
 def test_a_kinematic_row_whose_shift_vanishes_beside_its_entry_is_refused(library: Library):
     # q' = 1e7 v, v' = -q: the pivot of q, 1, is below 1e-6 of what stands beside it
     entries, values, right = [(0, 1), (1, 0)], [1e7, -1], np.ones((4, 2))
-    assert library.solve_systems("sparse", entries, values, [1] * 4, right)[0] == 0
-    assert library.solve_systems("sparse", entries, values, [100] * 4, right)[0] == 1
+    for shift in (1, 9.99):
+        assert library.solve_systems("sparse", entries, values, [shift] * 4, right)[0] == 0
+    for shift in (10.01, 100):
+        good, x, _ = library.solve_systems("sparse", entries, values, [shift] * 4, right)
+        assert good == 1
+        # Cramer: the determinant is shift**2 + 1e7
+        expected = np.array([shift + 1e7, shift - 1]) / (shift**2 + 1e7)
+        assert np.abs(x / expected - 1).max() <= 64 * 1e6 * EPS  # the reciprocal of the pivot
 
 
 @pytest.mark.parametrize("shift", [0, 1e-9])
@@ -124,8 +130,12 @@ def test_a_small_pivot_is_refused_by_the_sparse_and_solved_by_the_dense_factors(
 def test_a_singular_matrix_is_refused_by_both(library: Library):
     entries, values = [(0, 0), (0, 1), (1, 0), (1, 1)], [1, 1, 1, 1]
     right = np.ones((4, 2))
-    assert library.solve_systems("sparse", entries, values, [2] * 4, right)[0] == 0
-    assert library.solve_systems("dense", entries, values, [2] * 4, right)[0] == 0
+    for kind in ("sparse", "dense"):
+        assert library.solve_systems(kind, entries, values, [2] * 4, right)[0] == 0
+        # the eigenvalues of J are 0 and 2, the right-hand side is the eigenvector of 2
+        good, x, _ = library.solve_systems(kind, entries, values, [3] * 4, right)
+        assert good
+        assert np.abs(x - 1).max() <= 8 * EPS
 
 
 def test_row_exchanges_in_every_column_are_undone(library: Library):

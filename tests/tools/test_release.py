@@ -14,7 +14,10 @@ from documents import ROOT, blocks
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+CHANGELOG = (ROOT / "CHANGELOG.md").read_text()
 DOCKERFILE = (ROOT / "Dockerfile").read_text()
+LOCKS = sorted(path.stem for path in (ROOT / "requirements").glob("*.lock"))
+LOCK = re.compile(r"\brequirements/[\w.-]+\.lock\b")
 
 
 def version() -> str:
@@ -24,6 +27,17 @@ def version() -> str:
     )
     assert found
     return found[1]
+
+
+def number(text: str) -> tuple[int, ...]:
+    """Give a version as numbers that can be compared."""
+    return tuple(int(part) for part in text.split("."))
+
+
+def changelog() -> dict[str, str]:
+    """Give the text of each section of the changelog by its heading, in order."""
+    _, *parts = re.split(r"^## (.*)$", CHANGELOG, flags=re.MULTILINE)
+    return dict(zip(parts[::2], map(str.strip, parts[1::2]), strict=True))
 
 
 def test_the_version_is_read_from_cmakelists_and_stands_in_no_other_place(executable: Path) -> None:
@@ -38,18 +52,32 @@ def test_the_version_is_read_from_cmakelists_and_stands_in_no_other_place(execut
         assert version() not in (ROOT / name).read_text(), f"{name} would have to be changed too"
 
 
-def test_the_changelog_begins_with_the_version() -> None:
-    heads = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
-    assert re.fullmatch(
-        rf"Unreleased \({re.escape(version())}\)|{re.escape(version())} - \d{{4}}-\d\d-\d\d",
-        heads[0],
-    )
+def test_the_changelog_has_unreleased_changes_and_then_versions() -> None:
+    """In the form of Keep a Changelog; only the newest version may have no date yet."""
+    first, *versions = changelog()
+    assert first == "[Unreleased]"
+    assert versions
+    for index, head in enumerate(versions):
+        dated = re.fullmatch(r"\[\d+\.\d+\.\d+\] - (\d{4}-\d\d-\d\d|not released)", head)
+        assert dated, head
+        assert index == 0 or dated[1] != "not released"
+    kinds = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
+    assert set(re.findall(r"^### (.*)$", CHANGELOG, re.MULTILINE)) <= kinds
+
+
+def test_the_version_is_the_newest_of_the_changelog_or_that_of_the_unreleased_changes() -> None:
+    sections = changelog()
+    newest = next(head for head in sections if head != "[Unreleased]")
+    released, date = re.fullmatch(r"\[(.*)\] - (.*)", newest).groups()
+    if sections["[Unreleased]"] and date != "not released":
+        assert number(version()) > number(released)
+    else:
+        assert version() == released
 
 
 def test_a_release_of_the_changelog_is_recorded_with_its_commit() -> None:
     """But the newest one until the commit after it."""
-    changelog = (ROOT / "CHANGELOG.md").read_text()
-    dated = re.findall(r"^## ([0-9.]+) - (\d{4}-\d\d-\d\d)$", changelog, re.MULTILINE)
+    dated = re.findall(r"^## \[([0-9.]+)\] - (\d{4}-\d\d-\d\d)$", CHANGELOG, re.MULTILINE)
     rows = re.findall(
         r"^\| ([0-9.]+) \| (\S+) \| ([0-9a-f]{40}) \|$",
         (ROOT / "docs/releases.md").read_text(),
@@ -86,13 +114,40 @@ def test_the_container_copies_and_runs_files_that_are_there() -> None:
     assert copied
     for name in copied:
         assert (ROOT / name).exists()
+    (lock,) = re.findall(r"--require-hashes -r /evolvent/(\S+)", DOCKERFILE)
+    assert lock in [Path(name).name for name in copied]
     (script,) = re.findall(r"^RUN /evolvent/(\S+)", DOCKERFILE, re.MULTILINE)
     assert (ROOT / script).stat().st_mode & 0o111
 
 
-@pytest.mark.parametrize("name", sorted(path.name for path in ROOT.glob("requirements*.lock")))
+def test_the_pipeline_checks_out_and_calls_the_script_of_all_checks() -> None:
+    (workflow,) = (ROOT / ".github/workflows").glob("*.yml")
+    (job,) = yaml.safe_load(workflow.read_text())["jobs"].values()
+    used = [step["uses"] for step in job["steps"] if "uses" in step]
+    assert [name.partition("@")[0] for name in used] == [
+        "actions/checkout",
+        "actions/upload-artifact",
+    ]
+    assert all(re.fullmatch(r"[\w/-]+@v\d+\.\d+\.\d+", name) for name in used)
+    (command,) = [step["run"] for step in job["steps"] if ".ci/run" in step.get("run", "")]
+    assert command.endswith(" && .ci/run")
+    script = ROOT / ".ci/run"
+    assert script.stat().st_mode & 0o111
+    assert script.read_text().splitlines()[-1].startswith("exec ./runtests")
+
+
+def test_the_scripts_name_every_lock_and_no_other() -> None:
+    scripts = ["quickstart", "runtests", "reproduce-paper", "Dockerfile", "tools/build-wheel"]
+    named = {
+        name for script in scripts for name in LOCK.findall((ROOT / script).read_text("utf-8"))
+    }
+    assert named == {f"requirements/{name}.lock" for name in LOCKS}
+    assert set(LOCK.findall((ROOT / "tools/update-locks").read_text("utf-8"))) == named
+
+
+@pytest.mark.parametrize("name", LOCKS)
 def test_every_package_is_pinned_by_version_and_hash(name: str) -> None:
-    lines = (ROOT / name).read_text().replace("\\\n", " ").splitlines()
+    lines = (ROOT / f"requirements/{name}.lock").read_text().replace("\\\n", " ").splitlines()
     requirements = [line for line in lines if line and not line.lstrip().startswith("#")]
     assert len(requirements) > 5
     for requirement in requirements:

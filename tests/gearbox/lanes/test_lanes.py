@@ -21,7 +21,7 @@ from gearbox.lanes.lane_cases import (
 )
 from kernel import description
 from kernel.deviations import deviations
-from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
+from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, GearboxError, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, prescribed
 from kernel.gearbox_description import ALGEBRAIC, CLOSED_FORM
 from kernel.kernel import CONTACT, DAMPING, FRICTION, OK, Floats, Kernel, _at
@@ -301,8 +301,14 @@ def spoilt(
     ids=["past the law's limit", "not a number", "no line of action"],
 )
 def test_one_lane_without_an_answer_is_told(kernel: Kernel, lane: int, name: str, change: float):
-    """And is not hidden in a value."""
+    """And is not hidden in a value; the seven other states have their values."""
     gearbox, states = spoilt(kernel, lane, name, change)
+    with pytest.raises(GearboxError) as refused:
+        gearbox.derivative(states[lane])
+    assert refused.value.code == OUT_OF_DOMAIN
+    for other in range(LANES):
+        if other != lane:
+            assert np.isfinite(gearbox.derivative(states[other])).all()
     for call, rows in (
         ("lanes_rates", gearbox.sizes.n_states),
         ("lanes_roots", gearbox.sizes.n_roots),
@@ -315,6 +321,10 @@ def test_no_law_hides_what_is_no_number(kernel: Kernel, law: str):
     """Nor does a law without its own limits."""
     gearbox, states = spoilt(kernel, 3, "angle_deviation_1", np.nan, law)
     assert in_lanes(gearbox, "lanes_rates", gearbox.sizes.n_states, states)[0] == OUT_OF_DOMAIN
+    states[3] = states[2].copy()
+    code, rates = in_lanes(gearbox, "lanes_rates", gearbox.sizes.n_states, states)
+    assert code == OK
+    np.testing.assert_array_equal(rates[2], gearbox.derivative(states[2]))
 
 
 def test_what_the_lanes_do_not_serve_is_said(kernel: Kernel):
