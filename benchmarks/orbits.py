@@ -91,7 +91,7 @@ def compare(sweep: xr.Dataset, orbits: xr.Dataset) -> tuple[int, int, list[tuple
 def measure(program: str, name: str, folder: Path) -> None:
     """Print the cost of one case both ways, and the differences of the key figures."""
     case, over = CASES[name]
-    case["simulation"].pop("numbers", None)
+    case["simulation"].pop("metrics", None)
     case["simulation"]["tolerance"] = 1e-9  # a sweep's motions repeat to a thousand times that
     (folder / "case.yaml").write_text(yaml.safe_dump(case))
     asked = ("--values", str(VALUES), "--longest", str(LONGEST))

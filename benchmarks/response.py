@@ -26,7 +26,7 @@ LIMIT = 60.0  # s
 def main(program: str) -> None:
     """Measure and print."""
     case = rectangular(1.0, 1, 1, "radau")
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     with tempfile.TemporaryDirectory() as temporary:
         path, result = Path(temporary) / "case.yaml", Path(temporary) / "response.h5"
         path.write_text(yaml.safe_dump(case))

@@ -61,7 +61,8 @@ typedef struct {
     const char *option; /**< "PATH=VALUE" of the --set option of its origin; NULL: the file */
 } case_warning;
 
-/** Numbers outside the plausible ranges of their keys: one warning for each key, and one for each key and option.
+/** Former names of keys, and numbers outside the plausible ranges of their keys: one warning for each key, and one for
+ *  each key and option.
  *  @param pool  owns all that is returned */
 case_warning *case_warnings(const case_file *file, memory_pool *pool, int *n);
 

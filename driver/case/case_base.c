@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/suggest.h"
+#include "case/former_keys.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -112,5 +113,6 @@ bool case_base_has_path(const case_base *base, const char *path, evl_error *erro
     memset(error, 0, sizeof *error);
     POOLED memory_pool pool = {NULL};
     const char *option = pool_printf(&pool, "%s=0", path);
-    return tree_set(node_copy(&pool, base->root), option, error) && walk(base->schema, CASE_ROOT, "", path, error);
+    OWNED char *present = path_with_present_keys(path);
+    return tree_set(node_copy(&pool, base->root), option, error) && walk(base->schema, CASE_ROOT, "", present, error);
 }

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "base/words.h"
+#include "case/former_keys.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -61,6 +62,12 @@ static bool refuse_key(const checker *checker, const char *block, const case_ent
     if (strcmp(entry->key, "<<") == 0) {
         return checker_refuse(checker, entry->key_place,
                               "merge keys (<<) are not supported; write the keys out or use an alias");
+    }
+    const char *present = key_of_former(block, entry->key);
+    if (present != NULL) {
+        return checker_refuse(checker, entry->key_place,
+                              "'%s' is the former name of '%s', which is given too; leave out '%s'", entry->key,
+                              present, entry->key);
     }
     const bool is_like_one = hint[0] != '\0';
     return checker_refuse(checker, entry->key_place, "unknown key '%.64s'%s%s", entry->key,
@@ -232,6 +239,7 @@ static bool check_block(const checker *checker, const char *block, case_node *no
             good = check_value(&inner, row, value);
             node_append(ordered, row->key, place, value);
             ordered->entries[ordered->n - 1].row = row;
+            ordered->entries[ordered->n - 1].former = at >= 0 ? node->entries[at].former : NULL;
         }
     }
     *node = *ordered;

@@ -3,6 +3,7 @@
 #include "base/json.h"
 #include "base/words.h"
 #include "case/case_json_value.h"
+#include "case/former_keys.h"
 #include "case/unit.h"
 
 #include <string.h>
@@ -33,8 +34,17 @@ static void write_default(json_writer *json, const evl_row *row)
     }
 }
 
+/** Write a key, also under its former name, which editors mark as deprecated. */
 static void write_key(json_writer *json, const evl_row *row)
 {
+    const char *former = former_of_key(row->block, row->key);
+    if (former != NULL) {
+        json_open(json, former, '{');
+        json_text(json, "title", row->key);
+        json_truth(json, "deprecated", true);
+        json_schema_value(json, row);
+        json_close(json, '}');
+    }
     json_open(json, row->key, '{');
     json_text(json, "title", row->key);
     write_description(json, row);

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "case/case_tree.h"
 #include "case/case_yaml.h"
+#include "case/former_keys.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -44,6 +45,9 @@ static case_node *load_named(memory_pool *pool, const char *name, const char *te
     case_node *root = tree_load_yaml(pool, name, (case_place){0}, text, length, error);
     if (root == NULL && error->code == EVL_EXIT_OK) {
         evl_error_set(error, EVL_EXIT_CASE, name, "is empty; a case begins with 'format: 1'");
+    }
+    if (root != NULL) {
+        tree_use_present_keys(root);
     }
     return root;
 }

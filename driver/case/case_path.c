@@ -2,6 +2,7 @@
 #include "case/case_file.h"
 
 #include "base/memory.h"
+#include "case/former_keys.h"
 #include "case/unit.h"
 
 #include <string.h>
@@ -36,7 +37,7 @@ static const evl_row *row_of_key(const case_schema *schema, const char *block, c
 
 const evl_row *row_at_path(const case_schema *schema, case_node *root, const char *path, case_node **node)
 {
-    OWNED char *copy = xstrdup(path);
+    OWNED char *copy = path_with_present_keys(path);
     char *rest = NULL;
     const char *block = CASE_ROOT;
     const evl_row *row = NULL;

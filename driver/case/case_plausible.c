@@ -1,4 +1,5 @@
-/* Numbers outside the plausible ranges of their keys: accepted, but the unit is probably wrong. */
+/* Warnings of a valid case: former names of keys, and numbers outside the plausible ranges of their keys, whose unit is
+ * probably wrong. */
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_check.h"
@@ -21,6 +22,8 @@ typedef struct {
     memory_pool *pool;
     int n;
     implausible *found; /**< in the order of the file; those of --set options separate from those of the file */
+    int n_former;
+    const case_entry **former; /**< keys given under their former names */
 } search;
 
 static bool is_plausible(const evl_row *row, double value)
@@ -87,6 +90,14 @@ static char *warning_text(const char *path, const implausible *found)
                      remedy);
 }
 
+static char *former_text(const char *path, const case_entry *entry)
+{
+    char where[EVL_ERROR_PLACE_LENGTH];
+    place_text(path, entry->key_place, where);
+    return xasprintf("%s: '%s' is the former name of '%s' and will be refused by the next release; write %s", where,
+                     entry->former, entry->key, entry->key);
+}
+
 /* ---- the search ---- */
 
 static void note(search *search, const checker *checker, const evl_row *row, const case_node *node)
@@ -104,6 +115,13 @@ static void note(search *search, const checker *checker, const evl_row *row, con
         pool_grow(search->pool, search->found, (size_t)search->n, (size_t)search->n + 1, sizeof *search->found);
     search->found[search->n++] =
         (implausible){.row = row, .node = node, .label = pool_copy(search->pool, label), .n_others = 0};
+}
+
+static void note_former(search *search, const case_entry *entry)
+{
+    search->former = pool_grow(search->pool, (void *)search->former, (size_t)search->n_former,
+                               (size_t)search->n_former + 1, sizeof *search->former);
+    search->former[search->n_former++] = entry;
 }
 
 static bool is_outside(const evl_row *row, const case_node *node)
@@ -148,6 +166,9 @@ static void search_block(search *search, const checker *checker, const case_node
         if (entry->row == NULL) { /* gaps that were not given */
             continue;
         }
+        if (entry->former != NULL) {
+            note_former(search, entry);
+        }
         if (entry->row->type == EVL_BLOCK) {
             search_block(search, &inner, entry->value);
         } else if (entry->row->type == EVL_LIST || entry->row->type == EVL_MAP) {
@@ -163,11 +184,16 @@ case_warning *case_warnings(const case_file *file, memory_pool *pool, int *n)
     search search = {.pool = pool};
     const checker checker = {.path = file->path};
     search_block(&search, &checker, file->root);
-    case_warning *warnings = pool_calloc(pool, (size_t)search.n, sizeof *warnings);
+    case_warning *warnings = pool_calloc(pool, (size_t)(search.n_former + search.n), sizeof *warnings);
+    *n = 0;
+    for (int i = 0; i < search.n_former; i++) {
+        const case_entry *entry = search.former[i];
+        OWNED char *text = former_text(file->path, entry);
+        warnings[(*n)++] = (case_warning){.text = pool_copy(pool, text), .option = entry->key_place.option};
+    }
     for (int i = 0; i < search.n; i++) {
         OWNED char *text = warning_text(file->path, &search.found[i]);
-        warnings[i] = (case_warning){.text = pool_copy(pool, text), .option = search.found[i].node->place.option};
+        warnings[(*n)++] = (case_warning){.text = pool_copy(pool, text), .option = search.found[i].node->place.option};
     }
-    *n = search.n;
     return warnings;
 }

@@ -339,7 +339,7 @@ static double limit_of(const case_node *node, double absent)
 static bool take_simulation(const checker *checker, const case_node *block, description *description)
 {
     const struct checker of_tolerance = checker_at(checker, "tolerance"), of_initial = checker_at(checker, "initial");
-    const struct checker of_numbers = checker_at(checker, "numbers");
+    const struct checker of_numbers = checker_at(checker, "metrics");
     simulation_description *simulation = &description->simulation;
     simulation->duration = node_get_number(block, "duration");
     simulation->accuracy = number_or_none(node_get(block, "accuracy"));
@@ -358,7 +358,7 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
                               node_get_text(block, "tolerance"), RADAU_SMALLEST_TOLERANCE);
     }
     return take_initial(&of_initial, node_get(block, "initial"), description) &&
-           take_numbers(&of_numbers, node_get(block, "numbers"), description);
+           take_numbers(&of_numbers, node_get(block, "metrics"), description);
 }
 
 bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,

@@ -2,12 +2,13 @@
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "case/case_tree.h"
+#include "case/former_keys.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct {
-    const char *option;
+    const char *option, *path; /**< path: with present keys */
     char place[EVL_ERROR_PLACE_LENGTH];
     evl_error *error;
 } set_edit;
@@ -26,10 +27,10 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, int 
     }
     if (n == 0) {
         evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no element '%s'; it has %d, counted from 0",
-                      n_parent, edit->option, segment, sequence->n);
+                      n_parent, edit->path, segment, sequence->n);
     } else {
         OWNED char *hint = suggest_phrase(segment, n, names);
-        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no '%s'%s", n_parent, edit->option, segment,
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no '%s'%s", n_parent, edit->path, segment,
                       hint);
     }
 }
@@ -40,7 +41,7 @@ static case_entry *enter(const set_edit *edit, case_node *node, int n_parent, co
     const case_place place = {.option = edit->option};
     if (node->kind == NODE_SCALAR) {
         evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s is a single value and has no '%s'", n_parent,
-                      edit->option, segment);
+                      edit->path, segment);
         return NULL;
     }
     const bool is_mapping = node->kind == NODE_MAPPING;
@@ -102,6 +103,12 @@ bool tree_set(case_node *root, const char *option, evl_error *error)
                              "%s; write --set PATH=VALUE, such as --set wheels.pinion.teeth=20",
                              path == NULL ? "has no '='" : "has an empty part in its path");
     }
+    OWNED char *present = path_with_present_keys(path), *segments = xstrdup(present);
+    edit.path = present;
     case_node *value = tree_load_text(root->pool, equals + 1, place, error);
-    return value != NULL && put(&edit, root, path, value);
+    const bool good = value != NULL && put(&edit, root, segments, value);
+    if (good) {
+        tree_use_present_keys(root);
+    }
+    return good;
 }

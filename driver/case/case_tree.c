@@ -33,6 +33,7 @@ case_node *node_copy(memory_pool *pool, const case_node *node)
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
         copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : pool_copy(pool, entry->key),
+                                        .former = entry->former == NULL ? NULL : pool_copy(pool, entry->former),
                                         .key_place = entry->key_place,
                                         .value = node_copy(pool, entry->value),
                                         .row = entry->row};

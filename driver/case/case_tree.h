@@ -22,6 +22,7 @@ typedef struct case_node case_node;
 /** One entry of a sequence (key NULL) or mapping. */
 typedef struct {
     char *key;
+    const char *former; /**< name under which the key was given, if that is a former one; else NULL */
     case_place key_place;
     case_node *value;
     const evl_row *row; /**< of a key accepted by schema_check; else NULL */
@@ -99,7 +100,7 @@ case_node *tree_load_text(memory_pool *pool, const char *text, case_place place,
 void tree_write_json(json_writer *writer, const char *key, const case_node *node);
 
 /** Apply one --set option "PATH=VALUE" to the tree. New nodes refer to `option`, which must outlive the tree. Unknown
- *  keys are added; the schema check refuses them later.
+ *  keys are added; the schema check refuses them later. Former keys are renamed, in the path and in the value.
  *  @return false with the reason in `error`: EVL_EXIT_USAGE if malformed, EVL_EXIT_CASE if refused */
 bool tree_set(case_node *root, const char *option, evl_error *error);
 

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/words.h"
+#include "case/former_keys.h"
 #include "case/unit_spelling.h"
 #include "files/dimensions.h"
 #include "fmu/fmu_write.h"
@@ -105,6 +106,10 @@ static void add_parameters(writer *w)
         mxmlElementSetAttr(variable, "start", start);
         if (parameter->of.n > 1) {
             put_reference(add(variable, "Dimension"), "start", (unsigned)parameter->of.n);
+        }
+        OWNED char *former = path_with_former_keys(parameter->of.path);
+        if (former != NULL) {
+            mxmlElementSetAttr(add(variable, "Alias"), "name", former);
         }
     }
 }

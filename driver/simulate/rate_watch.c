@@ -38,7 +38,7 @@ static const double part = 1e-8; /* permitted difference of two formulas, relati
 static const double tolerances_of_collocation = 10, tolerances_of_polynomials = 100;
 static const double roundings = 64 * DBL_EPSILON; /* of subtracted values, and of the time */
 
-/* The first step is checked, then one of 32, of 64, ... and one of 512 for the rest of the run. A check is delayed by
+/* The first step is checked, then one of 32, one of 128 and one of 512 for the rest of the run. A check is delayed by
  * up to an eighth of the interval until the first step after an event. */
 enum { FIRST_INTERVAL = 32, LAST_INTERVAL = 512, PATIENCE = 8 };
 
@@ -73,7 +73,7 @@ rate_watch *rate_watch_create(const model *model, double tolerance)
 {
     rate_watch *watch = xcalloc(1, sizeof *watch);
     *watch = (rate_watch){
-        .model = model, .tolerance = tolerance, .steps = LAST_INTERVAL, .interval = FIRST_INTERVAL / 2, .node = END};
+        .model = model, .tolerance = tolerance, .steps = LAST_INTERVAL, .interval = FIRST_INTERVAL / 4, .node = END};
     memory_pool *pool = &watch->pool;
     watch->channels = rate_channels_open(model, pool);
     const size_t n_states = (size_t)model_about(model)->dae.n, n_values = (size_t)watch->channels.values.n_values;
@@ -290,7 +290,7 @@ void rate_watch_step(rate_watch *watch, const integrate_step *step)
     watch->after_event = false;
     if (is_due && step->t_to > step->t_from && !watch->has_conflict) {
         watch->steps = 0;
-        watch->interval = watch->interval < LAST_INTERVAL ? 2 * watch->interval : LAST_INTERVAL;
+        watch->interval = watch->interval < LAST_INTERVAL ? 4 * watch->interval : LAST_INTERVAL;
         look(watch, step);
     }
 }

@@ -23,7 +23,7 @@ PROBLEM = {
 }
 RUN = {
     "simulation.duration": 0.02,
-    "simulation.numbers": "{from: 0.01}",
+    "simulation.metrics": "{from: 0.01}",
     "simulation.accuracy": 1e-6,
     "simulation.outputs": "transmission_error",  # the numbers come all the same
 }

@@ -37,15 +37,15 @@ contains
       end associate
    end subroutine check_contact_width
 
-   !> Warn of runouts and thickness allowances above a tenth of a module, which are unlikely to be intended.
+   !> Warn of eccentricities and thickness allowances above a tenth of a module, which are unlikely to be intended.
    subroutine warn_of_tooth_errors(gearbox)
       type(gearbox_t), intent(inout) :: gearbox !! new warnings are appended
       integer :: i
 
       do i = 1, size(gearbox%wheels)
-         associate (gear => gearbox%gears(i), runout => gearbox%wheels(i)%deviation%eccentricity)
+         associate (gear => gearbox%gears(i), eccentricity => gearbox%wheels(i)%deviation%eccentricity)
             if (gear%teeth == 0) cycle
-            if (runout > large_error*gear%normal_module) call warn_of_one("runout.amount", "eccentricity", runout)
+            if (eccentricity > large_error*gear%normal_module) call warn_of_one("eccentricity", "eccentricity", eccentricity)
             if (-gear%thickness_allowance > large_error*gear%normal_module) &
                call warn_of_one("thickness_allowance", "thickness allowance", gear%thickness_allowance)
          end associate

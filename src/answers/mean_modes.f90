@@ -23,7 +23,7 @@ module evl_mean_modes
    use evl_lapack, only: dgesv
    use evl_local_variables, only: i_omega, i_theta
    use evl_modes, only: linearised_matrix, modes_of_matrix
-   use evl_outputs, only: gearbox_outputs
+   use evl_outputs, only: output_sampler, request_all, sample_state
    use evl_places, only: places
    use evl_start_positions, only: mesh_position
    use evl_status, only: clear, code_no_solution, fail, has_failed, quantity, status_t
@@ -58,6 +58,7 @@ contains
       type(status_t), intent(inout) :: status           !! as for gearbox_modes, and for a steady start
       real(wp) :: matrix(gearbox%n_states, gearbox%n_states), yp(gearbox%n_states), outputs(gearbox%n_values), span
       real(wp), allocatable :: there(:, :)
+      type(output_sampler) :: sampler
       integer(int64) :: pitches
       integer :: i, n, try
 
@@ -71,6 +72,7 @@ contains
       span = real(pitches, wp)
       n = n_positions
       if (n <= 0) n = primes(merge(2, 1, modulo(pitches, int(primes(1), int64)) == 0))
+      call request_all(sampler, gearbox)
       do i = 1, n
          do try = 1, size(parts)
             call clear(status)
@@ -79,7 +81,7 @@ contains
          end do
          if (has_failed(status)) return
          call linearised_matrix(gearbox, t, y, integers, reals, there, status)
-         if (.not. has_failed(status)) call gearbox_outputs(gearbox, t, y, integers, reals, .false., outputs, status)
+         if (.not. has_failed(status)) call sample_state(sampler, gearbox, t, y, integers, reals, .false., outputs, status)
          if (has_failed(status)) return
          matrix = matrix + there/n
          values = values + outputs/n

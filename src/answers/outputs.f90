@@ -20,7 +20,7 @@ module evl_outputs
    implicit none (type, external)
    private
 
-   public :: gearbox_outputs, output_sampler, sample_outputs, sampler_create
+   public :: gearbox_outputs, output_sampler, request_all, sample_outputs, sample_state, sampler_create
 
    !> Requested outputs, and work arrays of `sample_outputs`.
    type :: output_sampler
@@ -75,13 +75,35 @@ contains
       real(wp), intent(out) :: values(gearbox%n_values)
       type(status_t), intent(inout) :: status
       type(output_sampler), target :: sampler
-      real(wp) :: told(1, gearbox%n_values)
+
+      call request_all(sampler, gearbox)
+      call sample_state(sampler, gearbox, t, y, integers, reals, check, values, status)
+   end subroutine gearbox_outputs
+
+   !> Request all outputs of a gearbox.
+   subroutine request_all(self, gearbox)
+      type(output_sampler), intent(out) :: self
+      type(gearbox_t), intent(in) :: gearbox
       integer :: i
 
-      call sampler_create(sampler, gearbox, [(i, i=1, size(gearbox%output_counts))])
-      call sample_outputs(sampler, gearbox, 1, [t], reshape(y, [1, gearbox%n_states]), integers, reals, check, told, status)
-      values = told(1, :)
-   end subroutine gearbox_outputs
+      call sampler_create(self, gearbox, [(i, i=1, size(gearbox%output_counts))])
+   end subroutine request_all
+
+   !> Values of the requested outputs at one state.
+   subroutine sample_state(self, gearbox, t, y, integers, reals, check, values, status)
+      type(output_sampler), intent(inout) :: self !! its work arrays change
+      type(gearbox_t), intent(in) :: gearbox
+      real(wp), intent(in) :: t, y(gearbox%n_states), reals(size(gearbox%contacts))
+      integer, intent(in) :: integers(gearbox%n_integers)
+      logical, intent(in) :: check !! as for `gearbox_outputs`
+      real(wp), intent(out) :: values(:)
+      type(status_t), intent(inout) :: status
+      real(wp) :: row(1, size(values))
+
+      row = 0
+      call sample_outputs(self, gearbox, 1, [t], reshape(y, [1, gearbox%n_states]), integers, reals, check, row, status)
+      values = row(1, :)
+   end subroutine sample_state
 
    !> Values of the requested outputs at states with a common discrete state, as within a step. Values of eight states evaluated
    !> together are bitwise identical to those of single states.

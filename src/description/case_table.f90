@@ -3,7 +3,7 @@ module evl_case_table
    use evl_accelerometer, only: accelerometer_rows
    use evl_compliance_description, only: compliance_rows
    use evl_damping_law, only: damping_law_t
-   use evl_deviation_description, only: accuracy_rows, relief_rows, runout_rows
+   use evl_deviation_description, only: accuracy_rows, eccentricity_rows, relief_rows
    use evl_elastic_law, only: elastic_law_t
    use evl_event_log, only: list_event_kinds
    use evl_friction_law, only: friction_law_t
@@ -59,8 +59,8 @@ module evl_case_table
       row_t("accuracy", type_number, "", "error wanted of a penetration, over the largest: stated in place of the" &
             //" tolerance, which follows for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
       row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
-      row_t("numbers", type_block, "", "find numbers of the case over a window of whole pitches or turns; not" &
-            //" found if not given", holds="numbers"), &
+      row_t("metrics", type_block, "", "compute key figures of the case over a window of whole pitches or turns;" &
+            //" not computed if absent", holds="metrics"), &
       row_t("integrator", type_choice, "", &
             "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
             //" not mounted, where it is taken unless this says ida", words="ida radau"), &
@@ -81,7 +81,7 @@ module evl_case_table
                              row_t("wheel", type_reference, "", "the wheel that turns", holds="wheels", variants="+per_turn")]
 
    type(row_t), parameter :: &
-      numbers_rows(*) = [ &
+      metrics_rows(*) = [ &
       row_t("from", type_number, "s", "the window begins with the first whole period from here on; half of" &
             //" the duration if not given", range=not_negative, plausible=span_t(0.0_wp, 1.0e5_wp)), &
       row_t("to", type_number, "s", "and ends with the last one before; the end of the case if not given", range=positive, &
@@ -113,7 +113,7 @@ contains
       call put("rack", rack_rows)
       call put("relief", relief_rows)
       call put("accuracy", accuracy_rows)
-      call put("runout", runout_rows)
+      call put("eccentricity", eccentricity_rows)
       call put("compliance", compliance_rows)
       call put_kinds("support", support_rows, is_joined=.true.)
       call put_kinds("load", load_rows, is_joined=.true.)
@@ -127,7 +127,7 @@ contains
       call put("simulation", simulation_rows)
       call put("output", output_rows)
       call put("initial", initial_rows)
-      call put("numbers", numbers_rows)
+      call put("metrics", metrics_rows)
       call put_kinds("contact", [row_t("law", type_choice, "", "law of the normal elastic force", default="johnson")])
       call put_kinds("damping", [row_t("law", type_choice, "", "law of the normal viscous force", default="none")])
       call put_kinds("friction", [row_t("law", type_choice, "", "law of the tangential force", default="none")])

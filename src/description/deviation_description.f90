@@ -25,7 +25,7 @@ module evl_deviation_description
             variants="+module", plausible=span_t(0.0_wp, 1.0e-3_wp)), &
       row_t("accuracy", type_block, "", "pitch errors from a flank tolerance class, instead of pitch_errors", holds="accuracy", &
             variants="+module"), &
-      row_t("runout", type_block, "", "the teeth's centre lies off the axle", holds="runout", variants="+module")]
+      row_t("eccentricity", type_block, "", "the teeth's centre lies off the axle", holds="eccentricity", variants="+module")]
 
    type(row_t), parameter, public :: &
       relief_rows(*) = [ &
@@ -44,9 +44,11 @@ module evl_deviation_description
                                            range=range_t(0.0_wp, 1000000000.0_wp), default="0")]
 
    type(row_t), parameter, public :: &
-      runout_rows(*) = [ &
-      row_t("amount", type_number, "m", "eccentricity e_c: about half of the measured radial runout", range=not_negative, &
-            required=.true., plausible=span_t(1.0e-8_wp, 2.0e-3_wp)), &
+      eccentricity_rows(*) = [ &
+      row_t("amount", type_number, "m", "distance e_c of the teeth's centre from the axle; either this or radial_runout", &
+            range=not_negative, variants="-radial_runout", plausible=span_t(1.0e-8_wp, 2.0e-3_wp)), &
+      row_t("radial_runout", type_number, "m", "measured radial runout F_r, ISO 1328-2; e_c is half of it", range=not_negative, &
+            plausible=span_t(2.0e-8_wp, 4.0e-3_wp)), &
       row_t("phase", type_number, "deg", "its direction from the middle of tooth 0, counterclockwise", &
             range=range_t(-360.0_wp, 360.0_wp), default="0", plausible=span_t(0.0_wp, 360.0_wp))]
 
@@ -67,17 +69,41 @@ contains
    !> Whether a wheel has any flank deviation.
    logical function has_deviation(wheel)
       type(given_t), intent(in) :: wheel
-      type(given_t) :: tip, root, runout
+      type(given_t) :: tip, root
 
       has_deviation = .false.
-      if (.not. (wheel%has("tip_relief") .or. wheel%has("root_relief") .or. wheel%has("runout") .or. &
+      if (.not. (wheel%has("tip_relief") .or. wheel%has("root_relief") .or. wheel%has("eccentricity") .or. &
                  wheel%has("profile_crowning") .or. wheel%has("accuracy") .or. wheel%has("pitch_errors"))) return
       call wheel%inner("tip_relief", tip)
       call wheel%inner("root_relief", root)
-      call wheel%inner("runout", runout)
       has_deviation = any([tip%number("amount"), root%number("amount"), wheel%number("profile_crowning"), &
-                           runout%number("amount")] > 0) .or. wheel%has("accuracy") .or. wheel%has("pitch_errors")
+                           eccentricity_of(wheel)] > 0) .or. wheel%has("accuracy") .or. wheel%has("pitch_errors") &
+                      .or. has_open_eccentricity(wheel)
    end function has_deviation
+
+   !> Distance of the teeth's centre from the axle [m]; 0 if none is given.
+   real(wp) function eccentricity_of(wheel) result(eccentricity)
+      type(given_t), intent(in) :: wheel
+      type(given_t) :: block
+
+      eccentricity = 0
+      if (.not. wheel%has("eccentricity")) return
+      call wheel%inner("eccentricity", block)
+      if (block%has("radial_runout")) then
+         eccentricity = block%number("radial_runout")/2
+      else
+         eccentricity = block%number("amount")
+      end if
+   end function eccentricity_of
+
+   !> Whether an eccentricity is given without its size.
+   logical function has_open_eccentricity(wheel) result(is_open)
+      type(given_t), intent(in) :: wheel
+      type(given_t) :: block
+
+      call wheel%inner("eccentricity", block)
+      is_open = wheel%has("eccentricity") .and. .not. (block%has("amount") .or. block%has("radial_runout"))
+   end function has_open_eccentricity
 
    !> Compute the flank deviations of a wheel.
    !>
@@ -89,7 +115,7 @@ contains
       type(profile_t), intent(in) :: profile
       type(flank_deviation_t), intent(out) :: deviation
       type(status_t), intent(inout) :: status
-      type(given_t) :: runout
+      type(given_t) :: eccentricity
 
       deviation%exists = has_deviation(wheel)
       deviation%teeth = profile%teeth
@@ -108,9 +134,13 @@ contains
       call check_size(deviation%crowning, "profile_crowning", profile, status)
       deviation%middle = (profile%rho_start + profile%rho_tip)/2
       deviation%half_length = (profile%rho_tip - profile%rho_start)/2
-      call wheel%inner("runout", runout)
-      if (wheel%has("runout")) deviation%eccentricity = runout%number("amount")
-      deviation%phase = runout%number("phase")
+      deviation%eccentricity = eccentricity_of(wheel)
+      call wheel%inner("eccentricity", eccentricity)
+      deviation%phase = eccentricity%number("phase")
+      if (has_open_eccentricity(wheel)) then
+         call refuse("needs either 'amount', the distance of the teeth's centre from the axle, or 'radial_runout', twice that" &
+                     //" distance", "eccentricity", status)
+      end if
       call take_pitch_errors(wheel, profile, deviation, status)
    end subroutine deviation_create
 

@@ -44,7 +44,7 @@ def undisturbed(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> U
     design = write_design(
         folder / "design.h5",
         columns,
-        paper_case(1.0, "spur-pair.yaml") + "  numbers: {from: 0.05 s}\n",
+        paper_case(1.0, "spur-pair.yaml") + "  metrics: {from: 0.05 s}\n",
         numbers="all",
     )
     subprocess.run(

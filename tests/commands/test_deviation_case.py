@@ -51,10 +51,10 @@ BAD_OPTIONS = {
     "class 12": ("wheels.gear.accuracy.class=12", "is 12, must be a whole number from 1 to 11"),
     "negative seed": ("wheels.gear.accuracy.seed=-1", "is -1, must be a whole number from 0 to"),
     "negative runout": (
-        "wheels.gear.runout={amount: -1e-6}",
-        "wheels.gear.runout.amount: is -1e-6",
+        "wheels.gear.eccentricity={amount: -1e-6}",
+        "wheels.gear.eccentricity.amount: is -1e-6",
     ),
-    "runout without amount": ("wheels.gear.runout={phase: 3}", "'amount' is missing"),
+    "runout without amount": ("wheels.gear.eccentricity={phase: 3}", "eccentricity: needs either 'amount'"),
     "tracked flanks": (
         "meshes.0.tracking=differential",
         "meshes.pinion-gear.tracking: flanks with deviations cannot be tracked: take tracking "
@@ -128,7 +128,7 @@ def test_rigid_contacts_have_no_deviations(
         "root_relief={amount: 1e-6, diameter: 0.41}",
         "profile_crowning=1e-6",
         "accuracy={class: 5}",
-        "runout={amount: 1e-6}",
+        "eccentricity={amount: 1e-6}",
         "pitch_errors=[0]",
     ],
 )
@@ -165,7 +165,7 @@ def test_the_resolved_case_shows_deviations_with_their_defaults(
     assert pinion["tip_relief"] == {"amount": 12e-6, "diameter": 0.0615, "shape": "parabolic"}
     assert gear["accuracy"] == {"class": 7, "seed": 0}
     assert gear["profile_crowning"] == 0
-    assert "runout" not in gear
+    assert "eccentricity" not in gear
 
 
 def test_show_tells_where_relief_begins_and_the_pitch_errors_of_a_class(

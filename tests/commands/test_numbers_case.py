@@ -1,4 +1,4 @@
-"""`simulation.numbers` and a design's `numbers`: rejected input, and output locations."""
+"""`simulation.metrics` and a design's `numbers`: rejected input, and output locations."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ def case(examples: Path) -> Path:
 @pytest.mark.parametrize(
     ("numbers", "told"),
     [
-        ("{from: 1}", "numbers: the window is from 1 to 0.01 s, which is no span of time"),
-        ("{to: 1}", "numbers: the window ends at 1 s, but the case at 0.01 s"),
+        ("{from: 1}", "metrics: the window is from 1 to 0.01 s, which is no span of time"),
+        ("{to: 1}", "metrics: the window ends at 1 s, but the case at 0.01 s"),
         ("{from: 0.003, to: 0.002}", "the window is from 0.003 to 0.002 s"),
         ("{from: -1}", "numbers.from: is -1 s, must be at least 0 s"),
         ("{pitches_of: gears}", "pitches_of: there is no mesh 'gears'; the case has pinion-gear"),
         ("{turns_of: gearr}", "turns_of: there is no wheel 'gearr' (did you mean 'gear'?)"),
         ("{turns_of: gear, pitches_of: pinion-gear}", "leave out pitches_of or turns_of"),
         ("{every: 3}", "unknown key 'every'; known here: from, to, pitches_of, turns_of"),
-        ("3", "numbers: must be a block of keys"),
+        ("3", "metrics: must be a block of keys"),
     ],
 )
 def test_a_window_that_cannot_be_is_refused_at_its_place(
     evolvent: Evolvent, case: Path, tmp_path: Path, numbers: str, told: str
 ) -> None:
-    result = evolvent("run", case, *SHORT, "--set", f"simulation.numbers={numbers}", "-o", "n.h5")
+    result = evolvent("run", case, *SHORT, "--set", f"simulation.metrics={numbers}", "-o", "n.h5")
     assert result.returncode == 3
-    assert f"--set simulation.numbers={numbers}: simulation." in result.stderr
+    assert f"--set simulation.metrics={numbers}: simulation." in result.stderr
     assert told in result.stderr
     assert len(result.stderr.splitlines()) == 1
     assert not list(tmp_path.glob("n.h5*"))
@@ -67,7 +67,7 @@ def test_a_window_that_cannot_be_is_refused_at_its_place(
 def test_a_run_without_a_whole_period_in_its_window_fails_with_the_reason(
     evolvent: Evolvent, case: Path, tmp_path: Path, numbers: str, told: str
 ) -> None:
-    result = evolvent("run", case, *SHORT, "--set", f"simulation.numbers={numbers}", "-o", "n.h5")
+    result = evolvent("run", case, *SHORT, "--set", f"simulation.metrics={numbers}", "-o", "n.h5")
     assert result.returncode == 4
     assert result.stderr.count(told) == 1
     assert "begin earlier, or run longer; the history up to there is in 'n.h5." in result.stderr
@@ -84,7 +84,7 @@ def test_a_run_without_a_whole_period_in_its_window_fails_with_the_reason(
 def test_a_run_tells_its_impacts_where_there_are_some(
     evolvent: Evolvent, examples: Path, case: Path, tmp_path: Path
 ) -> None:
-    rattle = ("--set", "simulation.duration=0.1", "--set", "simulation.numbers={from: 0.02}")
+    rattle = ("--set", "simulation.duration=0.1", "--set", "simulation.metrics={from: 0.02}")
     result = evolvent("run", examples / "rattle.yaml", *rattle, "-o", "rattle.h5")
     assert result.returncode == 0, result.stderr
     with h5py.File(tmp_path / "rattle.h5") as history:
@@ -92,12 +92,12 @@ def test_a_run_tells_its_impacts_where_there_are_some(
         speed = 1e3 * history["window_impact_speed_max"][0]
     assert impacts > 1
     assert f" %, {impacts:.0f} impacts at up to {speed:.3g} mm/s\n" in result.stderr
-    result = evolvent("run", case, *SHORT, "--set", "simulation.numbers={from: 0}", "-o", "n.h5")
+    result = evolvent("run", case, *SHORT, "--set", "simulation.metrics={from: 0}", "-o", "n.h5")
     assert "without contact 0 %\n" in result.stderr
 
 
 def test_a_mesh_that_does_not_turn_is_told(evolvent: Evolvent, examples: Path) -> None:
-    settings = ("wheels.0.loads=[]", "simulation.duration=0.01", "simulation.numbers={}")
+    settings = ("wheels.0.loads=[]", "simulation.duration=0.01", "simulation.metrics={}")
     words = [word for setting in settings for word in ("--set", setting)]
     result = evolvent("run", examples / "paper.yaml", *words, "-o", "n.h5")
     assert result.returncode == 4, result.stderr
@@ -143,7 +143,7 @@ def test_numbers_of_a_batch_are_those_of_the_history(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
     rows = rows_of(evolvent, tmp_path, case, "all")
-    settings = ("simulation.numbers={}", "wheels.pinion.loads.0.value=-30")
+    settings = ("simulation.metrics={}", "wheels.pinion.loads.0.value=-30")
     words = [word for setting in settings for word in ("--set", setting)]
     words += ["--set", "simulation.duration=0.02"]
     assert evolvent("run", case, *words, "-o", "n.h5").returncode == 0
@@ -192,7 +192,7 @@ def test_a_row_says_whether_the_window_is_settled_as_the_history_does(
     evolvent: Evolvent, case: Path, tmp_path: Path, settings: dict[str, str], settled: float | None
 ) -> None:
     shorter = yaml.safe_load(case.read_text())
-    shorter["simulation"] |= {"duration": 0.02, "numbers": {"from": 4e-3}}
+    shorter["simulation"] |= {"duration": 0.02, "metrics": {"from": 4e-3}}
     for path, value in settings.items():
         *folders, key = path.split(".")
         at = shorter
@@ -231,7 +231,7 @@ def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: 
     seal(design)
     result = evolvent("batch", design, "-o", "r")
     assert result.returncode == 3
-    assert "numbers: there is no number 'dynamicfactor'; there are all, contact," in result.stderr
+    assert "metrics: there is no metric 'dynamicfactor'; there are all, contact," in result.stderr
 
 
 def documented_metrics() -> dict[str, tuple[tuple[str, ...], str]]:
@@ -254,7 +254,7 @@ def test_the_page_has_the_metrics_of_the_program_with_their_dimensions_and_units
 ) -> None:
     accelerometers = "[{name: top, point: [0, 0.1, 0], direction: [0, 1, 0]}]"
     settings = (
-        "simulation.numbers={}",
+        "simulation.metrics={}",
         "simulation.initial={kind: rest}",
         f"housing={{kind: prescribed, accelerometers: {accelerometers}}}",
     )

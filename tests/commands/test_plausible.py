@@ -87,17 +87,17 @@ def time_for(case: dict[str, Any], row: Row, number: float) -> None:
     simulation = case["simulation"]
     if not simulation.keys() & {"output", "output_interval"}:
         simulation["output_interval"] = simulation["duration"]
-    if row.block in ("simulation", "output", "numbers") and row.unit == "s":
+    if row.block in ("simulation", "output", "metrics") and row.unit == "s":
         if row.key == "duration":
             simulation["output_interval"] = number / 10
         elif row.key != "max_step":
             simulation["duration"] = 2 * number
-            if row.block == "numbers":
+            if row.block == "metrics":
                 simulation["output_interval"] = number / 10
             if row.key == "from":
-                simulation["numbers"]["to"] = 2 * number
+                simulation["metrics"]["to"] = 2 * number
             if row.key == "to":
-                simulation["numbers"]["from"] = 0
+                simulation["metrics"]["from"] = 0
 
 
 def outside(row: Row) -> list[float]:
@@ -316,7 +316,7 @@ def test_deviations_below_it_are_accepted(evolvent: Evolvent, examples: Path) ->
 @pytest.mark.parametrize(
     ("option", "field"),
     [
-        ("wheels.pinion.runout={amount: 0.4 mm}", "runout.amount"),
+        ("wheels.pinion.eccentricity={amount: 0.4 mm}", "eccentricity.amount"),
         ("wheels.pinion.thickness_allowance=-0.4 mm", "thickness_allowance"),
     ],
 )

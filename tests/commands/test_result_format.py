@@ -220,7 +220,7 @@ def test_the_documentation_lists_the_attributes_that_a_history_has(
         chosen = ("--set", f"simulation.integrator={integrator}")
         evolvent("run", case, *SHORT, "--set", "meshes.0.tracking=closed_form", *chosen)
         found |= set(attributes(tmp_path / "paper.h5"))
-    more = ("simulation.initial={kind: periodic}", "simulation.numbers={from: 0}")
+    more = ("simulation.initial={kind: periodic}", "simulation.metrics={from: 0}")
     words = [word for setting in more for word in ("--set", setting)]
     done = evolvent("run", root / "examples" / "spur-pair.yaml", "-o", "spur.h5", *words)
     assert done.returncode == 0, done.stderr

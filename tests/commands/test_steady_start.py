@@ -30,7 +30,7 @@ def test_a_slow_steady_start_is_the_static_mesh_at_its_position(
         "simulation.duration": 1e-4,
         # so slow that all modes follow the mesh and the dampers have no effect
         "wheels.motor.loads.0": "{kind: drive, speed: 1.0e-3, torque: 150, slope: -48}",
-        "simulation.numbers": "{from: 0}",
+        "simulation.metrics": "{from: 0}",
     }
     words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
     case = examples / "tutorial-pair.yaml"

@@ -227,7 +227,7 @@ def test_a_wheel_without_module_has_no_deviations(kernel: Kernel):
     with pytest.raises(GearboxError) as caught:
         Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], [mesh(kernel)])
     assert (caught.value.subject, caught.value.index) == (WHEEL, 0)
-    assert caught.value.field == "runout"
+    assert caught.value.field == "eccentricity"
     assert "needs 'module' beside it" in caught.value.message
 
 

@@ -104,7 +104,7 @@ def test_signs_along_a_train(evolvent: Evolvent, examples: Path, tmp_path: Path)
     stiff = {f"wheels.{i}.compliance.model": "none" for i in (1, 2, 3, 4)}
     done = evolvent(
         *("run", examples / "tutorial-train.yaml", "-q", "-o", "train.h5"),
-        *settings(**stiff, **{"simulation.duration": 0.005, "simulation.numbers": "{from: 0}"}),
+        *settings(**stiff, **{"simulation.duration": 0.005, "simulation.metrics": "{from: 0}"}),
     )
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "train.h5") as history:

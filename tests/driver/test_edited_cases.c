@@ -409,7 +409,7 @@ static void every_key_edited_in_place_gives_the_case_that_is_made_from_nothing(v
         {"paper-friction", "wheels.0.loads.0={kind: harmonic, amplitude: 1, order: 3}"},
         {"paper-friction", "simulation={duration: 1, output: {interval: 0.1}}"},
         {"paper-friction", "simulation={duration: 1, output: {per_turn: 20, wheel: pinion}}"},
-        {"tip-relief", "wheels.0.runout={amount: 1e-5, phase: 10}"},
+        {"tip-relief", "wheels.0.eccentricity={amount: 1e-5, phase: 10}"},
         {"tutorial-pair", "wheels.pinion.tip_diameter=0.076"},
         {"tutorial-pair", "wheels.pinion.compliance={hub_diameter: 0.04}"},
         {"tutorial-pair",

@@ -329,10 +329,10 @@ static sample samples[] = {
     {"numbers by position", "examples/tutorial-pair.yaml", {RADAU, "simulation.duration=0.08"}},
     {"numbers by position, ida",
      "examples/tutorial-pair.yaml",
-     {IDA, "simulation.duration=0.02", "simulation.numbers={from: 5 ms}"}},
+     {IDA, "simulation.duration=0.02", "simulation.metrics={from: 5 ms}"}},
     {"turns",
      "examples/high-speed-pair.yaml",
-     {RADAU, "simulation.duration=0.03", "simulation.numbers={turns_of: pinion}"}},
+     {RADAU, "simulation.duration=0.03", "simulation.metrics={turns_of: pinion}"}},
 };
 
 int main(void)

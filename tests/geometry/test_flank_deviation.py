@@ -259,8 +259,8 @@ def refusal(kernel: Kernel, description: Block) -> KernelError:
         ({"tip_relief": relief(-1e-6, roll_angle=0.5)}, "tip_relief.amount", "must be at least 0"),
         ({"root_relief": relief(np.nan, roll_angle=0.3)}, "root_relief.amount", "finite"),
         ({"profile_crowning": -1e-6}, "profile_crowning", "-1E-06 m"),
-        ({"runout_amount": np.inf}, "runout.amount", "finite"),
-        ({"runout_amount": 1e-6, "runout_phase": np.nan}, "runout.phase", "finite"),
+        ({"runout_amount": np.inf}, "eccentricity.amount", "finite"),
+        ({"runout_amount": 1e-6, "runout_phase": np.nan}, "eccentricity.phase", "finite"),
         (
             {"tip_relief": relief(1e-6, diameter=0.0661)},
             "tip_relief.diameter",

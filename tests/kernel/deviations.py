@@ -62,7 +62,7 @@ def deviations(
     if accuracy_class:
         result.accuracy = Block({"class": accuracy_class, "seed": seed})
     if runout_amount is not None:
-        result.runout = Block(amount=runout_amount, phase=runout_phase)
+        result.eccentricity = Block(amount=runout_amount, phase=runout_phase)
     return result
 
 
@@ -150,7 +150,7 @@ class Formula:
         root = 2 * mp.pi * tooth / z - side * mp.mpf(profile.tooth_angle) / 2
         beta = root + side * rho / r_b
         normal = (side * mp.sin(beta), -side * mp.cos(beta))
-        runout = given.get("runout", Block(amount=0.0, phase=0.0))
-        centre = (mp.cos(runout.phase), mp.sin(runout.phase))
-        e -= runout.amount * (normal[0] * centre[0] + normal[1] * centre[1])
+        eccentricity = given.get("eccentricity", Block(amount=0.0, phase=0.0))
+        centre = (mp.cos(eccentricity.phase), mp.sin(eccentricity.phase))
+        e -= eccentricity.amount * (normal[0] * centre[0] + normal[1] * centre[1])
         return e

@@ -287,7 +287,7 @@ def test_a_run_that_fails_gives_what_there_is(
 
 
 def test_a_run_without_a_whole_period_in_its_window_raises_the_reason(examples: Path) -> None:
-    settings = {"simulation.numbers": {"turns_of": "gear"}, "simulation.duration": 0.01}
+    settings = {"simulation.metrics": {"turns_of": "gear"}, "simulation.duration": 0.01}
     with pytest.raises(
         package.AnalysisError, match="holds no whole turn of wheel 'gear'"
     ) as failed:

@@ -102,7 +102,7 @@ def test_numbers_outputs_and_positions_are_those_of_the_file(
             "duration": 0.05,
             "output": {"per_pitch": 128, "mesh": "pinion-gear"},
             "initial": {"kind": "steady"},
-            "numbers": {"from": 0.02, "to": 0.05},
+            "metrics": {"from": 0.02, "to": 0.05},
             "outputs": "energies transmission_error",
         }
     }

@@ -36,7 +36,7 @@ def make_design(parameters: dict[str, Any] | int = 10, **changes: Any) -> Design
         "parameters": columns,
         "n_cases": columns[0].values.size,
         "window": LAST_HALF,
-        "numbers": (),
+        "metrics": (),
         "history_variables": (),
         "history_every": 1,
         "plan": "a plan",

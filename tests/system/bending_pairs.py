@@ -21,7 +21,7 @@ STEEL = {"youngs_modulus": 2.06e11, "poisson_ratio": 0.3, "density": 7830.0}
 OTHER = {"youngs_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}  # cast iron
 REACH = 1.2  # minimum distance of a hub from the root circle, in modules
 OUTPUTS = 200
-ERRORS = ("pitch_errors", "accuracy", "runout")
+ERRORS = ("pitch_errors", "accuracy", "eccentricity")
 
 
 @dataclass
@@ -145,12 +145,12 @@ class BendingPair:
             fields["profile_crowning"] = self.log(1e-4, 3e-3) * self.module
         if self.errors != i:
             return fields
-        kind = self.draw.choice(("pitch_errors", "accuracy", "runout"))
+        kind = self.draw.choice(("pitch_errors", "accuracy", "eccentricity"))
         size = self.log(1e-4, 3e-3) * self.module
         fields[kind] = {
             "pitch_errors": [self.draw.gauss(0, size) for _ in range(wheel.teeth)],
             "accuracy": {"class": self.draw.randint(3, 7), "seed": 5},
-            "runout": {"amount": size, "phase": self.draw.uniform(-180, 180)},
+            "eccentricity": {"amount": size, "phase": self.draw.uniform(-180, 180)},
         }[kind]
         return fields
 

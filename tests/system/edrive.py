@@ -61,6 +61,6 @@ def edrive(stiffness: float, **initial: Any) -> Block:
             "duration": 0.1,
             "output": {"per_pitch": 60, "mesh": "first"},
             "initial": {"kind": "steady", **initial},
-            "numbers": {"from": 0.04, "turns_of": "g1"},
+            "metrics": {"from": 0.04, "turns_of": "g1"},
         },
     }

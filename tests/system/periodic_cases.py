@@ -81,7 +81,7 @@ class PeriodicCase:
             wheel = self.draw.choice(wheels)
             size = self.log(3e-4, 2e-3) * self.module
             if self.chance(0.5):
-                wheel["runout"] = {"amount": size, "phase": self.draw.uniform(-180, 180)}
+                wheel["eccentricity"] = {"amount": size, "phase": self.draw.uniform(-180, 180)}
             else:
                 wheel["pitch_errors"] = [self.draw.gauss(0, size) for _ in range(wheel["teeth"])]
 
@@ -210,8 +210,8 @@ def mirrored(case: Block) -> Block:
         if "pitch_errors" in wheel:
             errors = wheel["pitch_errors"]
             wheel["pitch_errors"] = [-errors[-k % len(errors)] for k in range(len(errors))]
-        if "runout" in wheel:
-            wheel["runout"]["phase"] *= -1
+        if "eccentricity" in wheel:
+            wheel["eccentricity"]["phase"] *= -1
         for load in wheel.get("loads", []):
             _mirror(load)
     for mesh in other["meshes"]:

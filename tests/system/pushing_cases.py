@@ -133,7 +133,7 @@ class _Case:
             "none": {},
             "crowning": {"profile_crowning": amount},
             "accuracy": {"accuracy": {"class": self.draw.randint(3, 9), "seed": 7}},
-            "runout": {"runout": {"amount": amount, "phase": self.draw.uniform(-180, 180)}},
+            "runout": {"eccentricity": {"amount": amount, "phase": self.draw.uniform(-180, 180)}},
         }[kind]
 
     def case(self) -> Block:

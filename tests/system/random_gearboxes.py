@@ -135,7 +135,7 @@ class Gearbox:
         if self.chance(0.2):
             wheel["accuracy"] = {"class": self.integer(3, 6), "seed": self.integer(1, 1000)}
         if self.chance(0.1):
-            wheel["runout"] = {"amount": 2e-3 * module, "phase": self.uniform(-180, 180)}
+            wheel["eccentricity"] = {"amount": 2e-3 * module, "phase": self.uniform(-180, 180)}
 
     def support(self, radius: float) -> Block:
         """Support of a moving axis."""

@@ -239,7 +239,7 @@ def test_both_senses_of_rotation_are_mirror_images(runs, contact):
             mirrored = [sign * errors[sign * k % TEETH[1]] for k in range(TEETH[1])]
             flawed = {
                 "pitch_errors": mirrored,
-                "runout": {"amount": 5e-6, "phase": sign * 40.0},
+                "eccentricity": {"amount": 5e-6, "phase": sign * 40.0},
                 "tip_relief": {"amount": 1e-5, "diameter": 0.093},
             }
         table = {

@@ -83,7 +83,7 @@ def reducer() -> dict[str, Any]:
         ],
         "simulation": {
             **{"duration": "0.26 s", "output": {"per_pitch": 60, "mesh": "first"}},
-            **{"initial": {"kind": "steady"}, "numbers": {"from": "20 ms", "turns_of": "g1"}},
+            **{"initial": {"kind": "steady"}, "metrics": {"from": "20 ms", "turns_of": "g1"}},
         },
     }
 

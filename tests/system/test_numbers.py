@@ -65,7 +65,7 @@ def rectangular(omega: float, pitches: int, window: int, integrator: str) -> dic
         "simulation": {
             **{"duration": (pitches + 0.25) * pitch, "output_interval": pitch * pitches / 10},
             **{"tolerance": 1e-10, "initial": {"kind": "steady"}, "integrator": integrator},
-            "numbers": {"from": (pitches - window - 0.5) * pitch},
+            "metrics": {"from": (pitches - window - 0.5) * pitch},
         },
     }
 
@@ -100,7 +100,7 @@ def test_the_share_of_coast_flanks_is_nan_where_there_are_none(runs):
     case["meshes"][0].pop("backlash")
     for name in ("duration", "output_interval"):
         case["simulation"][name] /= 20
-    case["simulation"]["numbers"] = {"from": 0}
+    case["simulation"]["metrics"] = {"from": 0}
     found = runs(case)
     assert found.exit_code == 0, found.messages
     assert np.isnan(number(found, "share_coast_flanks"))
@@ -154,7 +154,7 @@ def oscillator(omega: float, gap: float) -> dict[str, Any]:
                 **{"kind": "speeds", "speeds": {"a": -speed, "b": speed * 20 / 30}},
                 "gaps": {"ab": gap},
             },
-            "numbers": {"from": 399.5 * period},
+            "metrics": {"from": 399.5 * period},
         },
     }
 
@@ -199,7 +199,7 @@ FINE = (
     "simulation.duration=6.7e-3",
     "simulation.output_interval=2e-7",
     "simulation.tolerance=1e-10",
-    "simulation.numbers={from: 1e-3}",
+    "simulation.metrics={from: 1e-3}",
 )
 
 
@@ -304,7 +304,7 @@ def numbers(run: Run) -> dict[str, Floats]:
 def test_both_integrators_find_the_same(runs, example):
     """In lanes and one by one; to the accuracy of accelerations at a tolerance of 1e-9."""
     found = [
-        numbers(runs(f"{example}.yaml", "simulation.numbers={}", f"simulation.integrator={which}"))
+        numbers(runs(f"{example}.yaml", "simulation.metrics={}", f"simulation.integrator={which}"))
         for which in ("radau", "ida")
     ]
     for name, values in found[0].items():
@@ -324,7 +324,7 @@ def test_both_integrators_find_the_same(runs, example):
 
 def test_numbers_do_not_depend_on_the_outputs(runs):
     many, few = (
-        numbers(runs("rattle.yaml", "simulation.numbers={}", f"simulation.output_interval={dt}"))
+        numbers(runs("rattle.yaml", "simulation.metrics={}", f"simulation.output_interval={dt}"))
         for dt in (1e-4, 1e-2)
     )
     for name, values in many.items():
@@ -338,7 +338,7 @@ def test_turns_count_from_where_the_wheel_starts(runs, start, wheel):
     run = runs(
         "spur-pair.yaml",
         f"simulation.initial={{kind: steady{start}}}",
-        f"simulation.numbers={{from: 0, turns_of: {wheel}}}",
+        f"simulation.metrics={{from: 0, turns_of: {wheel}}}",
         f"simulation.duration={0.0421 if wheel == 'pinion' else 0.0421 * 34 / 19}",
     )
     assert float(run.history["window_begin"]) == 0
@@ -347,12 +347,12 @@ def test_turns_count_from_where_the_wheel_starts(runs, start, wheel):
 
 def test_a_turn_has_as_many_pitches_as_teeth(runs):
     start = "simulation.initial={kind: steady, position: 0}"
-    turns = runs("spur-pair.yaml", start, "simulation.numbers={from: 0, turns_of: pinion}").history
+    turns = runs("spur-pair.yaml", start, "simulation.metrics={from: 0, turns_of: pinion}").history
     speed = abs(float(turns["angular_velocity"].values[0, 0]))
     span = float(turns["window_end"]) - float(turns["window_begin"])
     assert int(turns["window_periods"]) == 1
     assert span == pytest.approx(2 * math.pi / speed, rel=2e-3)  # the speed at one instant
-    pitches = runs("spur-pair.yaml", start, "simulation.numbers={from: 0, to: 0.0405}").history
+    pitches = runs("spur-pair.yaml", start, "simulation.metrics={from: 0, to: 0.0405}").history
     assert int(pitches["window_periods"]) == int(turns["teeth"].values[0])
     for name in ("transmission_error_amplitude", "normal_force_mean"):
         told = turns[f"window_{name}"].values
@@ -361,7 +361,7 @@ def test_a_turn_has_as_many_pitches_as_teeth(runs):
 
 def test_impacts_are_closings_after_a_flight(runs):
     """Counted from the events and the outputs before them, with the speeds of the states there."""
-    run = runs("rattle.yaml", "simulation.numbers={}", "simulation.output_interval=1e-5")
+    run = runs("rattle.yaml", "simulation.metrics={}", "simulation.output_interval=1e-5")
     history, events, radius = run.history, run.events, run.history["base_radius"].values
     begin, end = (float(history[f"window_{which}"]) for which in ("begin", "end"))
     closings = np.flatnonzero(events["kind"].values == "contact_closed")
@@ -395,7 +395,7 @@ def test_accelerometers_and_moving_axles_have_numbers(runs):
         "meshes.0.damping={law: linear, coefficient: 1000}",
         "simulation.initial={kind: speeds, speeds: "
         f"{{pinion: {-speed}, gear: {speed * 19 / 34}}}}}",
-        "simulation.numbers={from: 0, to: 0.0401, turns_of: pinion}",
+        "simulation.metrics={from: 0, to: 0.0401, turns_of: pinion}",
     )
     assert run.exit_code == 0, run.messages
     assert int(run.history["window_periods"]) == 1

@@ -57,7 +57,7 @@ def slow_pair(
         ],
         "simulation": {
             **{"duration": 12 * PITCH, "output_interval": PITCH / 10},
-            **{"initial": {"kind": "steady"}, "numbers": {"from": 2 * PITCH}},
+            **{"initial": {"kind": "steady"}, "metrics": {"from": 2 * PITCH}},
         },
     }
 
@@ -87,7 +87,7 @@ def test_shares_of_the_time_are_those_of_the_contact_ratio(runs, ratio):
 def test_a_batch_counts_three_pairs_and_more_at_its_outputs(evolvent, tmp_path: Path):
     """A change between two outputs counts up to half of their distance, a hundredth of a pitch."""
     case = slow_pair(2.3, 1.0)
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     case["simulation"] |= {"duration": 4 * PITCH, "output_interval": PITCH / 100}
     forces = {"wheels.b.loads.0.value": [-BASE]}
     window = (PITCH, 4 * PITCH)
@@ -138,7 +138,7 @@ def test_the_largest_force_of_a_pair_is_the_larger_one_of_two_parts_of_its_windo
     parts = ((2, 8), (6.5, 12), (2, 12))
     first, second, both = (
         number(
-            runs(case, f"simulation.numbers={{from: {begin * PITCH}, to: {end * PITCH}}}"),
+            runs(case, f"simulation.metrics={{from: {begin * PITCH}, to: {end * PITCH}}}"),
             "pair_normal_force_max",
         )
         for begin, end in parts
@@ -185,7 +185,7 @@ def test_orders_of_an_axle_are_those_of_its_wheel_s_mesh(runs):
         "two-stage-gears.yaml",
         *(f"wheels.{wheel}.support={axle}" for wheel in ("pinion-1", "gear-2")),
         # four pitches of the first mesh, 1.957 of the second
-        *("simulation.numbers={from: 0.0285}", "simulation.output_interval=1e-6"),
+        *("simulation.metrics={from: 0.0285}", "simulation.output_interval=1e-6"),
         "simulation.duration=0.05",
         *(f"meshes.{mesh}.friction={{law: none}}" for mesh in ("first", "second")),
     )

@@ -39,7 +39,7 @@ def orbits(evolvent: Callable[..., subprocess.CompletedProcess[str]], tmp_path: 
 
     def run(first: float, last: float, *options: Any) -> xr.Dataset:
         case = rectangular(1.0, 1, 1, "radau")
-        del case["simulation"]["numbers"]
+        del case["simulation"]["metrics"]
         path, result = tmp_path / "case.yaml", tmp_path / "orbits.h5"
         path.write_text(yaml.safe_dump(case))
         over = f"{SPEED}={-first * UNIT!r}:{-last * UNIT!r}"
@@ -214,7 +214,7 @@ def test_longest_bounds_the_branches_at_doublings(orbits: Orbits) -> None:
 def test_longest_leaves_out_motions_of_more_periods(evolvent, tmp_path: Path) -> None:
     """At 2.0 the motion has two pitches."""
     case = rectangular(1.0, 1, 1, "radau")
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     path = tmp_path / "case.yaml"
     path.write_text(yaml.safe_dump(case))
     over = f"{SPEED}={-2.0 * UNIT!r}:{-2.002 * UNIT!r}"
@@ -235,7 +235,7 @@ AMPLITUDE = "wheels.b.loads.0.amplitude"
 def stops(tmp_path: Path) -> Path:
     """The oscillator with backlash at 0.8 of its frequency."""
     case = oscillator(0.8, HALF_GAP)
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     path = tmp_path / "stops.yaml"
     path.write_text(yaml.safe_dump(case))
     return path
@@ -422,7 +422,7 @@ def test_what_cannot_be_is_refused_in_one_line(
     evolvent, tmp_path: Path, options: tuple[str, ...], code: int, part: str
 ) -> None:
     case = rectangular(1.0, 1, 1, "radau")
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     path = tmp_path / "case.yaml"
     path.write_text(yaml.safe_dump(case))
     method = () if "--method" in options else ("--method", "orbits")
@@ -436,7 +436,7 @@ def test_what_cannot_be_is_refused_in_one_line(
 def test_where_no_motion_repeats_orbits_begin_at_its_last_state(evolvent, tmp_path: Path) -> None:
     """After the last doubling on the way down the motion at some speeds is chaotic."""
     case = rectangular(1.0, 1, 1, "radau")
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     case["meshes"][0]["damping"] = {"law": "none"}
     path = tmp_path / "case.yaml"
     path.write_text(yaml.safe_dump(case))

@@ -63,7 +63,7 @@ def test_orders_are_the_harmonics_that_a_run_finds_between_its_events(
     whose orders above half of the outputs are aliased.
     """
     simulation = (
-        "{duration: 0.04, output_interval: 4.2e-6, initial: {kind: steady}, numbers: {from: 0.02}}"
+        "{duration: 0.04, output_interval: 4.2e-6, initial: {kind: steady}, metrics: {from: 0.02}}"
     )
     case = examples / "compliant-pair.yaml"
     run = evolvent("run", case, "-o", "run.h5", "-q", "--set", f"simulation={simulation}")

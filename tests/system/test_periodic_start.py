@@ -113,7 +113,7 @@ def test_the_orbit_is_where_the_motion_from_the_steady_start_ends(
     history = run(examples / f"{name}.yaml", initial="{kind: periodic}", numbers="{from: 0}")
     settled = run(
         examples / f"{name}.yaml",
-        **{"initial": "{kind: steady}", "duration": 0.6, "numbers": "{from: 0.55}"},
+        **{"initial": "{kind: steady}", "duration": 0.6, "metrics": "{from: 0.55}"},
     )
     for quantity in ("window_dynamic_factor", "window_transmission_error_peak_to_peak"):
         assert history[quantity].values == pytest.approx(settled[quantity].values, rel=1e-4)
@@ -123,7 +123,7 @@ def test_the_orbit_is_where_the_motion_from_the_steady_start_ends(
 def test_the_largest_multiplier_is_that_of_meissners_equation(run: Run, omega: float) -> None:
     """Stable at the first two frequencies; a warning between the boundaries of doubling."""
     case = rectangular(omega, 1, 1, "radau")
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     case["simulation"]["initial"] = {"kind": "periodic"}
     history = run(case)
     scale = UNIT / OMEGA_1 * TEETH
@@ -285,7 +285,7 @@ RATTLE = (
     "meshes.0.friction={law: none}",
     "wheels.pinion.loads=[{kind: speed, value: -1500}]",
     "wheels.gear.loads=[{kind: torque, value: -0.5}]",
-    "wheels.pinion.runout={amount: 20 um}",
+    "wheels.pinion.eccentricity={amount: 20 um}",
 )
 
 

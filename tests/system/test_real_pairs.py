@@ -175,7 +175,7 @@ def test_at_a_contact_ratio_of_exactly_1_exit_and_entry_are_one_event(runs, flaw
     case = with_ratio(1.0)
     if flawed:  # each pair takes over at a gap different from that of the pair before
         case["wheels"][0]["pitch_errors"] = [1e-6 * (7 * k % 5) for k in range(30)]
-        case["wheels"][1]["runout"] = {"amount": 5e-6}
+        case["wheels"][1]["eccentricity"] = {"amount": 5e-6}
     run = runs(case)
     assert run.exit_code == 0
     assert broken_invariants(run) == []

@@ -62,7 +62,7 @@ class RelievedPair(BendingPair):
         if self.chance(0.7):
             fields["tip_rounding"] = self.log(5e-3, 0.15) * self.module
         if self.errors == i:
-            fields["runout"] = {"amount": self.log(1e-4, 3e-3) * self.module}
+            fields["eccentricity"] = {"amount": self.log(1e-4, 3e-3) * self.module}
         return fields
 
 

@@ -30,7 +30,7 @@ def speeds(first: float, last: float, step: float = 0.005) -> str:
 def write_rectangular(folder: Path) -> Path:
     """Write the oscillator with rectangular stiffness, whose flanks may separate."""
     case = rectangular(1.0, 1, 1, "radau")
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     path = folder / "rectangular.yaml"
     path.write_text(yaml.safe_dump(case))
     return path
@@ -121,7 +121,7 @@ def test_passes_of_a_section_that_had_to_move_do_not_count(tmp_path, evolvent, r
     its path at 0.6 of a pitch, or at half of one, at the section: it is moved, and restarts.
     """
     case = rectangular(0.02, 1, 1, "radau")
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     case["simulation"]["initial"] = {"kind": "steady", "position": 0}
     base_pitch, distance = 2 * math.pi * BASE / TEETH, case["meshes"][0]["centre_distance"]
     contact = (ratio * base_pitch + math.sqrt(distance**2 - 4 * BASE**2)) / 2

@@ -32,7 +32,7 @@ FIELDS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         },
     ),
     "pitch errors": ({"pitch_errors": [4e-6 * math.sin(3.0 * k**2) for k in range(19)]}, {}),
-    "runout": ({}, {"runout": {"amount": 1e-5, "phase": 40}}),
+    "runout": ({}, {"eccentricity": {"amount": 1e-5, "phase": 40}}),
     "rounded": ({"tip_rounding": 2e-4}, {"tip_rounding": 3e-4}),
 }
 

@@ -74,7 +74,7 @@ def test_every_class_starts_steadily_with_both_integrators(
     case = relieved("parabolic", rotation, speed=75.0)
     for i, wheel in enumerate(case["wheels"]):
         wheel["accuracy"] = {"class": accuracy, "seed": 3 + i}
-        wheel["runout"] = {"amount": 5e-6, "phase": 40.0}
+        wheel["eccentricity"] = {"amount": 5e-6, "phase": 40.0}
         wheel["profile_crowning"] = 2e-6
         wheel["root_relief"] = {"amount": 3e-6, "roll_angle": 12.0 + 3 * i}
     run = runs(case, f"simulation.integrator={integrator}", "simulation.duration=0.002")

@@ -79,7 +79,7 @@ def test_a_train_starts_alike_in_every_order(
 ) -> None:
     case = edrive(15e3, **kind)
     case["simulation"] |= {"duration": 2e-3, "tolerance": 1e-12}
-    del case["simulation"]["numbers"]
+    del case["simulation"]["metrics"]
     first = run(evolvent, tmp_path, "first", case)
     second = run(evolvent, tmp_path, "second", in_another_order(case))
     assert not isinstance(first, str)

@@ -73,7 +73,7 @@ def test_inertias_behind_a_soft_shaft_start_with_the_mean_speed(
     settled = runs(
         edrive(stiffness, position=0.3),
         "simulation.duration=0.4",
-        "simulation.numbers.from=0.3",
+        "simulation.metrics.from=0.3",
     ).history
     np.testing.assert_allclose(
         history.window_dynamic_factor, settled.window_dynamic_factor, rtol=5e-3
@@ -87,7 +87,7 @@ def test_the_start_is_continuous_from_slow_to_fast_modes(runs: Runs) -> None:
         found = []
         for speed in speeds:
             case = edrive(15e3, position=0.4)
-            del case["simulation"]["numbers"]
+            del case["simulation"]["metrics"]
             case["simulation"] |= {"duration": 1e-6, "output": {"interval": 1e-6}}
             case["wheels"][0]["loads"][0]["speed"] = float(speed)
             found.append(runs(case).history.transmission_error[0].values)

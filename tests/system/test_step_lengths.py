@@ -98,7 +98,7 @@ def spinning(**simulation: Any) -> dict[str, Any]:
     return real_pair(
         TEETH,
         wheels=(
-            {**speed(speeds["pinion"]), "runout": {"amount": 2e-5, "phase": 170}},
+            {**speed(speeds["pinion"]), "eccentricity": {"amount": 2e-5, "phase": 170}},
             speed(speeds["gear"]),
         ),
         mesh={"backlash": 1e-3},

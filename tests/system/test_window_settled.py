@@ -86,7 +86,7 @@ LISTED = [
 
 def windowed(runs: Runs, case: Case, begin: float, length: float = LENGTH) -> Run:
     case = json.loads(json.dumps(case))
-    case["simulation"] |= {"duration": begin + length, "numbers": {"from": begin}}
+    case["simulation"] |= {"duration": begin + length, "metrics": {"from": begin}}
     run = runs(case)
     assert run.exit_code == 0, run.messages
     return run
@@ -159,7 +159,7 @@ def test_an_undamped_mode_is_not_settling_and_its_frequency_is_told(
 
 
 def test_where_there_are_no_modes_it_is_missing_with_the_reason(runs: Runs, examples: Path) -> None:
-    settings = (*RIGID, "simulation.duration=8", "simulation.numbers={from: 0.5}")
+    settings = (*RIGID, "simulation.duration=8", "simulation.metrics={from: 0.5}")
     run = runs("paper-friction.yaml", *settings)
     assert run.exit_code == 0, run.messages
     assert math.isnan(float(run.history["window_settled"]))

@@ -72,7 +72,7 @@ class WildGearbox(Gearbox):
         if self.chance(0.4):
             wheel["accuracy"] = {"class": self.integer(1, 11), "seed": self.integer(1, 1000)}
         if self.chance(0.2):
-            wheel["runout"] = {
+            wheel["eccentricity"] = {
                 "amount": self.log_uniform(3e-4, 6e-3) * module,
                 "phase": self.uniform(-180, 180),
             }

@@ -133,7 +133,7 @@ def _window(run: Recording) -> tuple[Recording, str, bool]:
     first, last = (quantity(float(run["time"][row]), "s", 5) for row in (0, -1))
     scope = (
         f"The whole run, from {first} to {last}, with its start; means are of its outputs. With "
-        "simulation.numbers in the case they are of whole periods behind the start."
+        "simulation.metrics in the case they are of whole periods behind the start."
     )
     return run, scope, False
 

@@ -72,7 +72,7 @@ class Design:
     parameters: tuple[Parameter, ...]
     n_cases: int
     window: tuple[float, float]  # of the statistics [s], or `LAST_HALF`
-    numbers: tuple[str, ...]  # over whole periods, in addition to the default ones
+    metrics: tuple[str, ...]  # over whole periods, in addition to the default ones
     history_variables: tuple[str, ...]
     history_every: int
     plan: str  # text of the plan that made the design
@@ -95,7 +95,7 @@ class Design:
         columns = [p for p in self.parameters if p.path]
         digest = hashlib.sha256(b"".join(_text(t) for t in (IDENTITY, self.maker, self.case)))
         digest.update(np.array(self.window, dtype="<f8").tobytes())
-        for words in (self.numbers, self.history_variables):
+        for words in (self.metrics, self.history_variables):
             digest.update(_integer(len(words)) + b"".join(map(_text, words)))
         for number in (self.history_every, self.history_rows):
             digest.update(_integer(number))
@@ -190,7 +190,7 @@ def _write(design: Design, file: h5py.File) -> None:
         evolvent_design_format=FORMAT,
         evolvent_version=design.version,
         window=design.window,
-        numbers=" ".join(design.numbers),
+        numbers=" ".join(design.metrics),
         history_variables=" ".join(design.history_variables),
         sampling=design.sampling_text,
     )
@@ -232,7 +232,7 @@ def _read(file: h5py.File) -> tuple[Design, str]:
         **numbers,
         parameters=tuple(parameters),
         window=(begin, end),
-        numbers=tuple(str(attrs["numbers"]).split()),
+        metrics=tuple(str(attrs["numbers"]).split()),
         history_variables=tuple(str(attrs["history_variables"]).split()),
         version=str(attrs["evolvent_version"]),
         sampling=json.loads(str(attrs["sampling"])),

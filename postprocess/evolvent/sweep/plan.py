@@ -40,7 +40,7 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
         parameters=tuple(parameters),
         n_cases=n_cases,
         window=spec.window or LAST_HALF,
-        numbers=spec.numbers,
+        metrics=spec.metrics,
         history_variables=spec.history_variables,
         history_every=spec.history_every,
         history_rows=spec.history_rows,

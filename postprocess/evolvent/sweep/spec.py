@@ -23,8 +23,9 @@ SCALES = ("linear", "log")
 TAKEN = ("case", "time", "status", "message", "exit_code", "recorded_at", "pi", "e")
 TOP_KEYS = (
     "format", "title", "case", "method", "samples", "seed", "second_order", "file",
-    "parameters", "window", "numbers", "histories", "respond",
+    "parameters", "window", "metrics", "histories", "respond",
 )  # fmt: skip
+FORMER_KEYS = {"numbers": "metrics"}  # accepted for one release
 PARAMETER_KEYS = (
     "path", "name", "units", "value", "values", "from", "to", "number", "scale", "whole",
     "expression", "column",
@@ -70,7 +71,7 @@ class Spec:
     file: Path | None
     entries: tuple[Entry, ...]
     window: tuple[float, float] | None
-    numbers: tuple[str, ...]
+    metrics: tuple[str, ...]
     history_variables: tuple[str, ...]
     history_every: int
     history_rows: int  # 0: not given
@@ -91,7 +92,10 @@ def read_spec(path: Path, program: Path | None = None) -> Spec:
     """
     text = read_text(path, str(path))
     try:
-        top = _mapping(read_yaml(text, str(path)), "the plan", TOP_KEYS)
+        plan = read_yaml(text, str(path))
+        if isinstance(plan, dict):
+            plan = {FORMER_KEYS.get(key, key): value for key, value in plan.items()}
+        top = _mapping(plan, "the plan", TOP_KEYS)
         return _spec(path, text, top, program)
     except SweepError as error:
         raise error.at(str(path)) from None
@@ -131,7 +135,7 @@ def _spec(path: Path, text: str, top: Mapping[str, Any], program: Path | None) -
         file=path.parent / _text(top.get("file"), "file") if method == "table" else None,
         entries=entries,
         window=_window(top.get("window")),
-        numbers=_strings(top.get("numbers", []), "numbers"),
+        metrics=_strings(top.get("metrics", []), "metrics"),
         history_variables=variables,
         history_every=_whole(histories.get("every", 1), "histories.every", 1),
         history_rows=_whole(histories["rows"], "histories.rows", 1) if "rows" in histories else 0,

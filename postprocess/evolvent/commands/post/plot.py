@@ -90,7 +90,7 @@ def plot(
     ] = None,
     whole: Annotated[
         bool,
-        option("--whole", "Draw the whole run, though it has a window (simulation.numbers)."),
+        option("--whole", "Draw the whole run, though it has a window (simulation.metrics)."),
     ] = False,
     with_pairs: Annotated[
         bool,

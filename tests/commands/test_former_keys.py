@@ -1,0 +1,178 @@
+"""Keys renamed within format 1: former names mean the same wherever a key or a path is given."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+
+from designs import read_folder, write_design
+
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+
+PRESENT = "eccentricity: {amount: 8 um, phase: 30}"
+FORMER = "runout: {amount: 8 um, phase: 30}"
+HALVED = "eccentricity: {radial_runout: 16 um, phase: 30}"
+WINDOW = "metrics: {from: 10 ms}"
+FORMER_WINDOW = "numbers: {from: 10 ms}"
+SHORT = ("--set", "simulation.duration=20 ms")
+
+
+def written(examples: Path, path: Path, eccentricity: str, window: str) -> Path:
+    """Write a pair with an eccentric pinion and a window."""
+    text = (examples / "spur-pair.yaml").read_text()
+    changed = text.replace("- name: pinion\n", f"- name: pinion\n  {eccentricity}\n", 1)
+    changed = changed.replace("simulation:\n", f"simulation:\n  {window}\n", 1)
+    assert changed.count(eccentricity) == changed.count(window) == 1
+    path.write_text(changed)
+    return path
+
+
+def resolved(evolvent: Evolvent, *words: str | Path) -> Any:
+    shown = evolvent("show", *words, "--json")
+    assert shown.returncode == 0, shown.stderr
+    return json.loads(shown.stdout)["case"]
+
+
+def test_a_case_with_former_keys_is_the_case_with_the_present_ones(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    present = resolved(evolvent, written(examples, tmp_path / "p.yaml", PRESENT, WINDOW))
+    former = resolved(evolvent, written(examples, tmp_path / "f.yaml", FORMER, FORMER_WINDOW))
+    assert former == present
+    assert present["wheels"][0]["eccentricity"] == {"amount": 8e-6, "phase": 30}
+    assert present["simulation"]["metrics"] == {"from": 0.01}
+
+
+def test_half_the_radial_runout_is_the_eccentricity(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    penetrations = []
+    for name, block in (("amount", PRESENT), ("runout", HALVED), ("none", "profile_crowning: 0")):
+        case = written(examples, tmp_path / f"{name}.yaml", block, WINDOW)
+        done = evolvent("run", case, *SHORT, "-o", f"{name}.h5")
+        assert done.returncode == 0, done.stderr
+        with h5py.File(tmp_path / f"{name}.h5") as history:
+            penetrations.append(history["penetration"][:])
+    np.testing.assert_array_equal(penetrations[0], penetrations[1])
+    assert np.abs(penetrations[0] - penetrations[2]).max() > 1e-8
+
+
+@pytest.mark.parametrize(
+    ("block", "what"),
+    [
+        ("{phase: 3}", "eccentricity: needs either 'amount', the distance"),
+        ("{amount: 1 um, radial_runout: 2 um}", "give one of them"),
+        ("{radial_runout: -1 um}", "radial_runout: is -1 um (-1.0e-06 m), must be at least 0 m"),
+    ],
+)
+def test_an_eccentricity_is_stated_once(
+    evolvent: Evolvent, examples: Path, block: str, what: str
+) -> None:
+    option = f"wheels.pinion.eccentricity={block}"
+    result = evolvent("validate", examples / "spur-pair.yaml", "--set", option)
+    assert result.returncode == 3
+    assert what in result.stderr
+
+
+def test_a_former_key_of_a_file_is_warned_of_at_its_location(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    case = written(examples, tmp_path / "f.yaml", FORMER, FORMER_WINDOW)
+    lines = case.read_text().splitlines()
+    result = evolvent("validate", case)
+    assert result.returncode == 0
+    for former, present in (("runout", "eccentricity"), ("numbers", "metrics")):
+        line = 1 + next(i for i, text in enumerate(lines) if text.startswith(f"  {former}:"))
+        assert f"{case}:{line}:3: '{former}' is the former name of '{present}'" in result.stderr
+
+
+def test_a_key_beside_its_former_name_is_refused(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    case = written(examples, tmp_path / "b.yaml", f"{PRESENT}\n  {FORMER}", WINDOW)
+    result = evolvent("validate", case)
+    assert result.returncode == 3
+    assert "'runout' is the former name of 'eccentricity', which is given too" in result.stderr
+
+
+@pytest.mark.parametrize("block", [PRESENT, FORMER])
+@pytest.mark.parametrize(
+    "option",
+    [
+        "wheels.pinion.runout.amount=3 um",
+        "wheels.0.runout={amount: 3 um, phase: 30}",
+        "wheels.pinion.eccentricity.amount=3 um",
+    ],
+)
+def test_options_take_both_names_whatever_the_file_has(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, block: str, option: str
+) -> None:
+    case = written(examples, tmp_path / "c.yaml", block, FORMER_WINDOW)
+    options = ("--set", option, "--set", "simulation.numbers.to=18 ms")
+    found = resolved(evolvent, case, *options)
+    assert found["wheels"][0]["eccentricity"] == {"amount": 3e-6, "phase": 30}
+    assert found["simulation"]["metrics"] == {"from": 0.01, "to": 0.018}
+
+
+def test_a_wheel_may_have_a_former_key_for_its_name(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    case = written(examples, tmp_path / "n.yaml", PRESENT, WINDOW)
+    case.write_text(case.read_text().replace("pinion", "runout"))
+    found = resolved(evolvent, case, "--set", "wheels.runout.runout.amount=2 um")
+    assert found["wheels"][0]["name"] == "runout"
+    assert found["wheels"][0]["eccentricity"]["amount"] == 2e-6
+
+
+def test_a_batch_and_a_response_take_former_paths(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    rows = {}
+    for key, block in (("runout", FORMER), ("eccentricity", PRESENT)):
+        case = written(examples, tmp_path / f"{key}.yaml", block, WINDOW).read_text()
+        case = case.replace("duration: 50 ms", "duration: 20 ms")
+        columns = {f"wheels.pinion.{key}.amount": [2e-6, 4e-6]}
+        design = write_design(tmp_path / f"{key}-design.h5", columns, case)
+        done = evolvent("batch", design, "-o", f"{key}-results", "-q")
+        assert done.returncode == 0, done.stderr
+        rows[key] = read_folder(tmp_path / f"{key}-results")
+    assert sorted(rows["runout"]) == [0, 1]
+    for index, row in rows["runout"].items():
+        other = rows["eccentricity"][index]
+        assert row["penetration_max"] == other["penetration_max"]
+    assert rows["runout"][0]["penetration_max"] != rows["runout"][1]["penetration_max"]
+
+
+def test_an_fmu_lists_the_former_name_as_an_alias(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    case = written(examples, tmp_path / "e.yaml", PRESENT, WINDOW)
+    done = evolvent("fmu", case, "-o", "e.fmu")
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tmp_path / "e.fmu") as archive:
+        text = archive.read("modelDescription.xml").decode()
+    name = "wheels.pinion.eccentricity.amount"
+    variable = re.search(rf'<Float64 name="{name}".*?</Float64>', text, re.DOTALL)
+    assert variable
+    assert '<Alias name="wheels.pinion.runout.amount"' in variable[0]
+
+
+def test_editors_accept_former_keys_as_deprecated(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    schema = json.loads(evolvent("show", "--schema").stdout)
+    case = written(examples, tmp_path / "f.yaml", FORMER, FORMER_WINDOW)
+    Draft202012Validator(schema).validate(yaml.safe_load(case.read_text()))
+    assert schema["$defs"]["wheel"]["properties"]["runout"]["deprecated"] is True
+    assert schema["$defs"]["simulation"]["properties"]["numbers"]["deprecated"] is True
