@@ -1,4 +1,6 @@
 /* Part of a case that affects the motion. */
+#include "case/case.h"
+
 #include "base/memory.h"
 #include "case/case_file.h"
 

@@ -1,4 +1,6 @@
 /* Numbers outside the plausible ranges of their keys: accepted, but the unit is probably wrong. */
+#include "case/case.h"
+
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_check.h"

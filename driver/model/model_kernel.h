@@ -2,8 +2,7 @@
 #pragma once
 
 #include "base/memory.h"
-#include "model/model.h"
-#include "model/model_start.h"
+#include "model/model_types.h"
 
 #include <evolvent/kernel.h>
 
