@@ -35,9 +35,8 @@ from accuracy import penetration_error
 from process import ROOT
 from real_gears import run as run_case
 
-from evolvent.sweep.accuracy import ACCURACY
 from evolvent.sweep.design import Design, take, write_design
-from evolvent.sweep.plan import make_plan
+from evolvent.sweep.plan import ACCURACY, make_plan
 
 ACCURACIES = (1e-4, 1e-5, 1e-6, 1e-7)
 TOLERANCES = {

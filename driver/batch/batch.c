@@ -3,7 +3,6 @@
 #include "base/lock.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "base/parent.h"
 #include "base/progress.h"
 #include "base/write_bytes.h"
 #include "batch/batch_check.h"
@@ -14,11 +13,16 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/types.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 
 enum { MOST_JOBS = 1024, MOST_SHARDS = 1000000 };
 
@@ -255,11 +259,30 @@ static bool run_shard(shard_run *run, evl_error *error)
     return is_partial;
 }
 
+/** If the environment variable EVOLVENT_PARENT names a process, receive SIGTERM when the parent process ends, on
+ *  systems that support it (Linux). An orphaned job would hold its lock and continue to write.
+ *  @return false with the reason in `error`, EVL_EXIT_INTERRUPTED: the named process no longer exists */
+static bool follow_parent(evl_error *error)
+{
+    const char *named = getenv("EVOLVENT_PARENT");
+    const long pid = named == NULL ? 0 : strtol(named, NULL, 10);
+    if (pid <= 1) {
+        return true;
+    }
+#ifdef __linux__
+    (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
+#endif
+    if (kill((pid_t)pid, 0) != 0 && errno == ESRCH) {
+        return evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "the process that started it, %ld, is gone", pid);
+    }
+    return true;
+}
+
 evl_exit batch(const char *design, const batch_options *options, evl_error *error)
 {
     shard_run run = {.options = options};
     bool is_partial = false;
-    if (parent_follow(error) && read_share(options, &run.share, error) &&
+    if (follow_parent(error) && read_share(options, &run.share, error) &&
         (run.design = design_read(design, error)) != NULL && batch_plan_init(&run.plan, run.design, error)) {
         run.plan.first_case = run.share.shard - 1;
         run.plan.stride = run.share.n_shards;

@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "base/words.h"
-#include "batch/batch_response.h"
 #include "batch/journal_line.h"
+#include "batch/response_table.h"
 
 #include <evolvent_version.h>
 #include <stdlib.h>
@@ -38,6 +38,18 @@ static bool some_are_periodic(const batch_plan *plan)
     return some;
 }
 
+/** Check a design of responses. */
+static bool check_responses(const design *design, evl_error *error)
+{
+    const char *direction = design->respond_direction;
+    if (strcmp(direction, "up") != 0 && strcmp(direction, "down") != 0 && strcmp(direction, "both") != 0) {
+        return evl_error_set(error, EVL_EXIT_CASE, design->file,
+                             "respond_direction: is '%.64s', must be up, down or both", direction);
+    }
+    return design->history_variables[0] == '\0' ||
+           evl_error_set(error, EVL_EXIT_CASE, design->file, "history_variables: responses have no histories");
+}
+
 static bool take_table(batch_plan *plan, evl_error *error)
 {
     memory_pool *pool = &plan->pool;
@@ -49,11 +61,11 @@ static bool take_table(batch_plan *plan, evl_error *error)
     OWNED char **words = NULL;
     const int n = words_split(plan->design->numbers, &words);
     const bool responds = plan->design->respond_over[0] != '\0';
-    if (responds && !batch_response_check_design(plan->design, error)) {
+    if (responds && !check_responses(plan->design, error)) {
         return false;
     }
     const char *unknown =
-        responds ? batch_response_table(&plan->table, &names, n, (const char *const *)words)
+        responds ? response_table_init(&plan->table, &names, n, (const char *const *)words)
                  : statistics_table_init(&plan->table, &names, n, (const char *const *)words, some_are_periodic(plan));
     if (unknown == NULL) {
         return true;

@@ -3,6 +3,7 @@
 #include "analyses/versions.h"
 #include "base/memory.h"
 #include "base/write_bytes.h"
+#include "batch/response_table.h"
 #include "files/parts.h"
 #include "respond/respond.h"
 
@@ -13,55 +14,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
-
-/** Results of a response, after the metrics. */
-enum {
-    JUMPS_UP,
-    JUMPS_DOWN,
-    JUMP_UP_AT,
-    JUMP_DOWN_AT,
-    LONGEST_PERIOD,
-    NOT_PERIODIC,
-    STILL_SETTLING,
-    CPU_TIME,
-    N_OF_RESPONSE
-};
-static const statistics_scalar of_response[N_OF_RESPONSE] = {
-    [JUMPS_UP] = {"jumps_up", "1", "number of jumps on the way up"},
-    [JUMPS_DOWN] = {"jumps_down", "1", "number of jumps on the way down"},
-    [JUMP_UP_AT] = {"jump_up_at", "", "parameter behind the first jump on the way up"},
-    [JUMP_DOWN_AT] = {"jump_down_at", "", "parameter behind the first jump on the way down"},
-    [LONGEST_PERIOD] = {"longest_period", "1", "common periods after which the motion repeats, at most"},
-    [NOT_PERIODIC] = {"not_periodic", "1", "number of values at which the motion does not repeat"},
-    [STILL_SETTLING] = {"still_settling", "1", "number of values at which the motion still settles"},
-    [CPU_TIME] = {"cpu_time", "s", "processor time since it was begun or gone on with"},
-};
-
-bool batch_response_check_design(const design *design, evl_error *error)
-{
-    const char *direction = design->respond_direction;
-    if (strcmp(direction, "up") != 0 && strcmp(direction, "down") != 0 && strcmp(direction, "both") != 0) {
-        return evl_error_set(error, EVL_EXIT_CASE, design->file,
-                             "respond_direction: is '%.64s', must be up, down or both", direction);
-    }
-    return design->history_variables[0] == '\0' ||
-           evl_error_set(error, EVL_EXIT_CASE, design->file, "history_variables: responses have no histories");
-}
-
-const char *batch_response_table(statistics_table *table, const model_names *names, int n_words,
-                                 const char *const *words)
-{
-    const char *unknown = statistics_table_of_numbers(table, names, n_words, words, N_OF_RESPONSE);
-    for (int i = 0; i < table->n; i++) {
-        statistics_scalar *scalar = &table->scalars[i];
-        scalar->name = pool_printf(&table->pool, "%s_largest", scalar->name);
-        scalar->long_name = pool_printf(&table->pool, "%s, largest over the parameter", scalar->long_name);
-    }
-    for (int i = 0; i < N_OF_RESPONSE; i++) {
-        table->scalars[table->n++] = of_response[i];
-    }
-    return unknown;
-}
 
 bool batch_response_folder(const batch_plan *plan, evl_error *error)
 {
@@ -119,10 +71,10 @@ static double larger(double a, double b)
 static void hear_point(const listener *listener, const response_point *point)
 {
     const statistics_table *table = &listener->plan->table;
-    double *own = listener->results + table->n - N_OF_RESPONSE;
-    own[LONGEST_PERIOD] = larger(own[LONGEST_PERIOD], point->period);
-    own[NOT_PERIODIC] += point->period == 0;
-    own[STILL_SETTLING] += point->period == RESPONSE_SETTLING;
+    double *own = listener->results + table->n - N_RESPONSE_SCALARS;
+    own[RESPONSE_LONGEST_PERIOD] = larger(own[RESPONSE_LONGEST_PERIOD], point->period);
+    own[RESPONSE_NOT_PERIODIC] += point->period == 0;
+    own[RESPONSE_STILL_SETTLING] += point->period == RESPONSE_SETTLING;
     for (int i = 0; i < table->n_numbers && !listener->has_other_sizes; i++) {
         double *result = &listener->results[table->numbers[i].scalar];
         *result = larger(*result, point->values[table->numbers[i].place]);
@@ -133,8 +85,8 @@ static void hear_jumps(double *own, const response *response)
 {
     for (int i = response->n_jumps - 1; i >= 0; i--) {
         const response_jump *jump = &response->jumps[i];
-        own[jump->direction == 0 ? JUMPS_UP : JUMPS_DOWN]++;
-        own[jump->direction == 0 ? JUMP_UP_AT : JUMP_DOWN_AT] = jump->after;
+        own[jump->direction == 0 ? RESPONSE_JUMPS_UP : RESPONSE_JUMPS_DOWN]++;
+        own[jump->direction == 0 ? RESPONSE_JUMP_UP_AT : RESPONSE_JUMP_DOWN_AT] = jump->after;
     }
 }
 
@@ -155,11 +107,12 @@ static void hear(void *self, const response *response)
     listener *listener = self;
     const statistics_table *table = &listener->plan->table;
     const model_names *names = response->names;
-    double *own = listener->results + table->n - N_OF_RESPONSE;
+    double *own = listener->results + table->n - N_RESPONSE_SCALARS;
     listener->has_other_sizes =
         table->n_numbers > 0 && (names->meshes.n != table->names.meshes.n || names->wheels.n != table->names.wheels.n ||
                                  names->accelerometers.n != table->names.accelerometers.n);
-    own[JUMPS_UP] = own[JUMPS_DOWN] = own[LONGEST_PERIOD] = own[NOT_PERIODIC] = own[STILL_SETTLING] = 0;
+    own[RESPONSE_JUMPS_UP] = own[RESPONSE_JUMPS_DOWN] = own[RESPONSE_LONGEST_PERIOD] = own[RESPONSE_NOT_PERIODIC] =
+        own[RESPONSE_STILL_SETTLING] = 0;
     hear_jumps(own, response);
     for (int d = 0; d < RESPONSE_DIRECTIONS; d++) {
         for (int i = 0; i < response->n && response->points[d] != NULL; i++) {
@@ -241,7 +194,7 @@ bool batch_response_run(const batch_plan *plan, const batch_queue *queue, long i
     const clock_t begun = clock();
     const char *name = pool_printf(&pool, "%s: base case", plan->design->file);
     const evl_exit code = respond(name, &options, error);
-    listener.results[n - N_OF_RESPONSE + CPU_TIME] = (double)(clock() - begun) / second;
+    listener.results[n - N_RESPONSE_SCALARS + RESPONSE_CPU_TIME] = (double)(clock() - begun) / second;
     const bool good = write_row(plan, index, &listener, code, row, error);
     free(listener.warnings);
     return good;

@@ -5,12 +5,6 @@
 #include "batch/batch_queue.h"
 #include "batch/batch_row.h"
 
-/** Check the design as a whole. @return false with the reason in `error` */
-bool batch_response_check_design(const design *design, evl_error *error);
-/** Metrics of a response: the largest values of the metrics over whole periods named by words, jumps, periods. As in
- *  statistics_table_init. */
-const char *batch_response_table(statistics_table *table, const model_names *names, int n_words,
-                                 const char *const *words);
 /** Create the folder of their files, if cases are responses. @return false with the reason in `error` */
 bool batch_response_folder(const batch_plan *plan, evl_error *error);
 /** Delete checkpoints of this shard's cases that are not to be run, left by a run that could not delete them.

@@ -8,51 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool case_file_check_format(const case_file *file, evl_error *error)
-{
-    const case_node *format = node_get(file->root, "format");
-    double version = 0;
-    if (format == NULL || format->kind != NODE_SCALAR || !format->plain ||
-        number_read(format->text, &version) != NUMBER_FINITE || version == CASE_FORMAT) {
-        return true; /* valid, or the schema check gives the better message */
-    }
-    char place[EVL_ERROR_PLACE_LENGTH];
-    place_text(file->path, format->place, place);
-    return evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only",
-                         format->text, CASE_FORMAT);
-}
-
-bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *error)
-{
-    for (int i = 0; i < file->n_options; i++) {
-        if (!tree_set(file->root, file->options[i], error)) {
-            return false;
-        }
-    }
-    return case_file_check_format(file, error) && schema_check(schema, file->path, file->root, error) &&
-           case_resolve(schema, file->path, file->root, &file->description, error);
-}
-
-void description_clear(description *description)
-{
-    pool_free(&description->pool);
-    memset(description, 0, sizeof *description);
-}
-
-case_file *case_file_create(const char *path, int n_set, const char *const *set_options)
-{
-    case_file *file = xcalloc(1, sizeof *file);
-    file->path = pool_copy(&file->pool, path);
-    file->n_options = n_set;
-    file->options = pool_calloc(&file->pool, (size_t)n_set, sizeof *file->options);
-    for (int i = 0; i < n_set; i++) {
-        const size_t length = strlen(set_options[i]);
-        file->options[i] = pool_calloc(&file->pool, length + NUMBER_TEXT_LENGTH, 1);
-        memcpy(file->options[i], set_options[i], length);
-    }
-    return file;
-}
-
 /** @param path, text  one of them; the other is NULL */
 static case_file *load(const char *name, const char *path, const char *text, int n_set, const char *const *set_options,
                        const case_schema *schema, evl_error *error)
@@ -119,6 +74,24 @@ const char *case_text(const case_file *file)
         *file->text = tree_text(file->root);
     }
     return file->text == NULL ? NULL : *file->text;
+}
+
+static void leave_out(case_node *mapping, const char *key)
+{
+    const int at = node_find(mapping, key);
+    if (at >= 0) {
+        mapping->n--;
+        memmove(mapping->entries + at, mapping->entries + at + 1, (size_t)(mapping->n - at) * sizeof *mapping->entries);
+    }
+}
+
+char *case_text_of_motion(const case_file *file)
+{
+    POOLED memory_pool pool = {NULL};
+    case_node *root = node_copy(&pool, file->root);
+    leave_out(root, "title");
+    leave_out(node_get(root, "simulation"), "max_steps");
+    return tree_text(root);
 }
 
 /** Add a value to the simulation block of a case that does not specify it. */

@@ -1,8 +1,9 @@
 /* A case parsed once: queries of a batch before its rows are tried. */
-#include "case/case_file.h"
+#include "case/case.h"
 
 #include "base/memory.h"
 #include "base/suggest.h"
+#include "case/case_file.h"
 #include "case/former_keys.h"
 
 #include <stdlib.h>

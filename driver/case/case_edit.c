@@ -1,5 +1,7 @@
 /* Successive cases of one base. A case that differs from the previous one only in numbers is made from it in place: a
  * checked tree remains valid if each new number is one that its key allows. */
+#include "case/case.h"
+
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_check.h"

@@ -1,17 +1,17 @@
-/** Contents of a case_file: shared by case.c and case_edit.c. */
+/** Contents of a case_file and of a case_base: shared by the files that implement case.h. */
 #pragma once
 
-#include "case/case.h"
 #include "case/case_schema.h"
 #include "case/case_tree.h"
+#include "case/description.h"
 
 /** See case_base_parse. */
-struct case_base {
+typedef struct case_base {
     memory_pool pool; /**< owns all members */
     char *name;
     const case_schema *schema;
     case_node *root;
-};
+} case_base;
 
 /** Number set by an option of an edited base. */
 typedef struct {
@@ -20,7 +20,7 @@ typedef struct {
     int place;          /**< index among the description's numbers, if no other value depends on it; else -1 */
 } case_number;
 
-struct case_file {
+typedef struct case_file {
     memory_pool pool; /**< owns all members except the text and the description */
     char *path;
     int n_options;
@@ -30,7 +30,7 @@ struct case_file {
     case_number *numbers; /**< [n_options] of an edited base, else NULL */
     simulation_description as_read; /**< of an edited base: before the defaults of the model are filled in */
     description description;
-};
+} case_file;
 
 /** A case with these options, without a tree. */
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options);

@@ -1,7 +1,8 @@
 /* Schema row at a --set path. */
-#include "case/case_file.h"
+#include "case/case.h"
 
 #include "base/memory.h"
+#include "case/case_file.h"
 #include "case/former_keys.h"
 #include "case/unit.h"
 

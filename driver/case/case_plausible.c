@@ -1,5 +1,7 @@
 /* Warnings of a valid case: former names of keys, and numbers outside the plausible ranges of their keys, whose unit is
  * probably wrong. */
+#include "case/case.h"
+
 #include "base/memory.h"
 #include "base/number.h"
 #include "case/case_check.h"

@@ -1,4 +1,6 @@
 /* A case with numbers in engineering units. Reading it as a case gives the same numbers, unless a list was shortened. */
+#include "case/case.h"
+
 #include "base/memory.h"
 #include "base/words.h"
 #include "case/case_file.h"

@@ -2,8 +2,6 @@
 
 #include "base/memory.h"
 
-#include "files/scales_hdf5.h"
-
 #include <math.h>
 #include <stdlib.h>
 

@@ -4,6 +4,12 @@
 #include <hdf5.h>
 #include <stdbool.h>
 
+/** One entry of a scale's REFERENCE_LIST. */
+typedef struct {
+    hobj_ref_t dataset;
+    int axis;
+} scale_user;
+
 /** Storage of the values of a variable. */
 typedef enum {
     STORE_COMPACT, /**< a few, with their description: no separate access or write */

@@ -1,8 +1,8 @@
 #include "files/netcdf_hdf5.h"
 
 #include "base/memory.h"
-#include "files/netcdf_common_hdf5.h"
 
+#include <hdf5_hl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -208,6 +208,48 @@ static bool add_variable_attributes(netcdf_file *file, hid_t dataset, const netc
            (variable->type != NETCDF_FLOAT ||
             netcdf_add(file, dataset, "_FillValue", H5T_NATIVE_FLOAT, 1, &missing_float)) &&
            (variable->n_flags == 0 || add_flags(file, dataset, variable));
+}
+
+/** Make a dataset the scale `name`. @return false with the reason on HDF5's error stack */
+static bool scale_make(dimension_scale *scale, hid_t dataset, const char *name)
+{
+    *scale = (dimension_scale){.dataset = dataset};
+    return H5DSset_scale(dataset, name) >= 0 && H5Rcreate(&scale->reference, dataset, ".", H5R_OBJECT, -1) >= 0;
+}
+
+/** Attach a scale to every axis of a dataset; the scales list their users later. */
+static bool scales_attach(netcdf_file *file, hid_t dataset, int rank, dimension_scale *const *scales)
+{
+    hobj_ref_t reference;
+    hvl_t list[NETCDF_MAX_RANK];
+    if (rank == 0) {
+        return true;
+    }
+    if (H5Rcreate(&reference, dataset, ".", H5R_OBJECT, -1) < 0) {
+        return netcdf_fail(file);
+    }
+    for (int i = 0; i < rank; i++) {
+        dimension_scale *scale = scales[i];
+        list[i] = (hvl_t){.len = 1, .p = &scale->reference};
+        if (scale->n_users == scale->room) {
+            scale->room = 2 * scale->room + 4;
+            scale->users =
+                pool_grow(&file->pool, scale->users, (size_t)scale->n_users, (size_t)scale->room, sizeof *scale->users);
+        }
+        scale->users[scale->n_users++] = (scale_user){.dataset = reference, .axis = i};
+    }
+    return netcdf_add(file, dataset, "DIMENSION_LIST", netcdf_kept.references, rank, list);
+}
+
+bool scale_list_users(netcdf_file *file, dimension_scale *scale)
+{
+    if (scale == NULL || scale->n_users == scale->n_listed) {
+        return true;
+    }
+    const bool is_first = scale->n_listed == 0;
+    scale->n_listed = scale->n_users;
+    return (is_first ? netcdf_add : netcdf_put)(file, scale->dataset, "REFERENCE_LIST", netcdf_kept.users,
+                                                scale->n_users, scale->users);
 }
 
 hid_t netcdf_define(netcdf_file *file, hid_t group, const netcdf_variable *variable, hsize_t chunk_rows)

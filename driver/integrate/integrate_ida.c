@@ -1,5 +1,6 @@
 /* IDA chooses its steps freely and interpolates; it restarts after an event. */
 #include "integrate/integration.h"
+#include "integrate/smallest_step.h"
 
 #include "integrate/ida_session.h"
 #include "integrate/integrate.h"

@@ -1,5 +1,6 @@
 /* A stepper chooses its steps freely; outputs are interpolated. */
 #include "integrate/integration.h"
+#include "integrate/smallest_step.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,9 +7,6 @@
 #include <string.h>
 #include <time.h>
 
-/* Relative to the present time: near a limit of the model's domain the steps would shrink without end unless bounded by
- * rounding. */
-static const double smallest_step = 64 * DBL_EPSILON;
 static const int most_times_missed = 12; /* missed events at one output: each time the step is reduced to a quarter */
 
 dae_state dae_state_create(const dae *dae, memory_pool *pool)
@@ -111,16 +108,6 @@ integrate_code integration_give_output(integration *run, const dae_state *state,
         (void)tell_endless(run, how);
     }
     return INTEGRATE_FAILED;
-}
-
-double integration_smallest_step(double t)
-{
-    return smallest_step * t;
-}
-
-bool integration_is_later(double later, double t)
-{
-    return later - t > smallest_step * (t < 0 ? -t : t);
 }
 
 static bool know_nothing(const void *with, double t, double *y)

@@ -1,5 +1,4 @@
-/** Common part of all integrations: output grid, events and their observers. Private to integrate/, except
- *  integration_is_later. */
+/** Common part of all integrations: output grid, events and their observers. Private to integrate/. */
 #pragma once
 
 #include "integrate/output_grid.h"
@@ -39,11 +38,6 @@ void integration_begin(integration *run);
 
 /** The trial state with the discrete state of the present one. */
 dae_state integration_borrowed(const integration *run);
-
-/** Whether `later` is later than t by more than rounding, so that a step is possible. */
-bool integration_is_later(double later, double t);
-/** Smallest step at the present time. */
-double integration_smallest_step(double t);
 
 /** Pass an output to the observer, if it agrees with the discrete state. *missed: it does not, since an event was
  *  missed; the step must be repeated.

@@ -1,6 +1,6 @@
 #include "integrate/output_grid.h"
 
-#include "integrate/integration.h"
+#include "integrate/smallest_step.h"
 
 static const double grid_slack = 1e-6; /* relative to the output interval: a grid point this near the end is the end */
 

@@ -1,3 +1,6 @@
+#include "model/model.h"
+
+#include "base/memory.h"
 #include "model/model_kernel.h"
 
 #include <stdio.h>
@@ -143,6 +146,56 @@ static double position(const void *self, int which, const dae_state *state)
     const int mesh = which - model->sizes.n_wheels;
     return mesh < 0 ? evl_gearbox_turns(model->gearbox, which, state->y, state->integers)
                     : evl_gearbox_pitches(model->gearbox, mesh, state->y, state->integers);
+}
+
+/* ---- sparsity pattern of the Jacobian ---- */
+
+typedef struct {
+    const model *model;
+    evl_pattern *pattern;
+} model_entries;
+
+static void *pattern_create(const void *self, int *n_entries)
+{
+    const model *model = self;
+    evl_pattern *pattern = evl_pattern_create(model->gearbox, n_entries);
+    if (pattern == NULL) {
+        return NULL;
+    }
+    model_entries *entries = xcalloc(1, sizeof *entries);
+    *entries = (model_entries){model, pattern};
+    return entries;
+}
+
+static void pattern_destroy(void *pattern)
+{
+    model_entries *entries = pattern;
+    evl_pattern_delete(&entries->pattern);
+    free(entries);
+}
+
+static void pattern_places(const void *pattern, int *rows, int *columns)
+{
+    const model_entries *entries = pattern;
+    evl_pattern_places(entries->pattern, rows, columns);
+}
+
+static int pattern_jacobian(const void *pattern, const dae_state *state, double cj, double *values,
+                            char message[DAE_MESSAGE_LENGTH])
+{
+    const model_entries *entries = pattern;
+    evl_status status;
+    const int code = evl_pattern_jacobian(entries->pattern, state->t, cj, state->y, state->yp, state->integers,
+                                          state->reals, values, &status);
+    return model_answer(entries->model, code, &status, message);
+}
+
+/** Sparsity pattern of the Jacobian of the model's dae. */
+static const dae_pattern *model_pattern(void)
+{
+    static const dae_pattern pattern = {
+        .create = pattern_create, .destroy = pattern_destroy, .places = pattern_places, .jacobian = pattern_jacobian};
+    return &pattern;
 }
 
 void model_describe_dae(model *model, double duration)

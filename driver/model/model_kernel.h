@@ -2,8 +2,7 @@
 #pragma once
 
 #include "base/memory.h"
-#include "model/model.h"
-#include "model/model_start.h"
+#include "model/model_types.h"
 
 #include <evolvent/kernel.h>
 
@@ -22,8 +21,6 @@ struct model {
 int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
 /** Fill the dae; the model owns its arrays. */
 void model_describe_dae(model *model, double duration);
-/** Sparsity pattern of the Jacobian of the model's dae. */
-const dae_pattern *model_pattern(void);
 /** The kernel's integrator for the model's dae; NULL if it does not support the gearbox. */
 const dae_stepper *model_radau(const model *model);
 /** Field and reason of a refusal. */

@@ -1,3 +1,5 @@
+#include "model/model.h"
+
 #include "base/memory.h"
 #include "model/model_kernel.h"
 

@@ -5,20 +5,6 @@
 
 #include <signal.h>
 
-/** Periodic orbit of a start of kind periodic. docs/orbits.md. */
-typedef struct {
-    int pitches;          /**< of the first mesh in its period */
-    int flows;            /**< number of integrations in the search */
-    int periods;          /**< number of periods of the settling motion */
-    int ties;             /**< number of coincident events */
-    double time;          /**< its period [s] */
-    double residual;      /**< largest difference after a period, in units of the states */
-    double multiplier[2]; /**< the Floquet multiplier of largest magnitude, real and imaginary part */
-    double time_constant; /**< of the slowest decay [s]; 0: there is none */
-    bool has_multiplier, is_stable;
-    bool is_reached; /**< the motion from the steady start converges to it */
-} model_start_orbit;
-
 typedef enum {
     MODEL_START_FOUND,
     MODEL_START_REFUSED,

@@ -1,3 +1,5 @@
+#include "model/model.h"
+
 #include "model/model_kernel.h"
 
 #include <math.h>

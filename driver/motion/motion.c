@@ -1,8 +1,9 @@
 /* Contents of a motion, and its start. */
-#include "motion/motion_parts.h"
+#include "motion/motion.h"
 
 #include "base/number.h"
 #include "model/output_groups.h"
+#include "motion/motion_parts.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -126,14 +127,6 @@ motion *motion_read(const char *name, const char *text, evl_error *error)
     return motion_create(&prepared, error);
 }
 
-void motion_stop_stepper(motion *m)
-{
-    if (m->stepper != NULL) {
-        m->dae->stepper->destroy(m->stepper);
-        m->stepper = NULL;
-    }
-}
-
 void motion_delete(motion **pointer)
 {
     motion *m = *pointer;
@@ -157,20 +150,6 @@ const motion_facts *motion_about(const motion *m)
 const evl_error *motion_error(const motion *m)
 {
     return &m->error;
-}
-
-bool motion_fail(motion *m, const char *reason)
-{
-    OWNED char *place = xasprintf("%s: t = %.9g s", m->name, m->now.t);
-    return evl_error_set(&m->error, EVL_EXIT_INTEGRATION, place, "%s", reason);
-}
-
-bool motion_fail_speed(motion *m, const motion_input *input, double turns)
-{
-    OWNED char *text = xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at %.9g "
-                                 "rad/s; a speed has to go with the acceleration that is given with it",
-                                 case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
-    return motion_fail(m, text);
 }
 
 /* ---- parameters and inputs ---- */
@@ -261,14 +240,6 @@ static void feed(const motion *m, bool with_rates)
         input->is_new = input->is_new && !with_rates;
         model_feed(m->prepared.model, input->of.load, input->value, input->used);
     }
-}
-
-bool motion_make_stepper(motion *m)
-{
-    const simulation_description *simulation = &case_description(m->prepared.file)->simulation;
-    motion_stop_stepper(m);
-    m->stepper = m->dae->stepper->create(m->dae->self, simulation->tolerance, simulation->max_step, m->message);
-    return m->stepper != NULL || motion_fail(m, m->message);
 }
 
 bool motion_start(motion *m, bool by_steps, double t_end)

@@ -1,7 +1,8 @@
 /* Motion with an external integrator: states, rates, indicators, events. */
-#include "motion/motion_parts.h"
+#include "motion/motion.h"
 
-#include "integrate/integration.h"
+#include "integrate/smallest_step.h"
+#include "motion/motion_parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,6 @@
 /* Serialisation of a motion. */
+#include "motion/motion.h"
+
 #include "motion/motion_parts.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "integrate/pace.h"
-#include "motion/motion.h"
+#include "motion/motion_types.h"
 
 struct motion {
     memory_pool pool;  /**< owns all arrays */

@@ -1,9 +1,10 @@
 /* Motion by steps. The stepper chooses its steps freely and the motion is interpolated, as in a run. As long as no
  * input changes it is identical to that run, for any steps of the caller. After a change of an input the stepper
  * restarts, and its step ends with the caller's. */
-#include "motion/motion_parts.h"
+#include "motion/motion.h"
 
-#include "integrate/integration.h"
+#include "integrate/smallest_step.h"
+#include "motion/motion_parts.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,10 +1,37 @@
 #include "respond/branch.h"
 
-#include "respond/jump.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* Criterion for a jump of the motion: the standard deviations of the transmission errors of two neighbouring motions. */
+
+/** Number of times that the interval between two values is halved. */
+enum { JUMP_HALVINGS = 10 };
+/** Part of a difference that must remain then. A motion that changes smoothly has 0.001 of it, a square-root
+ *  bifurcation 0.03. */
+#define JUMP_STAYS 0.5
+static const double small = 0.05; /* differences below it are not regarded as a jump */
+
+/** Largest relative difference of a metric over the meshes, relative to the larger value. @param row  the metric */
+static double jump_size(const model_output *row, const response_point *a, const response_point *b)
+{
+    double size = 0;
+    for (int i = row->offset; i < row->offset + row->count; i++) {
+        const double larger = fmax(fabs(a->values[i]), fabs(b->values[i]));
+        size = larger > 0 ? fmax(size, fabs(a->values[i] - b->values[i]) / larger) : size;
+    }
+    return size;
+}
+
+/** Whether to refine the interval between two values. */
+static bool jump_is_likely(const model_output *row, const response_point *a, const response_point *b)
+{
+    const bool either_repeats = a->period > 0 || b->period > 0;
+    const bool both_are_known = a->period >= 0 && b->period >= 0; /* a motion that is not settled is not assigned to any
+                                                                   * branch yet */
+    return either_repeats && both_are_known && jump_size(row, a, b) > small;
+}
 
 branch_place branch_at(const branch *b, int step)
 {

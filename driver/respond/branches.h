@@ -2,43 +2,7 @@
  *  period doublings. */
 #pragma once
 
-#include "files/orbits.h"
-#include "respond/branch.h"
-
-/** Next task. */
-typedef enum { BRANCHES_LOOK, BRANCHES_RISE, BRANCHES_FALL, BRANCHES_DOUBLE } branches_task;
-
-typedef struct {
-    branch *sweep; /**< prepares the case, and finds settled motions to start from */
-    int n_values;  /**< evenly spaced values, from first to last, with stable orbits required, too; 0: none */
-    memory_pool pool;
-    model_orbits *orbits;
-    prepared_case prepared; /**< for the last call by the kernel */
-    model_period period;    /**< of the same */
-    int longest;            /**< largest length of an orbit in common periods */
-    double *values;         /**< [n_values] */
-    int n_told;             /**< orbits recorded by the kernel's callback in the last step of a branch; their */
-    double **told;          /**< [n_told] metrics */
-    /* serialised members */
-    int value;                      /**< index in the range of the value at which branches are searched now */
-    int task;                       /**< branches_task */
-    int doubling;                   /**< point at which a period doubling is checked next */
-    bool is_under_way;              /**< the continuation of the last branch is in progress */
-    model_orbits_progress progress; /**< of that continuation */
-    carried motion;                 /**< settled motion at the value */
-    response_point at;              /**< period and time of that motion */
-    bool has_orbits;                /**< there are orbits; their scales are those at */
-    double scaled_at;               /**< this value */
-    double place;                   /**< position of the section [pitches] */
-    dae sizes;                      /**< only the numbers of states, integers and reals are used */
-    int n_branches, n_points;
-    orbit_branch *branches;
-    orbit_point *points;
-    int n_kept;
-    double **kept; /**< [n_points][n_kept] data of the points for the kernel */
-    int n_problems;
-    const char **problems; /**< attempts that did not converge to an orbit */
-} branches;
+#include "respond/branches_points.h"
 
 /** Whether all branches are complete. */
 bool branches_are_done(const branches *branches);

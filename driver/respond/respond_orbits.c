@@ -3,6 +3,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "respond/branches.h"
 #include "respond/branches_points.h"
 #include "simulate/number_channel.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "integrate/integrate_types.h"
-#include "simulate/prepare.h"
+#include "simulate/prepared_case.h"
 
 /** Outputs of the position grid in a history. */
 enum { POSITIONS_PLACE, POSITIONS_KIND, POSITIONS_OUTPUTS };

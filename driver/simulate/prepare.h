@@ -1,15 +1,9 @@
 /** Model of a case file; every refusal names its location in the file. */
 #pragma once
 
-#include "case/case.h"
-#include "model/model.h"
+#include "simulate/prepared_case.h"
 
 #include <signal.h>
-
-typedef struct {
-    case_file *file;
-    model *model;
-} prepared_case;
 
 /** Read and check the case and create its model. @return false with the reason in `error`: `file` is NULL if it could
  *  not be read, `model` if it could not be created. Free the result in any case */

@@ -171,7 +171,7 @@ FOR_OTHER_PROGRAMS = {
 def test_the_header_declares_what_a_program_calls_and_nothing_for_tests(
     root: Path, declared: set[str]
 ):
-    """A call that tests alone need is one of theirs, in the folder of its room."""
+    """A call that tests alone need is one of theirs, in the folder of its module."""
     sources = [path.read_text() for path in (root / "driver").glob("*/*.[ch]")]
     called = set(re.findall(r"\bevl_\w+", "\n".join(sources)))
     assert declared

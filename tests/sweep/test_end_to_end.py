@@ -19,10 +19,10 @@ from sweeps import PAPER
 
 import machine
 from evolvent.errors import SweepError
-from evolvent.sweep.accuracy import ACCURACY
 from evolvent.sweep.design import read_design
 from evolvent.sweep.folder import open_for_run, remaining_shards
 from evolvent.sweep.journal import read_records
+from evolvent.sweep.plan import ACCURACY
 from evolvent.sweep.pool import run_with_executor, task_count
 from evolvent.sweep.program import program_version
 from processes import children, is_alive, wait_for

@@ -16,8 +16,8 @@ from sweeps import PAPER
 import machine
 from evolvent.errors import SweepError
 from evolvent.sweep import check
-from evolvent.sweep.accuracy import with_accuracy
 from evolvent.sweep.design import read_design
+from evolvent.sweep.plan import with_accuracy
 from evolvent.sweep.sampling import columns
 from evolvent.sweep.spec import read_spec
 

@@ -11,9 +11,8 @@ import pytest
 import xarray as xr
 import yaml
 
-from evolvent.sweep.accuracy import ACCURACY, with_accuracy
 from evolvent.sweep.design import read_design, write_design
-from evolvent.sweep.plan import make_plan
+from evolvent.sweep.plan import ACCURACY, make_plan, with_accuracy
 from example_cases import CASES
 
 SAID = "simulation.tolerance", "simulation.accuracy", "simulation"

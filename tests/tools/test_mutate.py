@@ -47,7 +47,9 @@ def test_a_row_takes_the_tests_of_its_file_unless_it_has_its_own(tmp_path: Path)
     assert str(second) == "src/a.f90: two lines -> nothing  (why)"
     assert third.equivalent == "both are 0"
     assert len({mutant.key for mutant in (first, second, third)}) == 3
-    assert Mutant("postprocess/evolvent/physics/teeth.py", "", "", ()).room == "postprocess/physics"
+    assert (
+        Mutant("postprocess/evolvent/physics/teeth.py", "", "", ()).module == "postprocess/physics"
+    )
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ class Mutant:
         return hashlib.sha256(text.encode()).hexdigest()[:10]
 
     @property
-    def room(self) -> str:
+    def module(self) -> str:
         """Tree and module of the file: `src/laws`."""
         folders = [part for part in self.path.split("/")[:-1] if part != "evolvent"]
         return "/".join(folders[:2])

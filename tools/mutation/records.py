@@ -44,19 +44,19 @@ def append_record(file: Path, record: Record) -> None:
 
 def summary(mutants: list[Mutant], records: dict[str, Record]) -> str:
     """Summarise run and killed mutants of each module, survivors and wrong rows."""
-    rooms: dict[str, Counter[str]] = {}
+    modules: dict[str, Counter[str]] = {}
     for mutant in mutants:
-        count = rooms.setdefault(mutant.room, Counter())
+        count = modules.setdefault(mutant.module, Counter())
         count["listed"] += 1
         if mutant.equivalent:
             count["equivalent"] += 1
         elif mutant.key in records:
             count[records[mutant.key].verdict] += 1
-    total = sum(rooms.values(), Counter())
+    total = sum(modules.values(), Counter())
     columns = ("listed", "equivalent", KILLED, SURVIVED, WRONG)
     lines = [f"{'':<24}" + "".join(f"{column:>12}" for column in columns)]
-    for room, count in [*sorted(rooms.items()), ("all", total)]:
-        lines.append(f"{room:<24}" + "".join(f"{count[column]:>12}" for column in columns))
+    for module, count in [*sorted(modules.items()), ("all", total)]:
+        lines.append(f"{module:<24}" + "".join(f"{count[column]:>12}" for column in columns))
     run = total[KILLED] + total[SURVIVED]
     share = f", {100 * total[KILLED] / run:.1f} %" if run else ""
     lines.append(f"{run} run, {total[KILLED]} killed{share}")

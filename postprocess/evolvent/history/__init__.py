@@ -13,18 +13,15 @@ from evolvent.history.files import (
     SPECTRUM,
     STATIC,
     WHAT,
-    file_label,
-    lacking,
     open_events,
     open_history,
     open_recording,
     open_result,
-    require,
     result_kind,
     rows_between,
     run_warning,
-    source_name,
 )
+from evolvent.history.names import file_label, lacking, require, source_name
 
 __all__ = [
     "CAMPBELL",

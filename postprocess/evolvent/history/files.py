@@ -240,37 +240,11 @@ def run_warning(history: xr.Dataset | Recording) -> str | None:
     return f"{text} (last output at {symbol} = {float(history[axis][-1]):.6g} {unit})"
 
 
-def source_name(history: xr.Dataset) -> str:
-    """Name of the file that a history was opened from."""
-    return Path(str(history.encoding.get("source", "history"))).name
-
-
-def file_label(path: str | Path) -> str:
-    """Label of a history in legends and file names: its file name without the extensions."""
-    name = Path(path).name.removesuffix(".partial").removesuffix(".parts")
-    return name.removesuffix(".h5")
-
-
-def require(history: xr.Dataset, name: str) -> xr.DataArray:
-    """Return a variable of a history; raise `HistoryError` with the file name if it is missing."""
-    if name not in history:
-        raise lacking(source_name(history), name)
-    return history[name]
-
-
 def rows_between(history: xr.Dataset, begin: float, end: float) -> slice:
     """Rows of times from `begin` to `end`, both included: a slice, without a copy."""
     time = history["time"].values
     first = int(time.searchsorted(begin, "left"))
     return slice(first, max(int(time.searchsorted(end, "right")), first))
-
-
-def lacking(source: str, name: str) -> HistoryError:
-    """Error for a required variable that a history does not contain."""
-    return HistoryError(
-        f"{source}: has no variable `{name}`; run the case again with it among its outputs "
-        "(`check` stands for all that evolvent-post check needs)"
-    )
 
 
 def _open(path: Path, group: str | None, axis: str = "time") -> xr.Dataset:

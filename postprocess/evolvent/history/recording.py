@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from evolvent.history.files import lacking, source_name
+from evolvent.history.names import lacking, source_name
 
 if TYPE_CHECKING:
     import h5py

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
+import yaml
+
 from evolvent.errors import SweepError
-from evolvent.sweep.accuracy import with_accuracy
 from evolvent.sweep.check import Checked, check_design
 from evolvent.sweep.design import LAST_HALF, Design
 from evolvent.sweep.program import program_version
 from evolvent.sweep.sampling import columns
 from evolvent.sweep.spec import read_spec, read_text
+
+ACCURACY = "1.0e-06"  # default of a sweep, of the largest penetration
+SAID_BY = ("simulation", "simulation.tolerance", "simulation.accuracy")  # paths of parameters
 
 
 def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
@@ -65,3 +70,39 @@ def make_plan(path: Path, program: Path) -> tuple[Design, Checked]:
             f"{checked.shortest:g} s"
         )
     return design, checked
+
+
+def with_accuracy(case: str, paths: Iterable[str | None]) -> str:
+    """Insert the accuracy into the text of a case that has neither accuracy nor tolerance.
+
+    The rest of the text is unchanged. An invalid text is returned as it is; the program rejects it.
+
+    Parameters
+    ----------
+    case
+        YAML, as the user wrote it.
+    paths
+        Of the parameters of the sweep: a parameter for accuracy or tolerance sets it for all cases.
+    """
+    if not set(SAID_BY).isdisjoint(paths):
+        return case
+    block = _simulation(case)
+    if block is None or {key.value for key, _ in block.value} & {"tolerance", "accuracy"}:
+        return case
+    first = block.value[0][0].start_mark
+    entry = f"accuracy: {ACCURACY}\n{' ' * first.column}"
+    if block.flow_style:
+        entry = f'"accuracy": {ACCURACY}, '  # JSON stays JSON
+    return case[: first.index] + entry + case[first.index :]
+
+
+def _simulation(case: str) -> yaml.MappingNode | None:
+    """Return the block `simulation` with the locations of its keys; None if the text has none."""
+    try:
+        root = yaml.compose(case, Loader=yaml.SafeLoader)
+    except yaml.YAMLError:
+        return None
+    for key, value in root.value if isinstance(root, yaml.MappingNode) else []:
+        if key.value == "simulation" and isinstance(value, yaml.MappingNode) and value.value:
+            return value
+    return None

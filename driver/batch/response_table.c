@@ -1,0 +1,27 @@
+#include "batch/response_table.h"
+
+static const statistics_scalar of_response[N_RESPONSE_SCALARS] = {
+    [RESPONSE_JUMPS_UP] = {"jumps_up", "1", "number of jumps on the way up"},
+    [RESPONSE_JUMPS_DOWN] = {"jumps_down", "1", "number of jumps on the way down"},
+    [RESPONSE_JUMP_UP_AT] = {"jump_up_at", "", "parameter behind the first jump on the way up"},
+    [RESPONSE_JUMP_DOWN_AT] = {"jump_down_at", "", "parameter behind the first jump on the way down"},
+    [RESPONSE_LONGEST_PERIOD] = {"longest_period", "1", "common periods after which the motion repeats, at most"},
+    [RESPONSE_NOT_PERIODIC] = {"not_periodic", "1", "number of values at which the motion does not repeat"},
+    [RESPONSE_STILL_SETTLING] = {"still_settling", "1", "number of values at which the motion still settles"},
+    [RESPONSE_CPU_TIME] = {"cpu_time", "s", "processor time since it was begun or gone on with"},
+};
+
+const char *response_table_init(statistics_table *table, const model_names *names, int n_words,
+                                const char *const *words)
+{
+    const char *unknown = statistics_table_of_numbers(table, names, n_words, words, N_RESPONSE_SCALARS);
+    for (int i = 0; i < table->n; i++) {
+        statistics_scalar *scalar = &table->scalars[i];
+        scalar->name = pool_printf(&table->pool, "%s_largest", scalar->name);
+        scalar->long_name = pool_printf(&table->pool, "%s, largest over the parameter", scalar->long_name);
+    }
+    for (int i = 0; i < N_RESPONSE_SCALARS; i++) {
+        table->scalars[table->n++] = of_response[i];
+    }
+    return unknown;
+}

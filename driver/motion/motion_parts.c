@@ -1,0 +1,31 @@
+#include "motion/motion_parts.h"
+
+bool motion_fail(motion *m, const char *reason)
+{
+    OWNED char *place = xasprintf("%s: t = %.9g s", m->name, m->now.t);
+    return evl_error_set(&m->error, EVL_EXIT_INTEGRATION, place, "%s", reason);
+}
+
+bool motion_fail_speed(motion *m, const motion_input *input, double turns)
+{
+    OWNED char *text = xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at %.9g "
+                                 "rad/s; a speed has to go with the acceleration that is given with it",
+                                 case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
+    return motion_fail(m, text);
+}
+
+void motion_stop_stepper(motion *m)
+{
+    if (m->stepper != NULL) {
+        m->dae->stepper->destroy(m->stepper);
+        m->stepper = NULL;
+    }
+}
+
+bool motion_make_stepper(motion *m)
+{
+    const simulation_description *simulation = &case_description(m->prepared.file)->simulation;
+    motion_stop_stepper(m);
+    m->stepper = m->dae->stepper->create(m->dae->self, simulation->tolerance, simulation->max_step, m->message);
+    return m->stepper != NULL || motion_fail(m, m->message);
+}

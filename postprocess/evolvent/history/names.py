@@ -1,0 +1,37 @@
+"""Name of a history in messages, and a variable of it by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from evolvent.errors import HistoryError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def source_name(history: xr.Dataset) -> str:
+    """Name of the file that a history was opened from."""
+    return Path(str(history.encoding.get("source", "history"))).name
+
+
+def file_label(path: str | Path) -> str:
+    """Label of a history in legends and file names: its file name without the extensions."""
+    name = Path(path).name.removesuffix(".partial").removesuffix(".parts")
+    return name.removesuffix(".h5")
+
+
+def require(history: xr.Dataset, name: str) -> xr.DataArray:
+    """Return a variable of a history; raise `HistoryError` with the file name if it is missing."""
+    if name not in history:
+        raise lacking(source_name(history), name)
+    return history[name]
+
+
+def lacking(source: str, name: str) -> HistoryError:
+    """Error for a required variable that a history does not contain."""
+    return HistoryError(
+        f"{source}: has no variable `{name}`; run the case again with it among its outputs "
+        "(`check` stands for all that evolvent-post check needs)"
+    )
