@@ -19,7 +19,7 @@ bool parent_follow(evl_error *error)
     (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
 #endif
     if (kill((pid_t)pid, 0) != 0 && errno == ESRCH) {
-        return evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "the process that started it, %ld, is gone", pid);
+        return evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "its parent process, %ld, has ended", pid);
     }
     return true;
 }

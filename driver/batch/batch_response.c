@@ -27,14 +27,14 @@ enum {
     N_OF_RESPONSE
 };
 static const statistics_scalar of_response[N_OF_RESPONSE] = {
-    [JUMPS_UP] = {"jumps_up", "1", "number of jumps on the way up"},
-    [JUMPS_DOWN] = {"jumps_down", "1", "number of jumps on the way down"},
-    [JUMP_UP_AT] = {"jump_up_at", "", "parameter behind the first jump on the way up"},
-    [JUMP_DOWN_AT] = {"jump_down_at", "", "parameter behind the first jump on the way down"},
-    [LONGEST_PERIOD] = {"longest_period", "1", "common periods after which the motion repeats, at most"},
+    [JUMPS_UP] = {"jumps_up", "1", "number of jumps as the parameter increases"},
+    [JUMPS_DOWN] = {"jumps_down", "1", "number of jumps as the parameter decreases"},
+    [JUMP_UP_AT] = {"jump_up_at", "", "parameter after the first jump as it increases"},
+    [JUMP_DOWN_AT] = {"jump_down_at", "", "parameter after the first jump as it decreases"},
+    [LONGEST_PERIOD] = {"longest_period", "1", "largest number of common periods after which the motion repeats"},
     [NOT_PERIODIC] = {"not_periodic", "1", "number of values at which the motion does not repeat"},
-    [STILL_SETTLING] = {"still_settling", "1", "number of values at which the motion still settles"},
-    [CPU_TIME] = {"cpu_time", "s", "processor time since it was begun or gone on with"},
+    [STILL_SETTLING] = {"still_settling", "1", "number of values at which the motion is still settling"},
+    [CPU_TIME] = {"cpu_time", "s", "processor time since the start or the last resumption"},
 };
 
 bool batch_response_check_design(const design *design, evl_error *error)
@@ -55,7 +55,7 @@ const char *batch_response_table(statistics_table *table, const model_names *nam
     for (int i = 0; i < table->n; i++) {
         statistics_scalar *scalar = &table->scalars[i];
         scalar->name = pool_printf(&table->pool, "%s_largest", scalar->name);
-        scalar->long_name = pool_printf(&table->pool, "%s, largest over the parameter", scalar->long_name);
+        scalar->long_name = pool_printf(&table->pool, "%s, maximum over the parameter", scalar->long_name);
     }
     for (int i = 0; i < N_OF_RESPONSE; i++) {
         table->scalars[table->n++] = of_response[i];
@@ -210,8 +210,8 @@ static bool write_row(const batch_plan *plan, long index, const listener *listen
     OWNED char *message = evl_error_text(error);
     if (code == EVL_EXIT_OK && listener->has_other_sizes) {
         batch_row_write(plan, index, JOURNAL_REFUSED,
-                        "has other numbers of meshes, wheels or accelerometers than the base case; with `numbers` all "
-                        "cases have the same",
+                        "differs from the base case in the number of meshes, wheels or accelerometers; with `numbers` "
+                        "all cases need the same",
                         NULL, NULL, row);
     } else if (code == EVL_EXIT_OK) {
         batch_row_write(plan, index, JOURNAL_DONE, listener->warnings, listener->results, NULL, row);

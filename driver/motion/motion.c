@@ -168,7 +168,7 @@ bool motion_fail(motion *m, const char *reason)
 bool motion_fail_speed(motion *m, const motion_input *input, double turns)
 {
     OWNED char *text = xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at %.9g "
-                                 "rad/s; a speed has to go with the acceleration that is given with it",
+                                 "rad/s; a speed must agree with the acceleration given with it",
                                  case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
     return motion_fail(m, text);
 }
@@ -236,8 +236,8 @@ bool motion_renew(motion *m)
     bool good = prepare_text(&other, m->name, m->text, n_set, set, &m->error);
     if (good && !is_alike(m, &other)) {
         good = evl_error_set(&m->error, EVL_EXIT_CASE, m->name,
-                             "with these parameters the gearbox has other states, tooth pairs or outputs: change the "
-                             "case, and make what imports it anew");
+                             "with these parameters the gearbox has other states, tooth pairs or outputs; change the "
+                             "case, and generate its importer again");
     }
     if (good) {
         motion_stop_stepper(m);
