@@ -273,7 +273,7 @@ def test_without_a_checkpoint_that_is_whole_a_case_begins_anew_with_a_warning(
     for path in (tmp_path / FOLDER).glob("0/*.h5"):
         damage(path)
     said = run(command, tmp_path)
-    assert "checkpoint.h5' is damaged, or is not a checkpoint: case 0 begins anew" in said
+    assert "checkpoint.h5' is damaged, or is not a checkpoint: case 0 restarts from time 0" in said
     assert not GOES_ON.search(said)
     assert_undisturbed(tmp_path, long_case)
 
@@ -293,8 +293,8 @@ def test_a_checkpoint_of_another_case_does_not_count(
     said = run(command, tmp_path)
     assert "the checkpoint is of another case: 'case 0 of the design" in said
     assert "'case 1 of the design" in said
-    assert "case 0 begins anew" in said
-    assert "case 1 begins anew" in said
+    assert "case 0 restarts from time 0" in said
+    assert "case 1 restarts from time 0" in said
     assert_undisturbed(tmp_path, undisturbed)
 
 

@@ -125,8 +125,8 @@ def test_the_picture_tells_time_pace_load_and_what_is_what(loaded):
     keys = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
     assert {"line of action", "path of contact", "deviations 20 times"} <= set(keys)
     assert {
-        "acts on the tooth in which it is drawn",
-        "sliding velocity of the driving flank on its mate",
+        "acts on the tooth it lies in",
+        "sliding of the driving flank",
     } <= set(keys)
     assert {"driving torque", "braking torque"} <= set(keys)
     # the pinion turns clockwise, the gear counterclockwise; both torques are clockwise

@@ -229,7 +229,7 @@ def test_compare_beyond_the_tolerance_is_code_1_and_names_the_worst(post, smooth
     assert code == 1
     assert "load_work" in out
     assert "1.000e+00 J" in out
-    assert "1 variables differ by more than 0.001, most of all load_work" in err
+    assert "1 variables differ by more than 0.001, the largest being load_work" in err
 
 
 def test_compare_without_a_tolerance_only_shows(post, smooth_run, broken_file):

@@ -37,7 +37,7 @@ def angle_file(tmp_path_factory) -> Path:
 def test_spectrum_shows_the_largest_lines_with_what_was_done(post, steady_file):
     code, out, err = post("spectrum", steady_file, *ORDERS, "--lines", "3")
     assert (code, err) == (0, "")
-    assert "50 pitches of mesh pinion-gear at 500 Hz, 1578.95 rpm of pinion; rows as they" in out
+    assert "50 pitches of mesh pinion-gear at 500 Hz, 1578.95 rpm of pinion; rows without" in out
     assert "rectangular window" in out
     assert "noise bandwidth 0.02 orders" in out
     rows = [line.split() for line in out.splitlines()[-4:]]
@@ -132,7 +132,7 @@ def test_sidebands_name_the_wheel_and_the_part_that_holds_its_turns(post, tmp_pa
     path = written(tmp_path / "side.h5", by_angle("pitch", "pinion-gear", 16, xi, signal))
     code, out, err = post("sidebands", path, "--carriers", "1", "--sides", "1")
     assert (code, err) == (0, "")
-    assert "60 pitches: 3.158 turns of wheel pinion, 1.765 turns of wheel gear; rows as" in out
+    assert "60 pitches: 3.158 turns of wheel pinion, 1.765 turns of wheel gear; rows without" in out
     assert "the same teeth meet after 646 pitches: other lines may leak into these" in out
     lines = {" ".join(line.split()[:4]): line.split() for line in out.splitlines()}
     assert lines["1 x mesh 1"][-3:] == ["500", "nm", "57.3°"]
@@ -148,14 +148,14 @@ def test_sidebands_name_the_wheel_and_the_part_that_holds_its_turns(post, tmp_pa
         (("--quantity", "colour"), "has no variable `colour` over time; no similar name"),
         (("--quantity", "transmision_error"), "did you mean transmission_error"),
         (("--quantity", "teeth"), "`teeth` is not a variable over time"),
-        (("--quantity", "angular_velocity"), "has 2 wheels; choose one by --wheel: pinion, gear"),
+        (("--quantity", "angular_velocity"), "has 2 wheels; select one with --wheel: pinion, gear"),
         (
             ("--quantity", "angular_velocity", "--wheel", "drum"),
             "has no wheel `drum`; there is pinion, gear",
         ),
         (("--wheel", "pinion"), "`transmission_error` has no wheel"),
-        (("--select", "shaft=input"), "leave out --select shaft=input"),
-        (("--axis", "x"), "leave out --axis"),
+        (("--select", "shaft=input"), "omit --select shaft=input"),
+        (("--axis", "x"), "omit --axis"),
         (("--mesh", "second"), "has no mesh `second`; there is pinion-gear"),
         (("--from", "7"), "has 0 outputs between --from and --to; it goes from 0 s to 0.1 s"),
     ],
@@ -233,7 +233,7 @@ def _by_angle(kinds: dict[int, int] | None = None, left_out: int | None = None) 
 BAD = {
     "hole": (
         lambda: _with_hole(steady(500.0, 5e-5, 0.1, orders)), (),
-        "`transmission_error` has no value at t = 0.005 s (1 of 2001 outputs); choose times",
+        "`transmission_error` has no value at t = 0.005 s (1 of 2001 outputs); select times",
     ),
     "row": (
         lambda: steady(500.0, 5e-5, 0.1, orders).drop_isel(time=[50]), (),

@@ -101,7 +101,7 @@ parameters:
         ),
         (
             f"{{path: {SPEED}, units: rpm, from: 60 rpm, to: 100 rpm, number: 3}}",
-            "units is rpm, but values with units are stored in that of the key, rad/s; leave units",
+            "units is rpm, but values with units are stored in that of the key, rad/s; omit units",
         ),
         (
             "{name: speed, from: 60 rpm, to: 100 rpm, number: 3}",

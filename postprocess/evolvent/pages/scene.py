@@ -338,9 +338,9 @@ class Scene:
         if self.exaggeration != 1.0:
             label = f"deviations {self.exaggeration:g} times"
             entries.append(Line2D([], [], color=EDGE, linewidth=1.0, label=label))
-        entries.append(Patch(facecolor=FORCE, label="acts on the tooth in which it is drawn"))
+        entries.append(Patch(facecolor=FORCE, label="acts on the tooth it lies in"))
         if self.largest.sliding > 0:
-            label = "sliding velocity of the driving flank on its mate"
+            label = "sliding of the driving flank"
             entries.append(Patch(facecolor=SLIDES, label=label))
         if self.loaded:
             entries.append(Patch(facecolor=DRIVES, label="driving torque"))
