@@ -208,7 +208,7 @@ def claims(runs: PaperRuns) -> list[Claim]:
     return [
         *found,
         Claim(
-            "Beyond the ringing after jumps, both give the same force, f = "
+            "Beyond the vibrations after jumps, both give the same force, f = "
             f"{runs.compliant_friction.friction:g}",
             _largest_between_jumps(
                 runs.compliant_friction,
@@ -234,7 +234,7 @@ def claims(runs: PaperRuns) -> list[Claim]:
             "the largest transmission error",
         ),
         Claim(
-            "It jumps at the pitch point and at each switch by what the closed form says",
+            "It jumps at the pitch point and at each switch by the value of the closed form",
             max(jump_errors(runs.compliant_friction).values()),
             1e-4,
             "the jump",
@@ -246,7 +246,7 @@ def claims(runs: PaperRuns) -> list[Claim]:
             "lambda",
         ),
         Claim(
-            "Discrepancy less depth is R (inv alpha - inv alpha_0), the axle's giving way",
+            "Discrepancy less depth is R (inv alpha - inv alpha_0), the deflection of the axle",
             float(abs(_beyond_identity(runs.compliant_friction)).max())
             / _largest_error(runs.compliant_friction),
             1e-10,

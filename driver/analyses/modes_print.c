@@ -82,7 +82,7 @@ static void print_what(FILE *stream, const modes_report *report)
     case MODES_STEADY:
         fputs("at its steady state under load\n", stream);
         if (!isnan(report->mesh_position)) {
-            fprintf(stream, "The first mesh in the flow of power is %.9g pitches from the start of contact\n",
+            fprintf(stream, "The first mesh in the power flow is %.9g pitches from the start of contact\n",
                     report->mesh_position);
         }
         fputc('\n', stream);
@@ -169,7 +169,7 @@ static void print_frequencies(FILE *stream, const natural_modes *modes)
     if (modes->n_rigid == 0) {
         fputs("\n  There is no rigid-body mode.\n", stream);
     } else {
-        fprintf(stream, "\n  %d rigid-body mode%s, which nothing restores, %s left out.\n", modes->n_rigid,
+        fprintf(stream, "\n  %d rigid-body mode%s (no restoring force) %s not listed.\n", modes->n_rigid,
                 modes->n_rigid == 1 ? "" : "s", modes->n_rigid == 1 ? "is" : "are");
     }
     if (decays) {
@@ -214,10 +214,10 @@ static void print_shapes(FILE *stream, const modes_report *report)
     const description *description = case_description(report->file);
     const int width = name_width(description);
     if (report->modes.n > 0) {
-        fputs(
-            "\nMode shapes, as lengths: the largest motion of a wheel or axle is 1; rotations count counterclockwise,\n"
-            "as arcs of the base circle, or of the rim of a disc.\n",
-            stream);
+        fputs("\nMode shapes, as lengths: the largest motion of a wheel or axle is 1; rotations are positive "
+              "counterclockwise,\n"
+              "as arcs of the base circle, or of the rim of a disc.\n",
+              stream);
     }
     for (int k = 0; k < report->modes.n; k++) {
         const natural_mode *mode = &report->modes.modes[k];

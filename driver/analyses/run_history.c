@@ -246,10 +246,10 @@ static bool put_numbers(const run_history *self, evl_error *error)
     const number_span span = numbers_span(self->numbers);
     const double of_span[] = {span.from, span.to, (double)span.periods, numbers_settled(self->numbers)->is_settled};
     const model_output rows_of_span[] = {
-        {"window_begin", "s", "", "where the first whole period of the numbers begins", "", true, false, 0, 1, NULL},
-        {"window_end", "s", "", "where the last one ends", "", true, false, 1, 1, NULL},
-        {"window_periods", "1", "", "whole periods of the numbers", "", true, true, 2, 1, NULL},
-        {"window_settled", "1", "", "1 if the motion had settled before the window, 0 if not; NaN: not known", "", true,
+        {"window_begin", "s", "", "start of the first whole period of the metrics", "", true, false, 0, 1, NULL},
+        {"window_end", "s", "", "end of the last whole period of the metrics", "", true, false, 1, 1, NULL},
+        {"window_periods", "1", "", "whole periods of the metrics", "", true, true, 2, 1, NULL},
+        {"window_settled", "1", "", "1 if the motion had settled before the window, 0 if not; NaN: unknown", "", true,
          false, 3, 1, NULL},
     };
     return history_put_finals(self->history, 4, rows_of_span, of_span, error) &&

@@ -160,7 +160,7 @@ static void print_compliance(FILE *stream, const model *model, int mesh, const c
 {
     const column column = column_of(model, EVL_OF_COMPLIANCE, mesh, name);
     if (column.n > 0) {
-        fprintf(stream, "\nCompliance of the wheels in mesh %s, beside that of the contact\n", name);
+        fprintf(stream, "\nCompliance of the wheels in mesh %s, in addition to that of the contact\n", name);
     }
     print_list(stream, &column, (const int[]){52, 4, 12}, 6);
 }
@@ -176,7 +176,7 @@ void show_geometry(FILE *stream, const description *description, const model *mo
         print_rows(stream, "Mesh", &column);
     }
     print_table(stream, "Gears (ISO 21771)", model, EVL_OF_GEAR, description->n_wheels, description->wheels);
-    print_table(stream, "Gears in mesh (ISO 21771); 1 is the driving one", model, EVL_OF_GEAR_MESH,
+    print_table(stream, "Gears in mesh (ISO 21771); 1 is the driving gear", model, EVL_OF_GEAR_MESH,
                 description->n_meshes, description->meshes);
     for (int i = 0; i < description->n_wheels; i++) {
         print_deviations(stream, model, i, description->wheels[i]);
@@ -199,8 +199,8 @@ char *stiffness_note(const description *description, const model *model)
     OWNED char *more = others > 0 ? xasprintf(" and %d more", others) : xstrdup("");
     return first == NULL
                ? xstrdup("")
-               : xasprintf("mesh %s%s: only the contact gives way, so natural frequencies are about 1.5 to 1.9 "
-                           "times too high; 'compliance: {}' in its wheels lets teeth and bodies bend",
+               : xasprintf("mesh %s%s: only the contact is compliant, so natural frequencies are about 1.5 to 1.9 "
+                           "times too high; add 'compliance: {}' to its wheels for compliant teeth and bodies",
                            first, more);
 }
 

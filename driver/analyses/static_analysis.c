@@ -53,9 +53,8 @@ static bool find_mesh(const prepared_case *prepared, const char *text, int *mesh
     return refuse_option("--mesh", text, why, error);
 }
 
-static const char HOW_TORQUES[] =
-    "it must be FROM:TO:STEPS, two torques [N m] that grow and how many there are, from 2 to "
-    "1000, such as 10:200:20 or '10 N m:0.2 kN m:20'; or one torque";
+static const char HOW_TORQUES[] = "it must be FROM:TO:STEPS, two increasing torques [N m] and their number from 2 to "
+                                  "1000, such as 10:200:20 or '10 N m:0.2 kN m:20'; or one torque";
 
 /** Read a torque of --torque. */
 static bool read_torque(const char *option, const char *text, double *torque, evl_error *error)
@@ -67,9 +66,9 @@ static bool read_torque(const char *option, const char *text, double *torque, ev
 /** Read both ends of FROM:TO:STEPS. @param parts  its texts */
 static bool read_ends(const char *option, char *const parts[3], double ends[2], int *n, evl_error *error)
 {
-    static const char one_flank[] =
-        "torques above 0 press the drive flanks, those below 0 the coast flanks, 0 none: ask for either";
-    static const char one_unit[] = "one of its torques has a unit and the other has none: give both a unit, or neither";
+    static const char one_flank[] = "torques above 0 load the drive flanks, those below 0 the coast flanks, and 0 "
+                                    "loads none; give torques of one sign";
+    static const char one_unit[] = "one of its torques has a unit and the other has none; give both a unit, or neither";
     double number = 0.0;
     if (!read_torque(option, parts[0], &ends[0], error) || !read_torque(option, parts[1], &ends[1], error)) {
         return false;
@@ -135,10 +134,9 @@ static bool create_file(static_analysis *a, evl_error *error)
         positions[i] /= plan->points;
     }
     const history_coordinate coordinates[] = {
-        {"position", "1", "x", "pitches from where tooth pair 0 is at the start of contact", false, plan->n_positions,
+        {"position", "1", "x", "position: pitches after the start of contact of tooth pair 0", false, plan->n_positions,
          positions},
-        {"pair", "1", "j",
-         "tooth pair by how many pitches it is ahead of the one that came last onto the path; -1: the next", true,
+        {"pair", "1", "j", "tooth pair: pitches ahead of the one that entered the path last; -1: the next one", true,
          plan->n_pairs, pairs},
         {"harmonic", "1", "n", "harmonic of the mesh frequency", true, plan->n_harmonics, harmonics},
     };
@@ -263,7 +261,7 @@ static bool find_torques(static_analysis *a, const char *asked, evl_error *error
     a->torques[0] = a->plan.torque;
     return fabs(a->plan.torque) > 0.0 ||
            evl_error_set(error, EVL_EXIT_CASE, case_path(a->prepared->file),
-                         "its loads put no torque on mesh %s: give one with --torque, such as --torque 50",
+                         "its loads exert no torque on mesh %s; give one with --torque, such as --torque 50",
                          case_description(a->prepared->file)->meshes[a->plan.mesh]);
 }
 

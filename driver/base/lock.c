@@ -50,10 +50,11 @@ bool file_lock_take(file_lock *lock, const char *path, evl_error *error)
         read_owner(lock->descriptor, owner, sizeof owner);
         file_lock_release(lock);
         return evl_error_set(error, EVL_EXIT_CASE, path,
-                             "another run is at work here (%s); wait for it, or end it first",
-                             owner[0] != '\0' ? owner : "it has not said which");
+                             "another run uses this folder (%s); wait until it ends, or stop it first",
+                             owner[0] != '\0' ? owner : "its process is unknown");
     }
-    log_warning("%s: this folder cannot lock (%s): see to it that no second run works here", path, strerror(errno));
+    log_warning("%s: this folder does not support locks (%s); make sure that no second run uses it", path,
+                strerror(errno));
     return true;
 }
 

@@ -26,7 +26,7 @@ void progress_wipe(void);
 /** ", 1:23 left" or ", 4.5 h left"; "" if unknown. */
 void progress_left(char text[32], double seconds);
 
-/** Start a run from t_start to t_end. Nothing is shown if `enabled` is false. */
+/** Start a run from t_start to t_end. No output if `enabled` is false. */
 void progress_start(progress *progress, bool enabled, double t_start, double t_end);
 /** For progress_step only: read the clock and show the progress if it is due. */
 void progress_look(progress *progress, double t);

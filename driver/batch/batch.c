@@ -151,7 +151,7 @@ static bool open_histories(shard_run *run, evl_error *error)
     }
     OWNED char *path = xasprintf("%s.h5", run->stem);
     if (run->n_recorded > 0 && access(path, F_OK) != 0) {
-        log_warning("%s is gone, and with it the histories of the %ld cases recorded before", path, run->n_recorded);
+        log_warning("%sis missing, and with it the histories of the %ld cases already recorded", path, run->n_recorded);
     }
     const stack_layout layout = {.path = path,
                                  .hash = run->design->hash,
@@ -176,7 +176,7 @@ static bool open_journal(shard_run *run, evl_error *error)
     }
     return run->n_recorded == 0 || run->options->resume || run->options->cases != NULL ||
            evl_error_set(error, EVL_EXIT_CASE, path,
-                         "%ld cases are recorded here already; go on with --resume, or choose another folder",
+                         "%ld cases are already recorded here; continue with --resume, or choose another folder",
                          run->n_recorded);
 }
 
@@ -273,7 +273,7 @@ static bool follow_parent(evl_error *error)
     (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
 #endif
     if (kill((pid_t)pid, 0) != 0 && errno == ESRCH) {
-        return evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "the process that started it, %ld, is gone", pid);
+        return evl_error_set(error, EVL_EXIT_INTERRUPTED, "", "its parent process, %ld, has ended", pid);
     }
     return true;
 }

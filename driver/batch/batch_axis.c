@@ -28,12 +28,12 @@ static void take_times(batch_axis *axis)
 
 static void take_positions(batch_axis *axis, long n)
 {
-    axis->coordinate =
-        (history_coordinate){.name = "output_position",
-                             .units = "1",
-                             .symbol = axis->rule.what[0] == 'm' ? "xi" : "phi/(2 pi)",
-                             .long_name = axis->rule.what[0] == 'm' ? "pitches of a driving wheel" : "turns of a wheel",
-                             .n = (int)n};
+    axis->coordinate = (history_coordinate){.name = "output_position",
+                                            .units = "1",
+                                            .symbol = axis->rule.what[0] == 'm' ? "xi" : "phi/(2 pi)",
+                                            .long_name = axis->rule.what[0] == 'm' ? "pitches of a driving wheel"
+                                                                                   : "revolutions of a wheel",
+                                            .n = (int)n};
     axis->values = xcalloc((size_t)n, sizeof *axis->values);
     for (long i = 0; i < n; i++) {
         axis->values[i] = (double)(i * axis->every) / axis->rule.number;
@@ -47,11 +47,11 @@ bool batch_axis_make(batch_axis *axis, const design *design, const prepared_case
     if (by_position != (design->history_rows > 0)) {
         return by_position
                    ? evl_error_set(error, EVL_EXIT_CASE, design->file,
-                                   "history_rows: outputs of these cases go by position, so that their number is "
-                                   "not known: say how many are kept (in a plan histories.rows)")
+                                   "history_rows: is missing, but outputs of these cases are by position, so their "
+                                   "number is unknown; give the number of stored rows (in a plan histories.rows)")
                    : evl_error_set(error, EVL_EXIT_CASE, design->file,
-                                   "history_rows: is %ld, but outputs of these cases go by time, which gives "
-                                   "their number; leave it away (in a plan histories.rows)",
+                                   "history_rows: is %ld, but outputs of these cases are by time, which gives their "
+                                   "number; omit it (in a plan histories.rows)",
                                    design->history_rows);
     }
     if (by_position) {

@@ -84,21 +84,20 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
     const description *description = case_description(prepared->file);
     if (plan->table.n_numbers > 0 && (description->n_wheels != plan->table.names.wheels.n ||
                                       description->n_accelerometers != plan->table.names.accelerometers.n)) {
-        return evl_error_set(
-            refusal, EVL_EXIT_CASE, place,
-            "has %d wheels and %d accelerometers, the base case %d and %d; with numbers over whole periods "
-            "all cases have the same",
-            description->n_wheels, description->n_accelerometers, plan->table.names.wheels.n,
-            plan->table.names.accelerometers.n);
+        return evl_error_set(refusal, EVL_EXIT_CASE, place,
+                             "has %d wheels and %d accelerometers, the base case %d and %d; with metrics over whole "
+                             "periods all cases need the same",
+                             description->n_wheels, description->n_accelerometers, plan->table.names.wheels.n,
+                             plan->table.names.accelerometers.n);
     }
     if (!find_window(plan, prepared, window)) {
         return evl_error_set(refusal, EVL_EXIT_CASE, place,
-                             "the window from %g to %g s holds no output of this case, which ends at %g s",
+                             "the window from %g to %g s contains no output of this case, which ends at %g s",
                              window->from, window->to, options.t_end);
     }
     return plan->histories.n_variables == 0 || has_history_shape(plan, prepared) ||
            evl_error_set(refusal, EVL_EXIT_CASE, place,
-                         "its history has other times, positions or sizes than those of the other cases; plan it "
+                         "its history differs in times, positions or sizes from those of the other cases; plan it "
                          "without histories");
 }
 
@@ -197,7 +196,7 @@ static void check_window(const batch_sink *sink, simulate_result *result)
     if (result->end == SIMULATE_DONE && !statistics_has_outputs(sink->statistics)) {
         result->end = SIMULATE_FAILED;
         (void)snprintf(result->message, sizeof result->message,
-                       "the window holds no output; begin it earlier, or run longer");
+                       "the window contains no output; start it earlier, or increase the duration");
     }
 }
 
@@ -279,7 +278,7 @@ static void simulate_to(batch_sink *sink, const prepared_case *prepared, const b
             break;
         }
         if (is_foreign) {
-            log_warning("case %ld begins anew: %s", keeper->index, result->message);
+            log_warning("case %ld restarts from time 0: %s", keeper->index, result->message);
             batch_keeper_begin_anew(keeper, true, 0);
         } else {
             batch_keeper_begin_anew(keeper, false, keeper->cpu_seconds + result->counts.cpu_seconds);

@@ -38,7 +38,7 @@ static bool find(batch_keeper *self, char *doubt, evl_error *why)
         self->from = found.state;
         found.state = (archive){.n = 0};
         keep_head(self, &self->from);
-        log_note("case %ld goes on from its checkpoint at t = %.9g s", self->index, found.t);
+        log_note("case %ld continues from its checkpoint at t = %.9g s", self->index, found.t);
     }
     checkpoint_free(&found);
     checkpoint_free(&own);
@@ -63,9 +63,9 @@ void batch_keeper_begin(batch_keeper *self, const batch_plan *plan, const batch_
     self->has_some = self->can_go_on && batch_checkpoints_has(checkpoints, index);
     if (self->has_some && !find(self, doubt, &why)) {
         OWNED char *text = evl_error_text(&why);
-        log_warning("%s: case %ld begins anew", text, index);
+        log_warning("%s: case %ld restarts from time 0", text, index);
     } else if (doubt[0] != '\0') {
-        log_warning("%s: case %ld goes on from the checkpoint before it", doubt, index);
+        log_warning("%s: case %ld continues from the previous checkpoint", doubt, index);
     }
 }
 

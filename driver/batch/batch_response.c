@@ -163,8 +163,8 @@ static bool write_row(const batch_plan *plan, long index, const listener *listen
     OWNED char *message = evl_error_text(error);
     if (code == EVL_EXIT_OK && listener->has_other_sizes) {
         batch_row_write(plan, index, JOURNAL_REFUSED,
-                        "has other numbers of meshes, wheels or accelerometers than the base case; with `numbers` all "
-                        "cases have the same",
+                        "differs from the base case in the number of meshes, wheels or accelerometers; with `metrics` "
+                        "all cases need the same",
                         NULL, NULL, row);
     } else if (code == EVL_EXIT_OK) {
         batch_row_write(plan, index, JOURNAL_DONE, listener->warnings, listener->results, NULL, row);

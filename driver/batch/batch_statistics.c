@@ -42,7 +42,7 @@ enum { ENERGY_RESIDUAL, STEPS, CPU_TIME, N_OF_CASE };
 static const struct {
     const char *name, *units, *long_name;
 } of_case[N_OF_CASE] = {
-    [ENERGY_RESIDUAL] = {"energy_residual", "1", "largest error of the energy balance over the energy put in"},
+    [ENERGY_RESIDUAL] = {"energy_residual", "1", "largest error of the energy balance over the energy input"},
     [STEPS] = {"steps", "1", "steps of the integrator"},
     [CPU_TIME] = {"cpu_time", "s", "processor time of the integration"},
 };
@@ -164,12 +164,12 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
     add_numbers(table);
     table->settled = table->n_numbers > 0 ? table->n : -1;
     if (table->settled >= 0) {
-        add(table, "window_settled", "1", "1 if the motion had settled before the window, 0 if not; NaN: not known");
+        add(table, "window_settled", "1", "1 if the motion had settled before the window, 0 if not; NaN: unknown");
     }
     if (some_periodic) {
         table->multiplier = table->n;
         add(table, "start_multiplier", "1",
-            "largest Floquet multiplier in size of the orbit that the case starts on; NaN: none");
+            "largest magnitude of the Floquet multipliers of the orbit at the start; NaN: none");
     }
     return unknown;
 }

@@ -69,7 +69,8 @@ static bool read_cases(const batch_plan *plan, const char *path, case_list *list
         if (!good) {
             OWNED char *place = xasprintf("%s:%ld", path, n_lines);
             const int length = (int)strcspn(line, "\r\n");
-            evl_error_set(error, EVL_EXIT_CASE, place, "'%.*s' is no case of the design; its numbers are 0 to %ld",
+            evl_error_set(error, EVL_EXIT_CASE, place,
+                          "'%.*s' is not a case of the design; cases are numbered 0 to %ld",
                           length < SHOWN ? length : SHOWN, line, plan->design->n_cases - 1);
         }
     }

@@ -25,7 +25,8 @@ const char *journal_status_name(journal_status status)
 static bool fail(const journal *journal, evl_error *error)
 {
     return evl_error_set(error, EVL_EXIT_IO, journal->path,
-                         "cannot be written: %s; what is recorded stays, go on with --resume", strerror(errno));
+                         "cannot be written: %s; recorded cases are preserved, continue with --resume",
+                         strerror(errno));
 }
 
 /** Start of the time of a row, ",\"at\":TIME"; NULL if there is none. No text inside a row can look like that: its
@@ -162,7 +163,7 @@ static bool take_over(journal *journal, const char *head, size_t n, long n_cases
     }
     if (state.has_other) {
         return evl_error_set(error, EVL_EXIT_CASE, journal->path,
-                             "belongs to another design, or was begun by another version; choose another folder");
+                             "belongs to another design, or was started by another version; choose another folder");
     }
     if (!state.has_line) { /* nothing was recorded yet */
         return (ftruncate(journal->descriptor, 0) == 0 || fail(journal, error)) && write_all(journal, head, n, error);
@@ -171,7 +172,7 @@ static bool take_over(journal *journal, const char *head, size_t n, long n_cases
         return false;
     }
     if (!state.has_head) {
-        log_warning("%s: its first line is damaged and is written anew; %ld cases are recorded", journal->path,
+        log_warning("%s: its first line is damaged and is rewritten; %ld cases are recorded", journal->path,
                     *n_recorded);
     }
     return state.has_head || write_all(journal, head, n, error);

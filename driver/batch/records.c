@@ -157,7 +157,7 @@ static bool take_line(collection *found, int shard, const char *line, size_t len
                              found->n_cases);
     }
     if (row.status == JOURNAL_MISSING) {
-        return evl_error_set(error, EVL_EXIT_CASE, journal->path, "case %ld: the status '%.*s' is not known", row.index,
+        return evl_error_set(error, EVL_EXIT_CASE, journal->path, "case %ld: the status '%.*s' is unknown", row.index,
                              (int)strcspn(row.word, "\""), row.word);
     }
     found->shards[shard].n_rows++;

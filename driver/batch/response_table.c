@@ -18,7 +18,7 @@ const char *response_table_init(statistics_table *table, const model_names *name
     for (int i = 0; i < table->n; i++) {
         statistics_scalar *scalar = &table->scalars[i];
         scalar->name = pool_printf(&table->pool, "%s_largest", scalar->name);
-        scalar->long_name = pool_printf(&table->pool, "%s, largest over the parameter", scalar->long_name);
+        scalar->long_name = pool_printf(&table->pool, "%s, maximum over the parameter", scalar->long_name);
     }
     for (int i = 0; i < N_RESPONSE_SCALARS; i++) {
         table->scalars[table->n++] = of_response[i];

@@ -132,14 +132,15 @@ static bool refuse_variant(const checker *checker, const evl_row *selector, cons
 {
     OWNED char *known = variants_with(checker, selector->block, entry->key);
     if (value == NULL) {
-        return checker_refuse(checker, entry->key_place, "'%s' does not go with '%s: %s', the default; it goes with %s",
-                              entry->key, selector->key, variant, known);
+        return checker_refuse(checker, entry->key_place,
+                              "'%s' is not valid with '%s: %s', the default; it is valid with %s", entry->key,
+                              selector->key, variant, known);
     }
     if (value->place.option != NULL && entry->key_place.option != value->place.option) {
         return checker_refuse(checker, entry->key_place, "'%s' does not go with --set %s; set the whole block",
                               entry->key, value->place.option);
     }
-    return checker_refuse(checker, entry->key_place, "'%s' does not go with '%s: %s'; it goes with %s", entry->key,
+    return checker_refuse(checker, entry->key_place, "'%s' is not valid with '%s: %s'; it is valid with %s", entry->key,
                           selector->key, variant, known);
 }
 
@@ -184,7 +185,7 @@ static bool refuse_pair(const checker *checker, const case_entry *entry, const c
 {
     char where[EVL_ERROR_PLACE_LENGTH];
     place_text(checker->path, node->entries[node_find(node, other)].key_place, where);
-    return checker_refuse(checker, entry->key_place, "'%s' stands beside '%s' (%s); give one of them", entry->key,
+    return checker_refuse(checker, entry->key_place, "'%s' conflicts with '%s' (%s); give one of them", entry->key,
                           other, where);
 }
 
@@ -198,7 +199,8 @@ static bool check_needs(const checker *checker, const char *block, const char *v
             if (row_excludes(row) != NULL) {
                 return refuse_pair(checker, entry, node, row_excludes(row));
             }
-            return checker_refuse(checker, entry->key_place, "'%s' needs '%s' beside it", entry->key, row_needs(row));
+            return checker_refuse(checker, entry->key_place, "'%s' needs '%s' in the same block", entry->key,
+                                  row_needs(row));
         }
     }
     return true;

@@ -204,7 +204,7 @@ void schema_write_json(FILE *stream, const case_schema *schema)
     json_open(&json, NULL, '{');
     json_text(&json, "$schema", "https://json-schema.org/draft/2020-12/schema");
     json_text(&json, "title", "evolvent case");
-    json_text(&json, "description", "A case file of evolvent: a gearbox, and what to compute of it.");
+    json_text(&json, "description", "Case file of evolvent: a gearbox and its simulation.");
     json_schema_reference(&json, NULL, CASE_ROOT);
     json_open(&json, "$defs", '{');
     for (int i = 0; i < schema->n; i++) {

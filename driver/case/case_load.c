@@ -44,7 +44,7 @@ static case_node *load_named(memory_pool *pool, const char *name, const char *te
 {
     case_node *root = tree_load_yaml(pool, name, (case_place){0}, text, length, error);
     if (root == NULL && error->code == EVL_EXIT_OK) {
-        evl_error_set(error, EVL_EXIT_CASE, name, "is empty; a case begins with 'format: 1'");
+        evl_error_set(error, EVL_EXIT_CASE, name, "is empty; a case starts with 'format: 1'");
     }
     if (root != NULL) {
         tree_use_present_keys(root);

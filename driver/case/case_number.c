@@ -63,7 +63,7 @@ static bool refuse_text(const checker *checker, const evl_row *key, const case_n
     const char *comma = node->kind == NODE_SCALAR ? strchr(node->text, ',') : NULL;
     const bool is_decimal = comma != NULL && comma > node->text && isdigit((unsigned char)comma[-1]) &&
                             isdigit((unsigned char)comma[1]) && key->type != EVL_INTEGER;
-    return refuse_type(checker, node, is_decimal ? "a number with a point, no comma" : wanted, key->unit);
+    return refuse_type(checker, node, is_decimal ? "a number with a decimal point, no comma" : wanted, key->unit);
 }
 
 bool check_number(const checker *checker, const evl_row *key, case_node *node)

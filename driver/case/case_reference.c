@@ -18,7 +18,7 @@ static const char *const type_texts[] = {
     [EVL_NAMED] = "{name: number}",
     [EVL_TEXT] = "text",
     [EVL_NAME] = "name",
-    [EVL_REFERENCE] = "name of a thing in the case",
+    [EVL_REFERENCE] = "name of an object of the case",
     [EVL_REFERENCES] = "[name, name]",
     [EVL_CHOICE] = "one of",
     [EVL_BLOCK] = "block",
@@ -62,7 +62,7 @@ static void print_key(FILE *stream, const evl_row *key)
 
 void unit_print(FILE *stream)
 {
-    fputs("| number | unit of the key | units that it takes |\n|---|---|---|\n", stream);
+    fputs("| number | unit of the key | accepted units |\n|---|---|---|\n", stream);
     const char *key_unit = NULL;
     for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
         int n = 0;

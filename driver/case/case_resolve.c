@@ -239,17 +239,17 @@ static bool take_numbers(const checker *checker, const case_node *block, descrip
     if (mesh != NULL && wheel != NULL) {
         return checker_refuse(
             checker, node_get(block, "turns_of")->place,
-            "periods are pitches of a mesh or turns of a wheel, not both; leave out pitches_of or turns_of");
+            "periods are pitches of a mesh or revolutions of a wheel, not both; omit pitches_of or turns_of");
     }
     if (to != NULL && numbers->to > simulation->duration) {
         OWNED char *end = node_quantity(to, "s");
         return checker_refuse(checker, to->place,
-                              "the window ends at %s, but the case at %.9g s; make it longer, or leave out to", end,
+                              "the window ends at %s, but the case at %.9g s; increase the duration, or omit to", end,
                               simulation->duration);
     }
     return block == NULL || numbers->from < numbers->to ||
            checker_refuse(checker, (from == NULL ? block : from)->place,
-                          "the window is from %.9g to %.9g s, which is no span of time; the case ends at %.9g s",
+                          "the window is from %.9g to %.9g s, which is not a time span; the case ends at %.9g s",
                           numbers->from, numbers->to, simulation->duration);
 }
 
@@ -258,8 +258,9 @@ static bool take_positions(const checker *checker, const case_node *number, cons
                            simulation_description *simulation)
 {
     simulation->output_by.number = (int)node_number(number);
-    return name != NULL || checker_refuse(checker, number->place, "'per_%s' needs '%s' beside it: the name of one",
-                                          strcmp(what, "mesh") == 0 ? "pitch" : "turn", what);
+    return name != NULL ||
+           checker_refuse(checker, number->place, "'per_%s' needs '%s' in the same block: the name of one",
+                          strcmp(what, "mesh") == 0 ? "pitch" : "turn", what);
 }
 
 /** Read the interval of an equidistant output grid. */
@@ -272,7 +273,7 @@ static bool take_interval(const checker *checker, const case_node *interval, con
         return checker_refuse(checker, interval->place, "is %s, longer than the duration of %s", step, span);
     }
     return simulation->duration / simulation->output_interval <= MOST_OUTPUTS ||
-           checker_refuse(checker, interval->place, "is %s, which gives more than %g rows in %s; take a longer one",
+           checker_refuse(checker, interval->place, "is %s, which gives more than %g rows in %s; give a longer one",
                           step, MOST_OUTPUTS, span);
 }
 
@@ -310,7 +311,8 @@ static bool take_output(const checker *checker, const case_node *block, descript
     if (interval != NULL && output != NULL) {
         char other[EVL_ERROR_PLACE_LENGTH];
         place_text(checker->path, interval->place, other);
-        return checker_refuse(&of_output, output->place, "stands beside output_interval (%s); give one of them", other);
+        return checker_refuse(&of_output, output->place, "conflicts with output_interval (%s); give one of them",
+                              other);
     }
     return output != NULL     ? take_output_block(&of_output, output, duration, description)
            : interval != NULL ? take_interval(&of_interval, interval, duration, simulation)
@@ -354,7 +356,7 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
     if (simulation->integrator == INTEGRATOR_RADAU && !(simulation->accuracy > 0) &&
         simulation->tolerance < RADAU_SMALLEST_TOLERANCE) {
         return checker_refuse(&of_tolerance, node_get(block, "tolerance")->place,
-                              "is %s, but integrator radau takes %g or more; take integrator ida for less",
+                              "is %s, but integrator radau accepts %g or more; choose integrator ida for less",
                               node_get_text(block, "tolerance"), RADAU_SMALLEST_TOLERANCE);
     }
     return take_initial(&of_initial, node_get(block, "initial"), description) &&

@@ -146,13 +146,12 @@ bool check_name(const checker *checker, case_place place, const char *name)
     for (const char *c = name; *c != '\0'; c++) {
         if (strchr(".=/", *c) != NULL || (unsigned char)*c <= ' ' || *c == 0x7f) {
             return checker_refuse(checker, place,
-                                  "the name '%s' has a '%c' in it; blanks, '.', '=' and '/' are not allowed", name,
+                                  "the name '%s' contains '%c'; blanks, '.', '=' and '/' are not allowed", name,
                                   (unsigned char)*c < ' ' ? ' ' : *c);
         }
         if (utf8_is_control(c)) {
             return checker_refuse(checker, place,
-                                  "the name '%s' has a character in it that cannot be seen, such as the end of a line",
-                                  name);
+                                  "the name '%s' contains an invisible character, such as the end of a line", name);
         }
     }
     return true;

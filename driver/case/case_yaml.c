@@ -247,7 +247,7 @@ static char *load_key(yaml_loader *loader, const yaml_event_t *event, case_place
     if (key != NULL && key->kind == NODE_SCALAR) {
         return key->text;
     }
-    return may_be && key == NULL ? NULL : refuse(loader, place, "a key has to be a word");
+    return may_be && key == NULL ? NULL : refuse(loader, place, "a key must be a word");
 }
 
 /** Read a key and its value. */

@@ -307,10 +307,9 @@ char *unit_refusal(const char *key_unit, const char *unit)
     OWNED const char **names = unit_names(key_unit, NULL, &n);
     OWNED char *list = words_join(n, names, ", "), *others = kinds_with(unit);
     OWNED char *hint = suggest_phrase(unit, n, names);
-    OWNED char *found = others[0] != '\0'
-                            ? xasprintf("'%s' is a unit of %s", unit, others)
-                            : xasprintf("the unit '%.*s' is not known%s", words_cut(unit, 40), unit, hint);
-    return key_unit[0] == '\0' ? xasprintf("%s, and this number has none; leave it away, or write %s", found, list)
+    OWNED char *found = others[0] != '\0' ? xasprintf("'%s' is a unit of %s", unit, others)
+                                          : xasprintf("the unit '%.*s' is unknown%s", words_cut(unit, 40), unit, hint);
+    return key_unit[0] == '\0' ? xasprintf("%s, and this number has none; omit it, or write %s", found, list)
                                : xasprintf("%s; write the %s in %s", found, unit_kind_name(key_unit), list);
 }
 

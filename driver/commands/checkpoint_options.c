@@ -47,7 +47,7 @@ const char *checkpoint_options_check(const checkpoint_options *options)
         return "--max-time takes minutes, a number above 0";
     }
     if (options->at != NULL && checkpoint_times(options->at, NULL) < 0) {
-        return "--checkpoint-at takes model times above 0 in seconds, rising, with commas";
+        return "--checkpoint-at takes increasing model times above 0 in seconds, separated by commas";
     }
     return NULL;
 }

@@ -43,15 +43,16 @@ static void identify(checkpoint *own, const prepared_case *prepared)
  *  case */
 static bool read_own(const checkpoints *self, checkpoint *found, char *doubt, evl_error *error)
 {
-    static const char *const remedies[N_CHECKPOINT_TEXTS] = {"go on with that program", "go on with that library",
-                                                             "go on where that kernel runs", "go on with that case"};
+    static const char *const remedies[N_CHECKPOINT_TEXTS] = {"continue with that program", "continue with that library",
+                                                             "continue on a machine with that kernel",
+                                                             "continue with that case"};
     evl_error why = {.code = EVL_EXIT_OK};
     if (!checkpoint_read(self->parts.folder, found, doubt, &why)) {
-        return evl_error_set(error, why.code, why.place, "%s; begin anew without --continue", why.message);
+        return evl_error_set(error, why.code, why.place, "%s; start again without --continue", why.message);
     }
     const int text = checkpoint_compare(&self->from, found, self->parts.folder, &why);
     return text == N_CHECKPOINT_TEXTS ||
-           evl_error_set(error, why.code, why.place, "%s; %s, or begin anew without --continue", why.message,
+           evl_error_set(error, why.code, why.place, "%s; %s, or start again without --continue", why.message,
                          remedies[text]);
 }
 
@@ -77,15 +78,15 @@ static bool check_parts(const checkpoints *self, const head *head, evl_error *er
         OWNED char *path = parts_path(&self->parts, i);
         if (!part_size_of(path, &size)) {
             return evl_error_set(error, EVL_EXIT_CASE, path,
-                                 "the part is missing, or damaged; begin anew without --continue");
+                                 "the part is missing, or damaged; start again without --continue");
         }
         total.rows += size.rows;
         total.events += size.events;
     }
     return (total.rows == head->n_rows && total.events == head->n_events) ||
            evl_error_set(error, EVL_EXIT_CASE, self->parts.folder,
-                         "its parts hold %lld outputs and %lld events, and its checkpoint says %lld and %lld; begin "
-                         "anew without --continue",
+                         "its parts hold %lld outputs and %lld events, but its checkpoint states %lld and %lld; start "
+                         "again without --continue",
                          total.rows, total.events, head->n_rows, head->n_events);
 }
 
@@ -98,7 +99,7 @@ static bool find_checkpoint(checkpoints *self, const char *path, evl_error *erro
     keep_head(&head, &found.state);
     good = good && check_parts(self, &head, error) && parts_keep(&self->parts, head.n_parts, error);
     if (good && doubt[0] != '\0') {
-        log_warning("%s: the run goes on from the checkpoint before it", doubt);
+        log_warning("%s: the run continues from the previous checkpoint", doubt);
     }
     if (good) {
         archive_free(&self->from.state);
@@ -107,7 +108,7 @@ static bool find_checkpoint(checkpoints *self, const char *path, evl_error *erro
         self->resumes = true;
         self->interval = head.interval;
         found.state = (archive){.n = 0};
-        log_note("%s goes on from its checkpoint at t = %.9g s", path, self->t);
+        log_note("%s continues from its checkpoint at t = %.9g s", path, self->t);
     }
     checkpoint_free(&found);
     return good;
@@ -118,7 +119,7 @@ static bool begin_anew(checkpoints *self, evl_error *error)
 {
     if (checkpoint_exists(self->parts.folder)) {
         return evl_error_set(error, EVL_EXIT_CASE, self->parts.folder,
-                             "a run that was stopped can go on from here: add --continue, or delete the folder");
+                             "a stopped run can be resumed from here; add --continue, or delete the folder");
     }
     (void)checkpoint_remove(self->parts.folder); /* an incomplete one */
     return parts_keep(&self->parts, 0, error);
@@ -139,8 +140,8 @@ checkpoints *checkpoints_open(const checkpoint_options *options, const char *pat
 {
     OWNED char *folder = parts_folder(path);
     if (options->continues && !checkpoint_exists(folder)) {
-        (void)evl_error_set(error, EVL_EXIT_CASE, "",
-                            "there is no checkpoint to go on from in '%s'; begin without --continue", folder);
+        (void)evl_error_set(error, EVL_EXIT_CASE, "", "there is no checkpoint in '%s'; start without --continue",
+                            folder);
         return NULL;
     }
     checkpoints *self = xcalloc(1, sizeof *self);
@@ -226,7 +227,7 @@ bool checkpoints_close_part(checkpoints *self, history **part, evl_error *error)
 {
     static const history_attribute attributes[] = {
         {"status", .text = "part"},
-        {"status_message", .text = "a part of a run that is not complete: the next part goes on"}};
+        {"status_message", .text = "a part of an incomplete run; the next part continues it"}};
     if (*part == NULL) {
         return true;
     }
@@ -326,10 +327,10 @@ const char *checkpoints_command(const checkpoints *self)
 void checkpoints_explain(const checkpoints *self, const char *place, evl_error *error)
 {
     if (interrupt_signal != 0) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; go on from here with: %s",
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; continue from here with: %s",
                       interrupt_name((int)interrupt_signal), self->command);
     } else {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "stopped by --max-time; go on from here with: %s",
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "stopped by --max-time; continue from here with: %s",
                       self->command);
     }
 }
@@ -338,7 +339,7 @@ void checkpoints_remind(const checkpoints *self, evl_error *error)
 {
     if (checkpoint_exists(self->parts.folder)) {
         OWNED char *message = xstrdup(error->message), *place = xstrdup(error->place);
-        evl_error_set(error, error->code, place, "%s; then go on from t = %.9g s with: %s", message, self->t,
+        evl_error_set(error, error->code, place, "%s; then continue from t = %.9g s with: %s", message, self->t,
                       self->command);
     }
 }

@@ -134,7 +134,7 @@ static bool take_file(parser *parser, const char *word)
 {
     const char *kind = parser->command->file;
     if (parser->files.n > 0 && kind != NULL && !parser->command->takes_several) {
-        return misuse(parser, "one %.*s at a time: what is '%s' after '%s'?", (int)strcspn(kind, " "), kind, word,
+        return misuse(parser, "one %.*s at a time; '%s' follows '%s'", (int)strcspn(kind, " "), kind, word,
                       parser->files.values[0]);
     }
     append(&parser->files, word);
@@ -173,7 +173,8 @@ static bool check_words(const parser *parser)
         }
     }
     if (alone != NULL) {
-        return (parser->files.n == 0 && n_given == 1) || misuse(parser, "option '%s' stands alone", alone->name);
+        return (parser->files.n == 0 && n_given == 1) ||
+               misuse(parser, "option '%s' excludes all other arguments", alone->name);
     }
     if (parser->files.n == 0 && command->file == NULL) {
         return misuse(parser, "a command is missing");

@@ -47,7 +47,7 @@ typedef struct {
 #define OPTION_ROWS(rows) .n_options = (int)(sizeof(rows) / sizeof *(rows)), .options = (rows)
 
 /* Rows common to several commands, for the member of the same name in their options. */
-#define OPTION_ROW_HELP {OPTION_HELP, 'h', "--help", NULL, 0, "this text"}
+#define OPTION_ROW_HELP {OPTION_HELP, 'h', "--help", NULL, 0, "print this text"}
 #define OPTION_ROW_SET(options)                                                                                        \
     {OPTION_LIST,                                                                                                      \
      0,                                                                                                                \

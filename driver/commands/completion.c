@@ -29,8 +29,7 @@ static evl_exit completion(const char *name, const void *options, evl_error *err
         }
     }
     OWNED char *known = words_join(N_SHELLS, names, ", "), *hint = suggest_phrase(name, N_SHELLS, names);
-    evl_error_set(error, EVL_EXIT_USAGE, "", "there is no completion for the shell '%s'%s; there is for %s", name, hint,
-                  known);
+    evl_error_set(error, EVL_EXIT_USAGE, "", "unknown shell '%s'%s; completions exist for %s", name, hint, known);
     return error->code;
 }
 
@@ -41,8 +40,8 @@ static const option_row rows[] = {
 const command completion_command = {
     .name = "completion",
     .synopsis = "bash | zsh | fish",
-    .summary = "print what makes a shell complete this program's words",
-    .text = "Prints a script by which a shell completes commands, options, case files, and behind --set the paths of\n"
+    .summary = "print a script for command line completion",
+    .text = "Prints a script with which a shell completes commands, options, case files, and after --set the paths of\n"
             "the numbers of the case. In bash, for this shell:  source <(evolvent completion bash)\n"
             "\n"
             "Examples:\n"

@@ -90,10 +90,10 @@ static const option_row rows[] = {
     {OPTION_TEXT, 'o', "--output", "FILE.fmu", offsetof(fmu_options, output),
      "file to write; the case's name with .fmu in the current folder if not given"},
     {OPTION_LIST, 0, "--input", "INPUT", offsetof(fmu_options, inputs),
-     "wheel:NAME:torque or wheel:NAME:speed: make an input of the constant torque, or of the prescribed speed, that "
-     "the case gives this wheel; may be repeated"},
+     "wheel:NAME:torque or wheel:NAME:speed: make the constant torque or prescribed speed of this wheel in the case an "
+     "input; may be repeated"},
     {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(fmu_options, outputs),
-     "variables over time and groups of them, with commas, that the FMU has, as of simulation.outputs"},
+     "output variables of the FMU and groups of them, separated by commas, as for simulation.outputs"},
     OPTION_ROW_SET(fmu_options),
     OPTION_ROW_QUIET(fmu_options),
     OPTION_ROW_HELP,
@@ -103,14 +103,13 @@ const command fmu_command = {
     .name = "fmu",
     .synopsis = "CASE.yaml [-o FILE.fmu] [--input INPUT]... [--outputs NAMES] [--set PATH=VALUE]... "
                 "[-q]",
-    .summary = "make a case an FMU, for other simulation programs",
-    .text = "Writes the case as a Functional Mock-up Unit of FMI 3.0, for co-simulation, with the integrator radau "
-            "inside, and\n"
-            "for model exchange. It runs on any Linux on x86-64 without evolvent. An input takes the place of a "
-            "load\n"
-            "{kind: torque, value: ...} or {kind: speed, value: ...} of its wheel; a speed comes with its "
-            "acceleration. The\n"
-            "numbers of the case are parameters. docs/fmi.md tells more.\n"
+    .summary = "write a case as an FMU for other simulation programs",
+    .text = "Writes the case as a Functional Mock-up Unit of FMI 3.0, for co-simulation with the integrator radau, and "
+            "for\n"
+            "model exchange. It runs on any Linux on x86-64 without evolvent. An input replaces a load\n"
+            "{kind: torque, value: ...} or {kind: speed, value: ...} of its wheel; a speed has its acceleration as a "
+            "second\n"
+            "input. The numbers of the case are parameters. See docs/fmi.md.\n"
             "\n"
             "Examples:\n"
             "  evolvent fmu examples/spur-pair.yaml\n"

@@ -43,7 +43,7 @@ void help_print_usage(FILE *stream, const command *command)
     if (is_program(command)) {
         print_commands(stream);
     }
-    fprintf(stream, "'evolvent %s%s--help' tells more.\n", command->name, is_program(command) ? "" : " ");
+    fprintf(stream, "See 'evolvent %s%s--help'.\n", command->name, is_program(command) ? "" : " ");
 }
 
 static void print_option(const option_row *row)

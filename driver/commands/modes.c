@@ -47,10 +47,10 @@ static const char *check(const void *given)
 
 static const option_row rows[] = {
     {OPTION_TEXT, 0, "--at", "TIME", offsetof(modes_options, request.at),
-     "integrate the case from its initial state to this time [s], or such as '20 ms', and linearise there"},
+     "linearise the motion of the case at this time, in s or with a unit such as '20 ms'"},
     {OPTION_TEXT, 0, "--mesh-position", "X", offsetof(modes_options, request.mesh_position),
-     "linearise where the first mesh in the flow of power is X pitches from the start of contact; inside a zone if not "
-     "given"},
+     "linearise at X pitches from the start of contact of the first mesh in the power flow; inside a contact zone if "
+     "not given"},
     {OPTION_FLAG, 0, "--mean", NULL, offsetof(modes_options, request.mean),
      "linearise at all positions of the meshes and take the mean"},
     OPTION_ROW_SET(modes_options),
@@ -62,20 +62,19 @@ const command modes_command = {
     .name = "modes",
     .synopsis = "CASE.yaml [--at TIME | --mesh-position X | --mean] [--set PATH=VALUE]... [--json]",
     .summary = "print natural frequencies, damping and mode shapes",
-    .text =
-        "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes: at its steady "
-        "state "
-        "under\n"
-        "load, whatever the case's initial state, with a tooth pair of the first mesh at the start of contact, or X "
-        "pitches\n"
-        "from it; with the mean over all positions of the meshes; or, with --at, where the motion of the case is at a "
-        "time.\n"
-        "\n"
-        "Examples:\n"
-        "  evolvent modes examples/paper.yaml\n"
-        "  evolvent modes examples/spur-pair.yaml --mesh-position 0.25\n"
-        "  evolvent modes examples/spur-pair.yaml --mean\n"
-        "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
+    .text = "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes. The default is "
+            "the\n"
+            "steady state under load, whatever the case's initial state, with a tooth pair of the first mesh at the "
+            "start of\n"
+            "contact or X pitches from it. --mean averages over all positions of the meshes. --at linearises the "
+            "motion of\n"
+            "the case at a time.\n"
+            "\n"
+            "Examples:\n"
+            "  evolvent modes examples/paper.yaml\n"
+            "  evolvent modes examples/spur-pair.yaml --mesh-position 0.25\n"
+            "  evolvent modes examples/spur-pair.yaml --mean\n"
+            "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
     .file = "case file",
     .size = sizeof(modes_options),
     OPTION_ROWS(rows),

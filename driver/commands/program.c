@@ -33,7 +33,7 @@ const command program_command = {
     .text = "Example:\n"
             "  evolvent run examples/paper.yaml        integrates the case, writes paper.h5\n"
             "\n"
-            "'evolvent COMMAND --help' tells more about a command.\n",
+            "'evolvent COMMAND --help' describes a command.\n",
     .size = sizeof(program_options),
     OPTION_ROWS(rows),
     .run = print_versions,

@@ -30,7 +30,7 @@ static const char *check(const void *given)
     const options_t *options = given;
     int count = 0;
     if (options->over == NULL) {
-        return "--over PATH=FROM:TO[:STEPS] says which parameter goes from where to where";
+        return "--over PATH=FROM:TO[:STEPS] gives the parameter and its range";
     }
     if (options->up + options->down + options->both > 1) {
         return "--up, --down and --both exclude each other";
@@ -39,10 +39,10 @@ static const char *check(const void *given)
         return "--method takes sweep or orbits";
     }
     if (finds_orbits(options) && options->up + options->down + options->both > 0) {
-        return "--method orbits follows branches wherever they lead: it takes none of --up, --down and --both";
+        return "--method orbits follows branches in both directions; omit --up, --down and --both";
     }
     if (!finds_orbits(options) && (options->values != NULL || options->longest != NULL)) {
-        return "--values and --longest are about orbits: they go with --method orbits";
+        return "--values and --longest require --method orbits";
     }
     if (options->values != NULL && !respond_read_values(options->values, &count)) {
         return respond_values;
@@ -60,7 +60,8 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
     log_set_quiet(options->quiet);
     interrupt_install();
     if (strcmp(file, "-") == 0) {
-        evl_error_set(error, EVL_EXIT_USAGE, "", "respond reads the case for every value: name a file");
+        evl_error_set(error, EVL_EXIT_USAGE, "",
+                      "respond reads the case again for every value; give a file, not standard input");
         return error->code;
     }
     OWNED char *path = result_path("response", options->output, file, "-respond.h5", error),
@@ -88,18 +89,19 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
 
 static const option_row rows[] = {
     {OPTION_TEXT, 0, "--over", "PATH=FROM:TO[:STEPS]", offsetof(options_t, over),
-     "parameter, its first and last value, with or without units, and how many values there are; 101 if not given"},
+     "parameter, its first and last value, with or without units, and the number of values; 101 if not given"},
     {OPTION_FLAG, 0, "--up", NULL, offsetof(options_t, up), "only from FROM to TO"},
     {OPTION_FLAG, 0, "--down", NULL, offsetof(options_t, down), "only from TO to FROM"},
-    {OPTION_FLAG, 0, "--both", NULL, offsetof(options_t, both), "up, and from there down; so it is if nothing is said"},
+    {OPTION_FLAG, 0, "--both", NULL, offsetof(options_t, both), "up, then down; the default"},
     {OPTION_TEXT, 0, "--periods", "N", offsetof(options_t, most),
-     "common periods at a value at most; if not given 25 time constants of the slowest mode, at least 600 pitches"},
+     "largest number of common periods at a value; if not given 25 time constants of the slowest mode, at least 600 "
+     "pitches"},
     {OPTION_TEXT, 0, "--method", "NAME", offsetof(options_t, method),
-     "sweep: go on from value to value, as if nothing is said; orbits: follow periodic orbits, stable or not"},
+     "sweep: integrate from value to value, the default; orbits: follow periodic orbits, stable or not"},
     {OPTION_TEXT, 0, "--values", "N", offsetof(options_t, values),
-     "of orbits: stable ones at N values too, evenly from FROM to TO, as a sweep of N STEPS has them"},
+     "with orbits: also find stable orbits at N evenly spaced values from FROM to TO, those of a sweep with N STEPS"},
     {OPTION_TEXT, 0, "--longest", "N", offsetof(options_t, longest),
-     "of orbits: common periods after which they repeat at most; 16 if not given"},
+     "with orbits: largest number of common periods after which they repeat; 16 if not given"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(options_t, output),
      "file to write; the case's name with -respond.h5 in the current folder if not given"},
     OPTION_ROW_SET(options_t),
@@ -112,18 +114,18 @@ const command respond_command = {
     .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [--method "
                 "sweep|orbits] [--values N] [--longest N] [-o FILE.h5] [--set "
                 "PATH=VALUE]... [-q]",
-    .summary = "follow the motion over a parameter that goes up and down, with its jumps",
+    .summary = "follow the motion and its jumps over a parameter that increases and decreases",
     .text =
-        "Takes the case from value to value of a parameter: at each the motion goes on from where it ended at the "
-        "value\n"
-        "before, until it repeats after 1 to 16 common periods of all meshes and loads, or for so long that it does\n"
-        "not. Writes its period and its numbers over whole periods for each value, up and down, and where it jumps.\n"
-        "What is stopped goes on when the same command is given again.\n"
+        "Integrates the case at each value of a parameter, starting from the final state at the previous value. The\n"
+        "motion is integrated until it repeats after 1 to 16 common periods of all meshes and loads, or for at most\n"
+        "--periods common periods. For each value, up and down, writes the period, the metrics over whole periods, "
+        "and\n"
+        "the jumps of the motion. The same command continues a stopped response.\n"
         "\n"
-        "With --method orbits it finds the periodic orbits of these motions and follows them through folds, stable or\n"
-        "not, and on from period doublings, with their multipliers. STEPS, 2 if not given, are values at which "
-        "motions\n"
-        "to begin with are looked for.\n"
+        "With --method orbits it finds periodic orbits of these motions and follows them through folds and period\n"
+        "doublings, stable or not, with their Floquet multipliers. STEPS, 2 if not given, is then the number of "
+        "values\n"
+        "at which motions are integrated to find first orbits.\n"
         "\n"
         "Examples:\n"
         "  evolvent respond examples/spur-pair.yaml --over meshes.pinion-gear.damping.value=0.05:0.1:3\n"

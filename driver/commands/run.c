@@ -126,8 +126,8 @@ static void tell_orbit(const run *run)
     OWNED char *multiplier = size > 0                ? xasprintf("largest Floquet multiplier %.4g", size)
                              : orbit->has_multiplier ? xstrdup("largest Floquet multiplier below 1e-10")
                                                      : xstrdup("no Floquet multiplier");
-    log_note("start on a periodic orbit%s, period %.6g s: %s%s%s; search of %d flows", length, orbit->time, multiplier,
-             orbit->ties > 0 ? " (approximate: events coincide)" : "", constant, orbit->flows);
+    log_note("start on a periodic orbit%s, period %.6g s: %s%s%s; search with %d integrations of a period", length,
+             orbit->time, multiplier, orbit->ties > 0 ? " (approximate: events coincide)" : "", constant, orbit->flows);
 }
 
 static void summarise(const integrate_counts *counts, const char *path)
@@ -180,7 +180,7 @@ static void conclude_stopped(const run *run, const simulate_result *result)
 {
     OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
     if (result->can_go_on) {
-        evl_error_set(run->error, EVL_EXIT_INTEGRATION, place, "%s; with more steps it goes on from here with: %s",
+        evl_error_set(run->error, EVL_EXIT_INTEGRATION, place, "%s; with more steps it continues from here with: %s",
                       result->message, checkpoints_command(run->checkpoints));
     } else {
         checkpoints_explain(run->checkpoints, place, run->error);
@@ -350,15 +350,15 @@ static const option_row rows[] = {
     {OPTION_TEXT, 'o', "--output", "HISTORY.h5", offsetof(run_options, output),
      "file to write; the case's name with .h5 in the current folder if not given"},
     {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(run_options, outputs),
-     "variables over time and groups of them, with commas, that the history has, as of simulation.outputs"},
+     "output variables of the history and groups of them, separated by commas, as for simulation.outputs"},
     {OPTION_TEXT, 0, "--checkpoint", "MINUTES", offsetof(run_options, checkpoint.minutes),
-     "put the run's state away every so many minutes, and when it is interrupted, so that it can go on"},
+     "write a checkpoint every MINUTES minutes and on interruption, so that the run can be resumed"},
     {OPTION_TEXT, 0, "--checkpoint-at", "TIMES", offsetof(run_options, checkpoint.at),
-     "the same where model time has come to each of these, with commas [s]"},
+     "write a checkpoint also at these model times [s], separated by commas"},
     {OPTION_TEXT, 0, "--max-time", "MINUTES", offsetof(run_options, checkpoint.max_minutes),
-     "stop after so many minutes at most, with a checkpoint"},
+     "stop after at most MINUTES minutes, with a checkpoint"},
     {OPTION_FLAG, 0, "--continue", NULL, offsetof(run_options, checkpoint.continues),
-     "go on from the last checkpoint: the same command as before with this behind it"},
+     "resume from the last checkpoint: add this to the original command"},
     OPTION_ROW_SET(run_options),
     OPTION_ROW_QUIET(run_options),
     OPTION_ROW_HELP,
@@ -370,16 +370,15 @@ const command run_command = {
         "CASE.yaml [-o HISTORY.h5] [--outputs NAMES] [--set PATH=VALUE]... [--checkpoint MINUTES] [--continue] [-q]",
     .summary = "integrate a case, write its history",
     .text =
-        "Integrates the case and writes its time history, an HDF5 file that netCDF-4 readers open. It grows as\n"
-        "HISTORY.h5.partial and gets its name when the run is complete, replacing an older one. A run that fails "
-        "or is\n"
-        "interrupted leaves the .partial, readable, with the reason in its attributes. Where stderr is no terminal,\n"
-        "a line a minute tells how far it is. CASE.yaml may be -, standard input.\n"
+        "Integrates the case and writes its time history, an HDF5 file for netCDF-4 readers. It is written as\n"
+        "HISTORY.h5.partial and renamed when the run is complete, replacing an older one. A run that fails or is\n"
+        "interrupted leaves a readable .partial, with the reason in its attributes. If stderr is not a terminal,\n"
+        "progress is printed once a minute. CASE.yaml may be -, standard input.\n"
         "\n"
-        "With --checkpoint or --max-time the history grows in closed parts, in the folder HISTORY.h5.parts, with the\n"
-        "run's state beside them. Whatever ends the run, the same command with --continue goes on from there; the\n"
-        "history is then that of a run that was never stopped. With IDA it is that of a run with checkpoints at the\n"
-        "same model times: the history's attribute `checkpoints`, for --checkpoint-at.\n"
+        "With --checkpoint or --max-time the history is written in parts, in the folder HISTORY.h5.parts, with the\n"
+        "state of the run. After any interruption the same command with --continue resumes from there; the history\n"
+        "equals that of an uninterrupted run. With IDA it equals that of a run with checkpoints at the same model\n"
+        "times: the history's attribute `checkpoints`, for --checkpoint-at.\n"
         "\n"
         "Examples:\n"
         "  evolvent run examples/paper.yaml\n"

@@ -228,16 +228,17 @@ static const option_row rows[] = {
     OPTION_ROW_SET(show_options),
     OPTION_ROW_JSON(show_options),
     {OPTION_FLAG, 0, "--parameters", NULL, offsetof(show_options, parameters),
-     "the numbers that the case gives instead, with their paths and in their units as for --set"},
+     "print instead the numbers of the case with their paths, in their units as for --set"},
     {OPTION_ALONE, 0, "--laws", NULL, offsetof(show_options, laws),
-     "the laws of contact, damping and friction instead"},
-    {OPTION_ALONE, 0, "--keys", NULL, offsetof(show_options, keys), "every key of a case file, as Markdown, instead"},
+     "print instead the laws of contact, damping and friction"},
+    {OPTION_ALONE, 0, "--keys", NULL, offsetof(show_options, keys),
+     "print instead every key of a case file, as Markdown"},
     {OPTION_ALONE, 0, "--units", NULL, offsetof(show_options, units),
-     "the units that numbers may have, as Markdown, instead"},
+     "print instead the accepted units of numbers, as Markdown"},
     {OPTION_LIST, 0, "--convert", "PATH=VALUE", offsetof(show_options, convert),
-     "what a value with a unit is in the unit of its key, as JSON, instead; may be repeated"},
+     "print instead a value with a unit in the unit of its key, as JSON; may be repeated"},
     {OPTION_ALONE, 0, "--schema", NULL, offsetof(show_options, schema),
-     "every key of a case file as a JSON Schema, by which editors check cases, instead"},
+     "print instead a JSON Schema of all keys, with which editors check case files"},
     OPTION_ROW_HELP,
 };
 
@@ -246,17 +247,15 @@ const command show_command = {
     .synopsis = "CASE.yaml [--set PATH=VALUE]... [--json] [--parameters] | --convert PATH=VALUE... | --laws | --keys | "
                 "--schema | --units",
     .summary = "print a case with its derived geometry",
-    .text =
-        "Prints the case with every default filled in and the geometry that follows from it. Nothing is integrated. Of "
-        "a "
-        "case\n"
-        "that 'evolvent run' would refuse it prints what it can, and ends with the line and the exit code of 'run'.\n"
-        "\n"
-        "Examples:\n"
-        "  evolvent show examples/paper.yaml\n"
-        "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
-        "  evolvent show examples/paper.yaml --parameters\n"
-        "  evolvent show --laws\n",
+    .text = "Prints the case with all defaults and its derived geometry, without integration. For a case that\n"
+            "'evolvent run' refuses it prints the available part, then the error message of 'run', with the same exit "
+            "code.\n"
+            "\n"
+            "Examples:\n"
+            "  evolvent show examples/paper.yaml\n"
+            "  evolvent show examples/paper.yaml --set wheels.gear.teeth=40 --json\n"
+            "  evolvent show examples/paper.yaml --parameters\n"
+            "  evolvent show --laws\n",
     .file = "case file",
     .size = sizeof(show_options),
     OPTION_ROWS(rows),

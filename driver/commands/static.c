@@ -74,14 +74,13 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
 
 static const option_row rows[] = {
     {OPTION_TEXT, 0, "--mesh", "NAME", offsetof(static_options, request.mesh),
-     "mesh to look at, by name or index; the first one if not given"},
+     "mesh to analyse, by name or index; the first one if not given"},
     {OPTION_TEXT, 0, "--torque", "FROM:TO:STEPS", offsetof(static_options, request.torque),
-     "torques of the driving wheel [N m], or with their units, or one, below 0 on the coast flanks; what the loads "
-     "give if not given"},
+     "torques of the driving wheel [N m], or with their units, or one; below 0 on the coast flanks; those of the loads "
+     "if not given"},
     {OPTION_TEXT, 0, "--speed", "SPEED", offsetof(static_options, request.speed),
-     "speed of the driving wheel [rad/s], or such as '1500 rpm', at which flanks rub as the mesh's friction says; "
-     "without friction if not "
-     "given"},
+     "speed of the driving wheel [rad/s], or such as '1500 rpm', for the sliding friction of the mesh; without "
+     "friction if not given"},
     {OPTION_TEXT, 0, "--points", "N", offsetof(static_options, request.points),
      "positions over a pitch; 200 if not given"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(static_options, output),
@@ -97,20 +96,17 @@ const command static_command = {
     .synopsis = "CASE.yaml [--mesh NAME] [--torque FROM:TO:STEPS] [--speed SPEED] [--points N] [-o FILE.h5] [--set "
                 "PATH=VALUE]... "
                 "[--json] [-q]",
-    .summary = "find transmission error, stiffness and load sharing of a mesh at rest",
+    .summary = "compute transmission error, stiffness and load sharing of a mesh (quasi-static)",
     .text =
-        "Puts one mesh of the case under a torque of its driving wheel, at rest, at positions over a pitch, and finds "
-        "its\n"
-        "transmission error, its stiffness, the forces and pressures of its tooth pairs; with --torque for many "
-        "torques. Where\n"
-        "errors of pitch or runout make teeth differ, positions go on until the same teeth meet again. Axles are at "
-        "their\n"
-        "reference positions. Torques below 0 press the coast flanks. With --speed the flanks rub as if the wheels "
-        "turned "
-        "so,\n"
-        "in the sense of driving_rotation, or against it below 0. Writes an HDF5 file that netCDF-4 readers open, and "
-        "prints\n"
-        "a summary.\n"
+        "Applies a torque of the driving wheel to one mesh of the case, quasi-statically, at positions over a pitch.\n"
+        "Computes the transmission error, the stiffness, and the forces and pressures of the tooth pairs; with "
+        "--torque\n"
+        "for several torques. If pitch errors or runout make teeth differ, positions continue until the same teeth "
+        "meet\n"
+        "again. Axles are at their reference positions. Torques below 0 load the coast flanks. With --speed the "
+        "friction\n"
+        "of the mesh acts at this speed, in the sense of driving_rotation, or against it below 0. Writes an HDF5 file\n"
+        "for netCDF-4 readers, and prints a summary.\n"
         "\n"
         "Examples:\n"
         "  evolvent static examples/compliant-pair.yaml\n"

@@ -68,12 +68,10 @@ static void print_softness(FILE *stream, const static_report *report)
     const double ratio =
         number_of(report, last, "mesh_stiffness_per_width") / number_of(report, last, "iso_mesh_stiffness_per_width");
     if (report->gives_way && ratio < low) {
-        fprintf(
-            stream,
-            "The mean stiffness is %.2g of c_gamma: the bodies yield down to hub_diameter, which is the bore unless "
-            "given;\ngive both wheels the diameter up to which the shaft or the hub is stiff, "
-            "docs/compliance.md.\n",
-            ratio);
+        fprintf(stream,
+                "The mean stiffness is %.2g of c_gamma: the bodies are compliant down to hub_diameter, by default the "
+                "bore;\ngive both wheels the diameter of the stiff shaft or hub, docs/compliance.md.\n",
+                ratio);
     }
 }
 
@@ -81,7 +79,7 @@ static void print_softness(FILE *stream, const static_report *report)
 static void print_edges(FILE *stream, const static_report *report)
 {
     if (report->is_bare) {
-        fputs("Sharp tip edges carry load; they have no contact pressure, so the largest pressure leaves them out.\n"
+        fputs("Sharp tip edges carry load; they have no contact pressure, so the largest pressure excludes them.\n"
               "'tip_rounding' of the wheels gives them one, docs/compliant_flanks.md.\n",
               stream);
     }
@@ -92,26 +90,26 @@ void static_print_text(FILE *stream, const static_report *report)
     const static_plan *plan = report->plan;
     const int last = report->n_torques - 1;
     static const double to_usual = 1e-9; /* N/(mm um) */
-    fprintf(stream, "Mesh %s of %s at rest, contact ratio %.4g, %d positions over %d pitch%s\n\n",
+    fprintf(stream, "Mesh %s of %s, quasi-static, contact ratio %.4g, %d positions over %d pitch%s\n\n",
             case_description(report->file)->meshes[plan->mesh], case_path(report->file),
             number_of(report, 0, "contact_ratio"), plan->n_positions, plan->n_pitches,
             plan->n_pitches == 1 ? "" : "es, until the same teeth meet again");
     if (plan->speed != 0.0) {
-        fprintf(stream, "Flanks rub as if the driving wheel turned at %.5g rad/s.\n\n", plan->speed);
+        fprintf(stream, "Friction: sliding speeds of a driving wheel at %.5g rad/s.\n\n", plan->speed);
     }
     if (!report->gives_way) {
-        fputs("Only the contacts give way: real teeth and bodies bend, and make a mesh 2.5 to 3.5 times softer; "
-              "compliance: {} "
-              "in both\nwheels lets them, docs/static_analysis.md.\n\n",
+        fputs("Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times softer; add\n"
+              "compliance: {} to both wheels, docs/static_analysis.md.\n\n",
               stream);
     }
     print_head(stream);
     for (int i = 0; i < report->n_torques; i++) {
         print_row(stream, report, i);
     }
-    fprintf(stream, "\nOne tooth pair alone at the pitch point: %.4g N/(mm um) under %.5g N m.\n",
+    fprintf(stream, "\nSingle tooth pair at the pitch point: %.4g N/(mm um) under %.5g N m.\n",
             number_of(report, last, "pair_stiffness_per_width") * to_usual, report->torques[last]);
-    fprintf(stream, "ISO 6336-1, from measured pairs without body, not the same: c' %.4g, c_gamma %.4g N/(mm um).\n",
+    fprintf(stream,
+            "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
             number_of(report, last, "iso_pair_stiffness_per_width") * to_usual,
             number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
     print_edges(stream, report);

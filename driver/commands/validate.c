@@ -36,21 +36,21 @@ static evl_exit validate(const char *file, const void *given, evl_error *error)
 
 static const option_row rows[] = {
     OPTION_ROW_SET(validate_options),
-    {OPTION_FLAG, 'q', "--quiet", NULL, offsetof(validate_options, quiet), "say nothing of good cases"},
+    {OPTION_FLAG, 'q', "--quiet", NULL, offsetof(validate_options, quiet), "print nothing for valid cases"},
     OPTION_ROW_HELP,
 };
 
 const command validate_command = {
     .name = "validate",
     .synopsis = "CASE.yaml... [--set PATH=VALUE]... [-q]",
-    .summary = "tell whether 'run' would take cases, and write nothing",
+    .summary = "check whether 'run' accepts cases; write nothing",
     .text =
-        "Reads each case, makes its gearbox and finds the state that it starts from, as 'evolvent run' does before it\n"
-        "writes anything. Of a case that 'run' takes it prints 'CASE.yaml: ok', of others the line of 'run', on "
+        "Reads each case, builds its gearbox and computes its initial state, as 'evolvent run' does before it writes\n"
+        "files. Prints 'CASE.yaml: ok' for a case that 'run' accepts; for others the error message of 'run', on "
         "stderr.\n"
-        "The orbit of a periodic start is not searched for.\n"
-        "Warnings go to stderr, too: also of numbers outside the plausible ranges of their keys.\n"
-        "The exit code is the highest of those that 'run' would end with. CASE.yaml may be -, standard input.\n"
+        "The orbit of a periodic start is not computed. Warnings are printed on stderr, including those of numbers\n"
+        "outside the plausible ranges of their keys. The exit code is the highest exit code of 'run' for these cases.\n"
+        "CASE.yaml may be -, standard input.\n"
         "\n"
         "Examples:\n"
         "  evolvent validate examples/paper.yaml examples/two-stage.yaml\n"

@@ -214,7 +214,7 @@ static bool read_one(const char *path, checkpoint *to, char **wrong)
     if (image == NULL) {
         *wrong = reason == ENOENT ? NULL : xasprintf("'%s' cannot be read: %s", path, strerror(reason));
     } else if (!has_its_check(n, image) || !take_image(n, image, to)) {
-        *wrong = xasprintf("'%s' is damaged, or is no checkpoint", path);
+        *wrong = xasprintf("'%s' is damaged, or is not a checkpoint", path);
     } else {
         return true;
     }

@@ -34,7 +34,7 @@ static bool refuse(const reader *reader, const char *what, const char *message)
 static bool need_text(const reader *reader, const char *name, memory_pool *pool, char **text)
 {
     *text = netcdf_get_text(reader->file, name, pool);
-    return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or no text");
+    return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or not a text");
 }
 
 /** Check format and maker before anything else. */
@@ -42,7 +42,8 @@ static bool check_maker(const reader *reader)
 {
     long long format = 0;
     if (!netcdf_get_numbers(reader->file, "evolvent_design_format", H5T_NATIVE_LLONG, 1, &format)) {
-        return refuse(reader, "", "is no design (no attribute evolvent_design_format); evolvent-sweep plan writes one");
+        return refuse(reader, "",
+                      "is not a design (no attribute evolvent_design_format); create one with evolvent-sweep plan");
     }
     if (format != FORMAT) {
         return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
@@ -54,8 +55,8 @@ static bool check_maker(const reader *reader)
            (strcmp(version, EVOLVENT_VERSION) == 0 ||
             evl_error_set(
                 reader->error, EVL_EXIT_CASE, reader->path,
-                "was made by evolvent %.32s, this is %s; plan it again, so that one version makes all results", version,
-                EVOLVENT_VERSION));
+                "was made by evolvent %.32s, this is %s; plan it again, so that all results are of one version",
+                version, EVOLVENT_VERSION));
 }
 
 /** Read the kind of the cases, if they are no runs; may be missing. */
@@ -69,7 +70,7 @@ static bool read_respond(const reader *reader, design *design)
     if (H5Aexists(reader->file, "respond_periods") > 0 &&
         (!netcdf_get_numbers(reader->file, "respond_periods", H5T_NATIVE_LLONG, 1, &periods) || periods < 0 ||
          periods > 1000000)) {
-        return refuse(reader, "respond_periods", "this attribute of the design is no count of common periods");
+        return refuse(reader, "respond_periods", "this attribute of the design is not a number of common periods");
     }
     design->respond_periods = (long)periods;
     return true;
@@ -85,17 +86,17 @@ static bool read_head(const reader *reader, design *design)
     char *numbers = netcdf_get_text(reader->file, "numbers", &design->pool); /* may be missing */
     design->numbers = numbers == NULL ? pool_copy(&design->pool, "") : numbers;
     if (!netcdf_get_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
-        return refuse(reader, "n_cases", "this attribute of the design is missing, or no count");
+        return refuse(reader, "n_cases", "this attribute of the design is missing, or not a count");
     }
     if (n_cases == 0) {
-        return refuse(reader, "", "is an empty design: it has no case");
+        return refuse(reader, "", "is an empty design without cases");
     }
     if (!netcdf_get_numbers(reader->file, "window", H5T_NATIVE_DOUBLE, 2, design->window)) {
         return refuse(reader, "window", "this attribute of the design is missing, or not two times [s]");
     }
     if (design->window[0] > design->window[1] || design->window[1] < 0) {
         return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                             "window: from %g to %g s is no span of time in a case", design->window[0],
+                             "window: from %g to %g s is not a time span of a case", design->window[0],
                              design->window[1]);
     }
     if (!netcdf_get_numbers(reader->file, "history_every", H5T_NATIVE_LLONG, 1, &every) || every < 1 ||
@@ -105,7 +106,7 @@ static bool read_head(const reader *reader, design *design)
     if (H5Aexists(reader->file, "history_rows") > 0 &&
         (!netcdf_get_numbers(reader->file, "history_rows", H5T_NATIVE_LLONG, 1, &rows) || rows < 0 ||
          rows > 1000000000)) {
-        return refuse(reader, "history_rows", "this attribute of the design is no count");
+        return refuse(reader, "history_rows", "this attribute of the design is not a count");
     }
     if (!read_respond(reader, design)) {
         return false;
@@ -143,7 +144,7 @@ static bool read_column(const reader *reader, hid_t parameters, const char *name
     CLOSED const hid_t space = H5Dget_space(dataset);
     if (H5Sget_simple_extent_ndims(space) != 1 || H5Sget_simple_extent_npoints(space) != design->n_cases) {
         return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
-                             "%s: has not one value for each of the %ld cases", name, design->n_cases);
+                             "%s: does not have one value for each of the %ld cases", name, design->n_cases);
     }
     char *path = netcdf_get_text(dataset, "path", &design->pool);
     if (path == NULL) {
@@ -184,13 +185,12 @@ static bool check_seal(const reader *reader)
     case SEAL_HOLDS:
         return true;
     case SEAL_NONE:
-        log_warning("%s: has no check sum, so that damage would not be noticed; evolvent-sweep plan writes one",
+        log_warning("%s: has no checksum, so damage would not be detected; plan it again with evolvent-sweep plan",
                     reader->path);
         return true;
     case SEAL_BROKEN:
-        return refuse(
-            reader, "",
-            "is damaged, or was changed: its check sum is wrong; take a copy that is whole, or plan it again");
+        return refuse(reader, "",
+                      "is damaged, or was changed: its checksum is wrong; use an intact copy, or plan it again");
     case SEAL_UNREADABLE:
         break;
     }
@@ -206,7 +206,7 @@ static bool find_hash(const reader *reader, design *design)
     design->hash = pool_calloc(&design->pool, SHA256_TEXT, 1);
     design_hash(design, is_ours || given == NULL ? "" : given, design->hash);
     return !is_ours || (given != NULL && strcmp(given, design->hash) == 0) ||
-           refuse(reader, "", "its values do not fit its hash; it was changed: plan it again");
+           refuse(reader, "", "its values do not match its hash, so it was changed; plan it again");
 }
 
 design *design_read(const char *path, evl_error *error)
@@ -225,7 +225,8 @@ design *design_read(const char *path, evl_error *error)
     design *design = xcalloc(1, sizeof *design);
     design->file = pool_copy(&design->pool, path);
     const bool is_open =
-        file >= 0 || refuse(&reader, "", netcdf_system_reason("is no HDF5 file; evolvent-sweep plan writes a design"));
+        file >= 0 ||
+        refuse(&reader, "", netcdf_system_reason("is not an HDF5 file; create a design with evolvent-sweep plan"));
     if (!is_open || !read_head(&reader, design) || !read_columns(&reader, design) || !find_hash(&reader, design)) {
         design_delete(&design);
     }

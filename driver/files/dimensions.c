@@ -18,7 +18,7 @@ static const struct {
     {"axis", {"axis of the housing frame", "axis of the housing frame"}, true, {2, axes}},
     {"space", {"component of a vector in space", "axis of a frame"}, false, {3, axes}},
     {"quaternion", {"component of a quaternion", "part of a quaternion"}, false, {4, parts}},
-    {"pair", {"place of a tooth pair: flank and slot", "place of a tooth pair: flank and slot"}, false, {0, NULL}},
+    {"pair", {"slot of a tooth pair: flank and number", "slot of a tooth pair: flank and number"}, false, {0, NULL}},
 };
 
 static bool is_used(int dimension, int n_outputs, const model_output *outputs)

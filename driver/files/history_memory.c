@@ -6,7 +6,7 @@
 
 static bool refuse(const history *history, evl_error *error)
 {
-    return evl_error_set(error, EVL_EXIT_IO, history->body.layout.path, "cannot be kept: %s", history->reason);
+    return evl_error_set(error, EVL_EXIT_IO, history->body.layout.path, "cannot be stored: %s", history->reason);
 }
 
 history *history_create(const history_layout *layout, evl_error *error)

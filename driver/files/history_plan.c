@@ -73,12 +73,10 @@ static void plan_events(history_body *history, char *reason)
     netcdf_variable columns[EVENT_STATES] = {
         [EVENT_TIME] = netcdf_describe(NETCDF_REAL, "time", "s", "t", "model time of the event"),
         [EVENT_KIND] = netcdf_describe(NETCDF_INTEGER, "kind", "1", "kind", "what happened"),
-        [EVENT_MESH] =
-            netcdf_describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if it concerns none"),
-        [EVENT_FLANK] =
-            netcdf_describe(NETCDF_INTEGER, "flank", "1", "flank", "0 drive, 1 coast, -1 if it concerns no mesh"),
+        [EVENT_MESH] = netcdf_describe(NETCDF_INTEGER, "mesh", "1", "mesh", "index of the mesh, -1 if none"),
+        [EVENT_FLANK] = netcdf_describe(NETCDF_INTEGER, "flank", "1", "flank", "0 drive, 1 coast, -1 without mesh"),
         [EVENT_TOOTH_PAIR] = netcdf_describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
-                                             "pitches since the start, after the event; -1 if it concerns no mesh"),
+                                             "pitches since the start, after the event; -1 without mesh"),
     };
     OWNED char *kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
     columns[EVENT_KIND].n_flags = layout->n_event_kinds;

@@ -57,7 +57,7 @@ bool netcdf_fail(netcdf_file *file)
         (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect_reason, file);
     }
     if (file->reason[0] == '\0') {
-        (void)snprintf(file->reason, sizeof file->reason, "HDF5 gives no reason");
+        (void)snprintf(file->reason, sizeof file->reason, "HDF5 reports no reason");
     }
     return false;
 }

@@ -36,7 +36,7 @@ bool checkpoint_read(const char *folder, checkpoint *checkpoint, char *doubt, ev
 {
     doubt[0] = '\0';
     checkpoint->state = (archive){.n = 0};
-    return evl_error_set(error, EVL_EXIT_CASE, folder, "there is no state to go on from");
+    return evl_error_set(error, EVL_EXIT_CASE, folder, "there is no state to resume from");
 }
 
 bool checkpoint_write(const char *folder, const checkpoint *checkpoint, evl_error *error)

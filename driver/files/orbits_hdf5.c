@@ -104,19 +104,19 @@ static bool write_all_told(writer *w)
         teller *tell;
     } rows[] = {
         {netcdf_describe(NETCDF_REAL, "orbit_parameter", units, "", w->from->parameter), tell_parameter},
-        {netcdf_describe(NETCDF_INTEGER, "orbit_branch", "1", "", "place of its branch in `branch`"), tell_branch},
+        {netcdf_describe(NETCDF_INTEGER, "orbit_branch", "1", "", "index of its branch in `branch`"), tell_branch},
         {netcdf_describe(NETCDF_INTEGER, "orbit_period", "1", "p", "common periods after which the orbit repeats"),
          tell_period},
         {netcdf_describe(NETCDF_REAL, "orbit_time", "s", "T", "time after which the orbit repeats"), tell_time},
         {netcdf_describe(
              NETCDF_INTEGER, "orbit_stable", "1", "",
-             "1: all multipliers are smaller than 1, or those of both neighbours; 0: not; -1: undefined at a touch"),
+             "1: all multipliers are smaller than 1, or those of both neighbours; 0: not; -1: undefined at a grazing"),
          tell_stable},
         {{.type = NETCDF_INTEGER,
           .name = "orbit_kind",
           .units = "1",
           .symbol = "",
-          .long_name = "what happens at this point of the branch",
+          .long_name = "type of this point of the branch",
           .n_flags = MODEL_ORBIT_TOUCH_FOLD + 1,
           .flag_meanings = kinds},
          tell_kind},
@@ -124,7 +124,7 @@ static bool write_all_told(writer *w)
           .name = "orbit_grazing",
           .units = "1",
           .symbol = "",
-          .long_name = "what just touches: one tooth pair while others of its mesh carry, or the mesh as a whole",
+          .long_name = "grazing contact: one tooth pair while others of its mesh carry load, or the whole mesh",
           .n_flags = 3,
           .flag_meanings = grazings},
          tell_grazing},
@@ -132,15 +132,15 @@ static bool write_all_told(writer *w)
           .name = "multiplier_status",
           .units = "1",
           .symbol = "",
-          .long_name = "whether there are multipliers: at a touch they differ from side to side and are left out",
+          .long_name = "whether there are multipliers; at a grazing they differ on both sides and are omitted",
           .n_flags = 3,
           .flag_meanings = multipliers},
          tell_multipliers},
         {netcdf_describe(NETCDF_INTEGER, "orbit_touch_mesh", "1", "",
-                         "place in `mesh` of the flanks that just touch or part; -1: none"),
+                         "index in `mesh` of the grazing flanks; -1: none"),
          tell_mesh},
         {netcdf_describe(NETCDF_INTEGER, "orbit_value", "1", "",
-                         "which of the values asked for with --values it is at, from 0; -1: none"),
+                         "index of its value among those of --values, from 0; -1: none"),
          tell_value},
         {netcdf_describe(NETCDF_REAL, "orbit_residual", "1", "",
                          "largest difference after a period, in units of the states"),
@@ -179,7 +179,7 @@ static bool write_multipliers(writer *w, const char *name, const char *text, int
 static bool write_touches(writer *w)
 {
     netcdf_variable variable =
-        netcdf_describe(NETCDF_TEXT, "orbit_touch", "1", "", "what just touches or parts there; empty: nothing");
+        netcdf_describe(NETCDF_TEXT, "orbit_touch", "1", "", "grazing contact there; empty: none");
     const int n = w->from->n_points;
     OWNED const char **texts = xcalloc((size_t)n + 1, sizeof *texts);
     for (int k = 0; k < n; k++) {
@@ -201,14 +201,14 @@ static bool write_branches(writer *w)
         ends[i] = w->from->branches[i].end;
     }
     netcdf_variable end = netcdf_describe(NETCDF_TEXT, "branch_end", "1", "",
-                                          "why it ends where it does; empty: at the end of the range, or it closes");
+                                          "reason of its end; empty: the end of the range, or it is closed");
     end.dimensions[0] = &w->branch;
     end.rank = 1;
     CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &end, 0);
     return dataset >= 0 && netcdf_write(&w->netcdf, dataset, netcdf_kept.text, ends) &&
            write_real(w,
                       netcdf_describe(NETCDF_INTEGER, "branch_parent", "1", "",
-                                      "place of the branch at whose doubling it begins; -1: none"),
+                                      "index of the branch at whose period doubling it starts; -1: none"),
                       &w->branch, parents);
 }
 
@@ -254,9 +254,9 @@ static bool define_axes(writer *w)
     }
     dimensions_plan(&w->of_outputs, DIMENSIONS_OF_HISTORY, w->from->names, w->from->n_outputs, w->from->outputs);
     dimensions_plan_harmonics(&w->of_outputs, &w->netcdf.pool, w->from->n_harmonics);
-    return define_count(w, &w->branch, "branch", "branches in the order of their finding", w->from->n_branches) &&
-           define_count(w, &w->point, "point", "points, branch after branch, along each", w->from->n_points) &&
-           define_count(w, &w->multiplier, "multiplier", "by falling size", w->n_multipliers) &&
+    return define_count(w, &w->branch, "branch", "branches in the order found", w->from->n_branches) &&
+           define_count(w, &w->point, "point", "points of all branches, in the order along each", w->from->n_points) &&
+           define_count(w, &w->multiplier, "multiplier", "in the order of decreasing magnitude", w->n_multipliers) &&
            dimensions_define(&w->of_outputs, &w->netcdf);
 }
 

@@ -18,7 +18,7 @@ static const char *remedy(int system_error)
     switch (system_error) {
     case ENOSPC:
     case EDQUOT:
-        return "free some space or write to another place";
+        return "free some space or write to another folder";
     case EFBIG:
         return "raise the limit of file sizes (ulimit -f) or write fewer outputs";
     case ENOENT:
@@ -33,9 +33,9 @@ static const char *remedy(int system_error)
     case ELOOP:
         return "remove it or choose another name";
     case EWOULDBLOCK:
-        return "another run is writing it: wait for it or choose another name";
+        return "another run is writing it; wait until it ends, or choose another name";
     default:
-        return "choose another name or place";
+        return "choose another name or folder";
     }
 }
 

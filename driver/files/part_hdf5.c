@@ -15,9 +15,9 @@ static hsize_t rows_of(hid_t place, const char *name)
 /** Report why a part cannot be read: the system error, if there is one. */
 static bool refuse_part(const char *path, const char *reason, evl_error *error)
 {
-    return reason != NULL ? evl_error_set(error, EVL_EXIT_IO, path, "cannot be read: %s; mend that", reason)
+    return reason != NULL ? evl_error_set(error, EVL_EXIT_IO, path, "cannot be read: %s; correct this", reason)
                           : evl_error_set(error, EVL_EXIT_IO, path,
-                                          "is damaged; put a copy of it back, or begin anew without --continue");
+                                          "is damaged; put a copy of it back, or start again without --continue");
 }
 
 /** Append all rows of a series, in blocks as space permits. @return false with the reason in `error` */

@@ -73,10 +73,9 @@ static bool write_all_told(writer *w)
         teller *tell;
     } rows[] = {
         {"period", "1", "p",
-         "common periods after which the motion repeats; 0: it does not within 16; -1: not looked at; -2: it still "
-         "settles",
+         "common periods after which the motion repeats; 0: not within 16; -1: not determined; -2: still settling",
          NETCDF_INTEGER, tell_period},
-        {"followed", "1", "", "common periods that the motion was followed", NETCDF_INTEGER, tell_periods},
+        {"followed", "1", "", "common periods for which the motion was integrated", NETCDF_INTEGER, tell_periods},
         {"common_period", "1", "N", "pitches of the first mesh in a common period", NETCDF_INTEGER, tell_pitches},
         {"repeat_distance", "1", "", "largest difference of a state to that of one orbit before, in its unit",
          NETCDF_REAL, tell_distance},
@@ -161,19 +160,18 @@ static bool write_jumps(writer *w)
 {
     const char *units = w->from->units;
     const netcdf_variable rows[] = {
-        netcdf_describe(NETCDF_INTEGER, "jump_direction", "1", "", "place of its direction in `direction`"),
+        netcdf_describe(NETCDF_INTEGER, "jump_direction", "1", "", "index of its direction in `direction`"),
         netcdf_describe(NETCDF_REAL, "jump_before", units, "", "last value of the parameter before it"),
-        netcdf_describe(NETCDF_REAL, "jump_after", units, "", "first value of the parameter behind it"),
+        netcdf_describe(NETCDF_REAL, "jump_after", units, "", "first value of the parameter after it"),
         netcdf_describe(NETCDF_INTEGER, "jump_period_before", "1", "", "period of the motion before it"),
-        netcdf_describe(NETCDF_INTEGER, "jump_period_after", "1", "", "period of the motion behind it"),
+        netcdf_describe(NETCDF_INTEGER, "jump_period_after", "1", "", "period of the motion after it"),
     };
     static const model_output of_mesh = {.dims = "mesh"};
     OWNED double *numbers = xcalloc((size_t)w->from->n_jumps + 1, sizeof *numbers);
     for (int i = 0; i < w->from->n_jumps; i++) {
         numbers[i] = i;
     }
-    const netcdf_variable jump =
-        netcdf_describe(NETCDF_INTEGER, "jump", "1", "", "jumps in the order of their finding");
+    const netcdf_variable jump = netcdf_describe(NETCDF_INTEGER, "jump", "1", "", "jumps in the order found");
     bool good = w->sink->axis(w->sink->self, &w->axes->jump, &jump, w->from->n_jumps, numbers);
     for (int i = 0; i < 5 && good; i++) {
         good = write_jump_row(w, rows[i], i);
@@ -182,7 +180,7 @@ static bool write_jumps(writer *w)
            write_jump_deviation(w, &of_mesh, "jump_deviation_before",
                                 "standard deviation of the transmission error before it", false) &&
            write_jump_deviation(w, &of_mesh, "jump_deviation_after",
-                                "standard deviation of the transmission error behind it", true);
+                                "standard deviation of the transmission error after it", true);
 }
 
 /* ---- complete response ---- */
@@ -197,9 +195,8 @@ static bool define_axes(writer *w)
             names[w->n_directions++] = words[d];
         }
     }
-    const netcdf_variable direction =
-        netcdf_describe(NETCDF_TEXT, "direction", "1", "direction",
-                        "in which the parameter goes: up is from its first value to its last");
+    const netcdf_variable direction = netcdf_describe(
+        NETCDF_TEXT, "direction", "1", "direction", "direction of the parameter; up: from its first value to its last");
     const netcdf_variable parameter = netcdf_describe(
         NETCDF_REAL, "parameter", w->from->units[0] == '\0' ? "1" : w->from->units, "", w->from->parameter);
     dimensions *of_outputs = &w->axes->of_outputs;

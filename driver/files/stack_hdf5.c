@@ -105,7 +105,7 @@ static bool make_file(const stack_layout *layout, evl_error *error)
     }
     output_file_drop(&file, true);
     return evl_error_set(error, EVL_EXIT_IO, layout->path,
-                         "cannot be written: %s; ask for fewer histories, or make room", b.netcdf.reason);
+                         "cannot be written: %s; select fewer histories, or free space", b.netcdf.reason);
 }
 
 /* ---- location of the rows ---- */
@@ -139,7 +139,7 @@ static bool admits(seal_answer answer, const char *path, evl_error *error)
                 ? evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno))
                 : evl_error_set(
                       error, EVL_EXIT_CASE, path,
-                      "is damaged: its check sum is wrong; choose another folder, or delete it, and with it the "
+                      "is damaged: its checksum is wrong; choose another folder, or delete it, and with it the "
                       "histories of all cases that are recorded"));
 }
 
@@ -157,8 +157,8 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
     }
     if (good) {
         CLOSED const hid_t file = netcdf_open(layout->path);
-        const char *fault = "does not hold the histories of this shard and design, or cannot be read: see to that, or "
-                            "choose another folder";
+        const char *fault = "does not contain the histories of this shard and design, or cannot be read; restore it, "
+                            "or choose another folder";
         good = (file >= 0 && find_rows(stack, file, layout)) ||
                evl_error_set(error, EVL_EXIT_CASE, layout->path, "%s", file < 0 ? netcdf_system_reason(fault) : fault);
     }
@@ -167,7 +167,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
         good = stack->descriptor >= 0 || evl_error_set_unwritten(error, layout->path);
     }
     if (good && seal == SEAL_NONE) {
-        log_warning("%s: has no check sum, so that damage would not be noticed", layout->path);
+        log_warning("%s: has no checksum, so damage would not be detected", layout->path);
     }
     if (!good) {
         stack_close(stack);

@@ -64,7 +64,7 @@ static bool write_partial(const char *partial, int descriptor, const wheel_numbe
     bool good = netcdf_create(&file, partial) && fill_file(&file, wheel);
     good = netcdf_close(&file) && good;
     if (!good) {
-        return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s; make room, then go on with --resume",
+        return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s; free space, then continue with --resume",
                              file.reason);
     }
     return (seal_put(descriptor) && open_to_others(descriptor) && sync_bytes(descriptor)) ||
@@ -113,12 +113,12 @@ static const char *find_fault(hid_t file, const wheel_numbers *wheel)
 {
     OWNED double *key = xcalloc((size_t)wheel->n_key, sizeof *key);
     if (!has_integer(file, "evolvent_wheel_format", FORMAT)) {
-        return "is no compliance of a wheel";
+        return "is not a compliance of a wheel";
     }
     if (!get_numbers(file, "key", wheel->n_key, key) || !get_numbers(file, "numbers", wheel->n, wheel->numbers)) {
-        return "has not as many numbers as a compliance of a wheel";
+        return "has the wrong number of values for the compliance of a wheel";
     }
-    return memcmp(key, wheel->key, (size_t)wheel->n_key * sizeof *key) == 0 ? NULL : "is that of another wheel";
+    return memcmp(key, wheel->key, (size_t)wheel->n_key * sizeof *key) == 0 ? NULL : "belongs to another wheel";
 }
 
 wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error)
@@ -128,16 +128,16 @@ wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, 
     }
     const seal_answer answer = seal_check(path); /* the library does not detect damage */
     if (answer == SEAL_UNREADABLE) {
-        evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s; go on with --resume", strerror(errno));
+        evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s; continue with --resume", strerror(errno));
         return WHEEL_FILE_REFUSED;
     }
     CLOSED const hid_t file = answer == SEAL_HOLDS ? netcdf_open(path) : -1;
-    const char *fault = answer != SEAL_HOLDS ? "is damaged: its check sum is wrong"
+    const char *fault = answer != SEAL_HOLDS ? "is damaged: its checksum is wrong"
                         : file < 0           ? netcdf_system_reason("cannot be read")
                                              : find_fault(file, wheel);
     if (fault == NULL) {
         return WHEEL_FILE_READ;
     }
-    evl_error_set(error, EVL_EXIT_CASE, path, "%s; delete it and go on with --resume: it is computed anew", fault);
+    evl_error_set(error, EVL_EXIT_CASE, path, "%s; delete it and continue with --resume; it is computed again", fault);
     return WHEEL_FILE_REFUSED;
 }

@@ -105,7 +105,7 @@ fmi3Status fmi3SetTime(fmi3Instance handle, fmi3Float64 time)
 static bool fits(instance *self, size_t n, int there)
 {
     if (n != (size_t)there) {
-        instance_refuse(self, fmi3Error, "%zu values are asked for where there are %d", n, there);
+        instance_refuse(self, fmi3Error, "%zu values are requested, but there are %d", n, there);
     }
     return n == (size_t)there;
 }

@@ -54,7 +54,7 @@ bool instance_are_finite(instance *self, size_t n, const double *numbers)
 {
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(numbers[i])) {
-            instance_refuse(self, fmi3Error, "a number is given as %g, but has to be finite", numbers[i]);
+            instance_refuse(self, fmi3Error, "a number is %g, but must be finite", numbers[i]);
             return false;
         }
     }
@@ -132,7 +132,7 @@ static bool read_case(making *m, prepared_case *prepared)
     fmu_token(prepared, m->as.token);
     return m->token == NULL || strcmp(m->as.token, m->token) == 0 ||
            evl_error_set(&m->error, EVL_EXIT_CASE, path,
-                         "the instantiation token is not that of this case and program: make the FMU anew");
+                         "the instantiation token is not that of this case and program; build the FMU again");
 }
 
 static void make(void *with)
@@ -140,7 +140,7 @@ static void make(void *with)
     making *m = with;
     prepared_case prepared = {0};
     if (m->resources == NULL) {
-        (void)evl_error_set(&m->error, EVL_EXIT_USAGE, "", "the importer gives no path of the FMU's resources");
+        (void)evl_error_set(&m->error, EVL_EXIT_USAGE, "", "the importer provides no path of the FMU's resources");
     } else if (read_case(m, &prepared)) {
         motion *motion = motion_create(&prepared, &m->error);
         if (motion != NULL) {
@@ -244,11 +244,11 @@ static void initialize(instance *self, void *with)
 {
     const span *span = with;
     if (!(fabs(span->start) <= 0)) {
-        instance_refuse(self, fmi3Error, "the start time is %.9g s, but a case begins at 0", span->start);
+        instance_refuse(self, fmi3Error, "the start time is %.9g s, but a case starts at 0", span->start);
         return;
     }
     if (span->has_stop && !(span->stop > span->start)) {
-        instance_refuse(self, fmi3Error, "the stop time is %.9g s, but has to be after the start", span->stop);
+        instance_refuse(self, fmi3Error, "the stop time is %.9g s, but must be after the start", span->stop);
         return;
     }
     self->t_end = span->has_stop ? fmin(span->stop, DBL_MAX) : DBL_MAX;

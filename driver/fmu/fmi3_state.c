@@ -156,9 +156,9 @@ static void deserialize(instance *self, void *with)
         memcpy(&told, b->from, sizeof told);
     }
     if (memcmp(told.token, expected.token, sizeof told.token) != 0) {
-        instance_refuse(self, fmi3Error, "these bytes are no state of this FMU");
+        instance_refuse(self, fmi3Error, "these bytes are not a state of this FMU");
     } else if (memcmp(told.sum, expected.sum, sizeof told.sum) != 0) {
-        instance_refuse(self, fmi3Error, "these bytes are not those that the state was made into: they are damaged");
+        instance_refuse(self, fmi3Error, "these bytes are a damaged state");
     } else {
         free_state(self, &b->state);
         b->state = xcalloc(1, sizeof *b->state);

@@ -14,7 +14,7 @@ static void go(instance *self, void *with)
     stride *s = with;
     const double t = motion_state(self->motion)->t;
     if (!(s->step > 0) || !isfinite(s->step)) {
-        instance_refuse(self, fmi3Error, "the communication step is %.9g s, but has to be positive", s->step);
+        instance_refuse(self, fmi3Error, "the communication step is %.9g s, but must be positive", s->step);
     } else if (!(fabs(s->now - t) <= same * fmax(s->step, fabs(t)))) {
         instance_refuse(self, fmi3Error, "the communication point is %.9g s, but the FMU is at %.9g s", s->now, t);
     } else if (s->now + s->step - self->t_end > same * fmax(s->step, self->t_end)) {

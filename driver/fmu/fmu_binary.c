@@ -77,8 +77,8 @@ int fmu_binary(memory_pool *pool, fmu_file **files, evl_error *error)
     const char *path = find_binary(pool);
     if (path == NULL) {
         (void)evl_error_set(error, EVL_EXIT_USAGE, FMU_BINARY,
-                            "the binary of FMUs is not beside the program, nor in " FMU_FOLDER " from there: install "
-                            "evolvent as a whole");
+                            "the binary for FMUs is neither next to the program nor in " FMU_FOLDER
+                            " relative to it; install evolvent completely");
         return 0;
     }
     s.n_names = words_split(FMU_CARRIES, &s.names);

@@ -123,17 +123,17 @@ static void add_inputs(writer *w)
         if (!w->plan->is_chosen[i]) {
             continue;
         }
-        mxml_node_t *variable = add_variable(
-            w, pool_printf(&w->pool, "%s.%s", wheel, input->of.is_speed ? "speed" : "torque"),
-            fmu_reference(FMU_INPUT, i), "input", "continuous",
-            input->of.is_speed ? "angular velocity of the wheel, counterclockwise positive; it does not jump"
-                               : "torque on the wheel, counterclockwise positive");
+        mxml_node_t *variable =
+            add_variable(w, pool_printf(&w->pool, "%s.%s", wheel, input->of.is_speed ? "speed" : "torque"),
+                         fmu_reference(FMU_INPUT, i), "input", "continuous",
+                         input->of.is_speed ? "angular velocity of the wheel, counterclockwise positive; continuous"
+                                            : "torque on the wheel, counterclockwise positive");
         put_number(variable, "start", input->value);
         put_unit(w, variable, input->of.is_speed ? "rad s-1" : "N m");
         if (input->of.is_speed) {
             mxml_node_t *rate =
                 add_variable(w, pool_printf(&w->pool, "%s.acceleration", wheel), fmu_reference(FMU_INPUT_RATE, i),
-                             "input", "continuous", "rate of that speed: what the wheel turns on with");
+                             "input", "continuous", "rate of that speed");
             put_number(rate, "start", 0);
             put_reference(rate, "derivative", fmu_reference(FMU_INPUT, i));
             put_unit(w, rate, "rad s-2");
@@ -201,7 +201,7 @@ static void add_indicators(writer *w)
 {
     for (int i = 0; i < w->about->n_indicators; i++) {
         add_variable(w, pool_printf(&w->pool, "event_indicator[%d]", i), fmu_reference(FMU_INDICATOR, i), "local",
-                     "continuous", "an event is where it changes its sign; 1 where it has no meaning");
+                     "continuous", "event indicator: an event occurs at a change of sign; 1 if inactive");
     }
 }
 

@@ -55,7 +55,7 @@ static bool choose(const fmu_plan *plan, const char *option, evl_error *error)
         wheel == description->n_wheels
             ? xasprintf("there is no wheel '%.*s'; inputs of this case are %s", (int)n, name,
                         about->n_inputs == 0 ? "none" : there)
-            : xasprintf("wheel '%.*s' has no load {kind: %s, value: ...}, which an input takes the place of; inputs of "
+            : xasprintf("wheel '%.*s' has no load {kind: %s, value: ...} that an input could replace; inputs of "
                         "this case are %s",
                         (int)n, name, is_speed ? "speed" : "torque", about->n_inputs == 0 ? "none" : there);
     return refuse(option, reason, error);

@@ -57,8 +57,8 @@ static integrate_code explain(ida_session *s, int flag)
         double step = 0;
         (void)IDAGetCurrentStep(s->ida, &step);
         (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH,
-                       "the integrator cannot go on (%s): its step fell to %.3g s, and the errors did not; "
-                       "a larger tolerance than %g may do%s",
+                       "the integrator cannot continue (%s): its step fell to %.3g s without reducing the error; try a "
+                       "larger tolerance than %g%s",
                        name ? name : "unknown reason", step, s->run->options->tolerance,
                        s->run->model->stepper != NULL ? ", or integrator radau" : "");
         free(name);
@@ -78,7 +78,7 @@ static integrate_code start_anew(ida_session *s, double step)
     s->continues = false;
     if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
         IDASetInitStep(s->ida, step) != IDA_SUCCESS) {
-        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator could not be started anew");
+        (void)snprintf(s->run->reason, DAE_MESSAGE_LENGTH, "the integrator could not be restarted");
         return INTEGRATE_FAILED;
     }
     return INTEGRATE_DONE;
@@ -228,7 +228,7 @@ static integrate_code open_session(ida_session *s, integration *run, double step
         return INTEGRATE_FAILED;
     }
     if (!set_up(s, step)) {
-        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "the integrator refused its options");
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "the integrator rejected its options");
         return INTEGRATE_FAILED;
     }
     return INTEGRATE_DONE;

@@ -104,7 +104,8 @@ integrate_code integration_give_output(integration *run, const dae_state *state,
     double within = 0;
     if (pace_gathers(&run->pace, &within)) {
         char how[64];
-        (void)snprintf(how, sizeof how, "the last %d of them within %.3g s, ever sooner", PACE_RECENT, within);
+        (void)snprintf(how, sizeof how, "the last %d of them within %.3g s, at decreasing intervals", PACE_RECENT,
+                       within);
         (void)tell_endless(run, how);
     }
     return INTEGRATE_FAILED;
@@ -184,7 +185,7 @@ bool integration_keep(integration *run, archive *archive)
     }
     const bool good = archive->is_reading ? archive_is_read(archive) : !archive->has_failed;
     if (!good && archive->is_reading) {
-        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "what was kept is not of this case and program");
+        (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "the stored state does not belong to this case and program");
     }
     return good;
 }
@@ -213,16 +214,18 @@ static void tell_spent(integration *run, bool creeps, double came)
     const double cpu_of_one = (integration_cpu_now() - run->cpu_start) / pace->all;
     char cpu[32], how[96], needs[96] = "";
     if (creeps) {
-        (void)snprintf(how, sizeof how, "the run creeps: its last %.10g steps brought it %.3g s on", steps, came);
+        (void)snprintf(how, sizeof how, "the run makes too little progress: its last %.10g steps advanced it by %.3g s",
+                       steps, came);
     } else {
-        (void)snprintf(how, sizeof how, "%.10g steps are over and the run is not", steps);
+        (void)snprintf(how, sizeof how, "the run is not complete after %.10g steps", steps);
     }
     if (steps_left < HUGE_VAL) {
-        (void)snprintf(needs, sizeof needs, "; at this pace the rest takes %.2g more, %s of CPU", steps_left,
+        (void)snprintf(needs, sizeof needs, "; at this rate it requires %.2g more, %s of CPU", steps_left,
                        time_in_words(steps_left * cpu_of_one, cpu));
     }
     (void)snprintf(run->reason, DAE_MESSAGE_LENGTH,
-                   "%s%s; raise simulation.max_steps, or take a larger tolerance or a shorter duration", how, needs);
+                   "%s%s; increase simulation.max_steps, or choose a larger tolerance or a shorter duration", how,
+                   needs);
 }
 
 /** Write a checkpoint, always at the end of a step. */
@@ -291,7 +294,7 @@ integrate_code integration_to_the_end(integration *run, const integration_ways *
             code = code == INTEGRATE_DONE ? spend(run, n, ways, self) : code;
             if (code == INTEGRATE_DONE && !pace_steps(&run->pace, n, run->state->t, grain_of(run))) {
                 (void)snprintf(run->reason, DAE_MESSAGE_LENGTH,
-                               "the integrator does not get on: %d steps within %.3g s", run->pace.steps,
+                               "the integrator makes no progress: %d steps within %.3g s", run->pace.steps,
                                run->state->t - run->pace.t_began);
                 code = INTEGRATE_FAILED;
             }

@@ -27,7 +27,7 @@ static bool read_request(response_call *call)
     options->down = both || strcmp(direction, "down") == 0;
     if (request->over == NULL) {
         return evl_error_set(&call->error, EVL_EXIT_USAGE, "over",
-                             "PATH=FROM:TO[:STEPS] says which parameter goes from where to where");
+                             "PATH=FROM:TO[:STEPS] gives the parameter and its range");
     }
     if (!options->up && !options->down) {
         return evl_error_set(&call->error, EVL_EXIT_USAGE, "direction", "is '%s', must be up, down or both", direction);

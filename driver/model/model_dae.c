@@ -119,11 +119,9 @@ static bool endless(const void *self, const dae_event *what, const char *how, ch
     const char *mesh = model->about.names.meshes.names[what->subject], *kind = model_tables()->event_kinds[what->kind];
     if (strcmp(kind, "impact") == 0) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH,
-                       "mesh '%s': impacts without end, %s; a larger rest_velocity or a smaller restitution ends them",
-                       mesh, how);
+                       "mesh '%s': endless impacts, %s; increase rest_velocity or reduce restitution", mesh, how);
     } else {
-        (void)snprintf(message, DAE_MESSAGE_LENGTH, "mesh '%s': %s without end, %s: the model chatters", mesh, kind,
-                       how);
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "mesh '%s': endless %s, %s: the model chatters", mesh, kind, how);
     }
     return true;
 }

@@ -41,7 +41,7 @@ bool model_take_over(const model *model, const dae *other, const dae_state *from
     evl_status status = {.index = -1};
     if (own->n != other->n) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH,
-                       "the gearbox has %d states and had %d: no motion can be carried over", own->n, other->n);
+                       "the gearbox has %d states and had %d: the motion cannot be transferred", own->n, other->n);
         return false;
     }
     const bool alike = own->n_integers == other->n_integers && own->n_reals == other->n_reals;

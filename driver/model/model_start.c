@@ -159,21 +159,19 @@ bool model_warns_of_orbit(const model *model, int index, model_message *warning)
     (void)snprintf(warning->field, sizeof warning->field, "%s.kind", MODEL_START);
     const double size = model_start_multiplier(orbit), border = 1 + 1e-6; /* accuracy of a multiplier */
     if (!orbit->is_stable && size > border) {
-        (void)snprintf(
-            warning->message, sizeof warning->message,
-            "the periodic orbit is unstable, its largest Floquet multiplier is %.4g in size: the motion leaves "
-            "it; kind: steady with a longer duration leads to a stable motion",
-            size);
+        (void)snprintf(warning->message, sizeof warning->message,
+                       "the periodic orbit is unstable, the magnitude of its largest Floquet multiplier is %.4g, so "
+                       "the motion leaves it; kind: steady with a longer duration leads to a stable motion",
+                       size);
     } else if (!orbit->is_stable) {
         (void)snprintf(warning->message, sizeof warning->message,
-                       "disturbances of the periodic orbit do not decay, its largest Floquet multiplier is 1 in size; "
-                       "give its undamped parts damping");
+                       "disturbances of the periodic orbit do not decay, the magnitude of its largest Floquet "
+                       "multiplier is 1; add damping to its undamped components");
     } else {
-        (void)snprintf(
-            warning->message, sizeof warning->message,
-            "the motion from the steady start did not come near the periodic orbit within %d common periods: "
-            "it may lead to another motion; kind: steady with a longer duration shows it",
-            orbit->periods);
+        (void)snprintf(warning->message, sizeof warning->message,
+                       "the motion from the steady start did not approach the periodic orbit within %d common periods, "
+                       "and may lead to another motion; check with kind: steady and a longer duration",
+                       orbit->periods);
     }
     return true;
 }

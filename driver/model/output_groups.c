@@ -87,8 +87,8 @@ static char *refuse(const char *word, int n, const model_output *outputs)
     }
     names[n + N_GROUPS] = "all";
     OWNED char *hint = suggest_phrase(word, n + N_GROUPS + 1, names);
-    return xasprintf("there is no output and no group '%.64s'%s; groups are " OUTPUT_GROUPS
-                     ", outputs stand in docs/result_format.md",
+    return xasprintf("unknown output or group '%.64s'%s; groups are " OUTPUT_GROUPS
+                     ", outputs are listed in docs/result_format.md",
                      word, hint);
 }
 
@@ -113,5 +113,5 @@ char *output_groups_choose(const char *words, int n, const model_output *outputs
             chosen[i] = chosen[i] || (!outputs[i].is_static && means(list[w], &outputs[i]));
         }
     }
-    return n_given > 0 ? NULL : xstrdup("names no output; leave it out, or take all");
+    return n_given > 0 ? NULL : xstrdup("names no output; omit it, or give all");
 }

@@ -215,8 +215,8 @@ bool motion_renew(motion *m)
     bool good = prepare_text(&other, m->name, m->text, n_set, set, &m->error);
     if (good && !is_alike(m, &other)) {
         good = evl_error_set(&m->error, EVL_EXIT_CASE, m->name,
-                             "with these parameters the gearbox has other states, tooth pairs or outputs: change the "
-                             "case, and make what imports it anew");
+                             "with these parameters the gearbox has other states, tooth pairs or outputs; change the "
+                             "case, and generate its importer again");
     }
     if (good) {
         motion_stop_stepper(m);

@@ -94,7 +94,7 @@ bool motion_apply(motion *m, dae_state *state, bool time_event)
     int n_events = 0;
     if (!pace_event(&m->pace, state->t,
                     pace_grain(state->t, case_description(m->prepared.file)->simulation.duration))) {
-        return motion_fail(m, "events without end: the model chatters");
+        return motion_fail(m, "endless events: the model chatters");
     }
     dae_state_copy(dae, &m->old, state);
     m->has_outputs = false;

@@ -65,5 +65,5 @@ bool motion_keep(motion *m, archive *archive)
     if (has_stepper && !archive->has_failed) {
         m->dae->stepper->keep(m->stepper, archive);
     }
-    return !archive->has_failed || motion_fail(m, "what was kept is not of this case and program");
+    return !archive->has_failed || motion_fail(m, "the stored state does not belong to this case and program");
 }

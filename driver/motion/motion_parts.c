@@ -9,7 +9,7 @@ bool motion_fail(motion *m, const char *reason)
 bool motion_fail_speed(motion *m, const motion_input *input, double turns)
 {
     OWNED char *text = xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at %.9g "
-                                 "rad/s; a speed has to go with the acceleration that is given with it",
+                                 "rad/s; a speed must agree with the acceleration given with it",
                                  case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
     return motion_fail(m, text);
 }

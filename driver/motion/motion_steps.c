@@ -105,7 +105,7 @@ static bool advance(motion *m, double t_stop)
     m->at_event = outcome == DAE_AT_EVENT;
     m->at_time_event = m->reach.t >= t_event;
     const double grain = pace_grain(m->reach.t, case_description(m->prepared.file)->simulation.duration);
-    return pace_steps(&m->pace, 1, m->reach.t, grain) || motion_fail(m, "the integrator does not get on");
+    return pace_steps(&m->pace, 1, m->reach.t, grain) || motion_fail(m, "the integrator makes no progress");
 }
 
 /** Set the visible state at t, within the last step; if that was to stop at t, as in a run at its end, the step's own

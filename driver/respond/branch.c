@@ -62,10 +62,9 @@ bool branch_prepare_as(const branch *b, prepared_case *prepared, double value, m
         return prepare_refuse(prepared, &refusal, error);
     }
     if (period->sense < 0) {
-        return evl_error_set(
-            error, EVL_EXIT_CASE, option,
-            "the wheels turn against driving_rotation, and numbers count pitches in its sense: give the "
-            "other rotation");
+        return evl_error_set(error, EVL_EXIT_CASE, option,
+                             "the wheels turn against driving_rotation, but metrics count pitches in its sense; give "
+                             "the other rotation");
     }
     return true;
 }

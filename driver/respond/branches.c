@@ -92,7 +92,8 @@ static void enter_doubling(branches *o)
             continue;
         }
         if (o->n_branches >= MOST_BRANCHES) {
-            branches_note(o, at.orbit.parameter, "there are 64 branches: the one of twice the period is not followed");
+            branches_note(o, at.orbit.parameter,
+                          "the limit of 64 branches is reached: the branch of twice the period is not followed");
             o->doubling = o->n_points;
         } else if (!model_orbits_switch(o->orbits, at.branch, point, message)) {
             branches_note(o, at.orbit.parameter, message);
@@ -200,14 +201,13 @@ static orbit_end look(branches *o, double value, evl_error *error)
     if (end == ORBIT_FOUND && point.period <= 0 && !find_other_start(o, value, &state, &point, error)) {
         end = error->code == EVL_EXIT_OK ? ORBIT_FOUND : ORBIT_FAILED;
     } else if (end == ORBIT_FOUND && point.period > o->longest) {
-        OWNED char *why =
-            xasprintf("the motion repeats after %d common periods, more than --longest %d: it is left out",
-                      point.period, o->longest);
+        OWNED char *why = xasprintf("the motion repeats after %d common periods, more than --longest %d: it is omitted",
+                                    point.period, o->longest);
         branches_note(o, value, why);
     } else if (end == ORBIT_FOUND) {
         end = begin_orbits(o, value, &state, error) ? ORBIT_FOUND : ORBIT_FAILED;
         if (o->has_orbits && fabs(state.pitches - o->place) > 1e-9) {
-            branches_note(o, value, "an event lies on the section of the others: the motion is left out");
+            branches_note(o, value, "an event lies on the common section: the motion is omitted");
         } else if (o->has_orbits) {
             begins = point.values == NULL || !branches_pass(o, value, point.period, point.values);
         }

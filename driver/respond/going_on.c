@@ -43,15 +43,14 @@ bool going_on_take_up(going_on *g, bool *taken_up, evl_error *error)
     }
     bool good = checkpoint_read(folder, &found, doubt, error);
     if (good && !is_same(&found, &g->of)) {
-        good = evl_error_set(
-            error, EVL_EXIT_CASE, "",
-            "'%s' holds what is done of another response, of another case, range, option or program; go on "
-            "with that, delete the folder, or write to another file with -o",
-            folder);
+        good = evl_error_set(error, EVL_EXIT_CASE, "",
+                             "'%s' contains another incomplete response: its case, range, options or program differ; "
+                             "complete that one, delete the folder, or write to another file with -o",
+                             folder);
     } else if (good) {
         g->keep(g->self, &found.state);
         good = archive_is_read(&found.state) ||
-               evl_error_set(error, EVL_EXIT_CASE, "", "'%s' holds something else: delete the folder", folder);
+               evl_error_set(error, EVL_EXIT_CASE, "", "'%s' contains something else; delete the folder", folder);
     }
     *taken_up = good;
     checkpoint_free(&found);

@@ -295,10 +295,9 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     integrate_counts counts;
     message[0] = '\0';
     if (isnan(options.t_end)) {
-        (void)snprintf(
-            message, DAE_MESSAGE_LENGTH,
-            "nothing turns the first mesh in its nominal sense where the motion begins; start with speeds, or "
-            "from a steady state");
+        (void)snprintf(message, DAE_MESSAGE_LENGTH,
+                       "the first mesh does not turn in its nominal sense at the start of the motion; start with "
+                       "speeds, or from a steady state");
         return ORBIT_FAILED;
     }
     s->options = &options;
@@ -311,7 +310,7 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
     if (end == ORBIT_FAILED && code == INTEGRATE_DONE) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH,
-                       "the first mesh passed %.4g pitches in %.4g s: it all but stands still",
+                       "the first mesh passed %.4g pitches in %.4g s, almost at standstill",
                        result->periods * (double)period->pitches, now.t - state->state.t);
     }
     if (end == ORBIT_FOUND) {
@@ -381,7 +380,7 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     (void)integrate(s->dae, &options, &observer, &now, &counts, message);
     orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
     if (end == ORBIT_FOUND && !has_come_back(s, &began, periods, round != NULL ? INFINITY : 1e-4)) {
-        (void)snprintf(message, DAE_MESSAGE_LENGTH, "a run leaves the orbit: its numbers are left out");
+        (void)snprintf(message, DAE_MESSAGE_LENGTH, "a run leaves the orbit: its metrics are omitted");
         end = ORBIT_FAILED;
     }
     if (end == ORBIT_FOUND) {

@@ -59,7 +59,7 @@ static bool take_up(response_run *run, evl_error *error)
     bool found = false;
     const bool good = going_on_take_up(&run->going_on, &found, error);
     if (found) {
-        log_note("goes on behind %d of %d values", run->branch.step, run->branch.n_steps);
+        log_note("continues after %d of %d values", run->branch.step, run->branch.n_steps);
     }
     return good;
 }
@@ -178,7 +178,7 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
         *error = other;
     } else if (is_interrupted) {
         evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "%s; %d of %d values are done%s%s", why, b->step, b->n_steps,
-                      where, options->kept != NULL ? "" : "; the same command goes on");
+                      where, options->kept != NULL ? "" : "; repeat the command to continue");
     } else {
         evl_error_set(error, error->code, place, "%s; %d of %d values are done%s", why, b->step, b->n_steps, where);
     }

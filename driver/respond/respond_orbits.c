@@ -72,7 +72,7 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
         [MODEL_ORBIT_CROSSING] = "crossing of branches",
         [MODEL_ORBIT_DOUBLING] = "period doubling",
         [MODEL_ORBIT_NEIMARK_SACKER] = "Neimark-Sacker point",
-        [MODEL_ORBIT_TOUCH_FOLD] = "fold where a tooth pair just touches",
+        [MODEL_ORBIT_TOUCH_FOLD] = "fold with grazing of a tooth pair",
     };
     int n_stable = 0, n_ordinary = 0;
     for (int i = 0; i < found->n_points; i++) {
@@ -81,7 +81,7 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
         n_stable += orbit->kind == MODEL_ORBIT_ORDINARY && orbit->is_stable;
         if (kinds[orbit->kind] != NULL) {
             log_note("branch %d, period %d: %s at %.9g%s%s", found->points[i].branch, orbit->periods,
-                     orbit->kind == MODEL_ORBIT_TOUCH_FOLD && orbit->whole_mesh ? "fold where the mesh just touches"
+                     orbit->kind == MODEL_ORBIT_TOUCH_FOLD && orbit->whole_mesh ? "fold with grazing of the mesh"
                                                                                 : kinds[orbit->kind],
                      orbit->parameter, setup->unit[0] == '\0' ? "" : " ", setup->unit);
         }
@@ -128,7 +128,7 @@ static void give_up(orbits_run *run, bool is_interrupted, evl_error *error)
     }
     error->code = EVL_EXIT_OK;
     evl_error_set(error, code, place, "%s; %d branches with %d points are in '%s.partial'%s", why, found->n_branches,
-                  found->n_points, setup->options->path, is_interrupted ? "; the same command goes on" : "");
+                  found->n_points, setup->options->path, is_interrupted ? "; repeat the command to continue" : "");
 }
 
 static void keep(void *self, archive *archive)
@@ -147,12 +147,12 @@ static bool take_up(orbits_run *run, evl_error *error)
         if (interrupt_signal != 0) { /* the checkpoint is not changed */
             error->code = EVL_EXIT_OK;
             evl_error_set(error, EVL_EXIT_INTERRUPTED, case_path(run->setup->first->file),
-                          "interrupted by %s; the same command goes on", interrupt_name((int)interrupt_signal));
+                          "interrupted by %s; repeat the command to continue", interrupt_name((int)interrupt_signal));
         }
         return false;
     }
     if (found) {
-        log_note("goes on behind %d branches with %d points", run->found.n_branches, run->found.n_points);
+        log_note("continues after %d branches with %d points", run->found.n_branches, run->found.n_points);
     }
     return true;
 }

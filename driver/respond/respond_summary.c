@@ -25,12 +25,12 @@ void respond_warn_of_settling(const branch *b)
     OWNED char *option = value_range_option(b->range, value);
     if (most > 0) {
         log_warning(
-            "%s: the motion still settles after %d common periods: the slowest mode has a time constant of %.4g s, "
-            "%.4g common periods; --periods %.0f follows it longer",
+            "%s: the motion is still settling after %d common periods: the slowest mode has a time constant of %.4g s, "
+            "%.4g common periods; increase --periods to %.0f",
             option, slowest->periods, slowest->time_constant, most,
             fmin(RESPOND_MOST, ceil(fmax(constants * most, 4.0 * slowest->periods))));
     } else {
-        log_warning("%s: the motion still settles after %d common periods; --periods %d follows it longer", option,
+        log_warning("%s: the motion is still settling after %d common periods; increase --periods to %d", option,
                     slowest->periods, 4 * slowest->periods);
     }
 }
@@ -40,10 +40,10 @@ void respond_summarise(const branch *b, const char *path)
     static const char *const words[] = {"up", "down"};
     for (int i = 0; i < b->n_jumps; i++) {
         const response_jump *jump = &b->jumps[i];
-        log_note("%s: jump between %.9g and %.9g%s%s; transmission error, standard deviation %.4g um before, %.4g um "
-                 "behind",
-                 words[jump->direction], jump->before, jump->after, b->range->unit[0] == '\0' ? "" : " ",
-                 b->range->unit, 1e6 * jump->deviation_before[0], 1e6 * jump->deviation_after[0]);
+        log_note(
+            "%s: jump between %.9g and %.9g%s%s; transmission error, standard deviation %.4g um before, %.4g um after",
+            words[jump->direction], jump->before, jump->after, b->range->unit[0] == '\0' ? "" : " ", b->range->unit,
+            1e6 * jump->deviation_before[0], 1e6 * jump->deviation_after[0]);
     }
     int n_other = 0, n_wild = 0, n_settling = 0;
     for (int step = 0; step < b->step; step++) {

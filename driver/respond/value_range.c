@@ -7,9 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-static const char HOW[] =
-    "it must be PATH=FROM:TO[:STEPS], a parameter of the case, two values of it, and how many values "
-    "there are, from 2 to 100000, such as 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'";
+static const char HOW[] = "it must be PATH=FROM:TO[:STEPS], a parameter of the case, two values of it, and the number "
+                          "of values from 2 to 100000, such as 'wheels.pinion.loads.0.value=-500 rpm:-12000 rpm:116'";
 
 static bool refuse(const char *text, const char *why, evl_error *error)
 {
@@ -70,7 +69,7 @@ bool value_range_read(value_range *range, const char *text, const case_base *bas
         !read_value(range, second, text, base, &range->to, error)) {
         return false;
     }
-    return range->from != range->to || refuse(text, "both ends are the same value: give a range", error);
+    return range->from != range->to || refuse(text, "both ends are the same value; give a range", error);
 }
 
 /** Whether a parameter of the case can be varied continuously. */
@@ -78,16 +77,15 @@ static bool check(const evl_parameter *parameter, evl_error *error)
 {
     static const char simulation[] = "simulation.";
     if (model_schema()->rows[parameter->row].type == EVL_INTEGER) {
-        return refuse(
-            parameter->path,
-            "a whole number changes the structure of the gearbox: no motion can be carried from one value to the "
-            "next; make a sweep of it",
-            error);
+        return refuse(parameter->path,
+                      "a whole number changes the structure of the gearbox, so the motion cannot be transferred "
+                      "between values; use a sweep",
+                      error);
     }
     if (strncmp(parameter->path, simulation, sizeof simulation - 1) == 0) {
-        return refuse(parameter->path, "it says how the case is computed, not what the gearbox is", error);
+        return refuse(parameter->path, "it is a setting of the simulation, not a parameter of the gearbox", error);
     }
-    return parameter->n == 1 || refuse(parameter->path, "a list of numbers is no parameter with one value", error);
+    return parameter->n == 1 || refuse(parameter->path, "a list of numbers is not a parameter with one value", error);
 }
 
 bool value_range_check(const value_range *range, const model *model, bool is_there, evl_error *error)
@@ -109,7 +107,7 @@ bool value_range_check(const value_range *range, const model *model, bool is_the
     }
     OWNED char *meant = suggest_phrase(range->path, n, paths);
     OWNED char *why =
-        xasprintf("it is no parameter of the gearbox%s; 'evolvent show --parameters' tells which there are", meant);
+        xasprintf("it is not a parameter of the gearbox%s; 'evolvent show --parameters' lists them", meant);
     return refuse(range->path, why, error);
 }
 

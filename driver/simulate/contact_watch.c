@@ -12,7 +12,7 @@
 static int required(int index, const char *name)
 {
     if (index < 0) {
-        (void)fprintf(stderr, "evolvent: the kernel has no '%s', by which lost contact is seen\n", name);
+        (void)fprintf(stderr, "evolvent: the kernel has no '%s', which is required to detect lost contact\n", name);
         abort();
     }
     return index;
@@ -87,7 +87,7 @@ bool contact_watch_lost(const contact_watch *watch, double t_end, const char *co
             continue;
         }
         if (mesh->had_contact) {
-            (void)snprintf(text, size, "mesh '%s' lost contact at t = %.9g s and never regained it", mesh_names[i],
+            (void)snprintf(text, size, "mesh '%s' lost contact at t = %.9g s and did not regain it", mesh_names[i],
                            mesh->t_opened);
         } else {
             (void)snprintf(text, size, "the flanks of mesh '%s' never touched", mesh_names[i]);

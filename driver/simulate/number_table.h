@@ -46,15 +46,15 @@
         w->high / w->mean)                                                                                             \
     ROW(pair_normal_force_max, "N", "largest normal force of a tooth pair", none, NEEDS_PAIR_FORCE, s->pair_force)     \
     ROW(pair_dynamic_factor, "1",                                                                                      \
-        "dynamic factor of a tooth pair: largest force over that at rest under the mean torque", none,                 \
+        "dynamic factor of a tooth pair: largest force over its quasi-static value under the mean torque", none,       \
         NEEDS_PAIR_FORCE | NEEDS_TORQUE,                                                                               \
         s->pair_force / mesh_numbers_force_at_rest(from->mesh, from->index, from->model))                              \
-    ROW(impacts, "1", "impacts: how often flanks met while no tooth pair was in contact", none, NEEDS_NOTHING,         \
+    ROW(impacts, "1", "impacts: number of contacts of flanks while no tooth pair was in contact", none, NEEDS_NOTHING, \
         (double)s->impacts)                                                                                            \
-    ROW(impact_speed_max, "m s-1", "largest speed at which they met", none, NEEDS_NOTHING, s->impact_speed)            \
+    ROW(impact_speed_max, "m s-1", "largest approach speed of the flanks", none, NEEDS_NOTHING, s->impact_speed)       \
     ROW(impact_energy, "J", "energy of impacts: kinetic energy of all approaches", none, NEEDS_NOTHING,                \
         isnan(from->mesh->mass) ? NAN : s->impact_energy)                                                              \
-    ROW(transmitted_energy, "J", "energy through the mesh: integral of the size of the driving wheel's power", none,   \
-        NEEDS_TORQUE, s->energy)                                                                                       \
+    ROW(transmitted_energy, "J", "energy through the mesh: integral of the magnitude of the driving wheel's power",    \
+        none, NEEDS_TORQUE, s->energy)                                                                                 \
     ROW(rattle_index, "1", "rattle index: energy of impacts over transmitted energy", none, NEEDS_TORQUE,              \
         s->energy > 0 ? find_impact_energy(from, n) / s->energy : NAN)

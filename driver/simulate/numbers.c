@@ -333,16 +333,14 @@ void numbers_explain(const numbers *self, char *text, size_t size)
     const bool by_mesh = self->window.wheel < 0;
     const double way = numbers_span(self).begun;
     if (by_mesh) {
-        (void)snprintf(
-            text, size,
-            "the window of the numbers holds no whole pitch of mesh '%s', from one start of contact to the next: it "
-            "went %.3g pitches in it; begin earlier, or run longer",
-            names->meshes.names[self->window.mesh], way);
+        (void)snprintf(text, size,
+                       "the window of the metrics contains no whole pitch of mesh '%s', from one start of contact to "
+                       "the next: only %.3g pitches; start the window earlier, or increase the duration",
+                       names->meshes.names[self->window.mesh], way);
     } else {
-        (void)snprintf(
-            text, size,
-            "the window of the numbers holds no whole turn of wheel '%s', counted from its start: it went %.3g "
-            "turns in it; begin earlier, or run longer",
-            names->wheels.names[self->window.wheel], way);
+        (void)snprintf(text, size,
+                       "the window of the metrics contains no whole revolution of wheel '%s', counted from its start: "
+                       "only %.3g revolutions; start the window earlier, or increase the duration",
+                       names->wheels.names[self->window.wheel], way);
     }
 }

@@ -24,7 +24,7 @@ void positions_describe(const positions_rule *rule, int before, memory_pool *poo
     const char *position =
         by_mesh ? pool_printf(pool, "pitches of the driving wheel of mesh '%s' since tooth pair 0's start of contact",
                               rule->of)
-                : pool_printf(pool, "turns of wheel '%s' since its start position", rule->of);
+                : pool_printf(pool, "revolutions of wheel '%s' since its start position", rule->of);
     outputs[POSITIONS_PLACE] = (model_output){.name = "output_position",
                                               .units = "1",
                                               .symbol = by_mesh ? "xi" : "phi/(2 pi)",
@@ -37,7 +37,7 @@ void positions_describe(const positions_rule *rule, int before, memory_pool *poo
                        .units = "1",
                        .symbol = "",
                        .long_name = "0 a grid position reached in the nominal sense, 1 the start or end of the run off "
-                                    "the grid, 2 a grid position passed turning back",
+                                    "the grid, 2 a grid position passed in reverse",
                        .dims = "",
                        .is_integer = true,
                        .offset = before + POSITIONS_KIND,
@@ -51,8 +51,8 @@ bool positions_check_start(const prepared_case *prepared, const dae_state *start
         return true;
     }
     OWNED char *field = xasprintf("simulation.output.%s", rule.what);
-    OWNED char *message = xasprintf("nothing turns %s%s '%s': no speed at the start, no load and no speed that a load "
-                                    "prescribes; give one, or outputs by time (output_interval)",
+    OWNED char *message = xasprintf("nothing turns %s%s '%s': no speed at the start, no load and no prescribed speed; "
+                                    "give one, or outputs by time (output_interval)",
                                     rule.what[0] == 'm' ? "the driving wheel of " : "", rule.what, rule.of);
     return case_refuse(prepared->file, field, message, error);
 }
@@ -87,7 +87,7 @@ void positions_remark(const positions_watch *watch, char *text, size_t length)
     }
     (void)snprintf(
         text, length,
-        "output by %s: %s %s went %.4g %s%s, from %.4g to %.4g, less than one: %ld position%s forwards, %ld back",
+        "output by %s: %s %s moved %.4g %s%s, from %.4g to %.4g, less than one: %ld position%s forwards, %ld backwards",
         rule->per, rule->what, rule->of, watch->last - watch->first, rule->per, rule->what[0] == 'm' ? "es" : "s",
         watch->first, watch->last, watch->forwards, watch->forwards == 1 ? "" : "s", watch->backwards);
 }

@@ -122,7 +122,7 @@ void rate_watch_keep(rate_watch *watch, archive *archive)
 
 /* ---- messages ---- */
 
-static const char defect[] = "this is a defect of the program, not of the case: please report it with the case";
+static const char defect[] = "this is a defect of the program, not of the case; please report it with the case";
 
 /** Report two evaluations of an output that differ. */
 static void note_difference(rate_watch *watch, int place, double lanes, double alone)

@@ -99,9 +99,9 @@ static void name_mode(const start_mode *mode, char *text, size_t size)
 {
     const double whole = hypot(mode->rate, mode->frequency), frequency = whole / two_pi;
     if (mode->rate < 0) {
-        (void)snprintf(text, size, "a mode of %.4g Hz, which grows", frequency);
+        (void)snprintf(text, size, "a growing mode of %.4g Hz", frequency);
     } else if (mode->rate <= undamped * whole) {
-        (void)snprintf(text, size, "an undamped mode of %.4g Hz: it is not settling", frequency);
+        (void)snprintf(text, size, "an undamped mode of %.4g Hz, which does not settle", frequency);
     } else if (mode->frequency > 0) {
         (void)snprintf(text, size, "the mode of %.4g Hz with the time constant %.3g s", frequency, 1 / mode->rate);
     } else {
@@ -121,11 +121,12 @@ static void explain(const judgement *j, const worst_case *worst, double from, nu
     }
     name_mode(worst->mode, mode, sizeof mode);
     if (worst->mode->rate > undamped * hypot(worst->mode->rate, worst->mode->frequency)) {
-        (void)snprintf(remedy, sizeof remedy, "; begin the window at %.2g s",
+        (void)snprintf(remedy, sizeof remedy, "; start the window at %.2g s",
                        from + 1.1 * log(worst->excess) / worst->mode->rate);
     }
-    (void)snprintf(settled->reason, sizeof settled->reason, "the start leaves about %.3g %% of the %s of %s in %s%s",
-                   100 * worst->left, worst->is_of_mean ? "root mean square" : "peak to peak", quantity, mode, remedy);
+    (void)snprintf(settled->reason, sizeof settled->reason,
+                   "the initial transient contributes about %.3g %% of the %s of %s in %s%s", 100 * worst->left,
+                   worst->is_of_mean ? "root mean square" : "peak to peak", quantity, mode, remedy);
 }
 
 void settled_judge(const number_sums *sums, const dae_state *start, bool starts_periodic, double from, double to,
@@ -151,7 +152,7 @@ void settled_judge(const number_sums *sums, const dae_state *start, bool starts_
     if (worst.excess > 0) {
         explain(&j, &worst, from, settled);
     } else if (!has_modes) {
-        (void)snprintf(settled->reason, sizeof settled->reason, "the start cannot be compared with a steady motion: %s",
+        (void)snprintf(settled->reason, sizeof settled->reason, "the initial transient cannot be estimated: %s",
                        error.message);
     }
     pool_free(&modes.pool);

@@ -256,14 +256,14 @@ static void remark_growth(const dae_growth *growth, simulate_result *result)
         return;
     }
     if (growth->frequency > 0.0) {
-        (void)snprintf(how, sizeof how, "a vibration feeds itself: %.4g Hz, damping ratio %.2g", size / two_pi,
+        (void)snprintf(how, sizeof how, "a self-excited vibration: %.4g Hz, damping ratio %.2g", size / two_pi,
                        -growth->rate / size);
     } else {
-        (void)snprintf(how, sizeof how, "a motion feeds itself: it grows by %.4g 1/s", growth->rate);
+        (void)snprintf(how, sizeof how, "a self-excited motion: it grows by %.4g 1/s", growth->rate);
     }
     (void)snprintf(text, sizeof text,
-                   "%s at t = %.4g s; steps were shortened for it, but it grows from less than the tolerance, so when "
-                   "it comes up is uncertain",
+                   "%s at t = %.4g s; steps were shortened for it, but it grows from below the tolerance, so the time "
+                   "of its growth is uncertain",
                    how, growth->t);
     add_remark(text, result);
 }

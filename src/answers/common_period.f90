@@ -46,8 +46,8 @@ contains
       if (.not. has_failed(status)) call take_housing(gearbox, period, abs(speed), pitches, status)
       if (has_failed(status)) return
       if (pitches >= too_many) then
-         call fail(status, code_invalid_input, "there is no common period within 1e6 pitches of the first mesh: the meshes, the" &
-                   //" teeth that differ and the loads hardly ever come together again", subject_none)
+         call fail(status, code_invalid_input, "there is no common period within 1e6 pitches of the first mesh: the periods" &
+                   //" of meshes, differing teeth and loads have no smaller common multiple", subject_none)
          return
       end if
       period%pitches = int(pitches)
@@ -152,7 +152,7 @@ contains
             else if (period%by_time) then
                call take_real(1/(load%cycle*speed), subject_load, i, "frequency", pitches, status)
             else
-               call fail(status, code_invalid_input, "there is no common period: the load goes by time, and no speed is" &
+               call fail(status, code_invalid_input, "there is no common period: the load depends on time, and no speed is" &
                          //" prescribed; prescribe one, or give the load by order", subject_load, i, "frequency")
             end if
             if (has_failed(status)) return

@@ -24,9 +24,10 @@ contains
 
       call begin_section(registry, in_wheel_constants, dims_wheel, index, is_static=.true.)
       call add_output(registry, "teeth", "1", "z", "number of teeth", wheel%teeth)
-      call add_output(registry, "pitch_radius", "m", "r", "pitch radius; of a real gear its reference radius", wheel%pitch_radius)
-      call add_output(registry, "base_radius", "m", "r_b", "base radius; NaN of a wheel without mesh", known(wheel%base_radius))
-      call add_output(registry, "tip_radius", "m", "r_a", "tip radius; NaN of a wheel without mesh", known(wheel%tip_radius))
+      call add_output(registry, "pitch_radius", "m", "r", "pitch radius; reference radius of a gear with a" &
+                      //" module", wheel%pitch_radius)
+      call add_output(registry, "base_radius", "m", "r_b", "base radius; NaN for a wheel without mesh", known(wheel%base_radius))
+      call add_output(registry, "tip_radius", "m", "r_a", "tip radius; NaN for a wheel without mesh", known(wheel%tip_radius))
       call add_output(registry, "mass", "kg", "m", "mass of the wheel", wheel%mass)
       call add_output(registry, "inertia", "kg m2", "J", "moment of inertia about the axle", wheel%inertia)
       call add_components(registry, "centre", "m", "O", "reference position of the axle", wheel%centre)
@@ -63,7 +64,7 @@ contains
       call add_output(registry, "reference_penetration", "m", "h_0", "penetration under the reference force", contact%h_scale)
       call add_output(registry, "rigid_contact", "1", "", "1 if the contact is rigid: a constraint without penetration", &
                       contact%rigid)
-      call add_output(registry, "tooth_coupling", "1", "", "1 if tooth pairs yield to each other's loads, else 0", couples)
+      call add_output(registry, "tooth_coupling", "1", "", "1 if tooth pairs deflect under each other's loads, else 0", couples)
       call add_output(registry, "reference_stiffness", "N m-1", "k", "stiffness of one tooth pair under the reference force", &
                       at%stiffness)
       call add_output(registry, "reference_mass", "kg", "m", "mass of the two wheels along the line of action", at%mass)
@@ -82,14 +83,14 @@ contains
       real(wp), intent(in) :: active   !! its active radius [m]
 
       call begin_section(registry, in_wheel_teeth, dims_wheel, index, is_static=.true.)
-      call add_output(registry, "root_radius", "m", "r_f", "root radius; NaN if not known", known(gear%root_radius))
-      call add_output(registry, "form_radius", "m", "r_Ff", "radius where the involute begins; NaN if not known", &
+      call add_output(registry, "root_radius", "m", "r_f", "root radius; NaN if unknown", known(gear%root_radius))
+      call add_output(registry, "form_radius", "m", "r_Ff", "radius where the involute begins; NaN if unknown", &
                       known(gear%form_radius))
       call add_output(registry, "tip_rounding", "m", "r_t", "radius of the arcs that round the tips; 0: sharp edges", &
                       gear%tip_rounding)
       call add_output(registry, "active_radius", "m", "r_Nf", &
                       "radius where the active profile begins, the smallest over its meshes; NaN without a mesh", active)
-      call add_output(registry, "tooth_angle", "rad", "psi", "angle that a tooth fills on the base circle; NaN if not known", &
+      call add_output(registry, "tooth_angle", "rad", "psi", "angle of a tooth on the base circle; NaN if unknown", &
                       known(gear%tooth_angle))
       associate (tip => wheel%deviation%tip, root => wheel%deviation%root)
          call add_output(registry, "tip_relief", "m", "C_a", "tip relief at the tip circle", max(tip%amount, 0.0_wp))

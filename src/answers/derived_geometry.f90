@@ -42,7 +42,7 @@ contains
       case (of_mesh)
          call add_mesh(gearbox%contacts(gearbox%first(index)), gearbox%pairs(index), gearbox%nominal%force(index), &
                        gearbox%references(index), to)
-         call add_output(to, "gives_way", "1", "", "1: its wheels give way, 0: they could, given a compliance", &
+         call add_output(to, "gives_way", "1", "", "1: its wheels are compliant, 0: they can have a compliance", &
                          gives_way(gearbox, index))
       case (of_gear)
          if (gearbox%gears(index)%teeth > 0) call add_gear(gearbox%gears(index), to)
@@ -110,7 +110,7 @@ contains
       call add_output(to, "elastic_share_driving", "1", "w_A", "share of the driving wheel in the compliance", contact%pair%share_a)
       call add_output(to, "nominal_force", "N", "F_N", "normal force at the nominal operating point; below 0 on the coast flanks", &
                       nominal_force)
-      call add_output(to, "reference_force", "N", "F_0", "its magnitude; of an unloaded mesh what others carry", &
+      call add_output(to, "reference_force", "N", "F_0", "its magnitude; for an unloaded mesh that of the others", &
                       contact%force_scale)
       call add_output(to, "reference_penetration", "m", "h_0", "its penetration", contact%h_scale)
       call add_output(to, "reference_stiffness", "N/m", "k", "stiffness of one tooth pair there", at%stiffness)
@@ -171,7 +171,7 @@ contains
 
       call add_output(to, "centre_distance", "m", "a_w", "centre distance", g%centre_distance)
       call add_output(to, "reference_centre_distance", "m", "a", "reference centre distance", g%reference_distance)
-      call add_output(to, "tight_centre_distance", "m", "", "centre distance of full teeth without backlash", g%tight_distance)
+      call add_output(to, "tight_centre_distance", "m", "", "zero-backlash centre distance", g%tight_distance)
       call add_output(to, "working_pressure_angle", "rad", "alpha_wt", "working pressure angle", g%working_pressure_angle)
       call add_output(to, "pitch_diameter_driving", "m", "d_w1", "working pitch diameter, driving", 2*g%pitch_radius_a)
       call add_output(to, "pitch_diameter_driven", "m", "d_w2", "working pitch diameter, driven", 2*g%pitch_radius_b)
@@ -198,7 +198,7 @@ contains
       real(wp) :: to_arc
 
       associate (d => gearbox%wheels(index)%deviation, r_b => gearbox%wheels(index)%base_radius)
-         call add_output(to, "profile_start_diameter", "m", "d_Nf", "start of the active profile that deviates", &
+         call add_output(to, "profile_start_diameter", "m", "d_Nf", "start of the modified active profile", &
                          2*hypot(d%middle - d%half_length, r_b))
          call add_output(to, "profile_tip_diameter", "m", "d_a", "its end", 2*hypot(d%middle + d%half_length, r_b))
          if (d%tip%amount > 0) then
@@ -230,15 +230,15 @@ contains
       call add_output(to, "driving_at_start", "1/Pa", "c_A", "driving wheel, flank at the start of the path", s%driving(1))
       call add_output(to, "driving_at_pitch_point", "1/Pa", "c_A", "at the pitch point", s%driving(2))
       call add_output(to, "driving_at_end", "1/Pa", "c_A", "at the end", s%driving(3))
-      call add_output(to, "driving_next", "1/Pa", "c_A1", "the next flank by a load there", s%next_driving)
+      call add_output(to, "driving_next", "1/Pa", "c_A1", "the adjacent flank under a load there", s%next_driving)
       call add_output(to, "driven_at_start", "1/Pa", "c_B", "driven wheel, flank at the start of the path", s%driven(1))
       call add_output(to, "driven_at_pitch_point", "1/Pa", "c_B", "at the pitch point", s%driven(2))
       call add_output(to, "driven_at_end", "1/Pa", "c_B", "at the end", s%driven(3))
-      call add_output(to, "driven_next", "1/Pa", "c_B1", "the next flank by a load there", s%next_driven)
+      call add_output(to, "driven_next", "1/Pa", "c_B1", "the adjacent flank under a load there", s%next_driven)
       call add_output(to, "line_load", "N/m", "w", "line load of the stiffnesses", s%line_load)
       call add_output(to, "single_pair", "Pa", "", "stiffness of one tooth pair, at the pitch point", s%single_pair)
-      call add_output(to, "double_pair", "Pa", "", "of two, half a base pitch before and behind it", s%double_pair)
-      call add_output(to, "iso_6336", "Pa", "c'", "ISO 6336-1, measured pairs without body: not the same", s%iso)
+      call add_output(to, "double_pair", "Pa", "", "of two pairs, half a base pitch before and after it", s%double_pair)
+      call add_output(to, "iso_6336", "Pa", "c'", "ISO 6336-1 (pairs without body, not comparable)", s%iso)
    end subroutine add_compliance
 
    !> Whether a wheel has pitch errors.

@@ -38,8 +38,8 @@ module evl_gearbox_initial
 
    ! rows of the initial condition
    type(row_t), parameter, public :: initial_rows(*) = [ &
-                      row_t("kind", type_choice, "", "at rest; in steady motion under the loads; with given speeds; on a periodic" &
-                                           //" orbit", default="rest", words="rest steady speeds periodic"), &
+                                  row_t("kind", type_choice, "", "all speeds zero; steady motion under the loads; given speeds; a" &
+                                           //" periodic orbit", default="rest", words="rest steady speeds periodic"), &
                row_t("speeds", type_named, "rad/s", "angular velocity of every wheel by name", required=.true., variants="speeds", &
                                            plausible=span_t(0.0_wp, 15000.0_wp)), &
                  row_t("gaps", type_named, "m", "gap between the flanks of a mesh by name, 0 if not given; negative: penetration", &
@@ -201,7 +201,7 @@ contains
             prescribed = prescribed_speed(gearbox, wheel%prescribed, t, integers) - spin
             if (abs(prescribed - speeds(i)) <= speed_agreement*(abs(prescribed) + abs(spin))) cycle
             call fail(status, code_invalid_input, "the prescribed speed "//quantity(prescribed, "rad/s")//" does not agree" &
-                      //" with the initial speed "//quantity(speeds(i), "rad/s")//" of its wheel: start with given speeds," &
+                      //" with the initial speed "//quantity(speeds(i), "rad/s")//" of its wheel; start with given speeds," &
                       //" or from a steady state", subject_load, wheel%prescribed, "value")
             return
          end associate
@@ -224,8 +224,8 @@ contains
             if (initial%gaps(m) <= contact%base_pitch/2) cycle
             if (.not. any(gearbox%contacts%mesh == contact%mesh .and. gearbox%contacts%flank == flank_coast)) cycle
             call fail(status, code_invalid_input, "its initial gap "//quantity(initial%gaps(m), "m")//" is more than half a base" &
-                      //" pitch, "//quantity(contact%base_pitch/2, "m")//": the coast flanks would stand inside each other;" &
-                      //" give one within the backlash", subject_mesh, m, "gaps")
+                      //" pitch, "//quantity(contact%base_pitch/2, "m")//": the coast flanks would penetrate each other; give" &
+                      //" one within the backlash", subject_mesh, m, "gaps")
             return
          end associate
       end do
@@ -270,7 +270,7 @@ contains
          mode%flanks = flanks_loaded
       else if (point%h > touching*contact%h_scale) then
          call fail(status, code_invalid_input, "a rigid contact cannot start with the penetration "//quantity(point%h, "m") &
-                   //": give a gap that is not negative", subject_mesh, contact%mesh, "gaps")
+                   //"; give a gap of at least 0", subject_mesh, contact%mesh, "gaps")
       end if
    end subroutine settle_rigid
 

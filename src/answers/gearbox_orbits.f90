@@ -202,8 +202,8 @@ contains
          associate (load => gearbox%loads(i)%load)
             if (.not. load%prescribes) cycle
             if (gearbox%wheels(load%wheel)%i_psi > 0) call fail(status, code_invalid_input, "orbits are found where the" &
-                  //" speed of the first wheel, or of one on its shaft, is prescribed: name the wheels in another order, or leave" &
-                                                                //" the method out", subject_load, i, "kind")
+                        //" speed of the first wheel, or of one on its shaft, is prescribed; list the wheels in another order, or" &
+                                                                //" omit the method", subject_load, i, "kind")
          end associate
          if (has_failed(status)) return
       end do

@@ -40,7 +40,7 @@ contains
                call warn(gearbox%warnings, &
                          "its damping ratio at the nominal load is "//quantity(reference%ratio, "")//", but measured" &
                          //" meshes have 0.03 to 0.17: vibrations at its natural frequency "//quantity(reference%frequency, "Hz") &
-                         //" die at once; {law: ratio, value: 0.07} damps like a real mesh", subject_mesh, m, "damping")
+                         //" decay at once; {law: ratio, value: 0.07} is typical of measured meshes", subject_mesh, m, "damping")
          end associate
       end do
    end subroutine gearbox_set_references

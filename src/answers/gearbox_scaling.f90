@@ -45,8 +45,8 @@ contains
                                                          gearbox%nominal%torque_scale/abs(contact%pair%advance))
             call static_penetration(gearbox, contact, contact%force_scale, contact%h_scale)
             if (.not. contact%h_scale > 0) then
-               call fail(status, code_invalid_input, "no load, however small, gives its contact a penetration that is a number:" &
-                         //" something of its wheels or their material is out of all proportion", subject_mesh, contact%mesh)
+               call fail(status, code_invalid_input, "its contact has no finite penetration under any load; check the" &
+                         //" dimensions and materials of its wheels", subject_mesh, contact%mesh)
                return
             end if
             contact%rate_scale = sqrt(contact%force_scale*contact%h_scale*contact%mobility)

@@ -58,7 +58,7 @@ contains
          real(wp), intent(in) :: length !! [m]
 
          call warn(gearbox%warnings, "the "//name//" of "//quantity(length, "m")//" is more than 0.1 modules, " &
-                   //quantity(large_error*gearbox%gears(i)%normal_module, "m")//": is its unit right?", subject_wheel, i, field)
+                   //quantity(large_error*gearbox%gears(i)%normal_module, "m")//"; check its unit", subject_wheel, i, field)
       end subroutine warn_of_one
 
    end subroutine warn_of_tooth_errors
@@ -86,9 +86,9 @@ contains
       end do
       i = findloc(speeds > fast, .true., dim=1)
       if (i == 0) return
-      text = "by loads and start it turns at "//quantity(speeds(i), "rad/s")
+      text = "loads and initial state give it a speed of "//quantity(speeds(i), "rad/s")
       call add_others(text, count(speeds > fast) - 1)
-      text = trim(text)//": are lengths given in metres, torques in N m, speeds in rad/s?"
+      text = trim(text)//"; check the units: lengths in metres, torques in N m, speeds in rad/s"
       call warn(warnings, trim(text), subject_wheel, i)
    end subroutine warn_of_speeds
 
@@ -99,9 +99,9 @@ contains
       character(len=40) :: number
 
       if (n == 1) then
-         text = trim(text)//", and another wheel is like it"
+         text = trim(text)//", and so has another wheel"
       else if (n > 1) then
-         write (number, "(a, i0, a)") ", and ", n, " other wheels are like it"
+         write (number, "(a, i0, a)") ", and ", n, " other wheels have such speeds"
          text = trim(text)//trim(number)
       end if
    end subroutine add_others

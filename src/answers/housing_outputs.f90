@@ -104,7 +104,7 @@ contains
       call begin_section(registry, in_accelerometers, dims_accelerometer, index)
       call needs(registry, needs_rates)
       call add_output(registry, "accelerometer_acceleration", "m s-2", "a_k", &
-                      "acceleration of the housing there along the direction, gravity not counted", felt, &
+                      "acceleration of the housing there along the direction, without gravity", felt, &
                       no_rate="along a direction that turns with the housing: no output has its integral")
    end subroutine add_accelerometer
 

@@ -211,7 +211,7 @@ contains
       end do
       call free_rows(vectors(:, :n_modes), moving)
       if (size(moving) /= n_modes) then
-         call fail(status, code_no_solution, "its modes do not describe every motion")
+         call fail(status, code_no_solution, "its modes do not span all motions")
          return
       end if
       do k = 1, n_modes

@@ -86,7 +86,7 @@ contains
       call add_output(registry, "line_distance_driven", "m", "", &
                       "distance of the driven wheel's tracked point from the line of action", points%line_distance(:, 2))
       call needs(registry, needs_meshes)
-      call add_output(registry, "tooth_pair", "1", "k", "the tooth pair longest on the path: pitches since the start", &
+      call add_output(registry, "tooth_pair", "1", "k", "the first tooth pair on the path: pitches since the start", &
                       mesh%mode%tooth_pair)
       call needs(registry, needs_places)
       call add_output(registry, "in_contact", "1", "", "1 if the flanks of any tooth pair overlap", mesh%touching, &
@@ -96,21 +96,21 @@ contains
                       "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", mesh%mode%flanks)
       call needs(registry, needs_places)
       call add_output(registry, "gap_rate", "m s-1", "kappa'", "rate of the gap", 0 - mesh%h_dot, & ! never -0
-                      no_rate="of the tooth pair longest on the path; gap is that of the nearest flanks")
-      call add_output(registry, "flank_deviation", "m", "e", "material that the flanks lack where they are nearest to each other", &
+                      no_rate="of the first tooth pair on the path; gap is that of the nearest flanks")
+      call add_output(registry, "flank_deviation", "m", "e", "deviation of the flanks (material removed) at their nearest points", &
                       mesh%deviation)
       call needs(registry, needs_meshes)
-      call add_output(registry, "pairs_in_contact", "1", "", "tooth pairs that carry load, on both flanks", mesh%loaded)
+      call add_output(registry, "pairs_in_contact", "1", "", "number of loaded tooth pairs, on both flanks", mesh%loaded)
       call add_output(registry, "mesh_torque_driving", "N m", "T_A", "torque of the mesh on the driving wheel", mesh%torque_a)
       call add_output(registry, "mesh_torque_driven", "N m", "T_B", "torque of the mesh on the driven wheel", mesh%torque_b)
       call add_output(registry, "friction_loss", "W", "P_f", "power lost to friction", mesh%loss, rate_of="dissipated_energy")
       call add_output(registry, "contact_damping_loss", "W", "P_d", "power lost in the dampers of the tooth pairs", &
                       mesh%damping_loss, rate_of="dissipated_energy")
       call add_output(registry, "curvature_loss", "W", "P_rho", &
-                      "power that the elastic energy loses as radii of curvature change; negative where it gains", &
+                      "loss of elastic energy by changing radii of curvature; negative for a gain", &
                       mesh%curvature_loss, rate_of="dissipated_energy")
       call needs(registry, needs_places)
-      call add_output(registry, "efficiency", "1", "eta", "1 - friction loss over the power that the driving wheel hands over", &
+      call add_output(registry, "efficiency", "1", "eta", "1 - friction loss over the power of the driving wheel", &
                       efficiency(mesh%loss, mesh%torque_a, mesh%omega_a))
       call needs(registry, needs_points)
       call add_output(registry, "contact_point_driving", "m", "P_A", "contact point on the driving flank", points%driving)

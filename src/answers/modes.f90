@@ -138,7 +138,8 @@ contains
 
       k = findloc(gearbox%contacts(gearbox%first(:size(gearbox%pairs)))%rigid, .true., dim=1)
       if (k > 0) then
-         call fail(status, code_no_solution, "natural modes need a stiffness, but this contact is rigid: give it an elastic law", &
+         call fail(status, code_no_solution, "natural modes require a stiffness, but this contact is rigid; give it an" &
+                   //" elastic law", &
                    subject_mesh, k, "contact.law")
          return
       end if

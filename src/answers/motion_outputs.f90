@@ -49,8 +49,9 @@ contains
 
       call begin_section(registry, in_gearbox, dims_none, 1)
       call add_output(registry, "reference_angle", "rad", "theta", &
-                      "angle of the reference wheel since the start, less whole turns", at%theta)
-      call add_output(registry, "reference_turns", "1", "", "whole turns of the reference wheel beside reference_angle", at%turns)
+                      "angle of the reference wheel since the start, less whole revolutions", at%theta)
+      call add_output(registry, "reference_turns", "1", "", "whole revolutions of the reference wheel, in addition to" &
+                      //" reference_angle", at%turns)
       call add_output(registry, "kinetic_energy", "J", "T", "kinetic energy", at%kinetic)
       call needs(registry, needs_rates)
       call add_output(registry, "potential_energy", "J", "V", "elastic energy of contacts, supports and shafts", at%potential)
@@ -107,7 +108,7 @@ contains
 
       call begin_section(registry, in_shafts, dims_shaft, index)
       call needs(registry, needs_torques)
-      call add_output(registry, "shaft_torque", "N m", "T", "torque on the second wheel; on the first one its opposite", at%torque)
+      call add_output(registry, "shaft_torque", "N m", "T", "torque on the second wheel; opposite on the first one", at%torque)
       call needs(registry, needs_nothing)
       call add_output(registry, "shaft_twist", "rad", "", "angle of the first wheel less that of the second", at%twist)
       call add_output(registry, "shaft_damping_loss", "W", "P_c", "power lost in the damping of the shaft", at%loss, &

@@ -46,7 +46,7 @@ contains
                       "radius of curvature of the driving flank at the contact; NaN off the path", pair%rho_a)
       call needs(registry, needs_pressures)
       call add_output(registry, "pair_contact_pressure", "Pa", "p_k", &
-                      "largest contact pressure; NaN where a hollow flank has no Hertzian one, and on a sharp tip edge", &
+                      "largest contact pressure; NaN on a concave flank without one, and on a sharp tip edge", &
                       pair%pressure)
       call needs(registry, needs_pairs)
       call add_output(registry, "pair_on_path", "1", "", &
@@ -59,7 +59,7 @@ contains
       call add_output(registry, "pair_contact_mode", "1", "", &
                       "0 open, 1 loaded, 2 overlapping without force, 3 too far apart to track, 4 off the path", pair%mode%flanks)
       call add_output(registry, "pair_contact_kind", "1", "", &
-                      "0 flank meets flank, or may; 1 a tip edge of the driving wheel; 2 one of the driven wheel", &
+                      "0 flank on flank, or possible; 1 tip edge of the driving wheel; 2 tip edge of the driven wheel", &
                       edge_wheel(pair%mode))
       call needs(registry, ior(needs_pairs, needs_places))
       call add_output(registry, "pair_penetration", "m", "h_k", &

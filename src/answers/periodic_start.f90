@@ -68,8 +68,8 @@ contains
       call gearbox_start(resting, initial_at(initial_steady, initial%mesh_position), 0.0_wp, y, yp, integers, reals, status)
       if (has_failed(status)) return
       if (.not. model%common%by_time .and. .not. pitch_rate(gearbox, y) > 0) &
-         call fail(status, code_invalid_input, refused//"in the steady state nothing turns the first mesh in" &
-                   //" its nominal sense; start with kind: steady", subject_initial, field="kind")
+         call fail(status, code_invalid_input, refused//"in the steady state the first mesh does not turn in its nominal" &
+                   //" sense; start with kind: steady", subject_initial, field="kind")
    end subroutine begin_periodic_start
 
    !> Create the model of the orbits, or fail with the reason.

@@ -30,12 +30,13 @@ contains
       integer :: n
 
       if (.not. (abs(torque) > 0 .and. ieee_is_finite(torque))) then
-         call fail(status, code_invalid_input, "a torque of "//quantity(torque, "N m")//" of the driving wheel presses no flanks:" &
-                   //" give one above 0, in the sense of driving_rotation, or below, which presses the coast flanks", subject_none)
+         call fail(status, code_invalid_input, "a torque of "//quantity(torque, "N m")//" of the driving wheel loads no" &
+                   //" flanks; give one above 0, in the sense of driving_rotation, or one below 0, which loads the coast" &
+                   //" flanks", subject_none)
          return
       end if
       if (.not. ieee_is_finite(speed)) then
-         call fail(status, code_invalid_input, "the speed at which flanks rub must be finite", subject_none)
+         call fail(status, code_invalid_input, "the speed for sliding friction must be finite", subject_none)
          return
       end if
       associate (drive => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))

@@ -69,7 +69,7 @@ contains
                    //" or more show "//counted(n_harmonics)//" harmonics", subject_none)
       else if (points > most_positions/plan%n_pitches) then
          call fail(status, code_invalid_input, "teeth differ, so that "//counted(plan%n_pitches)//" pitches of "//counted(points) &
-                   //" positions have to be looked at: more than "//counted(most_positions)//" positions", subject_none)
+                   //" positions are required, more than "//counted(most_positions)//" positions", subject_none)
       end if
       if (has_failed(status)) return
       plan%points = points
@@ -91,8 +91,10 @@ contains
          plan%reach = gearbox%flanks(contact%i_flank)%flank%reach*pair%base_pitch
          if (.not. plan%reach > 0 .and. pair%contact_ratio < 1 - exactly_one) then
             call fail(status, code_invalid_input, &
-                      "its contact ratio is "//quantity(pair%contact_ratio, "")//": where no tooth pair is on its path only tip" &
-                      //" edges hold the wheels; give one a compliance, or edge_contact: true", subject_mesh, mesh)
+                      "its contact" &
+                      //" ratio is "//quantity(pair%contact_ratio, "")//": without a tooth pair on the path only tip" &
+                      //" edges are in contact; give a wheel a compliance, or the mesh" &
+                      //" edge_contact: true", subject_mesh, mesh)
             return
          end if
          associate (a => int(merge(contact%deviation_a%teeth, 1, teeth_differ(contact%deviation_a)), int64), &
@@ -110,15 +112,15 @@ contains
       type(status_t), intent(inout) :: status
 
       if (.not. gearbox%gear_meshes(mesh)%exists) then
-         call fail(status, code_invalid_input, "the static analysis needs real gears, whose tips end the path of contact: give" &
-                   //" both wheels a module", subject_mesh, mesh)
+         call fail(status, code_invalid_input, "the static analysis requires gears with a basic rack, whose tips limit the" &
+                   //" path of contact; give both wheels a module", subject_mesh, mesh)
          return
       end if
       select type (law => gearbox%contacts(gearbox%first(mesh))%elastic)
       type is (johnson_t)
          return
       class default
-         call fail(status, code_invalid_input, "the static analysis knows the contact of law: johnson only", subject_mesh, mesh, &
+         call fail(status, code_invalid_input, "the static analysis supports only the contact law: johnson", subject_mesh, mesh, &
                    "contact.law")
       end select
    end subroutine check_mesh

@@ -115,7 +115,7 @@ contains
       call add_output(registry, "normal_backlash", "m", "j_bn", &
                       "normal backlash, by which the driven wheel leads on coast flanks without load", pair%backlash)
       call add_output(registry, "driving_speed", "rad s-1", "omega_A", &
-                      "speed of the driving wheel that friction goes by; 0: none", speed)
+                      "speed of the driving wheel for friction; 0: none", speed)
    end subroutine add_static_mesh
 
    !> Rows of a position that do not depend on the torque.
@@ -127,9 +127,9 @@ contains
 
       call begin_section(registry, in_start, dims_position, position, is_static=.true.)
       call add_output(registry, "driving_angle", "rad", "phi_A", &
-                      "angle by which the driving wheel has turned on since position 0", angle)
+                      "angle of the driving wheel from position 0", angle)
       call add_output(registry, "free_transmission_error", "m", "h_0", &
-                      "transmission error without load, where the first pair touches", h_0)
+                      "transmission error without load, at first contact", h_0)
    end subroutine add_static_start
 
    !> Rows of all positions at a torque.
@@ -145,14 +145,14 @@ contains
                       total%extremes%highest_h - total%extremes%lowest_h)
       call add_output(registry, "mean_secant_stiffness", "N m-1", "k_s", &
                       "mean of F/(h - h_0), the transmission error that load adds", total%secant)
-      call add_output(registry, "mean_tangent_stiffness", "N m-1", "k_t", "mean of dF/dh at rest of the driving wheel", &
+      call add_output(registry, "mean_tangent_stiffness", "N m-1", "k_t", "mean of dF/dh with the driving wheel fixed", &
                       total%tangent)
-      call add_output(registry, "loaded_contact_ratio", "1", "eps_F", "mean number of tooth pairs that carry", total%carrying)
+      call add_output(registry, "loaded_contact_ratio", "1", "eps_F", "mean number of loaded tooth pairs", total%carrying)
       call add_output(registry, "largest_force_share", "1", "", "largest force share of a tooth pair", total%share)
       call add_output(registry, "largest_contact_pressure", "Pa", "p_max", &
-                      "largest contact pressure of all pairs that have one; on sharp tip edges there is none", &
+                      "largest contact pressure of all pairs, except on sharp tip edges", &
                       total%extremes%pressure)
-      call add_output(registry, "largest_edge_force", "N", "", "largest force that a tip edge carries", total%extremes%edge_force)
+      call add_output(registry, "largest_edge_force", "N", "", "largest corner (tip-edge) contact force", total%extremes%edge_force)
       call add_output(registry, "smallest_tangent_stiffness", "N m-1", "k_t,min", "smallest tangent stiffness", &
                       total%extremes%softest)
       call add_output(registry, "largest_tangent_stiffness", "N m-1", "k_t,max", "largest tangent stiffness", &
@@ -160,11 +160,11 @@ contains
       call add_output(registry, "mesh_stiffness_per_width", "Pa", "k_s/b", "mean secant stiffness over the common width", &
                       total%per_width)
       call add_output(registry, "pair_stiffness_per_width", "Pa", "k_1/b", &
-                      "secant stiffness of one pair alone at the pitch point, over the width", total%single)
+                      "secant stiffness of a single pair at the pitch point, over the width", total%single)
       call add_output(registry, "iso_mesh_stiffness_per_width", "Pa", "c_gamma", &
-                      "c_gamma of ISO 6336-1, from measured pairs without body: not the same", total%iso)
+                      "c_gamma of ISO 6336-1 (from measured pairs without body, a different quantity)", total%iso)
       call add_output(registry, "iso_pair_stiffness_per_width", "Pa", "c'", &
-                      "c' of ISO 6336-1, from measured pairs without body: not the same", total%iso_single)
+                      "c' of ISO 6336-1 (from measured pairs without body, a different quantity)", total%iso_single)
    end subroutine add_static_torque
 
    !> Rows of a position. Equation SA4.
@@ -177,7 +177,8 @@ contains
       type(static_state), intent(in) :: state
 
       call begin_section(registry, in_positions, dims_position, position)
-      call add_output(registry, "transmission_error", "m", "h", "by which the driven wheel lags along the line of action", lag)
+      call add_output(registry, "transmission_error", "m", "h", "transmission error: lag of the driven wheel along the line" &
+                      //" of action", lag)
       call add_output(registry, "transmission_error_angle", "rad", "h/r_bB", "the same as an angle of the driven wheel", &
                       lag/base_radius)
       call add_output(registry, "secant_stiffness", "N m-1", "F/h", &
@@ -185,9 +186,9 @@ contains
       call add_output(registry, "loaded_secant_stiffness", "N m-1", "F/(h-h_0)", &
                       "force over the transmission error that load adds", ratio(force, state%h - state%h_0))
       call add_output(registry, "tangent_stiffness", "N m-1", "dF/dh", &
-                      "stiffness for small changes of load, the driving wheel at rest", state%stiffness)
+                      "stiffness for small changes of load, the driving wheel fixed", state%stiffness)
       call add_output(registry, "elastic_energy", "J", "U", "elastic energy of teeth, bodies and contacts", state%potential%energy)
-      call add_output(registry, "loaded_pairs", "1", "", "number of tooth pairs that carry", &
+      call add_output(registry, "loaded_pairs", "1", "", "number of loaded tooth pairs", &
                       count(state%potential%answer%force(:state%n) > 0))
    end subroutine add_static_position
 
@@ -215,10 +216,10 @@ contains
       call add_output(registry, "pair_friction_force", "N", "F_tk", &
                       "its friction force on the driving wheel, along the t of its flank", friction)
       call add_output(registry, "pair_contact_pressure", "Pa", "p_k", &
-                      "largest contact pressure; NaN on a sharp tip edge, where none is known", pressure)
+                      "largest contact pressure; NaN on a sharp tip edge, where it is undefined", pressure)
       call add_output(registry, "pair_position", "m", "rho_Ak", &
                       "radius of curvature of the driving flank at the contact; NaN out of reach", foot(by_a))
-      call add_output(registry, "pair_position_driven", "m", "rho_Bk", "the same of the driven flank", foot(by_b))
+      call add_output(registry, "pair_position_driven", "m", "rho_Bk", "the same for the driven flank", foot(by_b))
       call add_output(registry, "pair_contact_kind", "1", "", &
                       "0 no force, 1 flank on flank, 2 tip edge of the driving wheel, 3 tip edge of the driven wheel", kind)
    end subroutine add_static_pair

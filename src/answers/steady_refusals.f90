@@ -32,8 +32,8 @@ contains
       integer :: i
 
       if (gearbox%housing%kind == housing_prescribed) then
-         call fail(status, code_no_solution, "a steady start needs a housing that is at rest or mounted, but its motion is" &
-                   //" prescribed: start from rest or with given speeds", subject_initial, field="kind")
+         call fail(status, code_no_solution, "a steady start requires a fixed or mounted housing, but its motion is" &
+                   //" prescribed; start from rest or with given speeds", subject_initial, field="kind")
          return
       else if (norm2([gearbox%housing%velocity, gearbox%housing%omega]) > 0) then
          call fail(status, code_no_solution, "a steady start has a housing without velocity", subject_housing, field="velocity")
@@ -41,13 +41,13 @@ contains
       end if
       prescribes = [(gearbox%loads(i)%load%prescribes, i=1, size(gearbox%loads))]
       if (count(prescribes) > 1) then
-         call fail(status, code_no_solution, "a steady start needs wheels that are free to find their positions, but the speeds" &
-                   //" of several are prescribed: start with given speeds", subject_initial, field="kind")
+         call fail(status, code_no_solution, "a steady start requires at most one prescribed speed, but several wheels have" &
+                   //" one; start with given speeds", subject_initial, field="kind")
          return
       end if
       do i = 1, size(gearbox%loads)
          if (.not. abs(gearbox%loads(i)%load%acceleration(segment_of(gearbox%loads(i)%load, integers))) > 0) cycle
-         call fail(status, code_no_solution, "the prescribed speed of a wheel changes at the start: that is no steady state", &
+         call fail(status, code_no_solution, "the prescribed speed of a wheel changes at the start, which is not a steady state", &
                    subject_load, i, "time")
          return
       end do
@@ -97,12 +97,12 @@ contains
          call refuse_slope(gearbox, state, status)
          return
       else if (i == 0) then
-         call fail(status, code_no_solution, "there is no steady state: nothing presses its drive flanks together, which would" &
-                   //" have to pull (penetration "//quantity(h, "m")//"); start from rest or with given speeds", subject_mesh, &
+         call fail(status, code_no_solution, "there is no steady state: no load closes its drive flanks, which would have to" &
+                   //" pull (penetration "//quantity(h, "m")//"); start from rest or with given speeds", subject_mesh, &
                    contact%mesh, "driving_rotation")
          return
       end if
-      consequence = "has the wrong sense for a steady state: it parts the drive flanks of "//trim(number)//", and the coast" &
+      consequence = "has the wrong sense for a steady state: it opens the drive flanks of "//trim(number)//", and the coast" &
                     //" flanks would carry; change its sign, or driving_rotation of that mesh"
       associate (load => gearbox%loads(i)%load)
          if (load%prescribes) then
@@ -184,8 +184,9 @@ contains
          associate (contact => gearbox%contacts(m), is_off => flanks_of(gearbox%contacts(m), integers) == flanks_off)
             if (flanks_of(contact, before) == flanks_off .eqv. is_off) cycle
             write (pair, "(i0)") merge(tooth_pair_of(contact, before), tooth_pair_of(contact, integers), is_off)
-            call fail(status, code_no_solution, "there is no steady state: tooth pair "//trim(pair)//" is on the path of contact" &
-                      //" while others carry the load, and off it once it carries; start from rest or with given speeds", &
+            call fail(status, code_no_solution, "there is no steady state:" &
+                      //" tooth pair "//trim(pair)//" is on the path of contact while others carry the load, and off it when" &
+                      //" loaded; start from rest or with given speeds", &
                       subject_mesh, contact%mesh)
             return
          end associate
@@ -223,7 +224,7 @@ contains
          end associate
       end do
       if (worst == 0) then
-         call fail(status, code_no_solution, "no steady state was found: start from rest or with given speeds", subject_initial, &
+         call fail(status, code_no_solution, "no steady state was found; start from rest or with given speeds", subject_initial, &
                    field="kind")
          return
       end if

@@ -77,7 +77,7 @@ contains
       handle = c_null_ptr
       allocate (gearbox, stat=stat)
       if (stat /= 0) then
-         call fail(s, code_no_memory, "there is no memory for a gearbox")
+         call fail(s, code_no_memory, "there is not enough memory for a gearbox")
          if (present(status)) call status_to_c(s, status)
          return
       end if

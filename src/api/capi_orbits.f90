@@ -52,7 +52,7 @@ contains
       handle = c_null_ptr
       allocate (self, stat=stat)
       if (stat /= 0) then
-         call fail(s, code_no_memory, "there is no memory for orbits")
+         call fail(s, code_no_memory, "there is not enough memory for orbits")
          code = answer(s, status)
          return
       end if

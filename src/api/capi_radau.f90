@@ -69,7 +69,7 @@ contains
       call gearbox_ode_serves(gearbox, s)
       if (.not. has_failed(s)) then
          allocate (self, stat=stat)
-         if (stat /= 0) call fail(s, code_no_memory, "there is no memory for an integrator")
+         if (stat /= 0) call fail(s, code_no_memory, "there is not enough memory for an integrator")
       end if
       if (.not. has_failed(s)) then
          call gearbox_ode_create(self%model, gearbox, scale(:gearbox%n_states))

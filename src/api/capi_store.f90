@@ -68,7 +68,7 @@ contains
 
       call c_f_procpointer(procedure, call_back)
       answer = call_back(self, size(key), key, size(numbers), numbers)
-      if (answer < 0) call fail(status, code_store_failed, "what is kept of wheels that give way could not be read or written", &
+      if (answer < 0) call fail(status, code_store_failed, "stored compliances of wheels could not be read or written", &
                                 subject_wheel, field="compliance")
    end function answer
 

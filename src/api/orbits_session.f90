@@ -121,7 +121,7 @@ contains
             call gearbox_orbits_state(model, orbit%y, y, integers, reals, status)
             if (has_failed(status)) return
             if (self%ask(self%self, number, orbit%periods, orbit%period, model%phase, y, integers, reals, refusal) /= code_ok) then
-               call fail(status, code_no_solution, "it could not be told")
+               call fail(status, code_no_solution, "its result could not be reported")
                return
             end if
             call gearbox_orbits_arrive(model, y, integers, reals, orbit%flow%y, orbit%flow%same_modes)

@@ -69,8 +69,8 @@ contains
       if (is_definite) call wheel_response(outline%teeth, 2*size(sector%cut) - 2, halves(:, :, 1), halves(:, :, 2), response, &
                                            is_definite)
       if (.not. is_definite) then
-         call fail(status, code_invalid_input, "the stiffness of a tooth sector is not positive definite, so its compliance has" &
-                   //" no value: another 'order' or hub_diameter may help", subject_wheel, field="compliance")
+         call fail(status, code_invalid_input, "the stiffness of a tooth sector is not positive definite, so its compliance" &
+                   //" is undefined; try another 'order' or hub_diameter", subject_wheel, field="compliance")
          return
       end if
       !GCC$ novector ! of the C library's logarithms, whose bits are others
@@ -115,7 +115,7 @@ contains
 
       write (which, "(i0)") e
       call fail(status, code_invalid_input, "no mesh fits the tooth: element "//trim(which)//", "//trim(part_of(sector, e)) &
-                //", would fold over; a larger root fillet or another profile shift helps, or compliance.model: analytic", &
+                //", would fold over; choose a larger root fillet, another profile shift, or compliance.model: analytic", &
                 subject_wheel, field="compliance")
    end subroutine refuse_fold
 

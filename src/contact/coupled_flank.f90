@@ -85,8 +85,8 @@ contains
          call solve_pairs(n, pairs%h, pairs%line, compliance%c, contact%e_star, .false., answer, code)
          if (code /= code_ok) then
             call fail(status, code_out_of_domain, "the forces of the tooth pairs have no solution at a penetration of h = " &
-                      //quantity(pairs%h(1), "m")//": the teeth would yield by more than the length of the line of action, or the" &
-                      //" compliances of the wheels do not fit together", subject_mesh, contact%mesh, "contact")
+                      //quantity(pairs%h(1), "m")//": the teeth would deflect by more than the length of the line of action," &
+                      //" or the compliances of the wheels are inconsistent", subject_mesh, contact%mesh, "contact")
             return
          end if
          call overlaps(n, pairs%h, compliance%c, answer, g)

@@ -25,27 +25,27 @@ module evl_event_kinds
 
    !&<
    type(event_kind), parameter :: event_rows(0:*) = &
-      [event_kind("tooth_switch", "the driving wheel moved on by one pitch: the next tooth pair takes over"), &
-       event_kind("tooth_switch_back", "the driving wheel turned back by one pitch: the pair before takes over"), &
+      [event_kind("tooth_switch", "the driving wheel advanced by one pitch: transfer to the next tooth pair"), &
+       event_kind("tooth_switch_back", "the driving wheel turned back by one pitch: transfer to the previous pair"), &
        event_kind("contact_closed", "the gap closed"), &
-       event_kind("contact_opened", "the flanks parted"), &
-       event_kind("force_vanished", "elastic + viscous force fell to 0 while the flanks still overlap"), &
-       event_kind("force_returned", "it rose above 0 again while the flanks overlap"), &
+       event_kind("contact_opened", "the flanks separated"), &
+       event_kind("force_vanished", "elastic + viscous force decreased to 0 while the flanks still overlap"), &
+       event_kind("force_returned", "elastic + viscous force increased above 0 again while the flanks overlap"), &
        event_kind("sliding_began", "friction left the linear part of its law"), &
        event_kind("sliding_ended", "friction entered the linear part of its law"), &
        event_kind("table_knot", "a table of a load has a knot here"), &
-       event_kind("revolution", "the reference angle was reduced by whole turns"), &
-       event_kind("flanks_apart", "the gap became too wide for tracked points to face each other: tracking rests"), &
-       event_kind("flanks_near", "the gap came below that width again: tracking begins anew"), &
-       event_kind("impact", "rigid flanks met and part again"), &
+       event_kind("revolution", "the reference angle was reduced by whole revolutions"), &
+       event_kind("flanks_apart", "the gap became too wide for tracked points to face each other: tracking is suspended"), &
+       event_kind("flanks_near", "the gap fell below that width again: tracking restarts"), &
+       event_kind("impact", "rigid flanks collided and separate again"), &
        event_kind("impacts_ended", "the approach was too slow for another impact: the rigid contact stays closed"), &
-       event_kind("pair_entered", "a tooth pair came onto the path of contact, or within reach of its edges"), &
-       event_kind("pair_left", "a tooth pair left the path of contact, or the reach of its edges"), &
+       event_kind("pair_entered", "a tooth pair entered the path of contact, or the range of its corner contact"), &
+       event_kind("pair_left", "a tooth pair left the path of contact, or the range of its corner contact"), &
        event_kind("profile_border", "the contact passed the border of a relief, or the end of a relieved flank"), &
-       event_kind("edge_closed", "a tip edge met the flank of its mate, before or after the path of contact"), &
-       event_kind("edge_opened", "a tip edge parted from the flank of its mate"), &
-       event_kind("flank_reached", "a tooth pair came onto its path: flank meets flank, no longer a tip edge"), &
-       event_kind("edge_left_flank", "a tooth pair left its path of contact: a tip edge touches from here on")]
+       event_kind("edge_closed", "a tip edge touched the flank of its mate, before or after the path of contact"), &
+       event_kind("edge_opened", "a tip edge separated from the flank of its mate"), &
+       event_kind("flank_reached", "a tooth pair entered its path: flank contact replaces corner contact"), &
+       event_kind("edge_left_flank", "a tooth pair left its path of contact: corner contact begins")]
    !&>
    integer, parameter :: n_event_rows = size(event_rows)
 

@@ -23,15 +23,15 @@ contains
 
       if (.not. beyond_flank(at%mode)) return
       if (past_both_ends(at%mode)) call fail(status, code_out_of_domain, "a tooth pair is past both ends of its path of contact" &
-                                             //" and carries force: the teeth yield by more than the path is long", &
+                                             //" and carries force: the teeth deflect by more than the length of the path", &
                                              subject_mesh, contact%mesh, "edge_contact")
       wheel = ended_wheel(at%mode)
       mate = by_a + by_b - wheel
       if (at%edge%exists .and. at%edge%foot(mate) >= contact%fillets(mate)) return
       call fail(status, code_out_of_domain, "a tip edge of the "//trim(name_of(wheel))//" wheel touches the fillet of the " &
                 //trim(name_of(mate))//" wheel, which begins at a radius of curvature of "//quantity(contact%fillets(mate), "m") &
-                //", "//quantity(contact%pair%rho_0 - contact%tips(wheel)%edge%rho_end, "m")//" where its path ends: relieve the" &
-                //" tips, or lower the load", subject_mesh, contact%mesh, "edge_contact")
+                //", "//quantity(contact%pair%rho_0 - contact%tips(wheel)%edge%rho_end, "m")//" where its path ends; relieve" &
+                //" the tips, or reduce the load", subject_mesh, contact%mesh, "edge_contact")
    end subroutine check_edge
 
    !> Fail because the contact has left an involute; report which radius of curvature is exhausted.

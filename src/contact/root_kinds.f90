@@ -90,11 +90,11 @@ module evl_root_kinds
       character(len=88) :: text = ""        !! description of a kind that is logged under its own name
    end type root_row
 
-   character(len=*), parameter :: wrong_branch = "slides at #, which its branch of friction does not hold for"
+   character(len=*), parameter :: wrong_branch = "slides at #, outside its branch of friction"
    character(len=*), parameter :: wrong_side = "moves at #, on the wrong side of its damping law"
    character(len=*), parameter :: past_border = "is past the border of a relief", past_end = "is past an end of the path of contact"
    character(len=*), parameter :: wrong_end = "is on the other side of the end of a flank"
-   character(len=*), parameter :: other_end = "is loaded on the wrong side of where a wheel's compliance bends"
+   character(len=*), parameter :: other_end = "is loaded on the wrong side of a kink in a wheel's compliance"
    character(len=*), parameter :: on_path = "is on the path but counts as off it"
 
    !&<
@@ -102,7 +102,7 @@ module evl_root_kinds
       [root_row("contact", moves_flanks, settles_contact, measures_penetration, rises=event_closed, falls=event_opened, &
                 above="overlaps by |#| but counts as open", below="is in contact, but its flanks are |#| apart"), &
        root_row("force", moves_flanks, settles_contact, measures_force, rises=event_returned, falls=event_vanished, &
-                above="ought to push with |#| but counts as unloaded", below="pulls with |#|"), &
+                above="has a force of |#| but counts as unloaded", below="pulls with |#|"), &
        root_row("friction_high", moves_friction, settles_sliding, measures_sliding, border=1.0_wp, &
                 rises=event_sliding_began, falls=event_sliding_ended, above=wrong_branch), &
        root_row("friction_low", moves_friction, settles_sliding, measures_sliding, border=-1.0_wp, &

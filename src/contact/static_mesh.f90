@@ -217,7 +217,7 @@ contains
                              code)
          if (code /= code_ok) then
             call fail(status, code, "the forces of the tooth pairs have no solution at a transmission error of "//quantity(h, "m") &
-                      //": the compliances of the wheels do not fit together")
+                      //": the compliances of the wheels are inconsistent")
             return
          end if
          call overlaps(n, state%places(:n)%h, compliance%c, state%potential%answer, state%overlap)
@@ -262,10 +262,10 @@ contains
                call fail(status, code_out_of_domain, &
                          "a tip edge of the "//trim(name_of(feet%wheel))//" wheel touches the fillet of the " &
                          //trim(name_of(mate))//" wheel, at a radius of curvature of "//quantity(feet%foot(mate), "m") &
-                         //", which begins at "//quantity(mesh%fillets(mate), "m")//": relieve the tips, or lower the load")
+                         //", which begins at "//quantity(mesh%fillets(mate), "m")//"; relieve the tips, or reduce the load")
             else if (all(feet%rho(:by_b) > mesh%tips%edge%rho_end)) then
                call fail(status, code_out_of_domain, "a tooth pair is past both ends of its path of contact and carries force" &
-                         //": the teeth yield by more than the path is long")
+                         //": the teeth deflect by more than the length of the path")
             end if
          end associate
       end do
@@ -297,8 +297,8 @@ contains
                if (place%h <= dot_product(compliance%c(n + 1, :n), force(:n))) cycle
             end if
             call fail(status, code_out_of_domain, "another tooth pair would carry with a tip edge " &
-                      //quantity(mesh%reach/mesh%base_pitch, "")//" pitches off its path of contact: the teeth yield too much for" &
-                      //" their size; lower the load")
+                      //quantity(mesh%reach/mesh%base_pitch, "")//" pitches off its path of contact: the teeth deflect too" &
+                      //" much for their size; reduce the load")
             return
          end do
       end associate

@@ -74,8 +74,8 @@ contains
             call own_of_pair(self%a, self%b, self%k_difference, feet_of(at(k)), own)
             call compliant_force(point%h, line_of(at(k)), sum(own%value), contact%e_star, answer, code)
             if (code /= code_ok) &
-               call fail(status, code, "penetration h = "//quantity(point%h, "m")//" has no force: the teeth would yield by more" &
-                         //" than the length of the line of action", subject_mesh, contact%mesh, "contact")
+               call fail(status, code, "penetration h = "//quantity(point%h, "m")//" has no force: the teeth would deflect by" &
+                         //" more than the length of the line of action", subject_mesh, contact%mesh, "contact")
             elastic = elastic_result(b*answer%force, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp)
             associate (yielding => at(k)%yielding)
                yielding%by_force(1, :) = own%slope/2

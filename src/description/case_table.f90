@@ -31,19 +31,20 @@ module evl_case_table
 
    type(row_t), parameter :: case_rows(*) = [ &
                              row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
-                          row_t("title", type_text, "", "what the case is about; becomes the title of the history", default="''"), &
+                             row_t("title", type_text, "", "title of the case and its history", default="''"), &
                       row_t("materials", type_map, "", "the materials by name", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
                                    holds="material"), &
                   row_t("wheels", type_list, "", "the wheels; the order is that of the history", range=range_t(2.0_wp, 1000.0_wp), &
                                    required=.true., holds="wheel"), &
-                   row_t("meshes", type_list, "", "which wheels mesh, and how", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
+                    row_t("meshes", type_list, "", "the meshes between wheels", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
                                    holds="mesh"), &
-          row_t("shafts", type_list, "", "which wheels on one axis turn together", range=range_t(0.0_wp, 1000.0_wp), default="[]", &
+           row_t("shafts", type_list, "", "the shafts between wheels on one axis", range=range_t(0.0_wp, 1000.0_wp), default="[]", &
                                    holds="shaft"), &
                              row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]", &
                                    plausible=span_t(0.0_wp, 100.0_wp)), &
-                             row_t("housing", type_block, "", "how the housing moves", default="{kind: fixed}", holds="housing"), &
-                             row_t("simulation", type_block, "", "what to compute", required=.true., holds="simulation")]
+                             row_t("housing", type_block, "", "motion of the housing", default="{kind: fixed}", holds="housing"), &
+                             row_t("simulation", type_block, "", "time span, outputs and" &
+                                   //" integrator", required=.true., holds="simulation")]
 
    type(row_t), parameter :: &
       simulation_rows(*) = [ &
@@ -51,50 +52,52 @@ module evl_case_table
             plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
       row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration; or else `output`", &
             range=positive, plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
-      row_t("output", type_block, "", "where outputs stand: one of interval, per_pitch and per_turn", holds="output"), &
-      row_t("outputs", type_text, "", "which variables over time a history has: names of variables and of" &
-            //" groups, with commas between them; all if not given"), &
+      row_t("output", type_block, "", "output positions: one of interval, per_pitch and per_turn", holds="output"), &
+      row_t("outputs", type_text, "", "variables of the history: names of variables and groups, separated by commas; all if" &
+            //" not given"), &
       row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
             range=range_t(1e-14_wp, 0.001_wp), default="1e-9", variants="-accuracy"), &
-      row_t("accuracy", type_number, "", "error wanted of a penetration, over the largest: stated in place of the" &
-            //" tolerance, which follows for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
+      row_t("accuracy", type_number, "", "permitted error of a penetration over the largest one; replaces tolerance, which" &
+            //" follows for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
       row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
-      row_t("metrics", type_block, "", "compute key figures of the case over a window of whole pitches or turns;" &
-            //" not computed if absent", holds="metrics"), &
+      row_t("metrics", type_block, "", "metrics of the case over a window of whole pitches or revolutions; none if" &
+            //" not given", holds="metrics"), &
       row_t("integrator", type_choice, "", &
             "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
-            //" not mounted, where it is taken unless this says ida", words="ida radau"), &
-      row_t("max_step", type_number, "s", "longest step of the integrator, or none: as long as the errors" &
-            //" allow; if not given none with radau, 0.02 with ida", range=positive, words="none", &
+            //" not mounted, where it is the default", words="ida radau"), &
+      row_t("max_step", type_number, "s", "largest step of the integrator, or none: limited by the error only; if not given" &
+            //" none with radau, 0.02 with ida", range=positive, words="none", &
             plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
-      row_t("max_steps", type_number, "", "steps after which a run gives up, and a thousandth of them, at" &
-            //" least 1e6, within a millionth of the run; 1e9 if not given, or none: no such limit", &
+      row_t("max_steps", type_number, "", "largest number of steps of a run, and a thousandth of it, at least 1e6, within a" &
+            //" millionth of the run; 1e9 if not given, or none: no limit", &
             range=range_t(1.0_wp, 1.0e15_wp), words="none")]
 
    type(row_t), parameter :: output_rows(*) = [ &
                              row_t("interval", type_number, "s", "the same as `output_interval`", range=positive, &
                                    plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
-                             row_t("per_pitch", type_integer, "", "outputs in a pitch of a mesh", range=some_outputs), &
-                             row_t("mesh", type_reference, "", "the mesh by whose driving wheel the pitches go", holds="meshes", &
+                             row_t("per_pitch", type_integer, "", "outputs per pitch of a mesh", range=some_outputs), &
+                             row_t("mesh", type_reference, "", "the mesh whose driving wheel defines the pitches", holds="meshes", &
                                    variants="+per_pitch"), &
-                             row_t("per_turn", type_integer, "", "outputs in a turn of a wheel", range=some_outputs), &
-                             row_t("wheel", type_reference, "", "the wheel that turns", holds="wheels", variants="+per_turn")]
+                             row_t("per_turn", type_integer, "", "outputs per revolution of a wheel", range=some_outputs), &
+                             row_t("wheel", type_reference, "", "the wheel of the" &
+                                   //" revolutions", holds="wheels", variants="+per_turn")]
 
    type(row_t), parameter :: &
       metrics_rows(*) = [ &
-      row_t("from", type_number, "s", "the window begins with the first whole period from here on; half of" &
-            //" the duration if not given", range=not_negative, plausible=span_t(0.0_wp, 1.0e5_wp)), &
-      row_t("to", type_number, "s", "and ends with the last one before; the end of the case if not given", range=positive, &
+      row_t("from", type_number, "s", "the window starts with the first whole period after this time; half of the duration if" &
+            //" not given", range=not_negative, plausible=span_t(0.0_wp, 1.0e5_wp)), &
+      row_t("to", type_number, "s", "the window ends with the last whole period before this time; the end of the case if" &
+            //" not given", range=positive, &
             plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
-      row_t("pitches_of", type_reference, "", "mesh whose pitches are the periods; the first one if"//" nothing else is said", &
+      row_t("pitches_of", type_reference, "", "mesh whose pitches are the periods; the first mesh if neither is given", &
             holds="meshes"), &
-      row_t("turns_of", type_reference, "", "wheel whose turns are the periods instead", holds="wheels")]
+      row_t("turns_of", type_reference, "", "wheel whose revolutions are the periods instead", holds="wheels")]
 
    type(row_t), parameter :: support_rows(*) = [row_t("kind", type_choice, "", "", default="fixed")]
 
    type(row_t), parameter :: load_rows(*) = [ &
                              row_t("kind", type_choice, "", "", required=.true.), &
-                        row_t("against", type_choice, "", "where the reaction goes, and to what a speed refers", default="ground", &
+                             row_t("against", type_choice, "", "body of the reaction, and reference of a speed", default="ground", &
                                    words="ground housing")]
 
 contains

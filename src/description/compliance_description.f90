@@ -23,7 +23,7 @@ use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots
    type(row_t), parameter, public :: &
       compliance_rows(*) = [ &
       row_t("model", type_choice, "", &
-            "finite elements of the whole wheel; formulas of one tooth on a ring; a table; none: only the contact gives way", &
+            "finite elements of the whole wheel; formulas of one tooth on a ring; a table; none: only the contact is compliant", &
             default="finite_elements", words="finite_elements analytic table none"), &
       row_t("hub_diameter", type_number, "m", &
             "diameter at which the wheel is held, solid from there to its teeth; otherwise its bore", range=positive, &
@@ -34,7 +34,8 @@ use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots
             variants="finite_elements"), &
       row_t("rho", type_knots, "m", "radii of curvature of the flank, strictly increasing, at least two", required=.true., &
             variants="table", plausible=span_t(0.0_wp, 2.5_wp)), &
-      row_t("c", type_at_knots, "1/Pa", "c there: displacement of the loaded flank a line load, less that of Johnson's cylinder", &
+      row_t("c", type_at_knots, "1/Pa", "c there: displacement of the loaded flank per line load, less that of Johnson's" &
+            //" cylinder", &
             required=.true., variants="table", plausible=span_t(0.0_wp, 1.0e-7_wp)), &
       row_t("c_1", type_at_knots, "1/Pa", &
             "c_1 there: displacement of the flank next to one that is loaded at the same rho; otherwise no coupling", &
@@ -99,14 +100,15 @@ contains
       if (given%has("hub_diameter")) hub = given%number("hub_diameter")/2
       largest = gear%root_radius - (depth_of_rings + least_ring)*gear%normal_module
       if (.not. hub > 0) then
-         call refuse("a solid wheel that is held nowhere has no compliance: give a hub_diameter, where it is held, or a bore", &
+         call refuse("a solid wheel without fixed hub has no compliance; give a hub_diameter, where it is held, or a bore", &
                      "compliance.hub_diameter", status)
       else if (hub < gear%bore_radius) then
-         call refuse("hub_diameter "//quantity(2*hub, "m")//" lies within the bore of "//quantity(2*gear%bore_radius, "m") &
-                     //": give at least that", "compliance.hub_diameter", status)
+         call refuse("hub_diameter "//quantity(2*hub, "m")//" is less than the bore of "//quantity(2*gear%bore_radius, "m") &
+                     //"; give at least that", "compliance.hub_diameter", status)
       else if (.not. hub < largest) then
-         call refuse("the wheel is held at a diameter of "//quantity(2*hub, "m")//", which leaves too little below the root" &
-                     //" circle: give a hub_diameter of less than "//quantity(2*largest, "m")//", 1.2 modules under it", &
+         call refuse("the wheel is held at a" &
+                     //" diameter of "//quantity(2*hub, "m")//", too close to the root circle; give a hub_diameter of" &
+                     //" less than "//quantity(2*largest, "m")//", 1.2 modules under it", &
                      "compliance.hub_diameter", status)
       end if
    end subroutine find_hub
@@ -123,14 +125,14 @@ contains
          thickness = 2*gear%tip_radius*gear_tip_angle(gear)
          if (gear%is_undercut) then
             least = gear%undercut_shift - gear%generating_shift + gear%profile_shift
-            call refuse("the teeth are undercut, which the outline of model finite_elements and analytic does not know: give a" &
+            call refuse("the teeth are undercut, which models finite_elements and analytic do not support; give a" &
                         //" profile_shift of at least "//quantity(least, "")//", or a table", "compliance.model", status)
          else if (thickness < thinnest_tip*m) then
-            call refuse("the teeth are "//quantity(thickness, "m")//" thick at the tip, less than 0.1" &
-                        //" modules: give a smaller tip diameter, profile shift or tip_rounding, or a table", "compliance.model", &
+            call refuse("the teeth are "//quantity(thickness, "m")//" thick at the tip, less than 0.1 modules; give a smaller" &
+                        //" tip diameter, profile shift or tip_rounding, or a table", "compliance.model", &
                         status)
          else if (arc < shortest_flank*m) then
-            call refuse("the involute is only "//quantity(arc, "m")//" long, less than 0.3 modules: give a table", &
+            call refuse("the involute is only "//quantity(arc, "m")//" long, less than 0.3 modules; give a table", &
                         "compliance.model", status)
          end if
       end associate
@@ -143,11 +145,11 @@ contains
       type(status_t), allocatable, intent(inout) :: warnings(:)
       real(wp) :: ratio
 
-      call warn(warnings, "model analytic knows one tooth alone: two loaded pairs share the wheel's body, which it counts for" &
-                //" each, so the mesh is 14 to 38 % too stiff; finite_elements knows it", subject_wheel, field="compliance.model")
+      call warn(warnings, "model analytic neglects that two loaded pairs share the wheel's body, so the mesh is 14 to 38 %" &
+                //" too stiff; finite_elements includes this", subject_wheel, field="compliance.model")
       if (is_in_range(outline, hub)) return
       ratio = outline%root_radius/hub
-      call warn(warnings, "model analytic is used where it was not fitted: root over hub radius "//quantity(ratio, "") &
+      call warn(warnings, "model analytic is used outside the range of its fit: root over hub radius "//quantity(ratio, "") &
                 //" of "//quantity(ring_range(1), "")//" to "//quantity(ring_range(2), "")//", half angle of the root " &
                 //degrees(outline%root_angle)//" of "//degrees(root_range(1))//" to "//degrees(root_range(2)), subject_wheel, &
                 field="compliance.model")

@@ -38,20 +38,20 @@ contains
          if (.not. (a%exists .or. b%exists)) then
             if (mesh%word("edge_contact") == "true") call check_edges()
             if (mesh%word("tooth_coupling") == "true") &
-               call refuse("teeth are coupled by what their wheels yield, but none of these has a compliance: give one, or take" &
-                           //" this away", "tooth_coupling")
+               call refuse("tooth coupling results from compliant wheels, but none of these has a compliance; give one, or" &
+                           //" omit this", "tooth_coupling")
             return
          end if
          call mesh%inner("contact", contact)
          if (contact%word("law") /= "johnson") then
-            call refuse("a wheel with compliance needs contact {law: johnson}, from which its c is counted, not " &
+            call refuse("a wheel with compliance requires contact {law: johnson}, to which its c is added, not " &
                         //trim(contact%word("law")), "contact.law")
          else if (mesh%tracking /= tracking_closed_form) then
-            call refuse("a wheel with compliance needs tracking: closed_form", "tracking")
+            call refuse("a wheel with compliance requires tracking: closed_form", "tracking")
          else if (mesh%word("tooth_coupling") == "true" .and. &
                   any([a%exists, b%exists] .and. [a%neighbours, b%neighbours] == 0)) then
-            call refuse("a wheel with compliance {model: analytic}, or a table without c_1, does not know how its teeth yield to" &
-                        //" their neighbours' loads: give false, or finite_elements to the wheel", "tooth_coupling")
+            call refuse("a wheel with compliance {model: analytic}, or a table without c_1, does not include deflections by" &
+                        //" loads of neighbouring teeth; give false, or finite_elements to the wheel", "tooth_coupling")
          else if (couples(gearbox, mesh) .and. any([a%neighbours, b%neighbours] == 1)) then ! from a table
             call check_tables(gearbox, wheels, mesh, index, status)
          end if
@@ -63,11 +63,11 @@ contains
       subroutine check_edges()
          call mesh%inner("contact", contact)
          if (contact%word("law") /= "johnson") then
-            call refuse("tip edges need contact {law: johnson}, not "//trim(contact%word("law")), "edge_contact")
+            call refuse("corner contact requires contact {law: johnson}, not "//trim(contact%word("law")), "edge_contact")
          else if (mesh%tracking /= tracking_closed_form) then
-            call refuse("tip edges need tracking: closed_form", "edge_contact")
+            call refuse("corner contact requires tracking: closed_form", "edge_contact")
          else if (.not. all(gearbox%gears([mesh%driving, mesh%driven])%normal_module > 0)) then
-            call refuse("tip edges are those of real gears: give both wheels a module, or false", "edge_contact")
+            call refuse("corner contact requires gears with a basic rack; give both wheels a module, or false", "edge_contact")
          end if
       end subroutine check_edges
 
@@ -107,11 +107,11 @@ contains
             own = [compliance%c(1, 1), compliance%c(2, 2)] + contact
             if (all(own > 0) .and. compliance%c(1, 2)**2 < product(own)) cycle
             worse = merge(mesh%driving, mesh%driven, a%neighbours == 1)
-            call fail(status, code_invalid_input, "two tooth pairs that carry would have no forces: loaded at rho = " &
-                      //quantity(feet(1)%foot(by_a), "m")//" and "//quantity(feet(2)%foot(by_a), "m")//" of the driving wheel," &
-                      //" each yields by "//quantity(compliance%c(1, 2), "1/Pa")//" to the other's load, and only by " &
-                      //quantity(own(1), "1/Pa")//" and "//quantity(own(2), "1/Pa")//" to its own: give c and c_1 of one wheel," &
-                      //" c_1 below c", subject_wheel, worse, "compliance.c_1")
+            call fail(status, code_invalid_input, "two loaded tooth pairs would have undefined forces: loaded at rho = " &
+                      //quantity(feet(1)%foot(by_a), "m")//" and "//quantity(feet(2)%foot(by_a), "m")//" of the driving" &
+                      //" wheel, each deflects by "//quantity(compliance%c(1, 2), "1/Pa")//" under the other's load, and only by " &
+                      //quantity(own(1), "1/Pa")//" and "//quantity(own(2), "1/Pa")//" under its own; give c and c_1 of one" &
+                      //" wheel, c_1 below c", subject_wheel, worse, "compliance.c_1")
             return
          end do
       end associate

@@ -114,7 +114,7 @@ contains
          contact%pair%share_b = compliance_b*contact%e_star
          call rational_scaled(gearbox%wheels(a)%exact_ratio, -pair%sigma*wheels(a)%teeth, 1, contact%pitches_per_turn, fits)
          if (.not. fits) then
-            call fail(status, code_invalid_input, "its teeth pass too often in a turn of the reference wheel", subject_mesh, &
+            call fail(status, code_invalid_input, "its teeth pass too often in a revolution of the reference wheel", subject_mesh, &
                       contact%mesh)
             return
          end if
@@ -152,7 +152,7 @@ contains
          contact%pair%advance = -contact%pair%sigma*contact%pair%r_ba*contact%pair%ratio_a
          if (gearbox%flanks(contact%i_flank)%flank%couples .and. contact%n_slots > most_pairs) then
             call fail(status, code_invalid_input, "at its contact ratio of "//quantity(pair%contact_ratio, "")//" more tooth" &
-                      //" pairs can touch at once than the program can couple: give tooth_coupling: false", subject_mesh, &
+                      //" pairs can touch at once than the program can couple; give tooth_coupling: false", subject_mesh, &
                       contact%mesh, "tooth_coupling")
             return
          end if
@@ -244,7 +244,7 @@ contains
       end do
       do m = 1, size(gearbox%pairs)
          if (.not. gearbox%contacts(gearbox%first(m))%rigid .or. used(m) .or. has_failed(status)) cycle
-         call fail(status, code_invalid_input, "a rigid contact that closes a ring of rigid contacts is overdetermined: give it" &
+         call fail(status, code_invalid_input, "a rigid contact that closes a ring of rigid contacts is overdetermined; give it" &
                    //" an elastic law", subject_mesh, m, "contact.law")
       end do
 

@@ -33,7 +33,7 @@ contains
          do i = 1, size(entries)
             if (has_failed(status)) return
             if (entries(i)%row < 1 .or. entries(i)%row > size(rows)) then
-               call fail(status, code_invalid_input, "there is no such row in the table")
+               call fail(status, code_invalid_input, "the table has no such row")
             else if (.not. stands_in_its_block(description, i)) then
                call refuse(description, i, "does not belong here", status)
             else
@@ -176,10 +176,10 @@ contains
                if (description%entries(given)%row /= row) cycle
                if (rows(row)%variants(1:1) == "+") then
                   call refuse(description, given, "'"//trim(rows(row)%key)//"' needs '"//trim(rows(row)%variants(2:)) &
-                              //"' beside it", status)
+                              //"' in the same block", status)
                else if (rows(row)%variants(1:1) == "-") then
-                  call refuse(description, given, "'"//trim(rows(row)%key)//"' stands beside '"//trim(rows(row)%variants(2:)) &
-                              //"': give one of them", status)
+                  call refuse(description, given, "'"//trim(rows(row)%key)//"' conflicts with '"//trim(rows(row)%variants(2:)) &
+                              //"'; give one of them", status)
                else
                   call refuse(description, given, "'"//trim(rows(row)%key)//"' has no meaning here", status)
                end if

@@ -25,7 +25,8 @@ module evl_deviation_description
             variants="+module", plausible=span_t(0.0_wp, 1.0e-3_wp)), &
       row_t("accuracy", type_block, "", "pitch errors from a flank tolerance class, instead of pitch_errors", holds="accuracy", &
             variants="+module"), &
-      row_t("eccentricity", type_block, "", "the teeth's centre lies off the axle", holds="eccentricity", variants="+module")]
+      row_t("eccentricity", type_block, "", "eccentricity of the teeth relative to the axle", holds="eccentricity", &
+            variants="+module")]
 
    type(row_t), parameter, public :: &
       relief_rows(*) = [ &
@@ -40,7 +41,8 @@ module evl_deviation_description
    type(row_t), parameter, public :: accuracy_rows(*) = [ &
                         row_t("class", type_integer, "", "flank tolerance class, ISO 1328-1:2013", range=range_t(1.0_wp, 11.0_wp), &
                                            required=.true.), &
-                          row_t("seed", type_integer, "", "chooses the random numbers; the same for two wheels: the same numbers", &
+                              row_t("seed", type_integer, "", "chooses the random numbers; two wheels with the same seed have the" &
+                                           //" same numbers", &
                                            range=range_t(0.0_wp, 1000000000.0_wp), default="0")]
 
    type(row_t), parameter, public :: &
@@ -127,7 +129,7 @@ contains
       if (deviation%tip%amount > 0 .and. deviation%root%amount > 0 .and. deviation%tip%border < deviation%root%border) then
          call refuse("tip relief starts at a roll angle of "//degrees(deviation%tip%border/profile%base_radius) &
                      //", below that of root relief at "//degrees(deviation%root%border/profile%base_radius) &
-                     //": the two must not overlap", "tip_relief", status)
+                     //"; the two must not overlap", "tip_relief", status)
          return
       end if
       deviation%crowning = wheel%number("profile_crowning")
@@ -158,7 +160,7 @@ contains
       if (.not. (wheel%has("accuracy") .or. wheel%has("pitch_errors"))) return
       pitch = wheel%numbers("pitch_errors")
       if (wheel%has("accuracy") .and. wheel%has("pitch_errors")) then
-         call refuse("pitch errors are listed and generated from a class: give pitch_errors or accuracy, not both", "accuracy", &
+         call refuse("pitch errors are listed and generated from a class; give pitch_errors or accuracy, not both", "accuracy", &
                      status)
       else if (wheel%has("accuracy")) then
          call wheel%inner("accuracy", accuracy)

@@ -225,7 +225,7 @@ contains
 
       associate (a => given%driving, b => given%driven)
          if (wheels(a)%is_gear .neqv. wheels(b)%is_gear) then
-            call refuse(status, "", "one of its wheels has a module and the other has none: give both a module, or none of them" &
+            call refuse(status, "", "one of its wheels has a module and the other has none; give both a module, or none of them" &
                         //" and the mesh a pressure angle")
          else if (.not. wheels(a)%is_gear .and. given%has("centre_distance")) then
             call refuse(status, "centre_distance", "a centre distance is for two wheels with a module; the pitch radii of" &

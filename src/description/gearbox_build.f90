@@ -363,7 +363,7 @@ contains
 
       first = -gearbox%pairs(1)%sigma*turn(first_mesh%driving)
       if (first*turn(given%driving) /= given%driving_rotation) &
-         call warn(gearbox%warnings, "its driving wheel turns against driving_rotation when the first mesh turns as it says", &
+         call warn(gearbox%warnings, "its driving wheel turns against driving_rotation if the first mesh turns in its own", &
                    subject_mesh, index)
 
    contains

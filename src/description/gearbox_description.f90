@@ -27,11 +27,13 @@ module evl_gearbox_description
       row_t("teeth", type_integer, "", "number of teeth z; a wheel without teeth is a disc on a shaft", &
             range=range_t(3.0_wp, 10000.0_wp)), &
       row_t("pitch_radius", type_number, "m", &
-            "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a real gear", range=positive, &
+            "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a gear with a" &
+            //" module", range=positive, &
             plausible=span_t(1.0e-4_wp, 2.5_wp)), &
       gear_rows, &
       deviation_rows, &
-      row_t("compliance", type_block, "", "how teeth and body give way; without it only the contact is soft", holds="compliance", &
+      row_t("compliance", type_block, "", "compliance of teeth and body; without it only the contact is" &
+            //" compliant", holds="compliance", &
             variants="+module"), &
       row_t("width", type_number, "m", "face width", range=positive, required=.true., plausible=span_t(1.0e-5_wp, 1.0_wp)), &
       row_t("centre", type_pair, "m", "reference position of the axle; otherwise it follows from a mesh", &
@@ -45,10 +47,10 @@ module evl_gearbox_description
       row_t("transverse_inertia", type_number, "kg m2", &
             "moment of inertia about a diameter; otherwise that of a disc or ring of its mass and inertia", range=positive, &
             plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
-      row_t("axial_position", type_number, "m", "z of the middle of the face; the faces of wheels in mesh have to overlap", &
+      row_t("axial_position", type_number, "m", "z of the middle of the face; the faces of wheels in mesh must overlap", &
             default="0", plausible=span_t(0.0_wp, 20.0_wp)), &
-      row_t("support", type_block, "", "how the axle is held", default="{kind: fixed}", holds="support"), &
-      row_t("loads", type_list, "", "what acts on the wheel; torques add up", range=range_t(0.0_wp, 100.0_wp), default="[]", &
+      row_t("support", type_block, "", "support of the axle", default="{kind: fixed}", holds="support"), &
+      row_t("loads", type_list, "", "loads on the wheel; torques are added", range=range_t(0.0_wp, 100.0_wp), default="[]", &
             holds="load"), &
       row_t("radius", type_number, "m", "radius of a disc, for mass and inertia where they are not given", range=positive, &
             plausible=span_t(1.0e-4_wp, 5.0_wp))]
@@ -77,21 +79,23 @@ module evl_gearbox_description
             range=range_t(minimum=0.0_wp, maximum=90.0_wp, minimum_open=.true., maximum_open=.true.), words="paper_rule", &
             plausible=span_t(5.0_wp, 45.0_wp)), &
       row_t("centre_distance", type_number, "m", &
-            "centre distance a_w of two real gears; otherwise from backlash, or else from the profile shifts", range=positive, &
+            "centre distance a_w of two gears with a module; otherwise from backlash, or else from the profile" &
+            //" shifts", range=positive, &
             plausible=span_t(2.0e-4_wp, 10.0_wp)), &
       row_t("backlash", type_number, "m", &
-            "normal backlash j_bn; gives two real gears their centre distance, other wheels a second flank", range=not_negative, &
+            "normal backlash j_bn; defines the centre distance of two gears with a module, and adds coast flanks to other" &
+            //" wheels", range=not_negative, &
             plausible=span_t(0.0_wp, 0.01_wp)), &
       row_t("contact", type_block, "", "normal elastic force", default="{law: johnson}", holds="contact"), &
       row_t("damping", type_block, "", "normal viscous force", default="{law: none}", holds="damping"), &
       row_t("friction", type_block, "", "tangential force", default="{law: none}", holds="friction"), &
       row_t("tooth_coupling", type_choice, "", &
-            "whether teeth yield to the loads of their neighbours; otherwise where the wheels' compliances know how", &
+            "whether teeth deflect under the loads of their neighbours; default: true if the wheels' compliances include this", &
             words="true false"), &
       row_t("edge_contact", type_choice, "", &
-            "whether tip edges touch before and after the path of contact; otherwise where a wheel has a compliance", &
+            "whether tip edges touch before and after the path of contact; default: true if a wheel has a compliance", &
             words="true false"), &
-      row_t("tracking", type_choice, "", "how the points of contact are found", default="closed_form", &
+      row_t("tracking", type_choice, "", "method that computes the points of contact", default="closed_form", &
             words="closed_form algebraic differential")]
 
    !> A wheel as given, with frequently used parameters.
@@ -240,7 +244,7 @@ contains
       if (.not. has_failed(status)) call read_laws(mesh, index, status)
       if (has_failed(status)) return
       if (.not. mesh%contact%is_rigid() .or. mesh%damping%is_none()) return
-      call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped: choose the damping law" &
+      call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped; choose the damping law" &
                 //" none", subject_mesh, index, "damping.law")
    end subroutine read_mesh
 

@@ -57,8 +57,8 @@ contains
       integer :: i
 
       if (.not. wheels(index)%is_gear) then
-         call fail(status, code_invalid_input, "the flanks of a wheel that is stated by its pitch radius have no deviations: give" &
-                   //" it a module", subject_wheel, index, "module")
+         call fail(status, code_invalid_input, "a wheel defined by its pitch radius has no flank deviations; give it a" &
+                   //" module", subject_wheel, index, "module")
          return
       end if
       associate (gear => gearbox%gears(index))
@@ -92,13 +92,13 @@ contains
 
       if (.not. any(gearbox%wheels([mesh%driving, mesh%driven])%deviation%exists)) return
       if (mesh%tracking /= tracking_closed_form) then
-         call fail(status, code_invalid_input, "flanks with deviations cannot be tracked: take tracking closed_form, or leave the" &
-                   //" deviations of its wheels out", subject_mesh, index, "tracking")
+         call fail(status, code_invalid_input, "flanks with deviations cannot be tracked; choose tracking closed_form, or" &
+                   //" omit the deviations of its wheels", subject_mesh, index, "tracking")
          return
       end if
       if (mesh%contact%is_rigid()) &
-         call fail(status, code_invalid_input, "flanks with deviations need an elastic contact: take another law, or leave the" &
-                   //" deviations of its wheels out", subject_mesh, index, "contact.law")
+         call fail(status, code_invalid_input, "flanks with deviations require an elastic contact; choose another law, or" &
+                   //" omit the deviations of its wheels", subject_mesh, index, "contact.law")
    end subroutine check_mesh
 
    !> Warn where the approximation of the gap matters: first order, or second order of each flank alone (with tip edges).
@@ -114,7 +114,7 @@ contains
          if (.not. gap > worth_knowing*contact%h_scale) return
          write (share, merge("(f0.1)   ", "(es9.2e3)", gap < 1.0e4_wp*contact%h_scale)) 100*gap/contact%h_scale
          if (share(1:1) == ".") share = "0"//share(:len(share) - 1)
-         call warn(gearbox%warnings, "relieved flanks that their slopes turn touch beside the line of action: the gap, taken to" &
+         call warn(gearbox%warnings, "slopes of relieved flanks move the contact off the line of action: the gap, approximated to" &
                    //trim(merge(" second order of each flank alone", " first order                     ", contact%has_edges)) &
                    //", is up to "//quantity(gap, "m")//" too wide (at rho_A = "//quantity(rho_a, "m")//"), " &
                    //trim(share)//" % of the penetration "//quantity(contact%h_scale, "m")//" under the load", subject_mesh, index)

@@ -18,11 +18,11 @@ module evl_housing_description
    ! rows of the housing and its mount
    type(row_t), parameter, public :: &
       housing_rows(*) = [ &
-      row_t("kind", type_choice, "", "at rest; moves as given; a rigid body on a mount", default="fixed", &
+      row_t("kind", type_choice, "", "fixed; prescribed motion; a rigid body on a mount", default="fixed", &
             words="fixed prescribed mounted"), &
-      row_t("translation", type_list, "", "position of the origin in the ground frame; terms add up", &
+      row_t("translation", type_list, "", "position of the origin in the ground frame; terms are added", &
             range=range_t(0.0_wp, 100.0_wp), default="[]", holds="translation", variants="prescribed"), &
-      row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms add up", &
+      row_t("rotation", type_list, "", "rotation vector from the ground to the housing frame; terms are added", &
             range=range_t(0.0_wp, 100.0_wp), default="[]", holds="rotation", variants="prescribed"), &
       row_t("mass", type_number, "kg", "mass without wheels and supports", range=positive, required=.true., variants="mounted", &
             plausible=span_t(1.0e-3_wp, 1.0e6_wp)), &
@@ -41,19 +41,20 @@ module evl_housing_description
       row_t("position", type_triple, "m", "position of the origin at the start, ground frame", default="[0, 0, 0]", &
             variants="mounted", plausible=span_t(0.0_wp, 1000.0_wp)), &
       row_t("orientation", type_quaternion, "", &
-            "quaternion at the start, of any length but 0; it turns the ground frame into the housing frame", &
+            "quaternion at the start, of nonzero length; it rotates the ground frame into the housing frame", &
             default="[1, 0, 0, 0]", variants="mounted"), &
       row_t("velocity", type_triple, "m/s", "velocity of the origin at the start, ground frame", default="[0, 0, 0]", &
             variants="mounted", plausible=span_t(0.0_wp, 300.0_wp)), &
       row_t("angular_velocity", type_triple, "rad/s", "angular velocity at the start, housing frame", default="[0, 0, 0]", &
             variants="mounted", plausible=span_t(0.0_wp, 1000.0_wp)), &
-      row_t("accelerometers", type_list, "", "points whose acceleration is told", range=range_t(0.0_wp, 100.0_wp), default="[]", &
+      row_t("accelerometers", type_list, "", "points whose acceleration is an" &
+            //" output", range=range_t(0.0_wp, 100.0_wp), default="[]", &
             holds="accelerometer", variants="prescribed mounted")]
 
    type(row_t), parameter, public :: &
       mount_rows(*) = [ &
       row_t("point", type_triple, "m", &
-            "where it holds the housing, housing frame; without force where housing and ground frame coincide", &
+            "attachment point, housing frame; without force if housing and ground frame coincide", &
             default="[0, 0, 0]", plausible=span_t(0.0_wp, 20.0_wp)), &
       row_t("stiffness", type_triple, "N/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]", &
             plausible=span_t(1.0_wp, 1.0e12_wp)), &
@@ -102,7 +103,7 @@ contains
          call accelerometer_take(blocks(i), housing%accelerometers(i))
          if (norm2(housing%accelerometers(i)%direction) > 0) cycle
          write (field, "(a, i0, a)") "accelerometers.", i - 1, ".direction"
-         call refuse("a vector of zero length is no direction; give for instance [1, 0, 0], along x of the housing", trim(field), &
+         call refuse("a vector of zero length has no direction; give for instance [1, 0, 0], along x of the housing", trim(field), &
                      status)
       end do
    end subroutine take_accelerometers
@@ -205,7 +206,8 @@ contains
       housing%moment = given%numbers("moment")
       housing%position = given%numbers("position")
       housing%orientation = given%numbers("orientation")
-      if (.not. norm2(housing%orientation) > 0) call refuse("a quaternion of zero length is no orientation", "orientation", status)
+      if (.not. norm2(housing%orientation) > 0) call refuse("a quaternion of zero length is not an" &
+                                                            //" orientation", "orientation", status)
       housing%orientation = housing%orientation/norm2(housing%orientation)
       housing%velocity = given%numbers("velocity")
       housing%omega = given%numbers("angular_velocity")

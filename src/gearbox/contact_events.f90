@@ -144,7 +144,7 @@ contains
       associate (contact => gearbox%contacts(m))
          call fail(status, code_no_solution, "a tooth pair carries "//quantity(unclipped(at), "N")//" with a tip edge " &
                    //quantity(gearbox%flanks(contact%i_flank)%flank%reach, "")//" pitches off its path of contact: the teeth" &
-                   //" yield too much for their size; lower the load", subject_mesh, contact%mesh, "edge_contact")
+                   //" deflect too much for their size; reduce the load", subject_mesh, contact%mesh, "edge_contact")
       end associate
    end subroutine past_reach
 
@@ -202,7 +202,7 @@ contains
                mode%flanks = flanks_loaded
             else if (at(m)%point%h > grazing*contact%h_scale) then
                call fail(status, code_no_solution, "a tooth pair enters a rigid contact with flanks that overlap by " &
-                         //quantity(at(m)%point%h, "m")//": no other pair was on the path to keep them apart", subject_mesh, &
+                         //quantity(at(m)%point%h, "m")//": no other pair on the path separated them", subject_mesh, &
                          contact%mesh, "contact.law")
             end if
          else if (pairs_with(gearbox, m, flanks_apart, integers) > 0) then ! tracking is off

@@ -171,7 +171,7 @@ contains
       call project_tracked(gearbox, y, integers)
       call housing_renormalise(gearbox%housing, y)
       if (log%n > gearbox_event_room(gearbox)) call fail(status, code_no_solution, &
-                                                         "more happens at one instant than its log has room for")
+                                                         "more events occur at one instant than its log can store")
       if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_apply_event
 

@@ -100,7 +100,7 @@ contains
          call gearbox_rates(gearbox, t(l), y(l, :), integers, reals, f, status)
          if (has_failed(status)) return
       end do
-      call fail(status, code_out_of_domain, "a contact law has no answer at one of the states")
+      call fail(status, code_out_of_domain, "a contact law is undefined at one of the states")
    end subroutine say_why
 
    !> Add the forces of a flank with touching contacts to the rows of its wheels, their supports and the dissipated energy.

@@ -72,28 +72,28 @@ contains
    pure subroutine gearbox_ode_serves(gearbox, status, remedy)
       type(gearbox_t), intent(in) :: gearbox
       type(status_t), intent(inout) :: status !! `code_invalid_input`, with the reason and the location of the cause
-      character(len=*), intent(in), optional :: remedy !! first remedy in the message; default: take integrator ida
+      character(len=*), intent(in), optional :: remedy !! first remedy in the message; default: choose integrator ida
       character(len=:), allocatable :: first
       integer :: i
 
-      first = "take integrator ida"
+      first = "choose integrator ida"
       if (present(remedy)) first = remedy
 
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
             if (contact%rigid) then
-               call fail(status, code_invalid_input, "a rigid contact is a constraint, which radau does not integrate: "// &
+               call fail(status, code_invalid_input, "a rigid contact is a constraint, which radau does not integrate; "// &
                          first//", or another contact law", subject_mesh, contact%mesh, "contact")
             else if (contact%tracking /= tracking_closed_form) then
                call fail(status, code_invalid_input, "tracked contact points are algebraic states, which radau does not" &
-                         //" integrate: "//first//", or tracking closed_form", subject_mesh, contact%mesh, "tracking")
+                         //" integrate; "//first//", or tracking closed_form", subject_mesh, contact%mesh, "tracking")
             end if
          end associate
          if (has_failed(status)) return
       end do
       if (gearbox%housing%is_mounted) &
          call fail(status, code_invalid_input, "the accelerations of a mounted housing are coupled, which radau does not" &
-                   //" integrate: "//first, subject_housing, field="kind")
+                   //" integrate; "//first, subject_housing, field="kind")
    end subroutine gearbox_ode_serves
 
    !> Create the model of a supported gearbox; the gearbox must outlive it.

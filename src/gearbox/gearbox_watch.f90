@@ -45,10 +45,10 @@ module evl_gearbox_watch
 
    type(extreme_t), parameter :: extremes_table(*) = &
                                  [extreme_t("normal_force", &
-                                            "largest normal force of all tooth pairs; of rigid contact between impacts", &
+                                            "largest normal force of all tooth pairs; rigid contact: between impacts", &
                                             watch_normal), &
                                   extreme_t("pair_normal_force", &
-                                            "largest normal force of a tooth pair; of rigid contact between impacts", &
+                                            "largest normal force of a tooth pair; rigid contact: between impacts", &
                                             watch_pair_normal), &
                                   extreme_t("friction_force", &
                                             "largest friction force on the driving wheel along t", &

@@ -99,7 +99,7 @@ contains
       if (contact_root_direction(contact, at%mode, kind) < 0 .and. root_rows(kind)%below /= "") text = root_rows(kind)%below
       call measure(at, kind, index(text, "|#|") > 0, number)
       message = "tooth pair "//trim(pair)//" "//trim(filled(text, trim(number))) &
-                //": an event was missed; take a smaller max_step or tolerance"
+                //": an event was missed; choose a smaller max_step or tolerance"
    end subroutine describe
 
    !> Quantity of a root function, with its unit; blank if its row has none.

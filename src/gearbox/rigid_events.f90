@@ -80,8 +80,8 @@ contains
          closed = closed_flanks(gearbox, now%integers)
          now%log%once = .true.
       end do
-      call fail(status, code_no_solution, "the impacts of its rigid flanks and those of other meshes do not end at this instant;" &
-                //" a larger rest_velocity or a smaller restitution ends them", subject_mesh, &
+      call fail(status, code_no_solution, "the impacts of its rigid flanks and those of other meshes do not end at this" &
+                //" instant; increase rest_velocity or reduce restitution", subject_mesh, &
                 gearbox%contacts(max(findloc(closing, .true., dim=1), 1))%mesh, "contact")
    end subroutine settle_rigid
 

@@ -138,8 +138,8 @@ contains
          end associate
          response(:n, k) = velocity(gearbox%contacts(closed(:n))%i_normal, k)
          if (response(k, k) > 0) cycle
-         call fail(status, code_singular, "friction holds the rigid contact fast: a normal force of 1 N would draw the flanks" &
-                   //" together by "//quantity(-response(k, k), "N")//"; this state has no solution", subject_mesh, &
+         call fail(status, code_singular, "the rigid contact jams by friction: a normal force of 1 N would accelerate the" &
+                   //" flanks together by "//quantity(-response(k, k), "N")//"; this state has no solution", subject_mesh, &
                    gearbox%contacts(closed(k))%mesh, &
                    "friction")
          return

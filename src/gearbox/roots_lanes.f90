@@ -127,7 +127,7 @@ contains
          call gearbox_roots(gearbox, y(l, :), integers, reals, roots, status)
          if (has_failed(status)) return
       end do
-      call fail(status, code_out_of_domain, "the axles have come too near for a line of action")
+      call fail(status, code_out_of_domain, "the axles are too close for a line of action")
    end subroutine say_why
 
 end module evl_roots_lanes

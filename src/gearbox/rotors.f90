@@ -26,7 +26,7 @@ contains
          do i = 1, size(gearbox%shafts) ! an elastic shaft must not connect wheels of one rotor
             joined = joined_to(a(i), a, b, rigid .and. [(k < i .or. .not. rigid(i), k=1, size(rigid))], size(joined))
             if (.not. joined(b(i))) cycle
-            call fail(status, code_invalid_input, "rigid shafts join its two wheels already: what it carries is not" &
+            call fail(status, code_invalid_input, "rigid shafts already join its two wheels, so its torque is not" &
                       //" determined", subject_shaft, i, "wheels")
             return
          end do

@@ -56,7 +56,7 @@ contains
          end do
          if (settled) return
       end do
-      call fail(status, code_no_solution, "the contact of a tooth pair does not settle: at this state every mode of it asks for" &
+      call fail(status, code_no_solution, "the contact mode of a tooth pair is undetermined: at this state each mode requires" &
                 //" another", subject_mesh, gearbox%contacts(restless)%mesh, "contact")
    end subroutine settle_modes
 

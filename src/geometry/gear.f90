@@ -34,7 +34,7 @@ module evl_gear
    type(row_t), parameter, public :: &
       gear_rows(*) = [ &
       row_t("module", type_number, "m", &
-            "normal module m_n: makes the wheel a real gear, ISO 21771; otherwise its radii follow from pitch_radius", &
+            "normal module m_n: defines a gear with a basic rack, ISO 21771; otherwise its radii follow from pitch_radius", &
             range=positive, plausible=span_t(1.0e-5_wp, 0.1_wp)), &
       row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
             default="20", variants="+module", plausible=span_t(10.0_wp, 35.0_wp)), &
@@ -187,7 +187,7 @@ contains
             if (given%has("tip_alteration") .and. abs(diameter - 2*gear%tip_radius) > agreement*diameter) then
                call refuse(status, "tip_diameter", "tip diameter "//quantity(diameter, "m")//" does not agree with " &
                            //quantity(2*gear%tip_radius, "m")//", which follows from the rack, the profile shift and" &
-                           //" tip_alteration: give one of the two")
+                           //" tip_alteration; give one of the two")
                return
             end if
             gear%tip_radius = diameter/2
@@ -229,7 +229,7 @@ contains
          call refuse(status, "rack.dedendum", "the root radius "//quantity(gear%root_radius, "m")//" must be greater than 0")
       else if (.not. gear%thickness > 0) then
          call refuse(status, "thickness_allowance", "the tooth thickness on the reference circle "//quantity(gear%thickness, "m") &
-                     //" must be greater than 0: profile shift and allowance leave nothing of the tooth")
+                     //" must be greater than 0: profile shift and allowance remove the whole tooth")
       else if (.not. gear%thickness < gear%pitch) then
          call refuse(status, "profile_shift", "the tooth thickness on the reference circle "//quantity(gear%thickness, "m") &
                      //" must be less than the pitch "//quantity(gear%pitch, "m"))
@@ -246,7 +246,7 @@ contains
       else if (.not. gear%tip_thickness > 0) then
          call refuse(status, "tip_diameter", "the tooth is pointed: its thickness on the tip circle, diameter " &
                      //quantity(2*gear%tip_radius, "m")//", would be "//quantity(gear%tip_thickness, "m") &
-                     //": a smaller tip diameter or profile shift is needed")
+                     //"; choose a smaller tip diameter or profile shift")
       else if (.not. gear%bore_radius < gear%root_radius) then
          call refuse(status, "bore", "the bore, diameter "//quantity(2*gear%bore_radius, "m")//", must be smaller than the root" &
                      //" circle, diameter "//quantity(2*gear%root_radius, "m"))
@@ -282,12 +282,12 @@ contains
       other%tip_rounding = too_large
       if (leaves_flank(other)) then
          call refuse(status, "tip_rounding", "the two roundings of the tip, "//quantity(gear%tip_rounding, "m") &
-                     //", overlap on a tooth that is "//quantity(gear%tip_thickness, "m")//" thick on the tip circle: give less" &
+                     //", overlap on a tooth that is "//quantity(gear%tip_thickness, "m")//" thick on the tip circle; give less" &
                      //" than "//quantity(largest, "m"))
       else
          call refuse(status, "tip_rounding", "a tip rounding of "//quantity(gear%tip_rounding, "m") &
                      //" passes the form circle, diameter "//quantity(2*gear%form_radius, "m") &
-                     //", and leaves no involute: give less than "//quantity(largest, "m"))
+                     //", and leaves no involute; give less than "//quantity(largest, "m"))
       end if
    end subroutine round_tip
 

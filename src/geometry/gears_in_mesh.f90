@@ -175,7 +175,7 @@ contains
       involute = (tight - allowances + mesh%backlash)/(2*mesh%base_radius_sum)
       if (.not. involute > 0) then
          call refuse(status, "", "the teeth are so thin that no centre distance gives this backlash: the involute of the working" &
-                     //" pressure angle would be "//quantity(involute, "")//"; larger profile shifts are needed")
+                     //" pressure angle would be "//quantity(involute, "")//"; choose larger profile shifts")
          return
       end if
       tangent = tangent_of_involute(involute)
@@ -249,10 +249,10 @@ contains
          if (mesh%backlash < -rounding) then
             call refuse(status, "centre_distance", "the teeth do not fit at the centre distance " &
                         //quantity(mesh%centre_distance, "m")//": the normal backlash would be "//quantity(mesh%backlash, "m") &
-                        //"; without backlash full teeth need "//quantity(mesh%tight_distance, "m"))
+                        //"; the zero-backlash centre distance is "//quantity(mesh%tight_distance, "m"))
          else if (given%has_backlash .and. abs(given%backlash - mesh%backlash) > rounding) then
             call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" does not agree with " &
-                        //quantity(mesh%backlash, "m")//", which follows from the centre distance: give one of the two")
+                        //quantity(mesh%backlash, "m")//", which follows from the centre distance; give one of the two")
          end if
       end associate
    end subroutine check_backlash
@@ -273,8 +273,9 @@ contains
       call check_foot(b, a, mesh, mesh%rho_tip_a, mesh%rho_end_a, mesh%clearance_b, "driven", "driving", status)
       if (has_failed(status) .or. mesh%contact_ratio >= 1) return
       if (mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b) &
-         call refuse(status, "", "undercut leaves it a contact ratio of "//quantity(mesh%contact_ratio, "")//", which must be at" &
-                     //" least 1: larger profile shifts leave more of the involute")
+         call refuse(status, "", "undercut leaves it a contact" &
+                     //" ratio of "//quantity(mesh%contact_ratio, "")//", which must be at least 1; choose larger profile shifts," &
+                     //" which lengthen the involute")
    end subroutine check_path
 
    !> Check that a mate's tip meets involute of a gear, or space cleared by undercut; not its fillet and not its root circle.

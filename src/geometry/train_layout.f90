@@ -130,7 +130,7 @@ contains
          associate (a => layout%shaft_a(m), b => layout%shaft_b(m))
             distance = norm2(layout%centre(:, b) - layout%centre(:, a))
             if (distance <= agreement*(layout%pitch_radius(a) + layout%pitch_radius(b))) cycle
-            call fail(status, code_invalid_input, "its wheels have to be on one axis, but their centres are " &
+            call fail(status, code_invalid_input, "its wheels must be on one axis, but their centres are " &
                       //quantity(distance, "m")//" apart", subject_shaft, m, "wheels")
             return
          end associate
@@ -164,7 +164,7 @@ contains
 
       associate (a => layout%driving(m), b => layout%driven(m))
          if (.not. (layout%has_centre(a) .and. layout%has_centre(b))) then
-            call fail(status, code_invalid_input, "the direction of its centre line is not known: give centre_line_angle, or the" &
+            call fail(status, code_invalid_input, "the direction of its centre line is unknown; give centre_line_angle, or the" &
                       //" centres of both wheels", subject_mesh, m, "centre_line_angle")
             return
          end if
@@ -173,7 +173,7 @@ contains
          expected = centre_distance(layout, m)
          if (abs(distance - expected) > agreement*expected .and. layout%has_distance(m)) then
             call fail(status, code_invalid_input, "the centres of its wheels are "//quantity(distance, "m")//" apart, but its" &
-                      //" centre distance is "//quantity(expected, "m")//": give centre_distance or backlash, or other centres", &
+                      //" centre distance is "//quantity(expected, "m")//"; give centre_distance or backlash, or other centres", &
                       subject_mesh, m, "centre_distance")
             return
          else if (abs(distance - expected) > agreement*expected) then
@@ -238,8 +238,8 @@ contains
          ratio = layout%ratio(from)
          if (subject == subject_mesh) call rational_scaled(layout%ratio(from), -layout%teeth(from), layout%teeth(to), ratio, fits)
          if (.not. fits) then
-            call fail(status, code_invalid_input, "its speed ratio to the reference wheel is too fine a fraction: too many stages" &
-                      //" whose teeth have no common divisor", subject_wheel, to, "teeth")
+            call fail(status, code_invalid_input, "its speed ratio to the reference wheel has too large a denominator: too" &
+                      //" many stages whose teeth have no common divisor", subject_wheel, to, "teeth")
          else if (.not. known(to)) then
             layout%ratio(to) = ratio
             known(to) = .true.
@@ -251,8 +251,8 @@ contains
                             m)
                else
                   call fail(status, code_invalid_input, "it closes a loop that cannot turn: one of its wheels would have to turn " &
-                            //quantity(rational_value(ratio), "")//" times as fast as the reference wheel, and by the rest of the" &
-                            //" loop "//quantity(rational_value(other), "")//" times", subject, m)
+                            //quantity(rational_value(ratio), "")//" times as fast as the reference wheel, and according to" &
+                            //" the rest of the loop "//quantity(rational_value(other), "")//" times", subject, m)
                end if
             end associate
          end if

@@ -97,7 +97,8 @@ contains
                                               !! only the states on which this one depends are set in y
 
       values = 0
-      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
+      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model has a number of root functions, but no procedure" &
+                                      //" for them")
    end subroutine no_roots
 
    !> Root functions of eight states at once, which are nearly those of the last `rhs_lanes`. A first evaluation need not be
@@ -113,7 +114,8 @@ contains
 
       values = 0
       exact = .true.
-      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model counts root functions but has none")
+      if (self%n_roots > 0) call fail(status, code_invalid_input, "the model has a number of root functions, but no procedure" &
+                                      //" for them")
    end subroutine no_roots_lanes
 
    !> Monitored channels in eight states that are nearly those of the last `rhs_lanes`, in rows that are smooth between

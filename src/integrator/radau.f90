@@ -371,7 +371,7 @@ contains
          return
       end if
       call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
-                ": errors or iterations do not let it grow")
+                ": errors or iterations prevent a larger one")
    end subroutine radau_advance
 
    !> Obtain the model's message for the stages of the last trial step that it refused.

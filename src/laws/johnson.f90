@@ -148,7 +148,7 @@ contains
       character(len=*), intent(out) :: message
 
       if (.not. ctx%rho_a + ctx%rho_b > 0.0_wp) then
-         message = "rho_A + rho_B = "//quantity(ctx%rho_a + ctx%rho_b, "m")//" is not positive, as the Johnson force needs"
+         message = "rho_A + rho_B = "//quantity(ctx%rho_a + ctx%rho_b, "m")//" is not positive, as the Johnson force requires"
       else
          message = "penetration h = "//quantity(ctx%h, "m")//" exceeds the limit 4 (rho_A + rho_B)/e^2 = " &
                    //quantity(johnson_penetration_limit(ctx%rho_a + ctx%rho_b), "m")//" of the Johnson force, eq. (15)"

@@ -60,7 +60,7 @@ contains
       character(len=*), intent(out) :: message
 
       if (.not. ctx%rho_a + ctx%rho_b > 0.0_wp) then
-         message = "rho_A + rho_B = "//quantity(ctx%rho_a + ctx%rho_b, "m")//" is not positive, as the Radzimovsky force needs"
+         message = "rho_A + rho_B = "//quantity(ctx%rho_a + ctx%rho_b, "m")//" is not positive, as the Radzimovsky force requires"
       else
          message = "penetration h = "//quantity(ctx%h, "m")//" exceeds the limit e^(-1/3) (rho_A + rho_B) = " &
                    //quantity(johnson_penetration_limit(enlarged*(ctx%rho_a + ctx%rho_b)), "m")//" of the Radzimovsky force"

@@ -127,8 +127,8 @@ contains
       if (has_failed(status)) return
       walk%crawls = merge(walk%crawls + 1, 0, next%way < crawling*options%first_step)
       if (walk%crawls > most_crawls) then
-         call fail(status, code_no_solution, "the branch goes on in ever smaller steps at "// &
-                   quantity(next%orbit%parameter, "")//", where events meet", field="parameter")
+         call fail(status, code_no_solution, "the step of the branch decreases without limit at "// &
+                   quantity(next%orbit%parameter, "")//", where events coincide", field="parameter")
          return
       end if
       do

@@ -83,8 +83,8 @@ contains
       if (.not. has_failed(status)) call find_half_lack(model, options, orbit, half, status)
       if (has_failed(status)) return
       if (norm2(half) < little*norm2(way)) then
-         call fail(status, code_no_solution, "beside the doubling at "//quantity(doubling%parameter, "")// &
-                   " there is the orbit of half the period alone")
+         call fail(status, code_no_solution, "near the doubling at "//quantity(doubling%parameter, "")// &
+                   " only the orbit of half the period was found")
          return
       end if
       if (size(own_multipliers(model, orbit)) /= size(mu)) return

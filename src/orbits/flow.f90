@@ -124,7 +124,7 @@ contains
       stays = abs(solver%y - y) <= farthest*model%scale .or. .not. must_repeat(model)
       if (allocated(model%reach)) stays = stays .or. model%reach < huge(1.0_wp) ! an angle
       if (.not. all(stays)) then
-         call fail(status, code_no_solution, "the state runs away at time "//quantity(solver%t, ""), &
+         call fail(status, code_no_solution, "the state diverges at time "//quantity(solver%t, ""), &
                    index=findloc(stays, .false., 1))
       else if (steps > most_steps) then
          call fail(status, code_no_solution, "a period takes more than "//quantity(real(most_steps, wp), "")// &

@@ -338,7 +338,7 @@ contains
       if (first /= 0 .and. .not. time_event) then
          if (.not. abs(first_drift) > 0) then
             call fail(status, code_singular, "a root function touches zero at time "//quantity(t, "")// &
-                      " without passing through: the flow has no derivative there", index=first)
+                      " without crossing it: the flow has no derivative there", index=first)
             return
          end if
          after = (after - matmul(by_state, before) - by_time)/first_drift

@@ -94,7 +94,7 @@ contains
       if (norm2(row) > 0) then
          row = row/norm2(row)
       else
-         call fail(status, code_no_solution, "the start is at rest: no orbit passes through it")
+         call fail(status, code_no_solution, "the speed at the start is zero: no orbit passes through it")
       end if
    end subroutine find_phase_row
 

@@ -16,10 +16,10 @@ module evl_accelerometer
    ! parameters of an accelerometer
    type(row_t), parameter, public :: accelerometer_rows(*) = [ &
                                      row_t("name", type_name, "", "name in paths and the history", required=.true.), &
-                                     row_t("point", type_triple, "m", "where it is, housing frame", required=.true., &
+                                     row_t("point", type_triple, "m", "position, housing frame", required=.true., &
                                            plausible=span_t(0.0_wp, 20.0_wp)), &
                                      row_t("direction", type_triple, "", &
-                                           "along which it feels, of any length but 0, housing frame", required=.true.)]
+                                           "direction of sensitivity, of nonzero length, housing frame", required=.true.)]
 
 contains
 

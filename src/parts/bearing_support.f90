@@ -24,7 +24,8 @@ contains
       info%name = "bearing"
       info%text = "bearing: moves in x and y"
       allocate (info%rows, &
-                source=[parameter_row("mass", "kg", "mass that moves with the axle, beside the wheel's own", range=not_negative, &
+                source=[parameter_row("mass", "kg", "mass that moves with the axle, in addition to the" &
+                                      //" wheel's own", range=not_negative, &
                                       default="0", &
                                       plausible=span_t(1.0e-7_wp, 1.0e4_wp)), &
                         parameter_row("stiffness", "N/m", "stiffness in x and y", range=not_negative, type=type_pair, &

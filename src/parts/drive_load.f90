@@ -30,7 +30,7 @@ contains
       type(kind_t), intent(inout) :: info
 
       info%name = "drive"
-      info%text = "torque that falls as the speed rises, as a motor's"
+      info%text = "torque that decreases with the speed, as of a motor"
       allocate (info%rows, source=[parameter_row("speed", "rad/s", "angular velocity of the operating point", &
                                                  plausible=span_t(0.0_wp, 15000.0_wp)), &
                                    parameter_row("torque", "N m", "torque at that speed, counterclockwise positive", default="0", &
@@ -51,7 +51,7 @@ contains
       if (.not. given%number("slope") > 0) return
       field = "slope"
       associate (slope => given%number("slope"))
-         message = "the torque of a drive has to fall as the speed rises: slope = "//quantity(slope, "N m s/rad") &
+         message = "the torque of a drive must decrease with the speed: slope = "//quantity(slope, "N m s/rad") &
                    //" must be at most 0; if that is the stiffness of the motor's curve, give "//quantity(-slope, "")
       end associate
    end subroutine refusal

@@ -14,7 +14,7 @@ module evl_housing_motion
    integer, parameter :: term_constant = 0 !! value
    integer, parameter :: term_rate = 1     !! value t
    integer, parameter :: term_harmonic = 2 !! value sin(2 pi frequency t + phase)
-   integer, parameter :: term_table = 3    !! natural cubic spline, straight outside the knots
+   integer, parameter :: term_table = 3    !! natural cubic spline, linear outside the knots
    integer, parameter :: n_coordinates = 6 !! position x, y, z in the ground frame, then the rotation vector
 
    type :: motion_term
@@ -59,7 +59,7 @@ contains
                       plausible=span_t(0.0_wp, 360.0_wp))
       rows(8) = row_t("time", type_knots, "s", "knots of the table, strictly increasing, at least two", required=.true., &
                       variants="table", plausible=span_t(0.0_wp, 1.0e5_wp))
-      rows(9) = row_t("value", type_at_knots, unit, of//" at the knots; natural cubic spline, straight outside", &
+      rows(9) = row_t("value", type_at_knots, unit, of//" at the knots; natural cubic spline, linear outside", &
                       required=.true., variants="table", plausible=span_t(0.0_wp, most))
    end function motion_rows
 

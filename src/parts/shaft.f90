@@ -17,7 +17,7 @@ module evl_shaft
                      row_t("kind", type_choice, "", "a torsion spring and damper; the wheels turn as one body", default="elastic", &
                                            words="elastic rigid"), &
                                      row_t("name", type_name, "", "name in paths and the history", required=.true.), &
-                       row_t("wheels", type_references, "", "names of the two wheels that it joins, on one axis", required=.true., &
+                                     row_t("wheels", type_references, "", "names of its two wheels, on one axis", required=.true., &
                                            holds="wheels"), &
             row_t("stiffness", type_number, "N m/rad", "torsional stiffness", range=positive, required=.true., variants="elastic", &
                                            plausible=span_t(1.0e-3_wp, 1.0e10_wp)), &

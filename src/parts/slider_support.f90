@@ -28,7 +28,7 @@ contains
                                       range=between(-360.0_wp, 360.0_wp), &
                                       default="0", &
                                       plausible=span_t(0.0_wp, 360.0_wp)), &
-                        parameter_row("mass", "kg", "mass that moves with the axle, beside the wheel's own", &
+                        parameter_row("mass", "kg", "mass that moves with the axle, in addition to the wheel's own", &
                                       range=not_negative, &
                                       default="0", &
                                       plausible=span_t(1.0e-7_wp, 1.0e4_wp)), &

@@ -361,7 +361,7 @@ BAD: dict[str, Refusal] = {
         *(paper_gearbox, {"kind": REST, "gaps": [np.inf]}),
         *(INVALID_INPUT, INITIAL, -1, "", "finite"),
     ),
-    "a gap in which the coast flanks would stand inside each other": (
+    "a gap in which the coast flanks would penetrate each other": (
         *(lambda k: two_wheels(k, backlash=1e-4), {"kind": REST, "gaps": [0.04]}),
         *(INVALID_INPUT, MESH, 0, "gaps", "is more than half a base pitch"),
     ),
@@ -387,7 +387,7 @@ BAD: dict[str, Refusal] = {
     ),
     "steady with two prescribed speeds": (
         *(lambda k: two_wheels(k, load(0, SPEED, -3.0), load(1, SPEED, 2.0)), {"kind": STEADY}),
-        *(NO_SOLUTION, INITIAL, -1, "kind", "several are prescribed"),
+        *(NO_SOLUTION, INITIAL, -1, "kind", "but several wheels have one"),
     ),
     "steady with a pulling flank": (
         *(lambda k: two_wheels(k, load(0, TORQUE, 1.0), load(1, VISCOUS, 10)), {"kind": STEADY}),

@@ -333,7 +333,7 @@ def test_an_unloaded_mesh_has_no_nominal_force_but_a_reference_force(
     assert idle["reference_force"] == pytest.approx(loaded["reference_force"], rel=AGREEMENT)
     done = evolvent("static", "case.yaml", "--mesh", "m1", "-o", "s.h5")
     assert done.returncode == 3
-    assert "its loads put no torque on mesh m1" in done.stderr
+    assert "its loads exert no torque on mesh m1" in done.stderr
 
 
 @pytest.mark.parametrize("stiffness", [2e3, 5e4], ids=["soft", "stiff"])
@@ -386,8 +386,8 @@ def test_a_power_split_has_the_least_complementary_energy(
 def warned_speed(evolvent: Evolvent, loads: list[list[Block]], tmp_path: Path) -> str:
     (tmp_path / "case.yaml").write_text(json.dumps(Train([20, 50], loads).case()))
     done = evolvent("show", "case.yaml", "--json")
-    return " ".join(w for w in done.stderr.splitlines() if "it turns at" in w) or str(
-        [w for w in json.loads(done.stdout).get("warnings", []) if "it turns at" in w] or ""
+    return " ".join(w for w in done.stderr.splitlines() if "give it a speed of" in w) or str(
+        [w for w in json.loads(done.stdout).get("warnings", []) if "give it a speed of" in w] or ""
     )
 
 
@@ -400,4 +400,4 @@ def test_a_balance_at_a_low_speed_is_not_called_a_runaway(evolvent: Evolvent, tm
 def test_a_runaway_is_named_with_its_speed(evolvent: Evolvent, tmp_path: Path):
     """The load of the machine is missing: the drive is in equilibrium at 100 + 150/0.001 rad/s."""
     drive = {"kind": "drive", "speed": 100.0, "torque": 150.0, "slope": -0.001}
-    assert "it turns at 150100 rad/s" in warned_speed(evolvent, [[drive], []], tmp_path)
+    assert "give it a speed of 150100 rad/s" in warned_speed(evolvent, [[drive], []], tmp_path)

@@ -510,7 +510,7 @@ def test_largest_force_is_known_however_many_pairs_meet(kernel: Kernel):
     assert max(some) > min(some)
 
 
-@pytest.mark.parametrize(("torque", "says"), [(0.0, "presses no flanks"), (np.nan, "presses no")])
+@pytest.mark.parametrize(("torque", "says"), [(0.0, "loads no flanks"), (np.nan, "loads no")])
 def test_torques_that_press_nothing_have_no_largest_force(spur: Gearbox, torque: float, says: str):
     with pytest.raises(GearboxError, match=says):
         pair_force_at_rest(spur, torque)
@@ -634,8 +634,8 @@ def test_meshes_without_an_answer_are_refused(kernel: Kernel):
     ]
     for gearbox, words in (
         (paper, "give both wheels a module"),
-        (short, "its contact ratio is 0.[0-9]*: where no tooth pair is on its path"),
-        *((law, "the contact of law: johnson only") for law in laws),
+        (short, "its contact ratio is 0.[0-9]*: without a tooth pair on the path"),
+        *((law, "only the contact law: johnson") for law in laws),
     ):
         with pytest.raises(GearboxError, match=words) as refusal:
             static_plan(gearbox)

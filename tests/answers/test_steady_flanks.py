@@ -454,7 +454,7 @@ def test_a_load_of_the_wrong_sense_is_named(kernel: Kernel, kind: str, case: str
     value = words.split("{")[1].split("}")[0]
     signed = value if sigma > 0 else f"-{value}"
     assert words.replace("{" + value + "}", signed) in error.message
-    assert "it parts the drive flanks of meshes.0" in error.message
+    assert "it opens the drive flanks of meshes.0" in error.message
 
 
 def test_a_wrong_sense_is_found_through_a_train(kernel: Kernel):

@@ -254,7 +254,7 @@ class Table:
             yield "one number for several", False, row.number
         if row.is_whole:
             yield "half a number", False, row.number + 0.5
-            yield "a whole number with a point", True, float(row.number)
+            yield "a whole number with a decimal point", True, float(row.number)
             yield "too large a whole number", False, 1e12
         if row.block == "case" and row.is_whole:  # the format, of which there is one
             return

@@ -76,7 +76,7 @@ def test_a_check_has_no_options_of_a_run(
 ) -> None:
     result = evolvent("batch", design, "--check", *words)
     assert result.returncode == 2
-    assert "'--check' runs nothing" in result.stderr
+    assert "'--check' runs no case" in result.stderr
 
 
 # ---- records -------------------------------------------------------------------------------------
@@ -275,7 +275,7 @@ def test_a_window_without_an_output_is_refused(evolvent: Evolvent, tmp_path: Pat
     assert evolvent("batch", design, "-o", "r").returncode == 1
     rows = read_journal(tmp_path / JOURNAL).cases
     assert [rows[i]["status"] for i in range(2)] == ["refused", "done"]
-    assert "the window from 0.025 to 0.03 s holds no output" in rows[0]["message"]
+    assert "the window from 0.025 to 0.03 s contains no output" in rows[0]["message"]
 
 
 def test_rows_of_periodic_starts_have_the_multiplier_that_a_run_reports(
@@ -377,7 +377,7 @@ def test_a_batch_does_not_go_on_with_histories_of_which_one_bit_turned(
     done = evolvent("batch", design, "-o", "r", "--resume")
     assert done.returncode == 3
     assert done.stderr.splitlines()[-1].startswith(
-        "r/shard-1-of-1.h5: is damaged: its check sum is wrong"
+        "r/shard-1-of-1.h5: is damaged: its checksum is wrong"
     )
     assert stack.read_bytes() == content
 
@@ -403,7 +403,7 @@ def test_cases_of_other_times_are_refused_if_histories_are_stacked(
     rows = read_journal(tmp_path / JOURNAL).cases
     assert rows[0]["status"] == "done"
     assert rows[1]["status"] == "refused"
-    assert "its history has other times" in rows[1]["message"]
+    assert "its history differs in times" in rows[1]["message"]
 
 
 # ---- independence of workers and shards ----------------------------------------------------------
@@ -450,7 +450,7 @@ def test_without_resume_recorded_cases_are_left_alone(evolvent: Evolvent, design
     before = journal.read_bytes()
     result = evolvent("batch", design, "-o", "r")
     assert result.returncode == 3
-    assert "6 cases are recorded here already; go on with --resume" in result.stderr
+    assert "6 cases are already recorded here; continue with --resume" in result.stderr
     assert journal.read_bytes() == before
 
 
@@ -494,9 +494,7 @@ def test_a_damaged_line_is_run_again_and_a_damaged_head_written_anew(
     assert (lost["torn"], lost["rows"], lost["journals"][0]["head"]) == (7, 0, None)
     again = evolvent("batch", design, "-o", "r", "--resume")
     assert again.returncode == 0
-    assert (
-        f"{JOURNAL}: its first line is damaged and is written anew; 5 cases are re" in again.stderr
-    )
+    assert f"{JOURNAL}: its first line is damaged and is rewritten; 5 cases are re" in again.stderr
     told = [json.loads(line) for line in evolvent("records", "r").stdout.splitlines()]
     assert (told[0]["torn"], told[0]["rows"], told[0]["journals"][0]["head"]) == (2, 6, whole.head)
     for row in told[1:]:
@@ -578,7 +576,7 @@ def test_numbers_of_no_case_are_refused(evolvent: Evolvent, design: Path, line: 
     (design.parent / "cases.txt").write_text(f"0\n{line}\n")
     result = evolvent("batch", design, "-o", "r", "--cases", "cases.txt")
     assert result.returncode == 3
-    said = f"cases.txt:2: '{line}' is no case of the design; its numbers are 0 to 5"
+    said = f"cases.txt:2: '{line}' is not a case of the design; cases are numbered 0 to 5"
     assert result.stderr == f"{said}\n"
 
 
@@ -598,15 +596,15 @@ def test_numbers_of_no_case_are_refused(evolvent: Evolvent, design: Path, line: 
         ({"title.x": ["a"]}, {}, "title is a single value and has no 'x'"),
         ({"simulation.duraton": [1.0]}, {}, "did you mean 'duration'?"),
         ({"a=b": [1.0]}, {}, "no case has the path 'a=b': it contains '='"),
-        ({TORQUE: []}, {}, "is an empty design: it has no case"),
+        ({TORQUE: []}, {}, "is an empty design without cases"),
         ({TORQUE: [-1.0]}, {"evolvent_version": "0.0.1"}, "was made by evolvent 0.0.1, this is"),
         ({TORQUE: [-1.0]}, {"evolvent_design_format": 2}, "reads format 1 only"),
-        ({TORQUE: [-1.0]}, {"evolvent_design_format": None}, "is no design"),
+        ({TORQUE: [-1.0]}, {"evolvent_design_format": None}, "is not a design"),
         ({TORQUE: [-1.0]}, {"case": "format: ["}, "base case:2:1: not valid YAML"),
         ({TORQUE: [-1.0]}, {"case": ""}, "base case: is empty"),
         ({TORQUE: [-1.0]}, {"window": [1.0]}, "window: this attribute of the design is missing"),
-        ({TORQUE: [-1.0]}, {"window": [2.0, 1.0]}, "window: from 2 to 1 s is no span of time"),
-        ({TORQUE: [-1.0]}, {"n_cases": 2}, "p0: has not one value for each of the 2 cases"),
+        ({TORQUE: [-1.0]}, {"window": [2.0, 1.0]}, "window: from 2 to 1 s is not a time span"),
+        ({TORQUE: [-1.0]}, {"n_cases": 2}, "p0: does not have one value for each of the 2 cases"),
         ({TORQUE: [-1.0]}, {"history_every": 0}, "history_every: this attribute"),
         ({TORQUE: [-1.0]}, {"history_variables": "gap teeth"}, "has no 'teeth' over time"),
         ({TORQUE: [-1.0]}, {"history_variables": "gop"}, "did you mean 'gap'?"),
@@ -669,7 +667,7 @@ def test_what_is_no_design_is_refused(evolvent: Evolvent, tmp_path: Path, text: 
     (tmp_path / "design.h5").write_text(text)
     result = evolvent("batch", "design.h5", "-o", "r")
     assert result.returncode == 3
-    assert "is no HDF5 file; evolvent-sweep plan writes a design" in result.stderr
+    assert "is not an HDF5 file; create a design with evolvent-sweep plan" in result.stderr
 
 
 def test_a_design_that_was_edited_is_none_of_its_folder_whatever_it_says_of_its_hash(
@@ -683,7 +681,7 @@ def test_a_design_that_was_edited_is_none_of_its_folder_whatever_it_says_of_its_
     seal(design)
     edited = evolvent("batch", design, "-o", "r", "--resume")
     assert (broken.returncode, edited.returncode) == (3, 3)
-    assert "is damaged, or was changed: its check sum is wrong; take a copy" in broken.stderr
+    assert "is damaged, or was changed: its checksum is wrong; use an intact copy" in broken.stderr
     assert "this folder holds the results of another design" in edited.stderr
 
 
@@ -698,8 +696,8 @@ def test_a_design_without_a_check_sum_is_taken_with_a_warning(
     assert (sealed.returncode, bare.returncode) == (0, 0)
     assert sealed.stderr == ""
     assert bare.stderr == (
-        f"evolvent: warning: {design}: has no check sum, so that damage would not be noticed; "
-        "evolvent-sweep plan writes one\n"
+        f"evolvent: warning: {design}: has no checksum, so damage would not be detected; plan it "
+        "again with evolvent-sweep plan\n"
     )
 
 
@@ -720,7 +718,7 @@ def test_a_journal_of_another_version_is_refused(evolvent: Evolvent, design: Pat
     journal.write_bytes(b"".join([other, *rows]))
     result = evolvent("batch", design, "-o", "r", "--resume")
     assert result.returncode == 3
-    assert "was begun by another version" in result.stderr
+    assert "was started by another version" in result.stderr
 
 
 @pytest.mark.parametrize(
@@ -765,7 +763,7 @@ def test_a_second_run_of_a_shard_is_refused_and_told_who_is_first(
         result = evolvent("batch", design, "-o", "r", "--resume")
         assert result.returncode == 3
         assert f"(pid {first.pid} on {socket.gethostname()} since " in result.stderr
-        assert "shard-1-of-1.lock: another run is at work here" in result.stderr
+        assert "shard-1-of-1.lock: another run uses this folder" in result.stderr
     finally:
         first.kill()
         first.wait()

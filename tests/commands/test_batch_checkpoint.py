@@ -27,7 +27,7 @@ TORQUE = "wheels.pinion.loads.0.value"
 JOURNAL, HISTORIES = "r/shard-1-of-1.jsonl", "r/shard-1-of-1.h5"
 FOLDER = Path("r/shard-1-of-1.checkpoints")
 SOON = "0.0005"  # minutes, for cases that take ten times that
-GOES_ON = re.compile(r"case (\d+) goes on from its checkpoint at t = (\S+) s")
+GOES_ON = re.compile(r"case (\d+) continues from its checkpoint at t = (\S+) s")
 STOPS = 8  # maximum stops of a batch
 N_SEEDS = 25  # 200 stops
 
@@ -260,7 +260,7 @@ def test_of_a_damaged_checkpoint_the_one_before_it_is_taken_with_a_warning(
     stop(command, tmp_path)
     damage(tmp_path / FOLDER / "0" / "checkpoint.h5")
     said = run(command, tmp_path)
-    assert "checkpoint.h5' is damaged, or is no checkpoint: case 0 goes on from the" in said
+    assert "checkpoint.h5' is damaged, or is not a checkpoint: case 0 continues from the" in said
     assert GOES_ON.search(said)
     assert_undisturbed(tmp_path, long_case)
 
@@ -273,7 +273,7 @@ def test_without_a_checkpoint_that_is_whole_a_case_begins_anew_with_a_warning(
     for path in (tmp_path / FOLDER).glob("0/*.h5"):
         damage(path)
     said = run(command, tmp_path)
-    assert "checkpoint.h5' is damaged, or is no checkpoint: case 0 begins anew" in said
+    assert "checkpoint.h5' is damaged, or is not a checkpoint: case 0 restarts from time 0" in said
     assert not GOES_ON.search(said)
     assert_undisturbed(tmp_path, long_case)
 
@@ -293,8 +293,8 @@ def test_a_checkpoint_of_another_case_does_not_count(
     said = run(command, tmp_path)
     assert "the checkpoint is of another case: 'case 0 of the design" in said
     assert "'case 1 of the design" in said
-    assert "case 0 begins anew" in said
-    assert "case 1 begins anew" in said
+    assert "case 0 restarts from time 0" in said
+    assert "case 1 restarts from time 0" in said
     assert_undisturbed(tmp_path, undisturbed)
 
 

@@ -248,8 +248,8 @@ def test_a_damaged_file_ends_the_batch_with_its_name_and_nothing_false_is_record
     result = evolvent("batch", design, "-o", "r", "--resume", "-q")
     assert result.returncode == 3
     assert result.stderr == (
-        f"evolvent: r/{file.name}: is damaged: its check sum is wrong; delete it and go on with "
-        "--resume: it is computed anew\n"
+        f"evolvent: r/{file.name}: is damaged: its checksum is wrong; delete it and continue with "
+        "--resume; it is computed again\n"
     )
     recorded = read_journal(tmp_path / JOURNAL).cases
     assert sorted(recorded) == [0, 1, 2, 3]

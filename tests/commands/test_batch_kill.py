@@ -211,7 +211,7 @@ def test_a_journal_that_may_not_grow_ends_the_batch_and_keeps_what_it_has(
     assert full.returncode == 74
     assert full.stderr == (
         f"{JOURNAL}: cannot be written: File too large; "
-        "what is recorded stays, go on with --resume\n"
+        "recorded cases are preserved, continue with --resume\n"
     )
     kept = read_journal(tmp_path / JOURNAL)
     assert kept.torn == 0
@@ -242,7 +242,7 @@ def test_histories_that_may_not_grow_are_refused_before_any_case_runs(
     )
     assert full.returncode == 74
     assert full.stderr == (
-        f"{HISTORIES}: cannot be written: File too large; ask for fewer histories, or make room\n"
+        f"{HISTORIES}: cannot be written: File too large; select fewer histories, or free space\n"
     )
     assert read_journal(tmp_path / JOURNAL).rows == []
     assert not (tmp_path / HISTORIES).exists()
@@ -260,7 +260,7 @@ def test_a_full_disk_ends_the_batch_and_room_lets_it_go_on(
     )
     done = machine.with_mounts([script, executable, design], tmp_path)
     assert done.stdout.split() == ["74", "0"], done.stderr
-    assert "cannot be written: No space left on device; what is recorded stays" in done.stderr
+    assert "cannot be written: No space left on device; recorded cases are preserved" in done.stderr
     first, second = read_journal(tmp_path / "first"), read_journal(tmp_path / "second")
     assert 0 < len(first.rows) < 40
     assert second.rows[: len(first.rows)] == first.rows

@@ -111,7 +111,7 @@ BAD_OPTIONS = {
     "unknown material": ("wheels.gear.material=steal", "there is no material 'steal'"),
     "one name for two wheels": ("wheels.gear.name=pinion", "is given to two wheels"),
     "a number as a name": ("wheels.gear.name=7", "the name '7' is a number"),
-    "a dot in a name": ("wheels.gear.name=a.b", "the name 'a.b' has a '.' in it"),
+    "a dot in a name": ("wheels.gear.name=a.b", "the name 'a.b' contains '.'"),
     "no wheels": ("wheels=[]", "has 0 elements, needs at least 2"),
     "no meshes": ("meshes=[]", "has 0 elements, needs at least 1"),
     "no duration": ("simulation.duration=0", "is 0 s, must be greater than 0 s"),
@@ -169,12 +169,12 @@ BAD_OPTIONS = {
     ),
     "a key of another kind": (
         NEW_LOAD + "{kind: torque, value: 1, amplitude: 2}",
-        "'amplitude' does not go with 'kind: torque'; it goes with harmonic",
+        "'amplitude' is not valid with 'kind: torque'; it is valid with harmonic",
     ),
     "a drive that feeds itself": (
         NEW_LOAD + "{kind: drive, speed: 150, torque: 50, slope: 2}",
-        "wheels.pinion.loads.0.slope: the torque of a drive has to fall as the speed rises: slope ="
-        " 2 N m s/rad must be at most 0; if that is the stiffness of the motor's curve, give -2",
+        "wheels.pinion.loads.0.slope: the torque of a drive must decrease with the speed: slope = "
+        "2 N m s/rad must be at most 0; if that is the stiffness of the motor's curve, give -2",
     ),
     "a drive without a slope": (
         NEW_LOAD + "{kind: drive, speed: 150, torque: 50}",
@@ -186,7 +186,7 @@ BAD_OPTIONS = {
     ),
     "a drive at a table of speeds": (
         NEW_LOAD + "{kind: drive, speed: [0, 1], time: [0, 1], slope: -1}",
-        "'time' does not go with 'kind: drive'; it goes with table, speed",
+        "'time' is not valid with 'kind: drive'; it is valid with table, speed",
     ),
     "two prescribed speeds": (
         "wheels.pinion.loads=[{kind: speed, value: 1}, {kind: speed, value: 2}]",
@@ -198,26 +198,27 @@ BAD_OPTIONS = {
     ),
     "gaps of a steady start": (
         "simulation.initial={kind: steady, gaps: {pinion-gear: 1e-6}}",
-        "'gaps' does not go with 'kind: steady'",
+        "'gaps' is not valid with 'kind: steady'",
     ),
     "half a gravity": ("gravity=[0, 1]", "gravity: has 2 values, must be a vector [x, y, z]"),
     "misspelt housing": ("housing.kind=mountd", "(did you mean 'mounted'?)"),
     "a motion that is mounted": (
         "housing={kind: mounted, mass: 1, inertia: [1, 1, 1], rotation: []}",
-        "'rotation' does not go with 'kind: mounted'; it goes with prescribed",
+        "'rotation' is not valid with 'kind: mounted'; it is valid with prescribed",
     ),
     "an accelerometer without a housing": (
         "housing.accelerometers=" + ACCELEROMETER,
-        "'accelerometers' does not go with 'kind: fixed', the default; it goes with prescribed,"
+        "'accelerometers' is not valid with 'kind: fixed', the default; it is valid with "
+        "prescribed,"
         " mounted",
     ),
     "an accelerometer at rest": (
         "housing={kind: fixed, accelerometers: " + ACCELEROMETER + "}",
-        "'accelerometers' does not go with 'kind: fixed'; it goes with prescribed, mounted",
+        "'accelerometers' is not valid with 'kind: fixed'; it is valid with prescribed, mounted",
     ),
     "an accelerometer that feels nothing": (
         MOVING + ACCELEROMETER.replace("1", "0") + "}",
-        "housing.accelerometers.0.direction: a vector of zero length is no direction; give",
+        "housing.accelerometers.0.direction: a vector of zero length has no direction; give",
     ),
     "an accelerometer in the plane": (
         MOVING + ACCELEROMETER.replace("[0, 0, 0]", "[0, 0]") + "}",
@@ -225,7 +226,7 @@ BAD_OPTIONS = {
     ),
     "an accelerometer nowhere": (
         MOVING + ACCELEROMETER.replace("point: [0, 0, 0], ", "") + "}",
-        "housing.accelerometers.foot: 'point' is missing (where it is, housing frame [m])",
+        "housing.accelerometers.foot: 'point' is missing (position, housing frame [m])",
     ),
     "an accelerometer that is far away": (
         MOVING + ACCELEROMETER.replace("[0, 0, 0]", "[0, 0, .inf]") + "}",
@@ -267,7 +268,7 @@ BAD_OPTIONS = {
     ),
     "a quaternion of zero length": (
         BODY + "inertia: [1, 1, 1], orientation: [0, 0, 0, 0]}",
-        "housing.orientation: a quaternion of zero length is no orientation",
+        "housing.orientation: a quaternion of zero length is not an orientation",
     ),
     "a quaternion of three numbers": (
         BODY + "inertia: [1, 1, 1], orientation: [1, 0, 0]}",
@@ -374,7 +375,7 @@ def test_a_refused_value_is_shown_with_its_option(
     [
         (
             "housing.kind=prescribed",
-            "simulation.initial.kind: a steady start needs a housing that is at rest or mounted",
+            "simulation.initial.kind: a steady start requires a fixed or mounted housing",
         ),
         (
             BODY + "inertia: [1, 1, 1], velocity: [1, 0, 0]}",
@@ -430,8 +431,8 @@ def test_a_malformed_option_is_wrong_usage(
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (b"", "is empty; a case begins with 'format: 1'"),
-        (b"# nothing yet\n", "is empty; a case begins with 'format: 1'"),
+        (b"", "is empty; a case starts with 'format: 1'"),
+        (b"# nothing yet\n", "is empty; a case starts with 'format: 1'"),
         (b"just words\n", "must be a block of keys, not 'just words'"),
         (b"- 1\n- 2\n", "must be a block of keys, not a list"),
         (b"\x89HDF\r\n\x1a\n\0\0", "case.yaml:1:1: not readable as UTF-8 text"),

@@ -105,7 +105,7 @@ def test_the_command_that_a_stopped_run_names_completes_it_whatever_its_file_is_
     result = evolvent(*words, "--max-time", SOON)
     assert result.returncode == 75
     assert len(result.stderr.splitlines()) == 1
-    command = result.stderr.strip().split("go on from here with: ")[1]
+    command = result.stderr.strip().split("continue from here with: ")[1]
     assert shlex.split(command)[0] == "evolvent"
     path = {"PATH": f"{executable.parent}:/usr/bin:/bin"}
     subprocess.run(command, shell=True, cwd=tmp_path, env=path, check=True)
@@ -125,7 +125,7 @@ def test_a_signal_stops_a_run_with_a_checkpoint_and_code_75(
         process.send_signal(number)
         _, errors = process.communicate()
     assert process.returncode == 75
-    assert re.search(rf"t = .* s: interrupted by {number.name}; go on from here with: ", errors)
+    assert re.search(rf"t = .* s: interrupted by {number.name}; continue from here with: ", errors)
     assert not [*tmp_path.glob("a.h5.parts/*.partial")]
     assert not (tmp_path / "a.h5.partial").exists()
 
@@ -171,7 +171,7 @@ def test_a_second_run_at_the_same_parts_is_refused(
         for more in ([], ["--continue"]):
             result = evolvent("run", case, *words, *more)
             assert result.returncode == 3
-            assert f"another run is at work here (pid {process.pid} " in result.stderr
+            assert f"another run uses this folder (pid {process.pid} " in result.stderr
         process.kill()
         process.wait()
 
@@ -221,7 +221,7 @@ def test_of_a_damaged_checkpoint_the_one_before_it_is_taken_with_a_word(
     result = go_on(evolvent, case)
     assert result.returncode == 0
     assert "checkpoint.h5' is damaged" in result.stderr
-    assert "goes on from the checkpoint before it" in result.stderr
+    assert "continues from the previous checkpoint" in result.stderr
     assert evolvent("run", case, "-o", "plain.h5", "-q").returncode == 0
     assert contents(tmp_path / "a.h5") == contents(tmp_path / "plain.h5")
 
@@ -239,7 +239,7 @@ def test_no_flipped_byte_of_a_checkpoint_gets_by(
         path.write_bytes(damaged)
         result = go_on(evolvent, case)
         assert result.returncode == 3
-        assert "is damaged, or is no checkpoint; begin anew without --continue" in result.stderr
+        assert "is damaged, or is not a checkpoint; start again without --continue" in result.stderr
         assert len(result.stderr.splitlines()) == 1
     path.write_bytes(whole)
     assert go_on(evolvent, case).returncode == 0
@@ -264,7 +264,7 @@ def test_what_a_stopped_run_left_is_not_overwritten_by_another(
 ) -> None:
     result = evolvent("run", case, "-o", "a.h5", "-q", "--checkpoint", "1")
     assert result.returncode == 3
-    assert "a run that was stopped can go on from here: add --continue" in result.stderr
+    assert "a stopped run can be resumed from here; add --continue" in result.stderr
     assert (stopped / "checkpoint.h5").exists()
 
 
@@ -286,7 +286,7 @@ def test_nothing_to_go_on_from_is_refused_also_when_the_history_is_complete(
     for _ in range(2):
         result = go_on(evolvent, case)
         assert result.returncode == 3
-        assert "there is no checkpoint to go on from" in result.stderr
+        assert "there is no checkpoint in" in result.stderr
         result = evolvent("run", case, "-o", "a.h5", "-q", "--checkpoint", "1")
         assert result.returncode == 0
 
@@ -339,7 +339,7 @@ def test_where_no_room_is_left_the_checkpoint_before_stands_and_the_run_goes_on_
             preexec_fn=partial(resource.setrlimit, resource.RLIMIT_FSIZE, (limit, limit)),
         )
         assert result.returncode == 74, result.stderr
-        assert "then go on from t = " in result.stderr
+        assert "then continue from t = " in result.stderr
         assert len(result.stderr.splitlines()) == 1
         assert (folder / "checkpoint.h5").read_bytes() == kept
     assert go_on(evolvent, case).returncode == 0
@@ -361,7 +361,7 @@ def test_a_run_that_fails_leaves_what_it_leaves_without_checkpoints(
     assert not (tmp_path / "a.h5.parts").exists()
 
 
-SPENT = re.compile(r"(\d+) steps are over and the run is not; .*goes on from here with: (.*)$")
+SPENT = re.compile(r"the run is not complete after (\d+) steps; .*continues from here with: (.*)$")
 
 
 def spend(evolvent: Evolvent, words: list[str | Path], most: int, *more: str) -> tuple[int, str]:

@@ -118,9 +118,9 @@ def test_the_case_in_a_history_of_some_variables_gives_it_again(evolvent, exampl
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("enrgies", "there is no output and no group 'enrgies' (did you mean 'energies'?)"),
-        ("energies,gapp", "there is no output and no group 'gapp' (did you mean 'gap'?)"),
-        ("' , '", "names no output; leave it out, or take all"),
+        ("enrgies", "unknown output or group 'enrgies' (did you mean 'energies'?)"),
+        ("energies,gapp", "unknown output or group 'gapp' (did you mean 'gap'?)"),
+        ("' , '", "names no output; omit it, or give all"),
     ],
 )
 def test_a_name_that_is_none_is_refused_with_what_was_meant(evolvent, examples, words, said):

@@ -19,7 +19,8 @@ def assert_misuse(result: subprocess.CompletedProcess[str], complaint: str) -> N
     assert result.returncode == 2
     assert complaint in first
     assert any(line.startswith("Usage: evolvent") for line in rest)
-    assert "--help' tells more" in rest[-1]
+    assert rest[-1].startswith("See 'evolvent ")
+    assert rest[-1].endswith("--help'.")
     assert len(rest) < 16  # lines
     assert result.stdout == ""
 
@@ -57,7 +58,7 @@ def test_without_arguments_a_short_help_goes_to_stderr(evolvent: Evolvent) -> No
         (["modes", "a.yaml", "--at"], "option '--at' needs a value"),
         (["modes", "a.yaml", "--att=1"], "unknown option '--att' (did you mean '--at'?)"),
         (["run", "--at=1", "a.yaml"], "unknown option '--at'"),
-        (["run", "a.yaml", "b.yaml"], "one case at a time: what is 'b.yaml' after 'a.yaml'?"),
+        (["run", "a.yaml", "b.yaml"], "one case at a time; 'b.yaml' follows 'a.yaml'"),
         (["run", "--ouput=x.h5"], "unknown option '--ouput' (did you mean '--output'?)"),
         (["run", "--json", "a.yaml"], "unknown option '--json'"),
         (["run", "-z", "a.yaml"], "unknown option '-z'"),
@@ -65,8 +66,8 @@ def test_without_arguments_a_short_help_goes_to_stderr(evolvent: Evolvent) -> No
         (["run", "a.yaml", "-o", ""], "option '--output' needs a value"),
         (["run", "a.yaml", "--set"], "option '--set' needs a value"),
         (["run", "a.yaml", "--quiet=yes"], "option '--quiet' takes no value"),
-        (["show", "--laws", "a.yaml"], "option '--laws' stands alone"),
-        (["show", "--laws", "--keys"], "option '--laws' stands alone"),
+        (["show", "--laws", "a.yaml"], "option '--laws' excludes all other arguments"),
+        (["show", "--laws", "--keys"], "option '--laws' excludes all other arguments"),
     ],
 )
 def test_misuse_is_named_and_exits_with_2(
@@ -110,7 +111,7 @@ def test_every_command_refuses_what_it_does_not_know_and_names_what_it_needs(
     for command, text in commands.items():
         assert_misuse(evolvent(command), f"'{command}' needs a ")
         if "..." not in text.split()[3]:  # CASE.yaml... is several
-            assert_misuse(evolvent(command, "a", "b"), " at a time: what is 'b' after 'a'?")
+            assert_misuse(evolvent(command, "a", "b"), " at a time; 'b' follows 'a'")
         assert_misuse(evolvent(command, "a", "-Z"), "unknown option '-Z'")
         complaint = f"unknown command '{command}x' (did you mean '{command}'?)"
         assert_misuse(evolvent(f"{command}x"), complaint)

@@ -216,8 +216,8 @@ def test_an_unknown_shell_is_named(executable: Path) -> None:
     command = [executable, "completion", "bsh"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stdout) == (2, "")
-    known = "there is for bash, zsh, fish\n"
-    said = f"evolvent: there is no completion for the shell 'bsh' (did you mean 'bash'?); {known}"
+    known = "completions exist for bash, zsh, fish\n"
+    said = f"evolvent: unknown shell 'bsh' (did you mean 'bash'?); {known}"
     assert done.stderr == said
 
 

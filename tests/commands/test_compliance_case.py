@@ -21,16 +21,16 @@ ELEMENTS = f"{BLOCK}={{}}"
 BAD_OPTIONS = {
     "no hub": (
         [ELEMENTS, "wheels.pinion.bore=0"],
-        "hub_diameter: a solid wheel that is held nowhere",
+        "hub_diameter: a solid wheel without fixed hub",
     ),
     "hub under the teeth": (
         [f"{BLOCK}={{hub_diameter: 0.05}}"],
-        "hub_diameter: the wheel is held at a diameter of 0.05 m, which leaves too little below "
-        "the root circle: give a hub_diameter of less than 0.0446176 m",
+        "hub_diameter: the wheel is held at a diameter of 0.05 m, too close to the root circle; "
+        "give a hub_diameter of less than 0.0446176 m",
     ),
     "hub in the bore": (
         [f"{BLOCK}={{hub_diameter: 0.02}}"],
-        "hub_diameter: hub_diameter 0.02 m lies within the bore of 0.025 m",
+        "hub_diameter: hub_diameter 0.02 m is less than the bore of 0.025 m",
     ),
     "undercut": (
         [ELEMENTS, "wheels.pinion.profile_shift=-0.2", "meshes.0.centre_distance=0.0795"],
@@ -63,7 +63,7 @@ BAD_OPTIONS = {
     "table without numbers": ([f"{BLOCK}={{model: table}}"], "'rho' is missing"),
     "neighbour that yields more than the tooth": (
         [f"{BLOCK}={{model: table, rho: [0.004, 0.018], c: [1e-11, 4e-11], c_1: [5e-10, 5e-10]}}"],
-        "compliance.c_1: two tooth pairs that carry would have no forces: loaded at rho = 0.01",
+        "compliance.c_1: two loaded tooth pairs would have undefined forces: loaded at rho = 0.01",
     ),
     "teeth that no mesh fits": (
         [
@@ -83,7 +83,7 @@ BAD_OPTIONS = {
     ),
     "order of formulas": (
         [f"{BLOCK}={{model: analytic, order: 8}}"],
-        "'order' does not go with 'model: analytic'",
+        "'order' is not valid with 'model: analytic'",
     ),
     "another law": (
         [
@@ -91,13 +91,13 @@ BAD_OPTIONS = {
             "meshes.0.contact={law: linear, stiffness: 1e8}",
             "meshes.0.damping={law: none}",
         ],
-        "contact.law: a wheel with compliance needs contact {law: johnson}, from which its c is",
+        "contact.law: a wheel with compliance requires contact {law: johnson}, to which its c is",
     ),
     "rigid": (
         [ELEMENTS, "meshes.0.contact={law: rigid}", "meshes.0.damping={law: none}"],
-        "contact.law: a wheel with compliance needs contact {law: johnson}",
+        "contact.law: a wheel with compliance requires contact {law: johnson}",
     ),
-    "tracked": ([ELEMENTS, "meshes.0.tracking=differential"], "needs tracking: closed_form"),
+    "tracked": ([ELEMENTS, "meshes.0.tracking=differential"], "requires tracking: closed_form"),
 }
 
 
@@ -119,7 +119,7 @@ def test_wheels_that_are_stated_by_their_pitch_radius_have_none(
 ) -> None:
     result = evolvent("run", examples / "paper.yaml", "--set", "wheels.0.compliance={}")
     assert result.returncode == CASE
-    assert "wheels.pinion: 'compliance' needs 'module' beside it" in result.stderr
+    assert "wheels.pinion: 'compliance' needs 'module' in the same block" in result.stderr
 
 
 def shown(evolvent: Evolvent, examples: Path, *options: str) -> dict:
@@ -194,7 +194,7 @@ def test_table_gives_its_numbers(evolvent: Evolvent, examples: Path) -> None:
 def test_formulas_warn_of_the_body_that_two_pairs_share(evolvent: Evolvent, examples: Path) -> None:
     warnings = shown(evolvent, examples, f"{BLOCK}={{model: analytic}}")["warnings"]
     assert any("two loaded pairs share the wheel's body" in line for line in warnings)
-    assert any("where it was not fitted" in line for line in warnings)
+    assert any("outside the range of its fit" in line for line in warnings)
 
 
 def test_numbers_of_the_block_are_parameters(evolvent: Evolvent, examples: Path) -> None:

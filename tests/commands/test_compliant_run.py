@@ -29,8 +29,8 @@ BAD_OPTIONS = {
     **{
         law: (
             (BENDS, "meshes.0.damping={law: none}", f"meshes.0.contact={{law: {given}}}"),
-            "meshes.pinion-gear.contact.law: a wheel with compliance needs contact {law: johnson}, "
-            f"from which its c is counted, not {law}",
+            "meshes.pinion-gear.contact.law: a wheel with compliance requires contact "
+            f"{{law: johnson}}, to which its c is added, not {law}",
         )
         for law, given in LAWS.items()
         if law != "johnson"
@@ -38,20 +38,20 @@ BAD_OPTIONS = {
     **{
         tracking: (
             (BENDS, f"meshes.0.tracking={tracking}"),
-            "meshes.pinion-gear.tracking: a wheel with compliance needs tracking: closed_form",
+            "meshes.pinion-gear.tracking: a wheel with compliance requires tracking: closed_form",
         )
         for tracking in ("algebraic", "differential")
     },
     "coupling of a tooth alone": (
         (PINION + "={model: analytic}", COUPLED),
         "meshes.pinion-gear.tooth_coupling: a wheel with compliance {model: analytic}, or a table "
-        "without c_1, does not know how its teeth yield to their neighbours' loads",
+        "without c_1, does not include deflections by loads of neighbouring teeth",
     ),
     "coupling of a table without c_1": ((TABLE, COUPLED), "or a table without c_1"),
     "coupling of wheels that do not bend": (
         (COUPLED,),
-        "meshes.pinion-gear.tooth_coupling: teeth are coupled by what their wheels yield, but none "
-        "of these has a compliance",
+        "meshes.pinion-gear.tooth_coupling: tooth coupling results from compliant wheels, but "
+        "none of these has a compliance",
     ),
     "another word": (
         (BENDS, "meshes.0.tooth_coupling=maybe"),
@@ -79,7 +79,7 @@ def test_what_bending_wheels_cannot_have_is_refused(
 def test_a_wheel_without_module_cannot_bend(evolvent: Evolvent, examples: Path) -> None:
     result = evolvent("run", examples / "paper.yaml", "--set", "wheels.0.compliance={}")
     assert result.returncode == CASE
-    assert "'compliance' needs 'module' beside it" in result.stderr
+    assert "'compliance' needs 'module' in the same block" in result.stderr
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_every_model_runs(
 
 # an example with changes; the note on a mesh whose wheels could be compliant; "": no note
 STIFF = {
-    "real gears": ("spur-pair.yaml", (), "mesh pinion-gear: only the contact gives way"),
+    "real gears": ("spur-pair.yaml", (), "mesh pinion-gear: only the contact is compliant"),
     "several meshes": ("two-stage-gears.yaml", (), "mesh first and 1 more: only the contact"),
     "one wheel bends": ("spur-pair.yaml", (BENDS,), ""),
     "another law": ("spur-pair.yaml", ("meshes.0.contact={law: yang_lin}",), ""),
@@ -134,9 +134,9 @@ def test_real_gears_that_do_not_bend_are_told_once_how_they_could(
     assert run.returncode == 0, run.stderr
     show = evolvent("show", examples / case, *changes)
     for text in (run.stderr, show.stdout):
-        assert text.count("only the contact gives way") == bool(said)
+        assert text.count("only the contact is compliant") == bool(said)
         assert said in text
-        assert text.count("'compliance: {}' in its wheels") == bool(said)
+        assert text.count("'compliance: {}' to its wheels") == bool(said)
 
 
 def test_more_pairs_than_can_be_coupled_are_refused(evolvent: Evolvent, examples: Path) -> None:

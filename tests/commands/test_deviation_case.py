@@ -57,7 +57,7 @@ BAD_OPTIONS = {
     "runout without amount": ("wheels.gear.eccentricity={phase: 3}", "eccentricity: needs either 'amount'"),
     "tracked flanks": (
         "meshes.0.tracking=differential",
-        "meshes.pinion-gear.tracking: flanks with deviations cannot be tracked: take tracking "
+        "meshes.pinion-gear.tracking: flanks with deviations cannot be tracked; choose tracking "
         "closed_form",
     ),
 }
@@ -118,7 +118,9 @@ def test_rigid_contacts_have_no_deviations(
 ) -> None:
     options = ("--set", "meshes.0.contact={law: rigid}", "--set", "meshes.0.damping={law: none}")
     line = refused(evolvent("run", examples / "tip-relief.yaml", *options), tmp_path)
-    assert "meshes.pinion-gear.contact.law: flanks with deviations need an elastic contact" in line
+    assert (
+        "meshes.pinion-gear.contact.law: flanks with deviations require an elastic contact" in line
+    )
 
 
 @pytest.mark.parametrize(
@@ -137,7 +139,7 @@ def test_a_wheel_that_is_stated_by_its_pitch_radius_has_none(
 ) -> None:
     result = evolvent("run", examples / "paper.yaml", "--set", f"wheels.pinion.{option}")
     key = option.partition("=")[0]
-    assert f"wheels.pinion: '{key}' needs 'module' beside it" in refused(result, tmp_path)
+    assert f"wheels.pinion: '{key}' needs 'module' in the same block" in refused(result, tmp_path)
 
 
 def test_a_wheel_needs_a_pitch_error_for_each_tooth(

@@ -22,19 +22,20 @@ BAD_CASES = {
     ),
     "another law": (
         ("spur-pair.yaml", EDGES, "meshes.0.contact={law: linear, stiffness: 1e8}"),
-        FIELD + "tip edges need contact {law: johnson}, not linear",
+        FIELD + "corner contact requires contact {law: johnson}, not linear",
     ),
     "rigid": (
         ("spur-pair.yaml", EDGES, "meshes.0.contact={law: rigid}", "meshes.0.damping={law: none}"),
-        FIELD + "tip edges need contact {law: johnson}, not rigid",
+        FIELD + "corner contact requires contact {law: johnson}, not rigid",
     ),
     "tracked": (
         ("spur-pair.yaml", EDGES, "meshes.0.tracking=algebraic"),
-        FIELD + "tip edges need tracking: closed_form",
+        FIELD + "corner contact requires tracking: closed_form",
     ),
     "without module": (
         ("paper.yaml", EDGES, "meshes.0.tracking=closed_form"),
-        FIELD + "tip edges are those of real gears: give both wheels a module, or false",
+        FIELD + "corner contact requires gears with a basic rack; give both wheels a module, "
+        "or false",
     ),
 }
 

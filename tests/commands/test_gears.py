@@ -167,7 +167,7 @@ REFUSED = {
     "another module": ("wheels.1.module=0.0021", f"{MESH}: its wheels cannot mesh: the base pitch"),
     "a wheel without module": (
         "wheels.1={name: gear, teeth: 40, width: 0.02, material: steel}",
-        f"{MESH}: one of its wheels has a module and the other has none: give both a module",
+        f"{MESH}: one of its wheels has a module and the other has none; give both a module",
     ),
     "a pressure angle": ("meshes.0.pressure_angle=20", f"{MESH}.pressure_angle: a pressure angle"),
     "the paper's rule": ("meshes.0.pressure_angle=paper_rule", f"{MESH}.pressure_angle: "),
@@ -200,7 +200,7 @@ def test_two_centres_have_to_agree_with_the_centre_distance(
 
 def test_keys_of_a_gear_need_a_module(evolvent: Evolvent, examples: Path) -> None:
     line = refused(evolvent, examples / "paper.yaml", "wheels.pinion.profile_shift=0.1")
-    assert "wheels.pinion: 'profile_shift' needs 'module' beside it" in line
+    assert "wheels.pinion: 'profile_shift' needs 'module' in the same block" in line
 
 
 def test_one_module_is_not_enough(evolvent: Evolvent, examples: Path) -> None:

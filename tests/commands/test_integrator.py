@@ -33,7 +33,7 @@ def case(examples: Path) -> Path:
             "housing={kind: mounted, mass: 20, inertia: [1, 1, 1], mount: {}}",
             "housing.kind: the accelerations of a mounted housing are coupled",
         ),
-        ("simulation.tolerance=1e-14", "tolerance: is 1e-14, but integrator radau takes 1e-13"),
+        ("simulation.tolerance=1e-14", "tolerance: is 1e-14, but integrator radau accepts 1e-13"),
     ],
 )
 def test_radau_is_refused_where_it_cannot_serve_with_place_and_remedy(
@@ -44,7 +44,7 @@ def test_radau_is_refused_where_it_cannot_serve_with_place_and_remedy(
     assert result.returncode == 3
     assert result.stderr.startswith(f"--set {setting}: ")
     assert said in result.stderr
-    assert "take integrator ida" in result.stderr
+    assert "choose integrator ida" in result.stderr
 
 
 def test_an_unknown_integrator_is_refused(evolvent: Evolvent, case: Path) -> None:

@@ -106,7 +106,7 @@ def test_without_a_steady_state_the_time_is_asked_for(evolvent: Evolvent, case: 
 def test_a_load_of_the_wrong_sense_is_refused_at_its_place(evolvent: Evolvent, case: Path) -> None:
     result = evolvent("modes", case, "--set", "wheels.pinion.loads.0.value=1")
     assert_refused(
-        result, 3, "wheels.pinion.loads.0.value", "has the wrong sense", "parts the drive"
+        result, 3, "wheels.pinion.loads.0.value", "has the wrong sense", "opens the drive"
     )
 
 

@@ -29,13 +29,13 @@ def case(examples: Path) -> Path:
 @pytest.mark.parametrize(
     ("numbers", "told"),
     [
-        ("{from: 1}", "metrics: the window is from 1 to 0.01 s, which is no span of time"),
+        ("{from: 1}", "metrics: the window is from 1 to 0.01 s, which is not a time span"),
         ("{to: 1}", "metrics: the window ends at 1 s, but the case at 0.01 s"),
         ("{from: 0.003, to: 0.002}", "the window is from 0.003 to 0.002 s"),
-        ("{from: -1}", "numbers.from: is -1 s, must be at least 0 s"),
+        ("{from: -1}", "metrics.from: is -1 s, must be at least 0 s"),
         ("{pitches_of: gears}", "pitches_of: there is no mesh 'gears'; the case has pinion-gear"),
         ("{turns_of: gearr}", "turns_of: there is no wheel 'gearr' (did you mean 'gear'?)"),
-        ("{turns_of: gear, pitches_of: pinion-gear}", "leave out pitches_of or turns_of"),
+        ("{turns_of: gear, pitches_of: pinion-gear}", "omit pitches_of or turns_of"),
         ("{every: 3}", "unknown key 'every'; known here: from, to, pitches_of, turns_of"),
         ("3", "metrics: must be a block of keys"),
     ],
@@ -56,11 +56,11 @@ def test_a_window_that_cannot_be_is_refused_at_its_place(
     [
         (
             "{from: 9.5e-3}",
-            "mesh 'pinion-gear', from one start of contact to the next: it went 0.23",
+            "mesh 'pinion-gear', from one start of contact to the next: only 0.23",
         ),
         (
             "{turns_of: gear}",
-            "no whole turn of wheel 'gear', counted from its start: it went 0.069",
+            "no whole revolution of wheel 'gear', counted from its start: only 0.069",
         ),
     ],
 )
@@ -70,7 +70,10 @@ def test_a_run_without_a_whole_period_in_its_window_fails_with_the_reason(
     result = evolvent("run", case, *SHORT, "--set", f"simulation.metrics={numbers}", "-o", "n.h5")
     assert result.returncode == 4
     assert result.stderr.count(told) == 1
-    assert "begin earlier, or run longer; the history up to there is in 'n.h5." in result.stderr
+    assert (
+        "start the window earlier, or increase the duration; the history up to there is in 'n.h5."
+        in result.stderr
+    )
     assert not (tmp_path / "n.h5").exists()
     with xr.open_dataset(tmp_path / "n.h5.partial", engine="h5netcdf") as history:
         assert history.attrs["status"] == "failed"
@@ -101,7 +104,7 @@ def test_a_mesh_that_does_not_turn_is_told(evolvent: Evolvent, examples: Path) -
     words = [word for setting in settings for word in ("--set", setting)]
     result = evolvent("run", examples / "paper.yaml", *words, "-o", "n.h5")
     assert result.returncode == 4, result.stderr
-    assert "start of contact to the next: it went 0 pitches in it" in result.stderr
+    assert "start of contact to the next: only 0 pitches" in result.stderr
 
 
 def rows_of(
@@ -176,7 +179,7 @@ def test_a_case_of_a_batch_without_a_whole_period_is_recorded_as_failed(
     assert evolvent("batch", design, "-o", "r").returncode == 1
     row = read_journal(tmp_path / JOURNAL).cases[0]
     assert (row["status"], row["exit"], row["dynamic_factor"]) == ("failed", 4, None)
-    assert "holds no whole pitch of mesh 'pinion-gear'" in row["message"]
+    assert "contains no whole pitch of mesh 'pinion-gear'" in row["message"]
 
 
 @pytest.mark.parametrize(
@@ -231,7 +234,7 @@ def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: 
     seal(design)
     result = evolvent("batch", design, "-o", "r")
     assert result.returncode == 3
-    assert "metrics: there is no metric 'dynamicfactor'; there are all, contact," in result.stderr
+    assert "metrics: unknown metric 'dynamicfactor'; known are all, contact," in result.stderr
 
 
 def documented_metrics() -> dict[str, tuple[tuple[str, ...], str]]:

@@ -42,7 +42,7 @@ def case(content: dict[str, Any], tmp_path: Path) -> Path:
 REFUSED = {
     "beside an interval": (
         "simulation.output_interval=1e-4",
-        "pair.yaml:51:5: simulation.output: stands beside output_interval "
+        "pair.yaml:51:5: simulation.output: conflicts with output_interval "
         "(--set simulation.output_interval=1e-4); give one of them",
     ),
     "none": (
@@ -61,11 +61,11 @@ REFUSED = {
     ),
     "of no mesh": (
         "simulation.output={per_pitch: 3}",
-        "simulation.output: 'per_pitch' needs 'mesh' beside it",
+        "simulation.output: 'per_pitch' needs 'mesh' in the same block",
     ),
     "of no wheel": (
         "simulation.output={per_turn: 3}",
-        "simulation.output: 'per_turn' needs 'wheel' beside it",
+        "simulation.output: 'per_turn' needs 'wheel' in the same block",
     ),
     "of a mesh that is not there": (
         "simulation.output.mesh=pinion-gaer",
@@ -77,7 +77,7 @@ REFUSED = {
     ),
     "pitches of a wheel": (
         "simulation.output={per_pitch: 3, wheel: gear}",
-        "simulation.output: 'wheel' needs 'per_turn' beside it",
+        "simulation.output: 'wheel' needs 'per_turn' in the same block",
     ),
     "an interval that is too long": (
         "simulation.output={interval: 1}",
@@ -241,9 +241,9 @@ def test_a_position_that_is_passed_again_keeps_its_first_time(
 @pytest.mark.parametrize(
     ("by_position", "rows", "message"),
     [
-        (True, None, "history_rows: outputs of these cases go by position"),
-        (False, 7, "history_rows: is 7, but outputs of these cases go by time"),
-        (True, -1, "history_rows: this attribute of the design is no count"),
+        (True, None, "history_rows: is missing, but outputs of these cases are by position"),
+        (False, 7, "history_rows: is 7, but outputs of these cases are by time"),
+        (True, -1, "history_rows: this attribute of the design is not a count"),
     ],
 )
 def test_a_design_says_how_many_positions_are_kept_and_only_of_positions(
@@ -287,4 +287,4 @@ def test_cases_with_other_positions_have_no_place_in_the_histories(
     assert evolvent("batch", design, "-o", "r", "-q").returncode == 1
     rows = read_journal(tmp_path / JOURNAL).cases
     assert [rows[i]["status"] for i in range(4)] == ["done", *["refused"] * 3]
-    assert "its history has other times, positions or sizes" in rows[1]["message"]
+    assert "its history differs in times, positions or sizes" in rows[1]["message"]

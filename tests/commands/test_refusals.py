@@ -54,7 +54,7 @@ STARTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "a driven housing": (
         "paper.yaml",
         (STEADY, "housing.kind=prescribed"),
-        "a steady start needs a housing that is at rest or mounted",
+        "a steady start requires a fixed or mounted housing",
     ),
     "a moving housing": (
         "paper.yaml",
@@ -64,7 +64,7 @@ STARTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "two prescribed speeds": (
         "paper.yaml",
         (STEADY, FIRST, "wheels.gear.loads=[{kind: speed, value: 2}]"),
-        "the speeds of several are prescribed",
+        "at most one prescribed speed, but several wheels have one",
     ),
     "a speed that changes": (
         "paper.yaml",

@@ -55,7 +55,7 @@ def test_both_are_refused_in_one_line_with_both_places(
         done = evolvent(command, both)
         assert done.returncode == 3
         assert done.stderr == (
-            f"{both}:{stated}:3: simulation: 'tolerance' stands beside 'accuracy' "
+            f"{both}:{stated}:3: simulation: 'tolerance' conflicts with 'accuracy' "
             f"({both}:{accuracy}:3); give one of them\n"
         )
 
@@ -66,7 +66,7 @@ def test_an_accuracy_set_on_a_case_that_says_a_tolerance_is_refused(
     settings = sets("simulation.tolerance=1e-8", "simulation.accuracy=1e-6")
     done = evolvent("run", case, *settings)
     assert done.returncode == 3
-    assert "'tolerance' stands beside 'accuracy' (--set simulation.accuracy=1e-6)" in done.stderr
+    assert "'tolerance' conflicts with 'accuracy' (--set simulation.accuracy=1e-6)" in done.stderr
     assert done.stderr.count("\n") == 1
 
 

@@ -161,7 +161,7 @@ def test_a_largest_pressure_without_sharp_edges_says_so(
     edges = opened(path).pair_contact_kind.values > 1
     assert edges.any()
     assert bool(np.isnan(opened(path).pair_contact_pressure.values[edges]).any()) == is_said
-    assert ("the largest pressure leaves them out" in done.stdout) == is_said
+    assert ("the largest pressure excludes them" in done.stdout) == is_said
 
 
 def test_a_damping_ratio_without_a_load_is_no_matter_at_rest(
@@ -196,7 +196,7 @@ def test_what_is_missing_is_said_once_without_compliance(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
     words = ("static", case, "-o", tmp_path / "x.h5")
-    assert "Only the contacts give way" in evolvent(*words).stdout
+    assert "Only the contacts are compliant" in evolvent(*words).stdout
     assert "Only the contacts" not in evolvent(*words, *ANALYTIC).stdout
     assert evolvent(*words, "-q").stdout == ""
 
@@ -235,7 +235,7 @@ def test_examples_of_the_help_work(evolvent: Evolvent, examples: Path, tmp_path:
         (["--mesh", "0.5"], ["--mesh 0.5", "no such mesh"]),
         (["--torque", "0"], ["--torque 0", "give one above 0, in the sense of driving_rotation"]),
         (["--torque", "-50:50:4"], ["--torque -50:50:4", "those below 0 the coast flanks"]),
-        (["--torque", "0:50:4"], ["--torque 0:50:4", "0 none: ask for either"]),
+        (["--torque", "0:50:4"], ["--torque 0:50:4", "0 loads none; give torques of one sign"]),
         (["--speed", "fast"], ["--speed fast", "speed of the driving wheel [rad/s]"]),
         (["--speed", "inf"], ["--speed inf", "speed of the driving wheel [rad/s]"]),
         (["--torque", "50:10:3"], ["--torque 50:10:3", "it must be FROM:TO:STEPS"]),
@@ -292,7 +292,7 @@ def test_too_many_positions_exit_with_2(evolvent: Evolvent, case: Path, tmp_path
                 *("--set", "meshes.0.contact={law: linear, stiffness: 1e8}"),
                 *("--set", "meshes.0.damping={law: none}"),
             ],
-            ["--set", "meshes.pinion-gear.contact.law", "law: johnson only"],
+            ["--set", "meshes.pinion-gear.contact.law", "contact law: johnson"],
         ),
         (
             "spur-pair",
@@ -430,5 +430,5 @@ def test_a_mesh_far_softer_than_iso_says_why(
         words = ("static", case, *soft[0], *soft[1], *thin, "-o", tmp_path / "x.h5")
         return evolvent(*words, "--torque", "100").stdout
 
-    assert "of c_gamma: the bodies yield down to hub_diameter" in text("")
+    assert "of c_gamma: the bodies are compliant down to hub_diameter" in text("")
     assert "of c_gamma: the bodies" not in text("hub_diameter: 40e-3")

@@ -45,7 +45,7 @@ def test_a_slow_steady_start_is_the_static_mesh_at_its_position(
     for position in POSITIONS:
         start = ("--set", f"simulation.initial={{kind: steady, position: {position}}}")
         done = evolvent("run", case, "-q", "-o", "start.h5", *words, *start)
-        assert "numbers holds no whole pitch" in done.stderr
+        assert "metrics contains no whole pitch" in done.stderr
         assert done.returncode == 4, done.stderr
         with h5py.File(tmp_path / "start.h5.partial") as history:
             error = history["transmission_error"][0, 0]

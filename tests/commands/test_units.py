@@ -126,13 +126,13 @@ REFUSED = {
     ),
     "mega for milli": (
         "wheels.pinion.width=20 Mm",
-        "is 20 Mm, but the unit 'Mm' is not known (did you mean 'mm'?); write the length in mm,",
+        "is 20 Mm, but the unit 'Mm' is unknown (did you mean 'mm'?); write the length in mm,",
     ),
-    "no unit at all": ("wheels.pinion.width=3 thou", "the unit 'thou' is not known; write the"),
+    "no unit at all": ("wheels.pinion.width=3 thou", "the unit 'thou' is unknown; write the"),
     "a unit where none is": (
         "meshes.0.friction={law: coulomb, coefficient: 0.1 mm}",
         "friction.coefficient: is 0.1 mm, but 'mm' is a unit of length, and this number has none; "
-        "leave it away, or write %",
+        "omit it, or write %",
     ),
     "a whole number": ("wheels.pinion.teeth=20 mm", "must be a whole number, not '20 mm'"),
     "out of range": ("wheels.pinion.width=-3 mm", "is -3 mm (-0.003 m), must be greater than 0 m"),
@@ -141,7 +141,8 @@ REFUSED = {
         "is 20 mm, but 'mm' is a unit of length; write the angle in deg, °, rad, mrad, arcmin",
     ),
     "too large": ("wheels.pinion.width=1e400 mm", "is 1e400 mm, which is not a finite number"),
-    "a comma": ("wheels.pinion.width=3,5 mm", "must be a number with a point, no comma [m]"),
+    "a comma": ("wheels.pinion.width=3,5 mm", "must be a number with a decimal point, no "
+        "comma [m]"),
     "an element": ("wheels.pinion.centre=[0 mm, 0 s]", "is 0 s, but 's' is a unit of time; write"),
     "cycles for an angle": (
         "wheels.pinion.loads.0={kind: speed, value: 25 Hz}",
@@ -176,7 +177,7 @@ def test_a_long_unit_is_cut_between_characters(
     option = f"wheels.pinion.width=3 {start}{'°µ∑' * 40}"
     line = evolvent("show", examples / "paper.yaml", "--set", option).stderr
     assert "�" not in line
-    assert "is not known; write the length in mm," in line
+    assert "is unknown; write the length in mm," in line
 
 
 def test_a_history_holds_the_case_in_the_keys_units(

@@ -116,4 +116,4 @@ def test_a_fault_in_standard_input_has_its_place(evolvent: Evolvent, command: st
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr.startswith("stdin:2:1: unknown key 'wheeels'")
     empty = evolvent(command, "-", *output, input="")
-    assert empty.stderr == "stdin: is empty; a case begins with 'format: 1'\n"
+    assert empty.stderr == "stdin: is empty; a case starts with 'format: 1'\n"

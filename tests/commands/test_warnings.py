@@ -58,7 +58,7 @@ WARNINGS = {
         "spur-pair.yaml",
         "wheels.gear.loads.0.coefficient=1e-4",
         "wheels.pinion",
-        "by loads and start it turns at ",
+        "loads and initial state give it a speed of ",
     ),
     "a mesh against the first one": (
         "two-stage.yaml",

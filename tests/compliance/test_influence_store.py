@@ -129,7 +129,7 @@ def test_a_store_that_fails_ends_the_creation(kernel: Kernel, *, knows: bool) ->
     store = WheelStore(answer=-1)
     if knows:
         store.find = type(store.find)(lambda *_: 0)
-    with pytest.raises(GearboxError, match="what is kept of wheels") as caught:
+    with pytest.raises(GearboxError, match="stored compliances of wheels") as caught:
         pair(kernel, store)
     assert (caught.value.code, caught.value.subject) == (STORE_FAILED, WHEEL)
     assert store.computed == knows

@@ -230,7 +230,7 @@ def test_pair_that_would_carry_past_the_reach_of_its_edge_is_refused(kernel: Ker
     state = static_mesh(kernel, mesh, start_of_path(mesh) - 0.07 * mesh.base_pitch, LOAD * 0.02)
     assert state.code == OUT_OF_DOMAIN
     assert "another tooth pair would carry with a tip edge 0.05 pitches off" in state.message
-    assert "lower the load" in state.message
+    assert "reduce the load" in state.message
     mesh.reach = 0.4 * mesh.base_pitch
     assert at(kernel, mesh, -0.07).force[0] >= 0
 

@@ -228,7 +228,7 @@ def test_a_wheel_without_module_has_no_deviations(kernel: Kernel):
         Gearbox(kernel, wheels, [load(0, TORQUE, -1.0)], [mesh(kernel)])
     assert (caught.value.subject, caught.value.index) == (WHEEL, 0)
     assert caught.value.field == "eccentricity"
-    assert "needs 'module' beside it" in caught.value.message
+    assert "needs 'module' in the same block" in caught.value.message
 
 
 def test_pitch_errors_are_copied(kernel: Kernel):

@@ -81,12 +81,12 @@ SLOW: dict[str, tuple[list[Any], dict[str, Any]]] = {
     "given speeds": ([], {"kind": SPEEDS, "speeds": [-1e5, 8e4]}),
 }
 FAST: dict[str, tuple[list[Any], dict[str, Any], int, str]] = {
-    "a prescribed speed": ([load(0, SPEED, -1.01e5)], {}, 0, "101000 rad/s:"),
-    "of the driven wheel": ([load(1, SPEED, 9e4)], {}, 0, "100588 rad/s:"),
-    "of both": ([load(1, SPEED, 2e5)], {}, 0, "223529 rad/s, and another wheel is like it"),
-    "a table": ([load(1, SPEED, table=[(0, 0), (1, 9.5e4)])], {}, 0, "106176 rad/s:"),
+    "a prescribed speed": ([load(0, SPEED, -1.01e5)], {}, 0, "101000 rad/s;"),
+    "of the driven wheel": ([load(1, SPEED, 9e4)], {}, 0, "100588 rad/s;"),
+    "of both": ([load(1, SPEED, 2e5)], {}, 0, "223529 rad/s, and so has another wheel"),
+    "a table": ([load(1, SPEED, table=[(0, 0), (1, 9.5e4)])], {}, 0, "106176 rad/s;"),
     "by the loads": ([load(0, TABLE, table=[(0, 1), (1, 10)]), load(0, VISCOUS, 9e-5)], {}, 0, ""),
-    "given speeds": ([], {"kind": SPEEDS, "speeds": [0.0, -1.2e5]}, 1, "120000 rad/s:"),
+    "given speeds": ([], {"kind": SPEEDS, "speeds": [0.0, -1.2e5]}, 1, "120000 rad/s;"),
 }
 
 
@@ -103,6 +103,6 @@ def test_an_unlikely_speed_is_named_with_its_wheel(kernel: Kernel, case: str):
     warned = gearbox.speed_warning(**start)
     assert warned is not None
     assert (warned.subject, warned.index) == (WHEEL, index)
-    assert warned.message.startswith("by loads and start it turns at ")
+    assert warned.message.startswith("loads and initial state give it a speed of ")
     assert words in warned.message
     assert gearbox.speed_warning(kind=REST) == warned or start

@@ -718,7 +718,7 @@ static void a_solution_that_runs_away_ends_the_run_with_the_integrators_words(vo
         p->yp[0] = 1;
         outcome result = solve(p, 2.0, 0.01, 1e-9);
         assert_int_equal(result.code, INTEGRATE_FAILED);
-        assert_non_null(strstr(result.reason, "cannot go on (IDA_"));
+        assert_non_null(strstr(result.reason, "cannot continue (IDA_"));
         /* what the model has not is no remedy */
         assert_int_equal(strstr(result.reason, "radau") != NULL, has_stepper);
         assert_close(p->state.t, 1, 1e-2);

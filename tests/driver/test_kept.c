@@ -280,7 +280,7 @@ static void refuse(const prepared_case *prepared, keepsake one)
                                 .resume = &from};
     simulate(prepared, &sink, &state, &result);
     assert_int_equal(result.end, SIMULATE_FAILED);
-    assert_string_equal(result.message, "what was kept is not of this case and program");
+    assert_string_equal(result.message, "the stored state does not belong to this case and program");
     dae_state_free(&state);
     extremes_delete(&l.extremes);
     forget(&l);

@@ -44,7 +44,7 @@ static int another_asks(void)
         (void)snprintf(owner, sizeof owner, "pid %ld on ", (long)getppid());
         const bool taken = file_lock_take(&lock, path, &error);
         const bool is_told = error.code == EVL_EXIT_CASE &&
-                             strstr(error.message, "another run is at work here") != NULL &&
+                             strstr(error.message, "another run uses this folder") != NULL &&
                              strstr(error.message, owner) != NULL;
         _exit(taken ? TAKEN : is_told ? REFUSED : WRONG);
     }

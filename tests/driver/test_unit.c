@@ -330,9 +330,9 @@ static void a_unit_of_another_kind_is_refused_with_its_kind_and_with_all_that_ar
     assert_string_equal(refusal, "'N' is a unit of force; write the length in mm, um, nm, cm, m, in");
     OWNED char *near = unit_refusal("m", "Mm");
     assert_string_equal(near,
-                        "the unit 'Mm' is not known (did you mean 'mm'?); write the length in mm, um, nm, cm, m, in");
+                        "the unit 'Mm' is unknown (did you mean 'mm'?); write the length in mm, um, nm, cm, m, in");
     OWNED char *none = unit_refusal("", "mm");
-    assert_string_equal(none, "'mm' is a unit of length, and this number has none; leave it away, or write %");
+    assert_string_equal(none, "'mm' is a unit of length, and this number has none; omit it, or write %");
 }
 
 static void what_is_no_number_with_a_unit_is_told_from_an_unknown_unit(void **state)

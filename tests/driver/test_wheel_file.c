@@ -57,7 +57,7 @@ static void assert_refused(const char *reason)
     assert_int_equal(error.code, EVL_EXIT_CASE);
     assert_string_equal(error.place, path);
     assert_non_null(strstr(error.message, reason));
-    assert_non_null(strstr(error.message, "; delete it and go on with --resume"));
+    assert_non_null(strstr(error.message, "; delete it and continue with --resume"));
     assert_null(strchr(error.message, '\n'));
 }
 
@@ -90,7 +90,7 @@ static void every_changed_bit_is_noticed_before_the_library_reads_the_file(void 
         bytes[i] ^= flip;
         write_bytes(n);
         bytes[i] ^= flip;
-        assert_refused("is damaged: its check sum is wrong");
+        assert_refused("is damaged: its checksum is wrong");
     }
 }
 
@@ -113,11 +113,11 @@ static void a_file_of_another_wheel_or_size_is_refused(void **state)
     evl_error error;
     (void)make_file();
     key[N_KEY - 1] += 1e-15;
-    assert_refused("is that of another wheel");
+    assert_refused("belongs to another wheel");
     assert_int_equal(unlink(path), 0);
     const wheel_numbers shorter = {.n_key = N_KEY, .key = key, .n = N - 1, .numbers = numbers};
     assert_true(wheel_file_write(path, &shorter, &error));
-    assert_refused("has not as many numbers");
+    assert_refused("has the wrong number of values");
 }
 
 #define TEST(name) cmocka_unit_test_teardown(name, remove_file)

@@ -332,7 +332,7 @@ static void a_file_that_does_not_fit_is_told_and_leaves_nothing(void **state)
         make_wheel(1, 0);
         const bool good = setrlimit(RLIMIT_FSIZE, &small) == 0 && ask(store, found) == -1 &&
                           wheel_store_error(store)->code == EVL_EXIT_IO &&
-                          strstr(wheel_store_error(store)->message, "make room") != NULL;
+                          strstr(wheel_store_error(store)->message, "free space") != NULL;
         _exit(good ? 0 : 1);
     }
     int status = 0;

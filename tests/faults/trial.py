@@ -49,7 +49,7 @@ PROMISED: dict[str, set[int]] = {kind: {DONE, NOT_WRITTEN} for kind in KINDS} | 
 }
 # Of a wheel's file, by a writer that died: the next batch drops it when it is ten minutes old.
 LEFT_BY_A_WRITER = re.compile(r"compliance-[0-9a-f]{16}\.h5\.\w{6}$")
-LOCKED = ["another run", "is being written", "may not be read"]
+LOCKED = ["another run", "is being written", "permission denied"]
 NAMELESS = ("mmap", "malloc", "fork")  # these happen to no file
 
 

@@ -206,17 +206,17 @@ def test_bytes_that_are_no_state_of_the_fmu_are_refused(make: Make, tmp_path: Pa
         fmu.begin()
     kept = fmus[0].fmu.serializeFMUState(fmus[0].fmu.getFMUState())
     for bad, words in (
-        (kept[:100], "these bytes are no state of this FMU"),
-        (kept[:-8], "they are damaged"),
-        (kept[:-1] + bytes([kept[-1] ^ 1]), "they are damaged"),
-        (b"x" + kept[1:], "these bytes are no state of this FMU"),
+        (kept[:100], "these bytes are not a state of this FMU"),
+        (kept[:-8], "a damaged state"),
+        (kept[:-1] + bytes([kept[-1] ^ 1]), "a damaged state"),
+        (b"x" + kept[1:], "these bytes are not a state of this FMU"),
     ):
         with pytest.raises(FMICallException):
             fmus[0].fmu.deserializeFMUState(bad)
         assert words in fmus[0].told[-1]
     with pytest.raises(FMICallException):
         fmus[2].fmu.deserializeFMUState(kept)
-    assert "these bytes are no state of this FMU" in fmus[2].told[-1]
+    assert "these bytes are not a state of this FMU" in fmus[2].told[-1]
     state = fmus[1].fmu.deserializeFMUState(kept)
     with pytest.raises(FMICallException):
         fmus[1].fmu.setFMUState(state)
@@ -251,18 +251,18 @@ def test_what_is_not_possible_is_told_in_one_line(
     calls: list[tuple[Callable[[], object], str]] = [
         (lambda: fmu.step(0, 1e-3), "fmi3DoStep is not allowed here: the instance is in the"),
         (lambda: fmu.get("time"), "before the initialization only parameters and inputs"),
-        (lambda: fmu.fmu.enterInitializationMode(startTime=1.0), "a case begins at 0"),
-        (lambda: fmu.fmu.enterInitializationMode(stopTime=0.0), "the stop time is 0 s, but has to"),
+        (lambda: fmu.fmu.enterInitializationMode(startTime=1.0), "a case starts at 0"),
+        (lambda: fmu.fmu.enterInitializationMode(stopTime=0.0), "the stop time is 0 s, but must"),
         (lambda: fmu.fmu.getFloat64([12345]), "no variable with the value reference 12345"),
         (lambda: fmu.fmu.getInt32([0]), "this FMU has no variables of the type Int32"),
         (lambda: fmu.set(**{"state__reference_angle": 1.0}), "only inputs and parameters"),
         (lambda: fmu.set(**{"wheels__gear__teeth": 30.5}) or fmu.begin(0.1), "wheels.gear.teeth"),
         (lambda: fmu.set(**{"wheels__gear__teeth": 34.0}) or fmu.fmu.exitInitializationMode()
          or fmu.step(1.0, 1e-3), "the communication point is 1 s, but the FMU is at 0 s"),
-        (lambda: fmu.step(0, -1e-3), "the communication step is -0.001 s, but has to be positive"),
-        (lambda: fmu.step(0, 0.0), "the communication step is 0 s, but has to be positive"),
+        (lambda: fmu.step(0, -1e-3), "the communication step is -0.001 s, but must be positive"),
+        (lambda: fmu.step(0, 0.0), "the communication step is 0 s, but must be positive"),
         (lambda: fmu.step(0, 0.2), "the step ends at 0.2 s, after the stop time 0.1 s"),
-        (lambda: fmu.set(**{"pinion__torque": float("nan")}), "is given as nan, but has to be"),
+        (lambda: fmu.set(**{"pinion__torque": float("nan")}), "is nan, but must be"),
         (lambda: fmu.set(**{"wheels__gear__teeth": 35.0}), "parameters are set before"),
         (lambda: fmu.fmu.enterEventMode(), "in co-simulation this FMU has no event mode"),
     ]  # fmt: skip

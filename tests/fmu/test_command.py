@@ -22,7 +22,7 @@ Evolvent = Callable[..., subprocess.CompletedProcess[str]]
         ("spur-pair", ["--input", "wheel:pinion:speed"], 2, "has no load {kind: speed,"),
         ("spur-pair", ["--input", "wheel:gear:torque"], 2, "wheel 'gear' has no load"),
         ("rattle", ["--input", "wheel:pinion:speed"], 2, "wheel 'pinion' has no load"),
-        ("spur-pair", ["--outputs", "nothing"], 3, "there is no output and no group 'nothing'"),
+        ("spur-pair", ["--outputs", "nothing"], 3, "unknown output or group 'nothing'"),
         ("spur-pair", ["-o", "missing/x.fmu"], 74, "missing/x.fmu"),
     ],
 )  # fmt: skip

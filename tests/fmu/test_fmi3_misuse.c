@@ -33,7 +33,7 @@ static void what_no_importer_should_hand_over_is_refused_and_changes_nothing(voi
     static double expected[MOST], got[MOST];
     const double odd[] = {NAN, INFINITY, -INFINITY, 0.0, -0.0, -1e-3, -DBL_MIN};
     fmi3Instance fmu = make(RATTLE, true), other = make(RATTLE, true);
-    refused(EnterInitializationMode(fmu, false, 0, NAN, false, 0), "a case begins at 0");
+    refused(EnterInitializationMode(fmu, false, 0, NAN, false, 0), "a case starts at 0");
     refused(EnterInitializationMode(fmu, false, 0, 0, true, NAN), "the stop time is nan s");
     refused(EnterInitializationMode(fmu, false, 0, 0, true, -1), "the stop time is -1 s");
     begin(fmu);
@@ -49,14 +49,14 @@ static void what_no_importer_should_hand_over_is_refused_and_changes_nothing(voi
     refused(GetFloat64(fmu, twice, 2, got, 3), "do not have 3 values");
     const fmi3ValueReference input = fmu_reference(FMU_INPUT, 0);
     for (size_t i = 0; i < 3; i++) {
-        refused(SetFloat64(fmu, &input, 1, &odd[i], 1), "has to be finite");
+        refused(SetFloat64(fmu, &input, 1, &odd[i], 1), "must be finite");
     }
     assert_int_equal(GetFloat64(fmu, NULL, 0, NULL, 0), fmi3OK);
     assert_int_equal(SetFloat64(fmu, NULL, 0, NULL, 0), fmi3OK);
     assert_int_equal(GetInt32(fmu, NULL, 0, NULL, 0), fmi3OK);
-    refused(GetContinuousStates(fmu, got, 1), "1 values are asked for");
+    refused(GetContinuousStates(fmu, got, 1), "1 values are requested");
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
-        refused(step(fmu, 0, odd[i]), "but has to be positive");
+        refused(step(fmu, 0, odd[i]), "but must be positive");
     }
     refused(step(fmu, NAN, 1e-4), "the communication point is nan s");
     refused(step(fmu, 1, 1e-4), "the communication point is 1 s");
@@ -65,7 +65,7 @@ static void what_no_importer_should_hand_over_is_refused_and_changes_nothing(voi
     refused(SetFMUState(fmu, NULL), "there is no state");
     refused(SerializedFMUStateSize(fmu, NULL, &n), "there is no state");
     refused(SerializeFMUState(fmu, NULL, (fmi3Byte *)got, 8), "there is no state");
-    refused(DeserializeFMUState(fmu, (const fmi3Byte *)"", 0, &none), "no state of this FMU");
+    refused(DeserializeFMUState(fmu, (const fmi3Byte *)"", 0, &none), "not a state of this FMU");
     assert_null(none);
     assert_int_equal(FreeFMUState(fmu, NULL), fmi3OK);
     assert_int_equal(FreeFMUState(fmu, &none), fmi3OK);
@@ -83,8 +83,8 @@ static void what_no_importer_should_hand_over_is_refused_and_changes_nothing(voi
     for (size_t i = 0; i < n; i++) {
         got[i] = NAN;
     }
-    refused(SetTime(fmu, NAN), "has to be finite");
-    refused(SetContinuousStates(fmu, got, n), "has to be finite");
+    refused(SetTime(fmu, NAN), "must be finite");
+    refused(SetContinuousStates(fmu, got, n), "must be finite");
     FreeInstance(fmu);
     assert_null(InstantiateCoSimulation("one", NULL, NULL, false, false, false, false, NULL, 0, NULL, hear, NULL));
     assert_null(InstantiateModelExchange("one", NULL, "/no/such/folder", false, false, NULL, NULL));

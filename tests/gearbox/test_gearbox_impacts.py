@@ -376,4 +376,4 @@ def test_friction_that_holds_the_flanks_fast_is_diagnosed(kernel: Kernel):
     assert gap @ (force / bodies.masses) < 0
     error = refusal(lambda: gearbox.apply(state, "contact"))
     assert (error.code, error.subject, error.index, error.field) == (SINGULAR, MESH, 0, "friction")
-    assert "friction holds the rigid contact fast" in error.message
+    assert "the rigid contact jams by friction" in error.message

@@ -102,7 +102,7 @@ def test_tracked_points_are_refused_at_their_mesh(kernel: Kernel, tracking: str)
         serves(gearbox)
     assert (refused.value.code, refused.value.field) == (INVALID_INPUT, "tracking")
     gearbox.start()
-    with pytest.raises(GearboxError, match="take integrator ida"):
+    with pytest.raises(GearboxError, match="choose integrator ida"):
         Radau(gearbox)
 
 

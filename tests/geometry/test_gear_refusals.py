@@ -67,11 +67,11 @@ BAD_GEARS: dict[str, tuple[int, dict[str, Any], str, str]] = {
         "rack.dedendum",
         "must be greater than 0",
     ),
-    "nothing of the tooth": (
+    "remove the whole tooth": (
         20,
         {"thickness_allowance": -0.0032},
         "thickness_allowance",
-        "leave nothing of the tooth",
+        "remove the whole tooth",
     ),
     "nothing of the space": (20, {"profile_shift": 2.2}, "profile_shift", "less than the pitch"),
     # d_f = 40 - 5 mm

@@ -95,7 +95,7 @@ class Event:
     name: str
     mesh: int
     tooth_pair: int
-    flank: int = DRIVE  # -1 if it concerns no mesh
+    flank: int = DRIVE  # -1 without mesh
 
 
 @dataclass

@@ -245,7 +245,7 @@ def test_a_bad_case_is_refused_at_its_line(
         ({"format": float("nan")}, None, "case: "),
         ("no-such.yaml", "a=1", "must be {path: value} or a list"),
         ("no-such.yaml", {"a": "\0"}, "holds a character of code 0"),
-        (5, None, "case=5: must be the path of a case file, its text, or the mapping"),
+        (5, None, "case=5: must be the path of a case file, its text, or the equivalent mapping"),
         (None, None, "case=None: must be the path of a case file"),
         (b"format: 1", None, "case=b'format: 1': must be the path of a case file"),
         ({"format": {1, 2}}, None, "case: {1, 2} is neither a number nor a text, list or mapping"),
@@ -289,7 +289,7 @@ def test_a_run_that_fails_gives_what_there_is(
 def test_a_run_without_a_whole_period_in_its_window_raises_the_reason(examples: Path) -> None:
     settings = {"simulation.metrics": {"turns_of": "gear"}, "simulation.duration": 0.01}
     with pytest.raises(
-        package.AnalysisError, match="holds no whole turn of wheel 'gear'"
+        package.AnalysisError, match="contains no whole revolution of wheel 'gear'"
     ) as failed:
         package.run(examples / "tutorial-pair.yaml", settings)
     assert failed.value.code == 4

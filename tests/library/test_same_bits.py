@@ -83,7 +83,7 @@ def test_a_run_in_memory_is_the_program_s_history(
             refused.value
         )
         assert refused.value.code == done.returncode
-        assert integrator == "radau" or "numbers holds no whole turn" in done.stderr
+        assert integrator == "radau" or "metrics contains no whole revolution" in done.stderr
         return
     memory = package.run(case, settings)
     with package.open_history(tmp_path / "h.h5") as file:
@@ -161,7 +161,7 @@ def test_a_result_can_be_copied_sent_and_written(examples: Path, tmp_path: Path)
 
 
 def test_a_dataset_without_events_says_so() -> None:
-    with pytest.raises(package.HistoryError, match="no events with it: give the path"):
+    with pytest.raises(package.HistoryError, match="contains no events; give the path"):
         package.open_events(xr.Dataset())
 
 

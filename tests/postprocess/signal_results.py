@@ -1,4 +1,4 @@
-"""A spectrum, an order map and a Campbell picture of known signals."""
+"""A spectrum, an order map and a Campbell diagram of known signals."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def test_fast_wheels_are_shown_for_as_long_as_their_teeth_can_be_followed():
     [
         ({"begin": 12.5}, "no output between"),
         ({"begin": 3.0, "end": 2.0}, "no output between"),
-        ({"speed": 1e-3}, f"more than {MAX_FRAMES}: choose a shorter time"),
+        ({"speed": 1e-3}, f"more than {MAX_FRAMES}: select a shorter time"),
     ],
 )
 def test_a_clip_that_cannot_be_says_why(history, choice, message):
@@ -124,8 +124,11 @@ def test_the_picture_tells_time_pace_load_and_what_is_what(loaded):
     assert "2 tooth pairs loaded: 220 N" in texts
     keys = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
     assert {"line of action", "path of contact", "deviations 20 times"} <= set(keys)
-    assert {"presses on the tooth it lies in", "slides: driving flank over its mate"} <= set(keys)
-    assert {"torque that drives a wheel", "torque that brakes one"} <= set(keys)
+    assert {
+        "acts on the tooth it lies in",
+        "sliding of the driving flank",
+    } <= set(keys)
+    assert {"driving torque", "braking torque"} <= set(keys)
     # the pinion turns clockwise, the gear counterclockwise; both torques are clockwise
     names = {text.get_text() for text in figure.axes[0].texts}
     assert names == {"pinion\ndrives with 7.5 N m", "gear\nbrakes with 11.2 N m"}

@@ -35,7 +35,7 @@ COMMANDS = POST
 def test_help_names_every_command_and_exit_code(post):
     code, out, _ = post("--help")
     assert code == 0
-    for word in (*COMMANDS, "Exit codes", "an invariant is broken"):
+    for word in (*COMMANDS, "Exit codes", "an invariant is violated"):
         assert word in out
 
 
@@ -101,8 +101,7 @@ def test_check_of_a_sound_run_is_code_0(post, friction_run):
     code, out, err = post("check", friction_run.path)
     assert code == 0
     assert err == (  # of a file that was not written by the program
-        f"evolvent-post: {friction_run.path}: has no check sum, so that damage would not be "
-        "noticed\n"
+        f"evolvent-post: {friction_run.path}: has no checksum, so damage would not be detected\n"
     )
     assert out.count("pass") == 9
     assert "energy balance" in out
@@ -156,7 +155,7 @@ def test_plot_lists_every_figure_and_what_it_needs_without_any_history(post):
         assert line.split()[0] == row.name
         assert row.text in line
         assert line.rstrip().endswith(", ".join(row.needs))
-        assert ("(if asked for)" in line) is not row.by_default
+        assert ("(on request)" in line) is not row.by_default
 
 
 def test_plot_puts_the_transmission_errors_of_all_files_in_one_figure(
@@ -230,7 +229,7 @@ def test_compare_beyond_the_tolerance_is_code_1_and_names_the_worst(post, smooth
     assert code == 1
     assert "load_work" in out
     assert "1.000e+00 J" in out
-    assert "1 variables differ by more than 0.001, most of all load_work" in err
+    assert "1 variables differ by more than 0.001, the largest being load_work" in err
 
 
 def test_compare_without_a_tolerance_only_shows(post, smooth_run, broken_file):
@@ -271,10 +270,10 @@ def test_animate_warns_of_teeth_that_jump(post, gears_file):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("-o", "gears.avi"), "gears.avi: the file has to end in .gif or .mp4"),
+        (("-o", "gears.avi"), "gears.avi: the file name must end in .gif or .mp4"),
         (("--mesh", "gear"), "has no mesh `gear`; there is pinion-gear"),
         (("--from", "40"), "there is no output between --from and --to"),
-        (("--speed", "1e-4"), "choose a shorter time by --from and --to, a --speed above 0.4 or"),
+        (("--speed", "1e-4"), "select a shorter time with --from and --to, a --speed above 0.4 or"),
     ],
 )
 def test_what_cannot_be_animated_is_one_line_and_code_2(post, gears_file, arguments, message):
@@ -296,7 +295,7 @@ def test_mp4_without_ffmpeg_names_the_remedy(post, gears_file, monkeypatch, tmp_
 def test_a_history_that_does_not_know_its_teeth_cannot_be_animated(post, smooth_run):
     code, _, err = post("animate", smooth_run.path)
     assert code == 3
-    assert "does not tell where the teeth are; run the case again" in err
+    assert "does not contain the positions of the teeth; run the case again" in err
 
 
 def test_an_animation_that_cannot_be_written_is_code_74(post, gears_file):

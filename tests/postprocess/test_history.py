@@ -86,12 +86,12 @@ def test_a_history_that_was_never_closed_says_so(friction_run, status):
     if status is None:
         del history.attrs["status"]
     assert run_warning(history) == (
-        "the run goes on or was killed: its file was not closed (there is no output)"
+        "the run is still active or was killed: its file was not closed (there is no output)"
     )
 
 
 def test_a_finished_run_that_lost_contact_says_so(friction_run):
-    message = "mesh pinion-gear lost contact at t = 1 s and never regained it"
+    message = "mesh pinion-gear lost contact at t = 1 s and did not regain it"
     assert run_warning(friction_run.history.assign_attrs(status_message=message)) == message
 
 
@@ -149,7 +149,7 @@ def test_another_hdf5_file_is_no_history(tmp_path):
     path = tmp_path / "other.h5"
     with h5py.File(path, "w") as file:
         file["x"] = np.arange(3.0)
-    with pytest.raises(HistoryError, match="is no evolvent history"):
+    with pytest.raises(HistoryError, match="is not an evolvent history"):
         open_history(path)
 
 
@@ -166,7 +166,7 @@ def test_a_newer_format_is_refused(smooth_run, tmp_path):
 @pytest.mark.parametrize("number", [0, -1, 1.5, "one"])
 def test_a_format_that_is_no_number_is_refused(smooth_run, tmp_path, number):
     path = _with_format(smooth_run, tmp_path / "odd.h5", number)
-    with pytest.raises(HistoryError, match="is no format number"):
+    with pytest.raises(HistoryError, match="is not a format number"):
         open_history(path)
 
 

@@ -93,7 +93,7 @@ def test_events_are_numbered_over_all_parts(folder: Path, plain: Path) -> None:
 def test_the_commands_take_the_folder_of_a_run(folder: Path, plain: Path, post: Post) -> None:
     code, out, err = post("check", folder, "--json")
     assert code == 0, err
-    assert "the run did not finish: a part of a run" in json.loads(out)[0]["warning"]
+    assert "the run did not finish: a part of an incomplete run" in json.loads(out)[0]["warning"]
     code, _, err = post("compare", folder, plain)
     assert code in (0, 1), err
     code, _, err = post("report", folder, "-o", "report.html")

@@ -40,7 +40,7 @@ def test_fold_at_a_touch_has_a_mark_of_its_own() -> None:
     orbits["orbit_kind"].values[3] = 6
     panel = draw_orbits(orbits).axes[0]
     drawn = {str(line.get_label()): line for line in panel.lines}
-    mark = drawn["fold where the mesh just touches"]
+    mark = drawn["fold with grazing of the mesh"]
     assert "fold" not in drawn
     assert np.asarray(mark.get_xdata()).tolist() == [3.5]
     assert mark.get_markerfacecolor() == "white"  # open, so that it is another one in grey too

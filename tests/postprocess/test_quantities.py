@@ -151,10 +151,10 @@ def test_a_gap_stays_a_gap_however_long_the_run():
     [
         (["normal_froce"], {}, "did you mean normal_force"),
         (["force"], {}, "did you mean .*pair_normal_force"),
-        (["contact_ratio"], {}, "is no variable over time"),
+        (["contact_ratio"], {}, "is not a variable over time"),
         (["normal_force"], {"mesh": ["third"]}, "has no mesh `third`; there is first, second"),
-        (["normal_force"], {"wheel": ["motor"]}, "has no wheel, so none can be chosen"),
-        (["all_of_them"], {}, "14 panels, and at most 12"),
+        (["normal_force"], {"wheel": ["motor"]}, "has no wheel, so none can be selected"),
+        (["all_of_them"], {}, "14 panels, but at most 12"),
         (["nothing"], {}, "has no value"),
     ],
 )
@@ -245,7 +245,7 @@ def test_times_are_taken_in_the_units_that_axes_show(post, stages_file, text):
 def test_what_is_no_time_is_wrong_usage(post, stages_file, text):
     code, out, err = post("plot", stages_file, "--from", text)
     assert (code, out) == (2, "")
-    assert "is no time, such as 0.025 or 25ms" in err
+    assert "is not a time, such as 0.025 or 25ms" in err
 
 
 @pytest.mark.parametrize(
@@ -253,8 +253,8 @@ def test_what_is_no_time_is_wrong_usage(post, stages_file, text):
     [
         (["--quantity", "normal_froce"], "did you mean normal_force, pair_normal_force"),
         (["--quantity", "pares"], "did you mean pairs"),
-        (["--quantity", "teeth"], "`teeth` is no variable over time"),
-        (["--quantity", "pairs,normal_force"], "pairs is a picture of its own"),
+        (["--quantity", "teeth"], "`teeth` is not a variable over time"),
+        (["--quantity", "pairs,normal_force"], "pairs is a separate figure"),
         (
             ["--quantity", "pairs", "--mesh", "first"],
             "draw its variables instead: --quantity pair_",

@@ -66,7 +66,7 @@ def test_a_largest_pressure_that_leaves_out_pairs_says_so(is_bare):
     history = of_pairs.assign(pair_contact_pressure=pressure.assign_attrs(units="Pa"))
     found = {answer.label: answer for answer in _largest(history, extremes(history))}
     (cell,) = found["largest contact pressure"].cells
-    assert cell.where.endswith("; sharp tip edges and hollow flanks left out") == is_bare
+    assert cell.where.endswith("; sharp tip edges and concave flanks excluded") == is_bare
 
 
 def test_without_a_window_means_and_factors_are_of_the_whole_run_and_say_so(friction_run):

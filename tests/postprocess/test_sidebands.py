@@ -77,5 +77,5 @@ def test_sidebands_that_meet_those_of_the_next_order_are_refused():
 
 
 def test_lines_that_are_too_close_for_the_record_are_refused_with_its_length():
-    with pytest.raises(HistoryError, match=r"too few to tell lines apart .* for 162 pitches, or"):
+    with pytest.raises(HistoryError, match=r"too few to separate lines .* for 162 pitches, or"):
         found(np.cos, 36, k=4)

@@ -37,7 +37,7 @@ def angle_file(tmp_path_factory) -> Path:
 def test_spectrum_shows_the_largest_lines_with_what_was_done(post, steady_file):
     code, out, err = post("spectrum", steady_file, *ORDERS, "--lines", "3")
     assert (code, err) == (0, "")
-    assert "50 pitches of mesh pinion-gear at 500 Hz, 1578.95 rpm of pinion; rows as they" in out
+    assert "50 pitches of mesh pinion-gear at 500 Hz, 1578.95 rpm of pinion; rows without" in out
     assert "rectangular window" in out
     assert "noise bandwidth 0.02 orders" in out
     rows = [line.split() for line in out.splitlines()[-4:]]
@@ -90,7 +90,7 @@ def test_several_histories_come_in_one_picture(post, steady_file, angle_file):
     assert (code, out.splitlines()[-1]) == (0, "both.png")
     code, _, err = post("spectrum", steady_file, angle_file, *ORDERS, "-o", "both.h5")
     assert code == 2
-    assert "write the numbers of each by itself" in err
+    assert "write the numbers of each separately" in err
     assert not Path("both.h5").exists()
 
 
@@ -123,7 +123,7 @@ def test_waterfall_takes_the_first_mesh_or_what_the_output_counts(post, angle_fi
     code, out, _ = post("waterfall", angle_file, "--length", "8")
     assert code == 0
     assert "windows of 8 pitches of mesh pinion-gear" in out
-    assert "rows as they stand" in out
+    assert "rows without resampling" in out
 
 
 def test_sidebands_name_the_wheel_and_the_part_that_holds_its_turns(post, tmp_path):
@@ -132,7 +132,7 @@ def test_sidebands_name_the_wheel_and_the_part_that_holds_its_turns(post, tmp_pa
     path = written(tmp_path / "side.h5", by_angle("pitch", "pinion-gear", 16, xi, signal))
     code, out, err = post("sidebands", path, "--carriers", "1", "--sides", "1")
     assert (code, err) == (0, "")
-    assert "60 pitches: 3.158 turns of wheel pinion, 1.765 turns of wheel gear; rows as" in out
+    assert "60 pitches: 3.158 turns of wheel pinion, 1.765 turns of wheel gear; rows without" in out
     assert "the same teeth meet after 646 pitches: other lines may leak into these" in out
     lines = {" ".join(line.split()[:4]): line.split() for line in out.splitlines()}
     assert lines["1 x mesh 1"][-3:] == ["500", "nm", "57.3°"]
@@ -145,17 +145,17 @@ def test_sidebands_name_the_wheel_and_the_part_that_holds_its_turns(post, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--quantity", "colour"), "has no variable `colour` over time; no name is near"),
+        (("--quantity", "colour"), "has no variable `colour` over time; no similar name"),
         (("--quantity", "transmision_error"), "did you mean transmission_error"),
-        (("--quantity", "teeth"), "`teeth` is no variable over time"),
-        (("--quantity", "angular_velocity"), "has 2 wheels; choose one by --wheel: pinion, gear"),
+        (("--quantity", "teeth"), "`teeth` is not a variable over time"),
+        (("--quantity", "angular_velocity"), "has 2 wheels; select one with --wheel: pinion, gear"),
         (
             ("--quantity", "angular_velocity", "--wheel", "drum"),
             "has no wheel `drum`; there is pinion, gear",
         ),
         (("--wheel", "pinion"), "`transmission_error` has no wheel"),
-        (("--select", "shaft=input"), "leave out --select shaft=input"),
-        (("--axis", "x"), "leave out --axis"),
+        (("--select", "shaft=input"), "omit --select shaft=input"),
+        (("--axis", "x"), "omit --axis"),
         (("--mesh", "second"), "has no mesh `second`; there is pinion-gear"),
         (("--from", "7"), "has 0 outputs between --from and --to; it goes from 0 s to 0.1 s"),
     ],
@@ -174,10 +174,10 @@ def test_what_there_is_not_is_named_with_what_there_is(
     ("arguments", "message"),
     [
         (("spectrum", "--order-of", "drum"), "no mesh and no wheel `drum`; there is the mesh "),
-        (("spectrum", *ORDERS, "--periods", "51"), "not 51 whole; choose fewer, or run"),
+        (("spectrum", *ORDERS, "--periods", "51"), "not 51 whole; choose fewer, or increase"),
         (("spectrum", *ORDERS, "--periods", "60", "--from", "0.08"), "not 60 whole"),
-        (("spectrum", *ORDERS, "--highest", "21"), "40 outputs a pitch tell lines up to 20 of"),
-        (("spectrum", "--highest", "11e3"), "outputs a second tell lines up to 1e+04 Hz"),
+        (("spectrum", *ORDERS, "--highest", "21"), "40 outputs a pitch resolve lines up to 20 of"),
+        (("spectrum", "--highest", "11e3"), "outputs a second resolve lines up to 1e+04 Hz"),
         (("spectrum", *ORDERS, "--highest", "0"), "has no line up to 0, the first is at 0.02; "),
         (("spectrum", "--highest", "5"), "has no line up to 5, the first is at 9.995; choose a"),
         (("waterfall", "--highest", "0.2"), "has no line up to 0.2, the first is at 0.25"),
@@ -233,25 +233,25 @@ def _by_angle(kinds: dict[int, int] | None = None, left_out: int | None = None) 
 BAD = {
     "hole": (
         lambda: _with_hole(steady(500.0, 5e-5, 0.1, orders)), (),
-        "`transmission_error` has no value at t = 0.005 s (1 of 2001 outputs); choose times",
+        "`transmission_error` has no value at t = 0.005 s (1 of 2001 outputs); select times",
     ),
     "row": (
         lambda: steady(500.0, 5e-5, 0.1, orders).drop_isel(time=[50]), (),
-        "outputs are missing between t = 0.00245 s and 0.00255 s; choose a part",
+        "outputs are missing between t = 0.00245 s and 0.00255 s; select a part",
     ),
     "order row": (
         lambda: steady(500.0, 5e-5, 0.1, orders).drop_isel(time=[50]), ORDERS,
-        "outputs are missing between t = 0.00245 s and 0.00255 s; choose a part",
+        "outputs are missing between t = 0.00245 s and 0.00255 s; select a part",
     ),
     "standing": (_standing, ORDERS, "mesh pinion-gear does not turn (0 pitches in 1 s)"),
-    "back": (_back_and_forth, ORDERS, "stands or turns back at t = 0.39"),
+    "back": (_back_and_forth, ORDERS, "stops or turns back at t = 0.39"),
     "from rest": (
         _from_rest, ORDERS,
         "turns so slowly at t = 0 s that even angles as dense as the outputs there would be ",
     ),
     "coarse": (
         lambda: steady(500.0, 1 / 950.0, 0.2, orders), ORDERS,
-        "1.9 outputs a pitch tell lines up to 0.684 of mesh pinion-gear, not order 1; write",
+        "1.9 outputs a pitch resolve lines up to 0.684 of mesh pinion-gear, not order 1; write",
     ),
     "few": (
         lambda: steady(500.0, 2e-4, 0.1, orders).isel(time=slice(0, 6)), ORDERS,
@@ -259,11 +259,12 @@ BAD = {
     ),
     "short": (
         lambda: steady(500.0, 5e-5, 0.02, orders), ("--order-of", "pinion"),
-        "holds 0.5276 turns of wheel pinion, not 1 whole; run the case longer",
+        "holds 0.5276 turns of wheel pinion, not 1 whole; increase the duration",
     ),
     "by angle back": (
         lambda: _by_angle({200: 2, 201: 2}), (),
-        "mesh pinion-gear turns back at t = 0.025 s, and orders need one sense; choose a part",
+        "mesh pinion-gear turns back at t = 0.025 s, but orders require one sense of rotation; "
+        "select a part",
     ),
     "by angle off": (
         lambda: _by_angle(dict.fromkeys(range(640), 1)), (),
@@ -271,7 +272,7 @@ BAD = {
     ),
     "by angle row": (
         lambda: _by_angle(left_out=100), (),
-        "outputs are missing between t = 0.012375 s and 0.012625 s; choose a part",
+        "outputs are missing between t = 0.012375 s and 0.012625 s; select a part",
     ),
 }  # fmt: skip
 
@@ -291,7 +292,9 @@ def test_a_history_of_an_older_program_has_orders_of_wheels_but_not_of_meshes(po
     path = written(tmp_path / "old.h5", old)
     code, _, err = post("spectrum", path, *ORDERS)
     assert (code, err.count("\n")) == (3, 1)
-    assert "no variable `start_position`): it is of an older evolvent; run the case again" in err
+    assert (
+        "no variable `start_position`), as written by an older evolvent; run the case again" in err
+    )
     assert post("spectrum", path, "--order-of", "pinion")[0] == 0
 
 
@@ -305,7 +308,7 @@ def test_rows_off_the_grid_at_both_ends_of_output_by_angle_are_left_out(post, tm
 def test_sidebands_of_less_than_a_turn_are_refused(post, steady_file):
     code, _, err = post("sidebands", steady_file, "--to", "0.02")
     assert (code, err.count("\n")) == (3, 1)
-    assert "less than a turn of a wheel, which takes 19; run the case longer" in err
+    assert "less than a revolution of a wheel, which takes 19; increase the duration" in err
 
 
 @pytest.mark.parametrize("command", COMMANDS)

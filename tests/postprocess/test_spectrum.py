@@ -52,7 +52,7 @@ def test_orders_of_rows_by_angle_are_exact_wherever_the_record_begins(rows, firs
     xi = np.ceil(first * rows) / rows + np.arange(23 * rows + 5) / rows
     history = by_angle("pitch", "pinion-gear", rows, xi, orders(xi))
     found = spectrum(history)
-    assert found.attrs["sampling"] == "rows as they stand"
+    assert found.attrs["sampling"] == "rows without resampling"
     assert found.attrs["periods"] == "23 pitches"
     assert_lines(found, ORDERS, EXACT)
 
@@ -64,7 +64,7 @@ def test_rows_by_pitch_give_orders_of_both_wheels_without_resampling():
         lines = {1: (4e-6, 0.7), z: (5e-7, -1.0), 2 * z + 1: (1e-7, 2.0)}
         history = by_angle("pitch", "pinion-gear", 12, xi, orders(turns[wheel], lines))
         found = spectrum(history, wheel)
-        assert found.attrs["sampling"] == "rows as they stand"
+        assert found.attrs["sampling"] == "rows without resampling"
         assert_lines(found, lines, EXACT)
 
 

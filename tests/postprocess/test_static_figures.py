@@ -97,7 +97,7 @@ def test_plot_draws_what_a_file_has(post, file: Path, friction_run):
 
 def test_plot_refuses_times_and_quantities_of_histories(post, file: Path):
     code, _, err = post("plot", file, "--from", "1")
-    assert (code, "leave out --from, --to" in err) == (2, True)
+    assert (code, "omit --from, --to" in err) == (2, True)
     code, _, err = post("plot", file, "--quantity", "speeds")
     assert (code, "which shows a history" in err) == (3, True)
 

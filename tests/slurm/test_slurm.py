@@ -147,7 +147,7 @@ def test_an_array_with_failing_cases_is_collected_and_goes_on_with_what_is_missi
     assert "summary.h5: 40 cases: 33 done, 7 did not finish (4 failed, 3 refused), 0 missing" in log
 
     code, out, _ = slurm_sweep(*command)
-    assert (code, out) == (0, "d: all 40 cases are recorded; there is nothing to run\n")
+    assert (code, out) == (0, "d: all 40 cases are recorded; no case is left to run\n")
 
     # Two cases of one shard and the journal of another are lost.
     third = Path("d/shard-3-of-4.jsonl")
@@ -209,7 +209,7 @@ def test_more_shards_than_an_array_takes_go_in_several_and_failed_cases_are_retr
     assert sorted(recorded(Path("d"))) == sorted([*range(n), *turned, *braked, 0])
     log = Path("d/slurm/collect.log").read_text()
     assert log.count(counts) == 3
-    assert "recorded more than once, the latest counts: 0, 2, 5, 9" in log
+    assert "recorded more than once, the latest is used: 0, 2, 5, 9" in log
 
 
 def long_design(slurm_sweep, tmp_path) -> int:

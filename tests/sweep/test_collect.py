@@ -153,7 +153,7 @@ def test_histories_of_which_one_bit_turned_are_refused_and_whole_ones_are_not(tm
     with pytest.raises(SweepError) as refused:
         collect(tmp_path / "d", design, tmp_path / "t.h5")
     assert str(refused.value) == (
-        f"{path}: is damaged, or was changed: its check sum is wrong; run its cases again in "
+        f"{path}: is damaged, or was changed: its checksum is wrong; run its cases again in "
         "another folder"
     )
     assert not (tmp_path / "t.h5").exists()
@@ -239,7 +239,7 @@ def test_a_journal_of_another_design_or_format_is_refused(tmp_path):
     ("line", "message"),
     [
         (row(3), "has case 3, but the design has 3"),
-        (row(0, status="dunno"), "case 0: the status 'dunno' is not known"),
+        (row(0, status="dunno"), "case 0: the status 'dunno' is unknown"),
     ],
 )
 def test_a_record_that_cannot_be_is_refused(tmp_path, line, message):
@@ -258,7 +258,7 @@ def test_holes_and_repeated_cases_are_told_by_number_and_are_no_error(sweep, tmp
     assert out.splitlines() == [
         "s.h5: 40 cases: 35 done, 0 did not finish, 5 missing",
         "missing: 3, 7-9, 39",
-        "recorded more than once, the latest counts: 5",
+        "recorded more than once, the latest is used: 5",
     ]
 
 
@@ -277,12 +277,12 @@ def test_a_folder_of_another_design_is_refused(sweep, tmp_path):
     [
         (("collect", "none", "-o", "s.h5"), "none: no such folder"),
         (("collect", "empty", "-o", "s.h5"), "empty: has no design.h5; name the design"),
-        (("retry", "none", "--failed"), "none: no such folder; nothing was run there"),
-        (("retry", "empty", "--case", "1"), "empty: has no design.h5; nothing was run there"),
+        (("retry", "none", "--failed"), "none: no such folder; it contains no runs"),
+        (("retry", "empty", "--case", "1"), "empty: has no design.h5; it contains no runs"),
         (("collect", "d", "-o", "no/s.h5"), "no/s.h5: cannot be written"),
         (("plot", "none.h5"), "none.h5: no such file; make it with"),
-        (("plot", "d/design.h5"), "is no summary"),
-        (("plot", "d/design.txt"), "is no readable summary"),
+        (("plot", "d/design.h5"), "is not a summary"),
+        (("plot", "d/design.txt"), "is not a readable summary"),
     ],
 )
 def test_what_is_not_there_is_one_line(sweep, tmp_path, arguments, message):

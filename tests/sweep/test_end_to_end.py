@@ -172,7 +172,7 @@ def test_an_executor_does_not_run_where_another_run_is_at_work(design, executabl
     with holder, ThreadPoolExecutor(1) as executor:
         assert holder.stdout is not None
         holder.stdout.readline()
-        with pytest.raises(SweepError, match="another run is at work on shard 1/1"):
+        with pytest.raises(SweepError, match="another run is processing shard 1/1"):
             run_with_executor(executable, design, Path("d"), todo, executor)
         holder.kill()
 
@@ -295,13 +295,13 @@ def test_retry_runs_the_failed_cases_and_the_named_ones_and_no_other(sweep, fail
     assert [sorted(c) for c in cases] == [[0, 2, 4, 4], [1, 1, 3, 3, 5]]
     code, out, _ = sweep("collect", "d", "-o", "s.h5")
     assert code == 0
-    assert "recorded more than once, the latest counts: 1, 3-4" in out
+    assert "recorded more than once, the latest is used: 1, 3-4" in out
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("retry", "d"), "say what to run again"),
+        (("retry", "d"), "select the cases to run again"),
         (("retry", "d", "--case", "6"), "the cases are 0 to 5"),
         (("run", "failing.h5", "-o", "d", "--scheduler", "tcp://x:1"), "only with --executor dask"),
     ],
@@ -375,6 +375,6 @@ def test_a_missing_program_is_named(sweep, design, monkeypatch):
     code, _, err = sweep("run", design, "-o", "d")
     assert code == 2
     assert err == (
-        "evolvent-sweep: EVOLVENT_EXECUTABLE=/nowhere/evolvent: is no program that can be run\n"
+        "evolvent-sweep: EVOLVENT_EXECUTABLE=/nowhere/evolvent: is not an executable program\n"
     )
     assert read_design(design).n_cases == N_CASES

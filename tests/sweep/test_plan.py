@@ -207,7 +207,7 @@ REFUSED = [
     ("method: list\nparameters: [{path: x, values: [1]}, {path: y, expression: z}]", "'z'"),
     (
         "method: list\nparameters: [{path: x, from: 0, to: 1, number: 3, scale: log}]",
-        "must not touch 0",
+        "must exclude 0",
     ),
     (
         "method: list\nparameters: [{path: x, from: 1, to: 2, number: 9, whole: true}]",
@@ -391,9 +391,9 @@ def test_a_design_of_another_format_or_changed_by_hand_is_refused(sweep, tmp_pat
     path = write_plan(tmp_path, f"- {{path: {LOAD}, values: [-1, -2]}}")
     for change, message in (
         (lambda file: file.attrs.modify("evolvent_design_format", 2), "design format 2"),
-        (lambda file: file.attrs.pop("evolvent_design_format"), "is no design"),
+        (lambda file: file.attrs.pop("evolvent_design_format"), "is not a design"),
         (lambda file: file["parameters/p0"].write_direct(np.array([-1, -3])), "it was changed"),
-        (lambda file: file.attrs.pop("case"), "is no complete design"),
+        (lambda file: file.attrs.pop("case"), "is not a complete design"),
         (lambda file: file.attrs.modify("evolvent_version", "9.9.9"), "made by evolvent 9.9.9"),
     ):
         assert sweep("plan", path, "-o", "d.h5")[0] == 0
@@ -401,7 +401,7 @@ def test_a_design_of_another_format_or_changed_by_hand_is_refused(sweep, tmp_pat
             change(file)
         code, out, err = sweep("run", "d.h5", "-o", "d")
         assert (code, out) == (3, "")
-        assert "d.h5: is damaged, or was changed: its check sum is wrong" in err
+        assert "d.h5: is damaged, or was changed: its checksum is wrong" in err
         without_seal(Path("d.h5"))
         code, out, err = sweep("run", "d.h5", "-o", "d")
         assert (code, out) == (3, "")

@@ -93,7 +93,7 @@ parameters:
         ),
         (
             f"{{path: {WIDTH}, from: 2 cn, to: 5 cm, number: 3}}",
-            "parameters.0.from: is 2 cn; the unit 'cn' is not known (did you mean 'cm'?); write",
+            "parameters.0.from: is 2 cn; the unit 'cn' is unknown (did you mean 'cm'?); write",
         ),
         (
             "{path: wheels.pinion.widht, value: 20 mm}",
@@ -101,7 +101,7 @@ parameters:
         ),
         (
             f"{{path: {SPEED}, units: rpm, from: 60 rpm, to: 100 rpm, number: 3}}",
-            "units is rpm, but values with units are kept in that of the key, rad/s; leave units",
+            "units is rpm, but values with units are stored in that of the key, rad/s; omit units",
         ),
         (
             "{name: speed, from: 60 rpm, to: 100 rpm, number: 3}",

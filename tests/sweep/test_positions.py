@@ -71,7 +71,7 @@ def test_the_number_of_positions_decides_about_the_results(sweep, plan, tmp_path
 @pytest.mark.parametrize(
     ("histories", "message"),
     [
-        ("{variables: [angle]}", "say how many are kept (in a plan histories.rows)"),
+        ("{variables: [angle]}", "give the number of stored rows (in a plan histories.rows)"),
         ("{variables: [angle], rows: 0}", "histories.rows: is '0', must be a whole number of at"),
         ("{variables: [angle], rows: 2.5}", "histories.rows: is '2.5', must be a whole number"),
         ("{variables: [angle], row: 2}", "row"),

@@ -191,7 +191,7 @@ def is_locked_by_another(folder: Path) -> bool:
         ({"respond": {"over": JUMPING, "method": "x"}}, "unknown key 'method'"),
         ({"respond": {"over": f"{SPEED}=-500:-500"}}, "all 2 cases would be refused"),
         ({"respond": {"over": "wheels.a.teeth=20:40"}}, "changes the structure"),
-        ({"metrics": ["no_such"]}, "there is no metric 'no_such'"),
+        ({"metrics": ["no_such"]}, "unknown metric 'no_such'"),
     ],
 )
 def test_what_a_plan_cannot_ask_is_refused_in_one_line(

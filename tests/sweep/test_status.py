@@ -169,7 +169,7 @@ def test_status_is_shown_for_people_and_for_scripts(sweep, tmp_path):
         "10  cases",
     ]
     assert "2 x contact was lost (case 2)" in lines
-    assert lines[-1] == "no run is at work here; give its command again to go on"
+    assert lines[-1] == "no run is active; repeat its command to continue"
     code, out, _ = sweep("status", "d", "--json")
     found = json.loads(out)
     assert code == 0

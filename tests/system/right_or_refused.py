@@ -64,9 +64,9 @@ REFUSALS = (
 ENDS = (
     *("fillet of the", "off its path of contact", "past both ends of its path of contact"),
     *("has left the involute", "lies inside its wheel's base circle", "of the Johnson force"),
-    *("impacts without end", "do not end at this instant"),
-    "no other pair was on the path to keep them apart",  # rigid flanks
-    "the integrator cannot go on",  # IDA under loads beyond double precision
+    *("endless impacts", "do not end at this instant"),
+    "no other pair on the path separated them",  # rigid flanks
+    "the integrator cannot continue",  # IDA under loads beyond double precision
 )
 
 

@@ -127,7 +127,7 @@ def judge(program: Path, seed: int) -> Judged:
         case.write_text(json.dumps(stribeck_gearbox(seed)))
         history, words, exit_code = _run(program, case)
         exact, _, _ = _run(program, case, SMALL_STEPS)
-        said = next((line for line in words.splitlines() if "feeds itself" in line), "")
+        said = next((line for line in words.splitlines() if "self-excited" in line), "")
         if history is None or exact is None:
             verdict = "refused" if exit_code == REFUSED else "failed"
             return Judged(verdict, said, float("nan"), words)

@@ -103,7 +103,7 @@ def test_speeds_at_which_a_damper_outweighs_the_load_have_modes_too(campbell, ex
     with xr.open_dataset("c.h5", engine="h5netcdf") as found:
         computed = found["is_computed"].values
         assert computed.all()
-        assert "the nearest ones count" not in out
+        assert "the nearest modes are used" not in out
         first = found["natural_frequency"].values[computed == 1][0, 0]
         assert found["natural_frequency"].values.ravel() == pytest.approx(first, rel=0.01)
 
@@ -143,12 +143,12 @@ def test_all_stages_of_a_train_have_their_orders(campbell, examples):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (("spur-pair", "--speeds", "500"), 2, "500 is no range of speeds in rpm"),
-        (("spur-pair", "--speeds", "900:500"), 2, "is no range of speeds in rpm"),
+        (("spur-pair", "--speeds", "500"), 2, "500 is not a range of speeds in rpm"),
+        (("spur-pair", "--speeds", "900:500"), 2, "is not a range of speeds in rpm"),
         (("spur-pair", "--speeds", "1:2", "-o", "c.txt"), 2, "must end in .h5, .csv"),
         (("spur-pair", "--speeds", "1:2", "--wheel", "x"), 2, "no wheel `x`; there is pinion, ge"),
         (("spur-pair", "--speeds", "1:2", "--set", "a.b=1"), 3, "--set a.b=1: "),
-        (("paper-rigid", "--speeds", "1:2"), 3, "natural modes need a stiffness"),
+        (("paper-rigid", "--speeds", "1:2"), 3, "natural modes require a stiffness"),
         (("nothing", "--speeds", "1:2"), 3, "No such file or directory"),
     ],
 )

@@ -211,7 +211,7 @@ def test_a_tip_in_the_fillet_of_its_mate_ends_a_run(
     run = runs(tips_in_fillets(amount, integrator=integrator))
     assert run.exit_code == 4, run.messages
     assert "wheel touches the fillet of the" in run.messages
-    assert "relieve the tips, or lower the load" in run.messages
+    assert "relieve the tips, or reduce the load" in run.messages
 
 
 @tips

@@ -186,7 +186,7 @@ def stacks(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
             found["refused" if str(error).startswith(str(stack)) else "without its name"] += 1
         if where.stop < len(content) - SEAL:  # else its own checksum may be lost
             done = evolvent("batch", path, "-o", "r", "--resume", "-q")
-            assert done.returncode == 0 or "check sum is wrong" in done.stderr, done
+            assert done.returncode == 0 or "checksum is wrong" in done.stderr, done
     return found
 
 

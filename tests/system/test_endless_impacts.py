@@ -24,8 +24,8 @@ def test_bounces_below_what_digits_resolve_are_named(runs: Runs, rest_velocity: 
     )
     assert run.exit_code == 4
     last = run.messages.splitlines()[-1]
-    assert re.search(r"t = [0-9.]+ s: mesh 'pinion-gear': impacts without end, ", last), last
-    assert "a larger rest_velocity" in last
+    assert re.search(r"t = [0-9.]+ s: mesh 'pinion-gear': endless impacts, ", last), last
+    assert "increase rest_velocity" in last
     assert len(run.times("impact")) <= BOUNCES
 
 

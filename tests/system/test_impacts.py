@@ -211,7 +211,7 @@ def test_friction_that_holds_the_flanks_fast_ends_the_run_with_a_diagnosis(runs,
     case["meshes"][0]["friction"] = {"law": "coulomb", "coefficient": 8.0}
     run = runs(case)
     assert run.exit_code == 4
-    assert "friction holds the rigid contact fast" in run.messages
+    assert "the rigid contact jams by friction" in run.messages
 
 
 def test_wheels_that_are_thrown_about_come_back_to_rest_in_contact(runs, kind):

@@ -17,8 +17,8 @@ from system.wide_gearboxes import wide_case
 
 AT_ONCE = 1000  # steps of IDA between two checks
 OUT_OF_STEPS = re.compile(
-    r"t = \S+ s: (?P<made>\d+) steps are over and the run is not; at this pace the rest takes "
-    r"(?P<more>\S+) more, \S+ (s|min|h|days|years) of CPU; raise simulation.max_steps"
+    r"t = \S+ s: the run is not complete after (?P<made>\d+) steps; at this rate it requires "
+    r"(?P<more>\S+) more, \S+ (s|min|h|days|years) of CPU; increase simulation.max_steps"
 )
 
 

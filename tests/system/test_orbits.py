@@ -406,7 +406,7 @@ def test_period_under_torques_alone_is_found(evolvent, examples, tmp_path, dampi
         (("--over", "wheels.a.teeth=20:40"), 2, "structure"),
         (("--over", f"{SPEED}=-500:-500"), 2, "the same value"),
         (("--over", f"{SPEED}=-500:500:3"), 3, "no common period"),
-        (("--over", f"{SPEED}=-500:-600", "--both"), 2, "none of --up, --down and --both"),
+        (("--over", f"{SPEED}=-500:-600", "--both"), 2, "omit --up, --down and --both"),
         (("--over", f"{SPEED}=-500:-600", "--method", "shooting"), 2, "sweep or orbits"),
         (
             ("--over", f"{SPEED}=-500:-600", "--method", "sweep", "--values", "9"),

@@ -56,7 +56,7 @@ def test_stopped_at_any_time_it_goes_on_with_the_same_bits(
         if sent == signal.SIGTERM:
             assert code == 75, messages
             assert "interrupted by SIGTERM" in messages
-            assert "the same command goes on" in messages
+            assert "repeat the command to continue" in messages
             partial = load(Path(f"{stopped}.partial"))
             assert partial.attrs["status"] == "interrupted"
             assert partial.sizes["point"] >= far
@@ -90,6 +90,6 @@ def test_what_was_kept_of_other_orbits_is_refused(evolvent, executable, tmp_path
     ):
         done = evolvent(*other[1:])
         assert done.returncode == 3, done.stderr
-        assert "of another response" in done.stderr.splitlines()[-1]
+        assert "another incomplete response" in done.stderr.splitlines()[-1]
     assert kept.read_bytes() == before
     assert evolvent(*words[1:]).returncode == 0

@@ -166,7 +166,7 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
     "rigid contact": (
         "paper-rigid.yaml",
         {},
-        WITHOUT + "a rigid contact is a constraint, which radau does not integrate: start with "
+        WITHOUT + "a rigid contact is a constraint, which radau does not integrate; start with "
         "simulation.initial.kind: steady",
     ),
     "tracked points": ("paper.yaml", {}, WITHOUT + "tracked contact points are algebraic states"),
@@ -190,7 +190,7 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
     "frequency without speed": (
         "spur-pair.yaml",
         {"wheels.pinion.loads.0": "{kind: harmonic, mean: -50, amplitude: 5, frequency: 30}"},
-        WITHOUT + "there is no common period: the load goes by time, and no speed is prescribed",
+        WITHOUT + "there is no common period: the load depends on time, and no speed is prescribed",
     ),
     "housing that drifts": (
         "spur-pair.yaml",
@@ -220,7 +220,7 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
         {"wheels.pinion.loads": "[{kind: torque, value: -50}, "
                                 "{kind: viscous, coefficient: 0.0375}]",
          "wheels.gear.loads": "[{kind: torque, value: -100}]"},
-        WITHOUT + "in the steady state nothing turns the first mesh in its nominal sense",
+        WITHOUT + "in the steady state the first mesh does not turn in its nominal sense",
     ),
     "gaps": (
         "spur-pair.yaml",

@@ -57,7 +57,7 @@ def assert_same_after_stops(
         assert process.returncode in (0, 75), messages
         if process.returncode == 75:
             assert f"interrupted by {sent.name}" in messages
-            assert "the same command goes on" in messages
+            assert "repeat the command to continue" in messages
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert (folder / "stopped.h5").read_bytes() == whole.read_bytes()

@@ -134,7 +134,7 @@ def test_a_run_that_loses_contact_says_when(runs, kind):
     run = runs(case)
     assert run.exit_code == 0
     said = re.search(
-        r"mesh 'pinion-gear' lost contact at t = (\S+) s and never regained it", run.messages
+        r"mesh 'pinion-gear' lost contact at t = (\S+) s and did not regain it", run.messages
     )
     assert said
     (opened,) = run.times("contact_opened")

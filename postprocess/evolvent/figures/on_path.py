@@ -20,7 +20,7 @@ from evolvent.units import axis_label, engineering
 
 DEGREE = np.pi / 180
 MARK: dict[str, Any] = {"color": "#777777", "linewidth": 1.0, "linestyle": ":", "zorder": 1.2}
-POINTS = "A start, C pitch point, E end of the path of contact; from B to D one pair is alone"
+POINTS = "A start, C pitch point, E end of the path of contact; from B to D a single pair"
 MOST_LINES = 40  # passes of tooth pairs of a mesh: the last ones
 PAIRS = "pair_"  # prefix of the quantities of tooth pairs
 
@@ -101,7 +101,8 @@ def draw_on_path(
     shown = list(meshes) or [str(name) for name in first["mesh"].values]
     if len({tuple(history["mesh"].values) for _, history in runs}) > 1 and not meshes:
         raise HistoryError(
-            "the histories have different meshes: draw each alone, or choose one by --mesh", USAGE
+            "the histories have different meshes; draw each separately, or select one with --mesh",
+            USAGE,
         )
     for _, history in runs:
         _check(history, names, shown)
@@ -136,7 +137,7 @@ def _check(history: xr.Dataset, names: Sequence[str], meshes: Sequence[str]) -> 
         if "pair" not in history[name].dims:
             of_pairs = [n for n in over_time(history) if "pair" in history[n].dims]
             raise HistoryError(
-                f"{source}: `{name}` is not of tooth pairs, so it has no place on the path of "
+                f"{source}: `{name}` is not of tooth pairs, so it has no position on the path of "
                 f"contact; there is {', '.join(of_pairs)}",
                 USAGE,
             )

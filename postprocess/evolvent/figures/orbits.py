@@ -29,7 +29,7 @@ MARKS: dict[tuple[int, int | None], tuple[str, dict[str, Any]]] = {
         {"marker": "s", "markersize": 6, "markerfacecolor": "white"},
     ),
     (6, MESH): (
-        "fold where the mesh just touches",
+        "fold with grazing of the mesh",
         {"marker": "h", "markersize": 7, "markerfacecolor": "white"},
     ),
 }

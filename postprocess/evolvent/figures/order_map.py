@@ -36,7 +36,7 @@ def draw_order_maps(
     """
     if len({str(one.attrs.get("quantity")) for _, one in maps}) > 1:
         raise HistoryError(
-            "order maps of different quantities do not belong into one picture; draw each alone",
+            "order maps of different quantities cannot share a figure; draw each separately",
             USAGE,
         )
     first = maps[0][1]

@@ -118,7 +118,8 @@ def draw_quantities(
     rows = max(len(column) for column in columns)
     if rows == 0:
         raise HistoryError(
-            f"{source_name(runs[0].history)}: {', '.join(names)} has no value in what is shown",
+            f"{source_name(runs[0].history)}: {', '.join(names)} has no value in the "
+            "selected range",
             USAGE,
         )
     _check_size(runs[0], picked[0], columns)
@@ -168,7 +169,7 @@ def _check_choice(
             names = ", ".join(f"`{values.name}`" for values in picked)
             raise HistoryError(
                 f"{source_name(run.history)}: {names} {'has' if len(picked) == 1 else 'have'} no "
-                f"{dim}, so none can be chosen; leave out {OPTIONS.get(dim, f'--select {dim}=')}",
+                f"{dim}, so none can be selected; omit {OPTIONS.get(dim, f'--select {dim}=')}",
                 USAGE,
             )
 
@@ -180,9 +181,9 @@ def _check_size(
     labels = {curve.label for column in columns for panel in column for curve in panel.curves}
     what = None
     if rows > MOST_PANELS:
-        what = f"{rows} panels, and at most {MOST_PANELS}"
+        what = f"{rows} panels, but at most {MOST_PANELS}"
     elif len(labels) > MOST_STYLES:
-        what = f"{len(labels)} different lines, and at most {MOST_STYLES}"
+        what = f"{len(labels)} different lines, but at most {MOST_STYLES}"
     if what is not None:
         dims = dict.fromkeys(str(dim) for values in picked for dim in values.dims if dim != "time")
         names = ", ".join(str(values.name) for values in picked)

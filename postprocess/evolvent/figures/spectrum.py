@@ -70,8 +70,8 @@ def _common_axis(spectra: list[xr.Dataset]) -> str:
         kinds = sorted({str(s.attrs.get(attribute)) or "frequency" for s in spectra})
         if len(kinds) > 1:
             raise HistoryError(
-                f"spectra of different {what} do not belong into one picture: {', '.join(kinds)}; "
-                "draw each alone",
+                f"spectra of different {what} cannot share a figure: {', '.join(kinds)}; draw "
+                "each separately",
                 USAGE,
             )
     return str(spectra[0]["amplitude"].dims[0])

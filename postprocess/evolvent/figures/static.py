@@ -76,7 +76,7 @@ def draw_sharing(static: xr.Dataset) -> Figure:
                 fontsize=10,
                 color="#555555",
             )
-        panel.set_xlabel("place of the tooth pair, from the start of its path [pitches]")
+        panel.set_xlabel("position of the tooth pair, from the start of its path [pitches]")
         panel.set_ylabel("share of the force")
         reach = x[(share > 0).any(axis=0)]
         panel.set_xlim(min(reach[0], 0.0) - 0.05, max(reach[-1], end) + 0.15)

@@ -210,7 +210,7 @@ def mesh_stiffness(run: Run) -> Figure:
 
 
 @figure(
-    "share of a tooth pair in the force on its way, a line for each torque",
+    "load share of a tooth pair along its path, a line for each torque",
     "force_share",
     "pair_contact_kind",
     of=STATIC,
@@ -256,7 +256,7 @@ def order_map(runs: Sequence[Run], over_time: bool = False, as_frequency: bool =
 
 
 @figure(
-    "numbers over a parameter that goes up and down, with the jumps of the motion",
+    "metrics over an increasing and decreasing parameter, with the jumps of the motion",
     "transmission_error_standard_deviation",
     "dynamic_factor",
     "period",
@@ -279,7 +279,7 @@ def orbits(run: Run) -> Figure:
 
 
 @figure(
-    "natural frequencies and orders over the speed, and where they meet",
+    "natural frequencies and orders over the speed, and their intersections",
     "natural_frequency",
     "crossing_speed",
     of=CAMPBELL,

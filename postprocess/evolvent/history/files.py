@@ -41,7 +41,7 @@ WHAT = {
     ORBITS: "branches of orbits",
     SPECTRUM: "a spectrum",
     ORDER_MAP: "an order map",
-    CAMPBELL: "a Campbell picture",
+    CAMPBELL: "a Campbell diagram",
     "stack": "histories of many cases",
 }
 DRAWN = (
@@ -161,9 +161,9 @@ def check_seal(path: Path) -> str | None:
     with _readable(path):
         answer = check(path)
     if answer == BROKEN:
-        raise HistoryError(f"{path}: is damaged, or was changed: its check sum is wrong")
+        raise HistoryError(f"{path}: is damaged, or was changed: its checksum is wrong")
     if answer == NONE and not path.name.endswith(".partial"):
-        return "has no check sum, so that damage would not be noticed"
+        return "has no checksum, so damage would not be detected"
     return None
 
 
@@ -197,7 +197,7 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
     if not isinstance(path, str | Path):
         make = path.encoding.get(EVENTS)
         if make is None:
-            raise HistoryError("the dataset has no events with it: give the path of its file")
+            raise HistoryError("the dataset contains no events; give the path of its file")
         return _name_kinds(make())
     path = Path(path)
     with open_recording(path):  # rejects files that are not histories
@@ -231,7 +231,7 @@ def run_warning(history: xr.Dataset | Recording) -> str | None:
     if status == DONE:
         return message or None
     if status in (None, RUNNING):
-        text = "the run goes on or was killed: its file was not closed"
+        text = "the run is still active or was killed: its file was not closed"
     else:
         text = f"the run did not finish: {message or status}"
     axis, symbol, unit = ("time", "t", "s") if "time" in history.sizes else ("torque", "T", "N m")
@@ -296,7 +296,7 @@ def _readable(path: Path, group: str | None = None) -> Iterator[None]:
     try:
         yield
     except PermissionError as error:
-        raise HistoryError(f"{path}: may not be read") from error
+        raise HistoryError(f"{path}: cannot be read: permission denied") from error
     except BlockingIOError as error:
         raise HistoryError(f"{path}: is being written; wait until its run has ended") from error
     except UNREADABLE as error:
@@ -312,9 +312,9 @@ def _check_format(path: Path, attrs: Mapping[Any, Any]) -> None:
 
     number = attrs.get("evolvent_format")
     if number is None:
-        raise HistoryError(f"{path}: is no evolvent history (no attribute `evolvent_format`)")
+        raise HistoryError(f"{path}: is not an evolvent history (no attribute `evolvent_format`)")
     if not isinstance(number, int | np.integer) or number < 1:
-        raise HistoryError(f"{path}: evolvent_format = {number} is no format number")
+        raise HistoryError(f"{path}: evolvent_format = {number} is not a format number")
     if number > NEWEST_FORMAT:
         raise HistoryError(
             f"{path}: has format {number}, but this evolvent-post reads formats up to "
@@ -333,7 +333,7 @@ def _check_kind(
     missing = [name for name in DIMENSIONS[kind] if name not in sizes]
     if missing:
         what = WHAT[kind].split(" ", 1)[1]
-        raise HistoryError(f"{path}: is no complete {what} (no dimension {', '.join(missing)})")
+        raise HistoryError(f"{path}: is not a complete {what} (no dimension {', '.join(missing)})")
 
 
 def _decode_flags(flags: xr.DataArray) -> xr.DataArray:

@@ -33,5 +33,5 @@ def lacking(source: str, name: str) -> HistoryError:
     """Error for a required variable that a history does not contain."""
     return HistoryError(
         f"{source}: has no variable `{name}`; run the case again with it among its outputs "
-        "(`check` stands for all that evolvent-post check needs)"
+        "(`check` selects all variables for evolvent-post check)"
     )

@@ -143,6 +143,8 @@ def load() -> ctypes.CDLL:
     version = library.evolvent_version().decode()
     if __version__ not in ("unknown", version):
         raise AnalysisError(
-            USAGE, path, f"is of version {version}, this package of {__version__}: use one of both"
+            USAGE,
+            path,
+            f"is of version {version}, this package of {__version__}: use matching versions",
         )
     return library

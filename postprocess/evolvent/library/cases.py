@@ -49,7 +49,7 @@ def _encoded(what: str, text: str | os.PathLike[str]) -> bytes:
     except UnicodeEncodeError as error:
         code = f"U+{ord(error.object[error.start]):04X}"
         raise AnalysisError(
-            USAGE, what, f"holds the lone surrogate {code}, which is no character; remove it"
+            USAGE, what, f"holds the lone surrogate {code}, which is not a character; remove it"
         ) from error
     if b"\0" in encoded:
         raise AnalysisError(USAGE, what, "holds a character of code 0")
@@ -109,7 +109,7 @@ def source_of(case: Case, settings: Settings) -> Source:
         raise AnalysisError(
             USAGE,
             f"{NAME}={case!r}",
-            "must be the path of a case file, its text, or the mapping that such a text stands for",
+            "must be the path of a case file, its text, or the equivalent mapping",
         )
     return Source(_encoded(NAME, case), None, options)
 

@@ -80,7 +80,7 @@ def choose_clip(
     n = 1 + int(np.floor(span / speed * fps + 1e-9))
     if n > MAX_FRAMES:
         raise AnimationError(
-            f"{n} frames are more than {MAX_FRAMES}: choose a shorter time by --from and --to, "
+            f"{n} frames are more than {MAX_FRAMES}: select a shorter time with --from and --to, "
             f"a --speed above {span * fps / MAX_FRAMES:.3g} or fewer --fps"
         )
     wanted = time[inside[0]] + np.arange(n) * speed / fps
@@ -128,10 +128,10 @@ def animate(
 def check_format(path: Path) -> None:
     """Reject a file that `animate` cannot write."""
     if path.suffix.lower() not in (".gif", ".mp4"):
-        raise AnimationError(f"{path}: the file has to end in .gif or .mp4")
+        raise AnimationError(f"{path}: the file name must end in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():
         raise AnimationError(
-            f"{path}: MP4 needs the program ffmpeg, which is not installed: install it (Debian: "
+            f"{path}: MP4 needs the program ffmpeg, which is not installed; install it (Debian: "
             "apt install ffmpeg; conda: conda install ffmpeg) or write a .gif"
         )
 

@@ -115,11 +115,11 @@ def explorer(
     note = f"All {outputs:,} outputs are in the page."
     if min(sizes, default=outputs) < outputs:
         note = (
-            f"Of {outputs:,} outputs the lines here have {min(sizes):,} to {max(sizes):,}: the "
-            "smallest and the largest of each stretch, so that no extreme is lost."
+            f"The lines show {min(sizes):,} to {max(sizes):,} of {outputs:,} outputs: the smallest "
+            "and the largest of each interval, without loss of extremes."
         )
     if history.sizes.get("pair", 1) > 1:
-        note += " Tooth pairs take the places drive 0, drive 1 and so on in turns."
+        note += " Tooth pairs use the slots drive 0, drive 1 and so on in turn."
     shown = "" if window is None else f"{window[0]:.6g} to {window[1]:.6g} s"
     return Explorer(_json(facts), numbers, library, name, groups, note, shown)
 

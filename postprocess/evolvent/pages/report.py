@@ -121,7 +121,7 @@ def _in_a_word(verdicts: list[Verdict]) -> str:
     """Summary of the verdicts of all invariants."""
     failed = [v.invariant.name for v in verdicts if v.failed]
     if failed:
-        return f"Do not trust this run before you know why: broken is {', '.join(failed)}."
+        return f"Do not use these results before the cause is found. Violated: {', '.join(failed)}."
     passed = sum(v.verdict == "pass" for v in verdicts)
     return f"All {passed} invariants that apply hold." if passed else "No invariant applies."
 
@@ -176,14 +176,14 @@ def _extremes_note(history: xr.Dataset, events: xr.Dataset) -> str:
     """Source of the extremes, and contacts that have none."""
     told = any(extreme.between_outputs for extreme in extremes(history))
     note = (
-        "Found between the outputs, on both sides of every event."
+        "Extremes include states between the outputs and on both sides of every event."
         if told
-        else "Those of the outputs: what happens between two outputs is not in them."
+        else "Extremes of the outputs; states between two outputs are not included."
     )
     if "impact" in events["kind"].values:
         note += (
-            " An impact of a rigid contact is an impulse without a largest force:"
-            " the normal force is that between impacts."
+            " An impact of a rigid contact is an impulse without finite force; the normal force "
+            "is that between impacts."
         )
     return note
 

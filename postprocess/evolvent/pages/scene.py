@@ -338,13 +338,13 @@ class Scene:
         if self.exaggeration != 1.0:
             label = f"deviations {self.exaggeration:g} times"
             entries.append(Line2D([], [], color=EDGE, linewidth=1.0, label=label))
-        entries.append(Patch(facecolor=FORCE, label="presses on the tooth it lies in"))
+        entries.append(Patch(facecolor=FORCE, label="acts on the tooth it lies in"))
         if self.largest.sliding > 0:
-            label = "slides: driving flank over its mate"
+            label = "sliding of the driving flank"
             entries.append(Patch(facecolor=SLIDES, label=label))
         if self.loaded:
-            entries.append(Patch(facecolor=DRIVES, label="torque that drives a wheel"))
-            entries.append(Patch(facecolor=BRAKES, label="torque that brakes one"))
+            entries.append(Patch(facecolor=DRIVES, label="driving torque"))
+            entries.append(Patch(facecolor=BRAKES, label="braking torque"))
         draw_keys(self.keys, scales, self.arrow_width, per_unit, entries)
 
 
@@ -352,7 +352,8 @@ def check_teeth(history: xr.Dataset) -> None:
     """Reject a history of a version that did not write the tooth positions."""
     if "flank_root_driving" not in history:
         raise HistoryError(
-            f"{source_name(history)}: does not tell where the teeth are; run the case again with "
+            f"{source_name(history)}: does not contain the positions of the teeth; run the case "
+            "again with "
             "this version of evolvent"
         )
 

@@ -43,7 +43,9 @@ def agreement_of_modes(run: Recording) -> Deviation:
     loads of adjacent pairs separate its flanks.
     """
     if "pair_contact_mode" not in run:  # earlier versions
-        raise NotApplicableError("the history does not tell the modes of its tooth pairs")
+        raise NotApplicableError(
+            "the history does not contain the contact modes of its tooth pairs"
+        )
 
     def of_mesh(values: Values) -> Values:
         return np.asarray(values)[:, np.newaxis]

@@ -42,10 +42,10 @@ def rates(run: Recording) -> Deviation:
     excluded: its impacts change speeds instantaneously.
     """
     if is_rigid(run).any():
-        raise NotApplicableError("impacts of rigid contacts change speeds at once")
+        raise NotApplicableError("impacts of rigid contacts change speeds discontinuously")
     outputs = list(_outputs_with_rates(run))
     if not outputs:
-        raise NotApplicableError("the history does not state what its rates are rates of")
+        raise NotApplicableError("the history does not state the variables of its rates")
     if "normal_force" not in run:
         raise NotApplicableError("the history has no normal_force, which shows impacts")
     if run.n < max(ROWS):

@@ -53,7 +53,7 @@ def beyond_extremes(run: Recording) -> Deviation:
     """
     told = list(told_names(run.variables))
     if not told:
-        raise NotApplicableError("the history tells no extremes between its outputs")
+        raise NotApplicableError("the history contains no extremes between its outputs")
     beyond = []
     for name, output, is_largest in told:
         sense = 1.0 if is_largest else -1.0
@@ -93,7 +93,7 @@ def order_of_times(run: Recording) -> Deviation:
     return Deviation(("time",), late)
 
 
-@invariant("finite values", "every value is a number", "number of values", 0.0)
+@invariant("finite values", "every value is finite", "number of values", 0.0)
 def finiteness(run: Recording) -> Deviation:
     """Fraction of the values that are not finite, dim (variable).
 

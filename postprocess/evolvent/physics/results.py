@@ -47,7 +47,7 @@ ABSOLUTE = (*SIGNED, OF_PAIRS)
 ONLY_IF_ANY = ("impacts", "rattle_index")
 SHARED = "pair_normal_force"  # equals that of the mesh if there is one pair
 PRESSURE = "pair_contact_pressure"  # NaN on sharp tip edges and hollow flanks
-LEFT_OUT = "sharp tip edges and hollow flanks left out"
+LEFT_OUT = "sharp tip edges and concave flanks excluded"
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _window(run: Recording) -> tuple[Recording, str, bool]:
     first, last = (quantity(float(run["time"][row]), "s", 5) for row in (0, -1))
     scope = (
         f"The whole run, from {first} to {last}, with its start; means are of its outputs. With "
-        "simulation.metrics in the case they are of whole periods behind the start."
+        "simulation.metrics in the case they are of whole periods after the start."
     )
     return run, scope, False
 

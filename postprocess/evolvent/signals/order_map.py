@@ -52,8 +52,8 @@ def order_map(
     if len(starts) < 2:
         raise HistoryError(
             f"{label}: holds {record.periods:.4g} {record.of.periods} of {record.of}, too few for "
-            f"two windows of {length}, {hop} apart; choose a shorter --length, or run the case "
-            "longer",
+            f"two windows of {length}, {hop} apart; choose a shorter --length, or increase the "
+            "duration",
             USAGE,
         )
     weights = window(name, n)

@@ -27,8 +27,8 @@ from evolvent.signals.windows import noise_bandwidth, window
 from evolvent.version import __version__
 
 SCALING = (
-    "A line is as high as a sine that stands on it: its amplitude, half of peak to peak. The mean "
-    "and the line at half the sampling rate count once."
+    "The height of a line is the amplitude of its sine, half of peak to peak. The mean and the "
+    "line at half the sampling rate are not doubled."
 )
 OVER = {"mesh": "xi", "wheel": "u"}
 
@@ -124,12 +124,12 @@ def campbell_result(
                 "speed", computed.astype(np.int32), _named("1", "1 if the modes are of this speed"),
             ),
             "excitation_order": (
-                "excitation", order, _named("1", f"events in a turn of {wheel}"),
+                "excitation", order, _named("1", f"events per revolution of {wheel}"),
             ),
             "is_mesh": (
                 "excitation",
                 np.array([e.kind == "mesh" for e in excitations], dtype=np.int32),
-                _named("1", "1 of an order of a mesh, 0 of a wheel"),
+                _named("1", "1 for an order of a mesh, 0 for a wheel"),
             ),
             "crossing_speed": (at, [c.speed for c in found], _named("rad s-1", f"of {wheel}")),
             "crossing_frequency": (at, [c.frequency for c in found], _named("Hz", "frequency")),
@@ -159,7 +159,7 @@ def _wheel(history: xr.Dataset, of: Turning) -> str:
 def told_sampling(record: Record) -> str:
     """Describe how the samples were obtained from the rows."""
     if not record.resampled:
-        return "rows as they stand"
+        return "rows without resampling"
     return f"resampled by a spline of degree {DEGREE} from {record.rows:.4g} rows or more a period"
 
 

@@ -118,7 +118,7 @@ def read_record(history: xr.Dataset, signal: xr.DataArray, of: Turning | None) -
         raise HistoryError(
             f"{source_name(history)}: `{signal.name}` has no value at t = "
             f"{float(history['time'][holes[0]]):.6g} s ({holes.size} of {values.size} outputs); "
-            "choose times or a variable without holes"
+            "select times or a variable without gaps"
         )
     if of is None:
         return _over_time(history, values)
@@ -146,7 +146,7 @@ def last_periods(record: Record, label: str, count: int | None = None) -> Record
         raise HistoryError(
             f"{label}: holds {record.periods:.4g} {record.of.periods} of {record.of}, not "
             f"{max(wanted, 1)} whole"
-            + ("; choose fewer, or run the case longer" if there else "; run the case longer"),
+            + ("; choose fewer, or increase the duration" if there else "; increase the duration"),
             BAD_INPUT if count is None else USAGE,
         )
     return record.part(record.values.size - wanted * record.per_period, record.values.size)
@@ -179,7 +179,7 @@ def check_reach(record: Record, label: str, highest: float | None, spacing: floa
             else f"{record.rows:.4g} outputs a {record.of.period}"
         )
         raise HistoryError(
-            f"{label}: {rows} tell lines up to {record.reach:.4g} {unit}, not "
+            f"{label}: {rows} resolve lines up to {record.reach:.4g} {unit}, not "
             f"{'order ' if record.of else ''}{wanted:.6g}; write outputs more often",
             BAD_INPUT if highest is None else USAGE,
         )
@@ -205,7 +205,7 @@ def _over_time(history: xr.Dataset, values: Numbers) -> Record:
     step = float(np.median(steps))
     if steps.size > 1 and steps[-1] < step * (1 - EVEN):  # the end of the run, off the grid
         time, values, steps = time[:-1], values[:-1], steps[:-1]
-    _check_steps(history, time, steps, step, "--order-of can do with uneven rows")
+    _check_steps(history, time, steps, step, "--order-of accepts uneven rows")
     step = float(time[-1] - time[0]) / steps.size
     return Record(values, time, float(time[0]), None, step, 1.0)
 
@@ -219,7 +219,7 @@ def _check_steps(
         i = int(wide[0])
         raise HistoryError(
             f"{source_name(history)}: outputs are missing between t = {time[i]:.6g} s and "
-            f"{time[i + 1]:.6g} s; choose a part without holes by --from and --to"
+            f"{time[i + 1]:.6g} s; select a part without gaps with --from and --to"
         )
     uneven = np.flatnonzero(abs(steps - step) > EVEN * step)
     if uneven.size:
@@ -238,8 +238,8 @@ def _by_angle(history: xr.Dataset, signal: Numbers, of: Turning) -> Record:
     back = np.flatnonzero(kinds == TURNING_BACK)
     if back.size:
         raise HistoryError(
-            f"{label}: {by} turns back at t = {time[back[0]]:.6g} s, and orders need one sense; "
-            "choose a part by --from and --to"
+            f"{label}: {by} turns back at t = {time[back[0]]:.6g} s, but orders require one sense "
+            "of rotation; select a part with --from and --to"
         )
     kept = np.flatnonzero(kinds == ON_GRID)
     position = np.asarray(history["output_position"].values[kept], dtype=float)
@@ -247,11 +247,13 @@ def _by_angle(history: xr.Dataset, signal: Numbers, of: Turning) -> Record:
     kept, position = kept[fresh], position[fresh]
     if kept.size < 2:
         raise HistoryError(
-            f"{label}: has {kept.size} outputs at even angles of {by}, too few for orders; run the "
-            "case longer, or choose more of it by --from and --to"
+            f"{label}: has {kept.size} outputs at even angles of {by}, too few for orders; "
+            "increase the duration, or select more of it with --from and --to"
         )
     number = int(history.attrs["output_number"])
-    _check_steps(history, time[kept], np.diff(position), 1.0 / number, "this is no output by angle")
+    _check_steps(
+        history, time[kept], np.diff(position), 1.0 / number, "this is not output by angle"
+    )
     geared = ratio(of, by)
     per_period = Fraction(number) / geared
     if per_period.denominator > 1:
@@ -273,8 +275,8 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
     if moved < STANDING:
         raise HistoryError(
             f"{label}: {of} does not turn ({moved:.2g} {of.periods} in "
-            f"{time[-1] - time[0]:.3g} s): it has no orders; "
-            "leave out --order-of for lines over frequency"
+            f"{time[-1] - time[0]:.3g} s), so it has no orders; omit --order-of for lines over "
+            "frequency"
         )
     if position[-1] < position[0]:  # rotates against its nominal direction all the time
         time, position, values = time[::-1], position[::-1], values[::-1]
@@ -282,13 +284,14 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
     if not (advance > 0).all():
         i = int(np.flatnonzero(advance <= 0)[0])
         raise HistoryError(
-            f"{label}: {of} stands or turns back at t = {time[i]:.6g} s, and orders need one "
-            "sense; choose a part by --from and --to"
+            f"{label}: {of} stops or turns back at t = {time[i]:.6g} s, but orders require one "
+            "sense of rotation; select a part with --from and --to"
         )
     if position.size < ROWS_NEEDED:
         raise HistoryError(
             f"{label}: {position.size} outputs are too few to interpolate, which takes "
-            f"{ROWS_NEEDED}; choose more of the run by --from and --to, or write outputs more often"
+            f"{ROWS_NEEDED}; select more of the run with --from and --to, or write outputs "
+            "more often"
         )
     # The last step to the end of the run, off the grid, may be arbitrarily small.
     usual = advance[:-1] if advance[-1] < advance[-2] * (1 - EVEN) else advance
@@ -300,8 +303,8 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
         enough = int(np.flatnonzero(samples < MOST_SAMPLES / 4)[0])
         raise HistoryError(
             f"{label}: {of} turns so slowly at t = {time[int(usual.argmin())]:.6g} s that even "
-            f"angles as dense as the outputs there would be {count} samples; leave that out, such "
-            f"as by --from {time[enough]:.3g}"
+            f"angles as dense as the outputs there would be {count} samples; exclude that part, "
+            f"such as with --from {time[enough]:.3g}"
         )
     places = position[-1] - np.arange(count)[::-1] / per_period
     both = resample(position, np.stack([values, time], axis=1), places)

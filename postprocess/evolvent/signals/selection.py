@@ -51,7 +51,7 @@ def select(history: xr.Dataset, quantity: str, chosen: Mapping[str, str]) -> xr.
     if left:
         dim = next(iter(left))
         raise HistoryError(
-            f"{label}: `{quantity}` has no {dim}, so none can be chosen; leave out "
+            f"{label}: `{quantity}` has no {dim}, so none can be selected; omit "
             f"{OPTIONS.get(dim, f'--select {dim}={left[dim]}')}",
             USAGE,
         )
@@ -75,11 +75,11 @@ def unknown(history: xr.Dataset, quantity: str, more: Sequence[str] = ()) -> str
     more : other valid names.
     """
     if quantity in history.variables:
-        return f"`{quantity}` is no variable over time; evolvent-post report shows what is constant"
+        return f"`{quantity}` is not a variable over time; evolvent-post report shows constants"
     near = get_close_matches(quantity, [*over_time(history), *more], 4, 0.5)
     parts = [name for name in over_time(history) if quantity in name]
     found = list(dict.fromkeys([*near, *parts]))[:MOST_NEAR]
-    hint = f"did you mean {', '.join(found)}?" if found else "no name is near"
+    hint = f"did you mean {', '.join(found)}?" if found else "no similar name"
     return (
         f"has no variable `{quantity}` over time; {hint} "
         f"(evolvent-post plot {source_name(history)} --list shows all)"
@@ -111,7 +111,7 @@ def index_of(label: str, values: xr.DataArray, dim: str, name: str | None) -> in
     if len(names) == 1:
         return 0
     raise HistoryError(
-        f"{label}: `{values.name}` has {len(names)} {PLURALS.get(dim, f'{dim}s')}; choose one by "
-        f"{OPTIONS.get(dim, f'--select {dim}=NAME')}: {', '.join(names)}",
+        f"{label}: `{values.name}` has {len(names)} {PLURALS.get(dim, f'{dim}s')}; select one "
+        f"with {OPTIONS.get(dim, f'--select {dim}=NAME')}: {', '.join(names)}",
         USAGE,
     )

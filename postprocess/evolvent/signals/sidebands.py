@@ -81,9 +81,9 @@ def sidebands(
     if condition > WORST:
         closest = min(b - a for a, b in pairwise(ordered))
         raise HistoryError(
-            f"{label}: {record.periods:.4g} pitches are too few to tell lines apart that are "
+            f"{label}: {record.periods:.4g} pitches are too few to separate lines that are "
             f"{float(closest):.3g} mesh orders from each other; run the case for "
-            f"{math.ceil(1 / closest)} pitches, or choose fewer by --sides",
+            f"{math.ceil(1 / closest)} pitches, or choose fewer with --sides",
             USAGE,
         )
     line = dict(zip(ordered, lines, strict=True))

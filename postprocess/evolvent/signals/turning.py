@@ -98,8 +98,8 @@ def ratio(counted: Turning, by: Turning) -> Fraction:
     """
     if counted.train != by.train:
         raise HistoryError(
-            f"{counted} and {by} are not geared to each other: orders of the one have no place in "
-            f"a record by angle of the other; run the case with output for {counted.name}",
+            f"{counted} and {by} have no fixed speed ratio, so orders of one are not defined in a "
+            f"record by angle of the other; run the case with output for {counted.name}",
             USAGE,
         )
     return counted.rate / by.rate
@@ -150,8 +150,8 @@ def _of_mesh(history: xr.Dataset, mesh: int) -> Turning:
     """Pitches of a mesh from pair 0's start of contact."""
     if "start_position" not in history:
         raise HistoryError(
-            f"{source_name(history)}: does not tell where its tooth pairs start (no variable "
-            "`start_position`): it is of an older evolvent; run the case again"
+            f"{source_name(history)}: does not contain the start of its tooth pairs (no variable "
+            "`start_position`), as written by an older evolvent; run the case again"
         )
     one = history.isel(mesh=mesh)
     wheel = int(require(one, "driving_wheel"))

@@ -74,4 +74,4 @@ def _waiting(n_cases: int) -> contextlib.AbstractContextManager[object]:
         return contextlib.nullcontext()
     from rich.console import Console
 
-    return Console(stderr=True).status(f"asking the program about {n_cases} cases")
+    return Console(stderr=True).status(f"checking {n_cases} cases")

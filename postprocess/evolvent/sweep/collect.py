@@ -85,25 +85,24 @@ def open_summary(path: Path) -> xr.Dataset:
         seal = check(path)
         if seal == BROKEN:
             raise SweepError(
-                f"{path}: is damaged, or was changed: its check sum is wrong; collect it anew"
+                f"{path}: is damaged, or was changed: its checksum is wrong; collect it anew"
             )
         summary = xr.open_dataset(path, engine="h5netcdf", decode_times=False)
     except UNREADABLE as error:
-        raise SweepError(f"{path}: is no readable summary ({reason_of(error)})") from error
+        raise SweepError(f"{path}: is not a readable summary ({reason_of(error)})") from error
     if seal == NONE:
         print(
-            f"evolvent-sweep: warning: {path}: has no check sum, so that damage would not be "
-            "noticed",
+            f"evolvent-sweep: warning: {path}: has no checksum, so damage would not be detected",
             file=sys.stderr,
         )
     number = summary.attrs.get("evolvent_summary_format")
     if number != FORMAT:
         summary.close()
         if number is None:
-            raise SweepError(f"{path}: is no summary (no attribute `evolvent_summary_format`)")
+            raise SweepError(f"{path}: is not a summary (no attribute `evolvent_summary_format`)")
         raise SweepError(
             f"{path}: has summary format {number}, but this evolvent-sweep reads {FORMAT}; "
-            "collect it anew"
+            "collect it again"
         )
     return summary
 

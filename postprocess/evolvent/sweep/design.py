@@ -169,8 +169,8 @@ def read_design(path: Path) -> Design:
     try:
         if check(path) == BROKEN:  # before HDF5 reads it, which does not detect damage
             raise SweepError(
-                f"{path}: is damaged, or was changed: its check sum is wrong; take a copy that is "
-                "whole, or plan it anew"
+                f"{path}: is damaged, or was changed: its checksum is wrong; use an intact copy, "
+                "or plan it again"
             )
         with h5py.File(path, "r") as file:
             _check_format(path, file)
@@ -178,9 +178,11 @@ def read_design(path: Path) -> Design:
     except OSError as error:
         raise SweepError(f"{path}: is not a readable HDF5 file ({reason_of(error)})") from error
     except (KeyError, TypeError, ValueError) as error:
-        raise SweepError(f"{path}: is no complete design ({error}); plan it anew") from error
+        raise SweepError(f"{path}: is not a complete design ({error}); plan it again") from error
     if design.plan and design.hash != given:
-        raise SweepError(f"{path}: its values do not fit its hash; it was changed: plan it anew")
+        raise SweepError(
+            f"{path}: its values do not match its hash, so it was changed; plan it anew"
+        )
     return design
 
 
@@ -240,16 +242,16 @@ def _read(file: h5py.File) -> tuple[Design, str]:
         maker="" if attrs["plan"] else str(attrs["hash"]),
     )
     if design.n_cases < 1 or any(p.values.shape != (design.n_cases,) for p in parameters):
-        raise ValueError("its columns have not the length n_cases")
+        raise ValueError("its columns do not have the length n_cases")
     return design, str(attrs["hash"])
 
 
 def _check_format(path: Path, file: h5py.File) -> None:
     number = file.attrs.get("evolvent_design_format")
     if number is None:
-        raise SweepError(f"{path}: is no design (no attribute `evolvent_design_format`)")
+        raise SweepError(f"{path}: is not a design (no attribute `evolvent_design_format`)")
     if number != FORMAT:
         raise SweepError(
             f"{path}: was made by evolvent {file.attrs.get('evolvent_version', '?')} in design "
-            f"format {number}, but this evolvent-sweep reads format {FORMAT}; plan it anew"
+            f"format {number}, but this evolvent-sweep reads format {FORMAT}; plan it again"
         )

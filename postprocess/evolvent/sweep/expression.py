@@ -72,9 +72,9 @@ def evaluate(text: str, columns: Mapping[str, np.ndarray], length: int) -> np.nd
         with np.errstate(all="ignore"):
             result = _Evaluation(columns).of(tree.body)
     except SyntaxError as error:
-        raise SweepError(f"'{shown}' is no formula ({error.msg})") from error
+        raise SweepError(f"'{shown}' is not a formula ({error.msg})") from error
     except (RecursionError, MemoryError, OverflowError, ValueError) as error:
-        raise SweepError(f"'{shown[:40]}' is no formula that can be worked off") from error
+        raise SweepError(f"'{shown[:40]}' is too complex a formula") from error
     values = np.array(np.broadcast_to(np.asarray(result, dtype=float), (length,)))
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
@@ -108,7 +108,8 @@ class _Evaluation:
             case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
                 return self._called(name, arguments)
         raise SweepError(
-            f"'{ast.unparse(node)[:60]}' is not allowed in a formula: numbers, names, + - * / // "
+            f"'{ast.unparse(node)[:60]}' is not allowed in a formula; use numbers, names, + - "
+            "* / // "
             f"% **, 'a if b < c else d' and the functions {', '.join(sorted(FUNCTIONS))} are"
         )
 
@@ -120,7 +121,7 @@ class _Evaluation:
                 return np.logical_and.reduce([self._truth(v) for v in values])
             case ast.BoolOp(op=ast.Or(), values=values):
                 return np.logical_or.reduce([self._truth(v) for v in values])
-        raise SweepError(f"'{ast.unparse(node)[:60]}' is no comparison of two numbers")
+        raise SweepError(f"'{ast.unparse(node)[:60]}' is not a comparison of two numbers")
 
     def _named(self, name: str) -> Any:
         if name in self.columns:

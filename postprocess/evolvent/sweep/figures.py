@@ -118,7 +118,7 @@ def _follows(rank: np.ndarray, other: np.ndarray) -> bool:
 
 def _most_varied(summary: xr.Dataset, varying: list[str]) -> list[str]:
     if not varying:
-        raise SweepError("no parameter varies; there is nothing to draw against")
+        raise SweepError("no parameter varies; a figure needs one")
     numeric = [name for name in varying if summary[name].dtype.kind in "if"]
     return [max(numeric or varying, key=lambda name: np.unique(summary[name].values).size)]
 

@@ -44,10 +44,10 @@ def check_folder(folder: Path, design: Design) -> None:
     Raises
     ------
     SweepError
-        It is no folder, or of another design.
+        It is not a folder, or of another design.
     """
     if folder.exists() and not folder.is_dir():
-        raise SweepError(f"{folder}: is no folder")
+        raise SweepError(f"{folder}: is not a folder")
     try:
         found = (folder / HASH).read_text(encoding="utf-8").strip()
     except FileNotFoundError:
@@ -74,14 +74,14 @@ def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
     design = read_design(design_path)
     if check(design_path) == NONE:
         print(
-            f"evolvent-sweep: warning: {design_path}: has no check sum, so that damage would not "
-            "be noticed",
+            f"evolvent-sweep: warning: {design_path}: has no checksum, so damage would not be "
+            "detected",
             file=sys.stderr,
         )
     if design.version != version:
         raise SweepError(
             f"{design_path}: was made by evolvent {design.version}, but the program is {version}; "
-            "plan it anew, so that all results are of one version"
+            "plan it again, so that all results are of one version"
         )
     check_folder(folder, design)
     _keep_design(design_path, folder)
@@ -154,6 +154,6 @@ def common_split(folder: Path, shards: Sequence[Shard]) -> int | None:
     if len(splits) > 1:
         kinds = " and ".join(map(str, sorted(splits)))
         raise SweepError(
-            f"{folder}: holds runs in {kinds} shards; name one with --shards to go on with it"
+            f"{folder}: holds runs in {kinds} shards; select one with --shards to continue it"
         )
     return splits.pop() if splits else None

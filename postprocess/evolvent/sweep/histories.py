@@ -121,7 +121,7 @@ class _Checks:
             for case in (case for _, cases in runs for case in cases):
                 if self.expected[case] not in ("", f"{self.found[case]:08x}"):
                     raise SweepError(
-                        f"{path}: the history of case {case} is damaged: its check sum is wrong; "
+                        f"{path}: the history of case {case} is damaged: its checksum is wrong; "
                         "run that case again (evolvent batch --cases)"
                     )
 
@@ -131,13 +131,12 @@ def _check_seal(path: Path) -> None:
     answer = check(path)
     if answer == BROKEN:
         raise SweepError(
-            f"{path}: is damaged, or was changed: its check sum is wrong; run its cases again in "
+            f"{path}: is damaged, or was changed: its checksum is wrong; run its cases again in "
             "another folder"
         )
     if answer == NONE:
         print(
-            f"evolvent-sweep: warning: {path}: has no check sum, so that damage would not be "
-            "noticed",
+            f"evolvent-sweep: warning: {path}: has no checksum, so damage would not be detected",
             file=sys.stderr,
         )
 
@@ -149,7 +148,7 @@ def _stacks(folder: Path, records: Records) -> list[tuple[int, Path]]:
 
 
 def _unreadable(path: Path, error: Exception) -> SweepError:
-    return SweepError(f"{path}: is no readable file of histories ({reason_of(error)})")
+    return SweepError(f"{path}: is not a readable file of histories ({reason_of(error)})")
 
 
 def _add(

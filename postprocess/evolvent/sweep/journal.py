@@ -30,7 +30,7 @@ FIELDS: dict[str, tuple[str, Any, dict[str, Any]]] = {
         "status",
         np.int8(MISSING),
         {
-            "long_name": "what became of the case",
+            "long_name": "status of the case",
             "flag_values": np.arange(len(STATUSES), dtype=np.int8),
             "flag_meanings": " ".join(STATUSES),
         },

@@ -61,14 +61,14 @@ def run_with_executor(
     for shard in shards:
         if is_locked(folder, shard):
             raise SweepError(
-                f"{folder}: another run is at work on shard {shard.index}/{shard.of}; "
-                "wait for it, or end it first"
+                f"{folder}: another run is processing shard {shard.index}/{shard.of}; wait until "
+                "it ends, or stop it first"
             )
     try:
         return _run(Work(program, design.absolute(), folder.absolute()), shards, executor, show)
     except BrokenExecutor as error:
         raise SweepError(
-            "the executor broke: a worker died; run the same command again to go on", INTERRUPTED
+            "the executor failed because a worker died; repeat the command to continue", INTERRUPTED
         ) from error
 
 

@@ -28,14 +28,13 @@ def find_program() -> Path:
     named = os.environ.get(VARIABLE)
     if named:
         if not os.access(named, os.X_OK):
-            raise SweepError(f"{VARIABLE}={named}: is no program that can be run", USAGE)
+            raise SweepError(f"{VARIABLE}={named}: is not an executable program", USAGE)
         return Path(named).absolute()
     beside = Path(sys.executable).with_name("evolvent")
     found = str(beside) if os.access(beside, os.X_OK) else shutil.which("evolvent")
     if not found:
         raise SweepError(
-            "the program `evolvent` is not in PATH; activate its environment, or name it with "
-            f"{VARIABLE}",
+            f"the program `evolvent` is not in PATH; activate its environment, or set {VARIABLE}",
             USAGE,
         )
     return Path(found).absolute()
@@ -46,7 +45,7 @@ def program_version(program: Path) -> str:
     done = call(program, "--version")
     words = done.stdout.split()
     if done.returncode != 0 or len(words) < 2:
-        raise SweepError(f"{program}: does not tell its version; is it evolvent?")
+        raise SweepError(f"{program}: does not print its version; check that it is evolvent")
     return words[1]
 
 

@@ -153,7 +153,7 @@ def key_unit(given: Any, unit: str, place: str) -> str:
     """Unit of the key; an error if the plan gives the column another unit."""
     if given not in ("", unit):
         raise SweepError(
-            f"{place}: units is {given}, but values with units are kept in that of the key, "
-            f"{unit or 'none'}; leave units out"
+            f"{place}: units is {given}, but values with units are stored in that of the key, "
+            f"{unit or 'none'}; omit units"
         )
     return unit

@@ -137,7 +137,7 @@ def _run(command: list[str], show: Callable[[], None]) -> int:
     if process.returncode < 0:
         name = signal.Signals(-process.returncode).name
         raise SweepError(
-            f"evolvent batch was ended by {name}; run the same command again to go on", INTERRUPTED
+            f"evolvent batch was ended by {name}; repeat the command to continue", INTERRUPTED
         )
     raise SweepError(reason, process.returncode)
 

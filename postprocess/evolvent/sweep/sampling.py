@@ -200,7 +200,7 @@ def _read_table(spec: Spec) -> pd.DataFrame:
     except FileNotFoundError as error:
         raise SweepError(f"{path}: no such file") from error
     except (OSError, ValueError) as error:
-        raise SweepError(f"{path}: is no readable table ({reason_of(error)})") from error
+        raise SweepError(f"{path}: is not a readable table ({reason_of(error)})") from error
     return table.rename(columns=lambda name: str(name).strip())
 
 

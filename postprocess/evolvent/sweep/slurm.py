@@ -107,7 +107,7 @@ def check_place(path: Path) -> None:
     bad = next((c for c in str(path) if c in QUOTES or not c.isprintable()), None)
     if bad is not None:
         raise SweepError(
-            f"{path}: a path for Slurm cannot have the character {bad!a}; choose another name"
+            f"{path}: a path for Slurm cannot contain the character {bad!a}; choose another name"
         )
 
 
@@ -160,7 +160,7 @@ def write_scripts(
             array=joined(runs(array.tasks), ","),
             log=f"shard-{array.offset}+%a.log" if array.offset else "shard-%a.log",
             shard=f"$(({array.offset} + {TASK}))" if array.offset else f"${TASK}",
-            what="what is missing" if lists is None else "the listed cases",
+            what="the missing cases" if lists is None else "the listed cases",
             cores=cores,
             site=site.head(),
             of=array.of,
@@ -202,7 +202,7 @@ def submit(arrays: Sequence[Path], collector: Path) -> tuple[list[str], str]:
             after = _submit_collector(jobs, collector)
             raise SweepError(
                 f"{error}; submitted before: {len(jobs)} of {len(arrays)} arrays as "
-                f"{', '.join(jobs)}, the collector as {after}; give the command again when they "
+                f"{', '.join(jobs)}, the collector as {after}; repeat the command when they "
                 "have ended"
             ) from error
     return jobs, _submit_collector(jobs, collector)
@@ -217,9 +217,11 @@ def _sbatch(arguments: list[str]) -> str:
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     except FileNotFoundError as error:
-        raise SweepError("there is no sbatch here; submit the scripts on the cluster") from error
+        raise SweepError(
+            "sbatch is not installed here; submit the scripts on the cluster"
+        ) from error
     except subprocess.TimeoutExpired as error:
-        raise SweepError("sbatch does not answer") from error
+        raise SweepError("sbatch does not respond") from error
     if done.returncode != 0:
         raise SweepError(f"sbatch refused {arguments[-1]}: {' '.join(done.stderr.split())}")
     return done.stdout.strip().split(";")[0]

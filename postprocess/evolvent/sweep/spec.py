@@ -146,7 +146,7 @@ def _spec(path: Path, text: str, top: Mapping[str, Any], program: Path | None) -
 def _respond(top: Mapping[str, Any]) -> Respond:
     for key in ("window", "histories"):
         if key in top:
-            raise SweepError(f"{key}: has no meaning with respond, whose cases are no runs")
+            raise SweepError(f"{key}: has no meaning with respond, whose cases are not runs")
     keys = _mapping(top["respond"], "respond", ("over", "direction", "periods"))
     over = _text(keys.get("over"), "respond.over")
     if "=" not in over:
@@ -198,11 +198,13 @@ def _entry(given: Any, place: str, method: str) -> Entry:
     keys = _mapping(given, place, PARAMETER_KEYS)
     path = _text(keys["path"], f"{place}.path") if "path" in keys else ""
     if not path and "name" not in keys:
-        raise SweepError(f"{place}: needs a path of the case, or a name to be used in expressions")
+        raise SweepError(f"{place}: needs a path of the case, or a name for expressions")
     name = _text(keys.get("name", identifier(path)), f"{place}.name")
     place = f"{place} ({name})"
     if not NAME.fullmatch(name):
-        raise SweepError(f"{place}: the name must be of letters, digits and _ and begin with none")
+        raise SweepError(
+            f"{place}: the name must consist of letters, digits and _ and not start with a digit"
+        )
     if name in TAKEN:
         raise SweepError(f"{place}: this name is taken; choose another")
     sources = [key for key in SOURCES if key in keys]
@@ -248,15 +250,15 @@ def _range(keys: Mapping[str, Any], place: str, method: str, whole: bool) -> dic
     end = _number(keys.get("to"), f"{place}.to")
     log = _one_of(keys.get("scale", "linear"), SCALES, f"{place}.scale") == "log"
     if log and begin * end <= 0.0:
-        raise SweepError(
-            f"{place}: a log range must not touch 0, but goes from {begin:g} to {end:g}"
-        )
+        raise SweepError(f"{place}: a log range must exclude 0, but is from {begin:g} to {end:g}")
     if whole and (begin != round(begin) or end != round(end)):
-        raise SweepError(f"{place}: a whole range must begin and end with whole numbers")
+        raise SweepError(f"{place}: a whole range must start and end with whole numbers")
     number = None
     if method in GRIDS:
         if "number" not in keys:
-            raise SweepError(f"{place}: a range needs `number`, how many values, with {method}")
+            raise SweepError(
+                f"{place}: a range needs `number`, the number of values, with {method}"
+            )
         number = _whole(keys["number"], f"{place}.number", 1)
         if number == 1 and begin != end:
             raise SweepError(f"{place}: number is 1, but the range has two ends; use `value`")

@@ -44,7 +44,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc] # PyYAML has no types
                 )
             if key in seen:
                 raise yaml.constructor.ConstructorError(
-                    None, None, f"the key '{key}' stands twice", key_node.start_mark
+                    None, None, f"the key '{key}' is given twice", key_node.start_mark
                 )
             seen.add(key)
         return dict(super().construct_mapping(node, deep))
@@ -110,7 +110,7 @@ def read_yaml(text: str, source: str) -> Any:
         value = yaml.load(text, Loader=_Loader)
         if _is_larger(value, MOST_BYTES):
             raise SweepError(
-                f"{source}: its aliases, each written out, hold more than {MOST_BYTES} values"
+                f"{source}: its aliases contain, expanded, more than {MOST_BYTES} values"
             )
         return value
     except yaml.MarkedYAMLError as error:
@@ -118,7 +118,7 @@ def read_yaml(text: str, source: str) -> Any:
         place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
         raise SweepError(f"{source}{place}: {error.problem or error.context}") from error
     except RecursionError as error:
-        raise SweepError(f"{source}: is nested too deep") from error
+        raise SweepError(f"{source}: is nested too deeply") from error
     except yaml.YAMLError as error:
         raise SweepError(f"{source}: {' '.join(str(error).split())}") from error
 

@@ -178,9 +178,9 @@ EVL_API int evl_gearbox_derivative(const evl_gearbox *gearbox, double t, const d
 
 typedef struct {
     int kind;       /**< index in the table of event kinds, from 0 */
-    int mesh;       /**< index of the mesh; -1 if it concerns no mesh */
-    int tooth_pair; /**< index after the event: pitches since the start; -1 if it concerns no mesh */
-    int flank;      /**< evl_flank; -1 if it concerns no mesh */
+    int mesh;       /**< index of the mesh; -1 without mesh */
+    int tooth_pair; /**< index after the event: pitches since the start; -1 without mesh */
+    int flank;      /**< evl_flank; -1 without mesh */
 } evl_event;
 
 typedef enum {

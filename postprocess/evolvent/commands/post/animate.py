@@ -21,15 +21,15 @@ def animate(
         ),
     ] = None,
     mesh: Annotated[
-        str | None, option("--mesh NAME", "Zoom on this mesh; else the whole gearbox.")
+        str | None, option("--mesh NAME", "Zoom on this mesh; otherwise the whole gearbox.")
     ] = None,
     begin: Annotated[float | None, option("--from TIME", "First time shown [s].")] = None,
     end: Annotated[
         float | None,
         option(
             "--to TIME",
-            "Last time shown [s]. Without --to and --speed: the last, or what 120 frames "
-            "can show of fast wheels.",
+            "Last time shown [s]. Without --to and --speed: the last, or for fast wheels the last "
+            "that 120 frames can show.",
         ),
     ] = None,
     fps: Annotated[float, option("--fps", "Frames a second.", min=1.0, max=50.0)] = 20.0,
@@ -38,7 +38,7 @@ def animate(
         option(
             "--speed X",
             "Seconds of the run in one second of the picture, 0.01 for a hundredfold slow "
-            "motion; one that makes 120 frames if not given.",
+            "motion; if not given, for 120 frames.",
         ),
     ] = None,
     dpi: Annotated[
@@ -48,17 +48,17 @@ def animate(
         float,
         option(
             "--exaggerate X",
-            "Factor of tip and root relief and crowning, which are too small to be seen. "
-            "Pitch errors and runout are not drawn.",
+            "Magnification of tip and root relief and crowning, which are too small to see. Pitch "
+            "errors and runout are not drawn.",
             min=0.0,
         ),
     ] = 1.0,
 ) -> None:
-    """Write a moving picture: the turning wheels and the forces on their teeth.
+    """Write an animation of the rotating wheels and the forces on their teeth.
 
     \b
-    Teeth are to scale, arrows as long as the forces. Each frame is an output of the history.
-    MP4 needs the program ffmpeg.
+    Teeth are to scale; the length of an arrow is proportional to its force. Each frame is an
+    output of the history. MP4 needs the program ffmpeg.
     Example:
       evolvent-post animate spur-pair.h5
       evolvent-post animate rattle.h5 -o rattle.mp4 --mesh pinion-gear --from 0.1 --to 0.11
@@ -77,8 +77,8 @@ def animate(
         clip = animation.choose_clip(history, begin, end, fps, speed)
         if clip.advance > animation.BLURRED_ADVANCE:
             complain(
-                f"{file}: teeth move {clip.advance:.2g} pitches from frame to frame and will "
-                "seem to jump; choose a smaller --speed, or write outputs more often"
+                f"{file}: teeth move {clip.advance:.2g} pitches from frame to frame and appear to "
+                "jump; choose a smaller --speed, or write outputs more often"
             )
         number = None if mesh is None else names.index(mesh)
         animation.animate(history, temporary, clip, number, dpi, exaggerate)

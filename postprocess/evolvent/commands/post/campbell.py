@@ -29,7 +29,10 @@ def campbell(
     ] = None,
     wheel: Annotated[
         str | None,
-        option("--wheel NAME", "Wheel whose speed it is; that which drives the first mesh."),
+        option(
+            "--wheel NAME",
+            "Wheel whose speed it is; the driving wheel of the first mesh if not given.",
+        ),
     ] = None,
     mesh_orders: Annotated[
         int, option("--mesh-orders N", "Orders 1 to N of every mesh.", min=1)
@@ -47,11 +50,11 @@ def campbell(
     ] = None,
     as_json: Annotated[bool, option("--json", "Write JSON, for scripts.")] = False,
 ) -> None:
-    """Show at which speeds the orders of meshes and wheels meet the natural frequencies.
+    """Show the speeds at which orders of meshes and wheels equal natural frequencies.
 
     \b
     Natural frequencies are those of `evolvent modes --mean`: at the mean stiffness, under the loads
-    of the case. Where a load sets the speed (`kind: speed`), they are computed over the range.
+    of the case. If a load prescribes the speed (`kind: speed`), they are computed over the range.
     Example:
       evolvent-post campbell examples/compliant-pair.yaml --speeds 500:12000 -o c.png -o c.h5
     """  # noqa: D301 - \b keeps click from filling the lines
@@ -96,7 +99,9 @@ def _range(text: str) -> tuple[float, float]:
     except ValueError:
         found = math.nan, math.nan
     if not 0 <= found[0] < found[1] < math.inf:
-        raise WrongUsageError(f"{text} is no range of speeds in rpm, such as 500:12000", "--speeds")
+        raise WrongUsageError(
+            f"{text} is not a range of speeds in rpm, such as 500:12000", "--speeds"
+        )
     return found
 
 
@@ -144,4 +149,4 @@ def _print(result: xr.Dataset, case: Path, remark: str) -> None:
         )  # fmt: skip
     console.print(table)
     if not table.row_count:
-        console.print("No order meets a natural frequency in this range.", highlight=False)
+        console.print("No order equals a natural frequency in this range.", highlight=False)

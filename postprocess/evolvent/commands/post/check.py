@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 def check(files: Files, as_json: AsJson = False) -> None:
-    """Check the invariants of runs: what must hold whatever the case.
+    """Check the invariants of runs.
 
     \b
-    Exit code 1 if one is broken, 3 if a file cannot be read.
+    Exit code 1 if one is violated, 3 if a file cannot be read.
     Example:
       evolvent-post check paper.h5 paper-friction.h5
     """  # noqa: D301 - \b keeps click from filling the lines

@@ -44,7 +44,7 @@ def compare(
     if beyond.any():
         worst = result.isel(variable=int(relative.argmax()))
         complain(
-            f"{int(beyond.sum())} variables differ by more than {tolerance:g}, most of all "
+            f"{int(beyond.sum())} variables differ by more than {tolerance:g}, the largest being "
             f"{worst['variable'].item()} by {worst['relative'].item():.3g} of its largest value"
         )
         raise SystemExit(BROKEN)

@@ -129,15 +129,15 @@ class Gearbox:
             rows, refusal = self._modes_over(setting, speed)
             remark = (
                 f"modes at the mean stiffness, at {speed.size} speeds; {setting.wheel} has a "
-                "prescribed speed and does not vibrate, as if its inertia were infinite"
+                "prescribed speed and does not vibrate, as with infinite inertia"
             )
             if refusal is not None:
                 missing = rows.count(None)
-                remark += f"; at {missing} of the speeds the nearest ones count ({refusal})"
+                remark += f"; at {missing} of the speeds the nearest modes are used ({refusal})"
         computed = np.array([row is not None for row in rows])
         most = max(len(row) for row in rows if row is not None)
         if most == 0:
-            raise EvolventError(f"{self.path}: has no natural frequency: nothing rings")
+            raise EvolventError(f"{self.path}: has no natural frequency")
         table = np.full((len(KEYS), speed.size, most), np.nan)
         for i, row in enumerate(rows):
             for j, mode in enumerate(sorted(row or [])):

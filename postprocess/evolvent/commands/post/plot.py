@@ -61,14 +61,14 @@ def plot(
         Names,
         option(
             "--quantity NAME[,NAME]",
-            "What to draw: a picture or any variable over time (--list tells them), several in one "
-            "picture with commas; may be repeated. The usual pictures if not given.",
+            "Figure or variable over time to draw (see --list), several in one figure separated "
+            "by commas; may be repeated. The default figures if not given.",
         ),
     ] = None,
     mesh: Annotated[Names, option("--mesh NAME", "Only this mesh; may be repeated.")] = None,
     wheel: Annotated[Names, option("--wheel NAME", "Only this wheel; may be repeated.")] = None,
     pair: Annotated[
-        Names, option("--pair NAME", "Only this place for tooth pairs, as drive_0.")
+        Names, option("--pair NAME", "Only this slot of tooth pairs, as drive_0.")
     ] = None,
     axis: Annotated[Names, option("--axis NAME", "Only this axis: x, y, z.")] = None,
     others: Annotated[
@@ -103,14 +103,14 @@ def plot(
         bool, option("--list", "List pictures, and all variables of the files, instead.")
     ] = False,
 ) -> None:
-    """Draw quantities over time, the roll angle or the path of contact; several histories in one.
+    """Draw quantities over time, the roll angle or the path of contact, also of several histories.
 
-    Of a static analysis: over the mesh cycle and over the torque. Of a response: over its
-    parameter, up and down, with its jumps. Of orbits: stable ones solid, unstable ones dashed.
+    Static analyses: over the mesh cycle and over the torque. Responses: over the parameter,
+    up and down, with jumps. Orbits: over the parameter, stable ones solid, unstable ones dashed.
 
     \b
-    A run with a window for its numbers shows that window, without what comes before.
-    Histories with the same wheels lie on top of each other, others beside each other.
+    A run with a window for its metrics shows that window only.
+    Histories with the same wheels share axes, others have separate panels.
     The figures are named after the histories, as in paper-penetration.png.
     Example:
       evolvent-post plot paper.h5 -o figures
@@ -132,11 +132,11 @@ def plot(
     if not files:
         raise WrongUsageError("missing", "FILE")
     if whole and (begin, end, last) != (*WHOLE_TIME, None):
-        raise WrongUsageError("shows all: leave out --from, --to and --last-pitches", "--whole")
+        raise WrongUsageError("shows all; omit --from, --to and --last-pitches", "--whole")
     requests = [[name.strip() for name in text.split(",")] for text in quantities or ()]
     requests += [[pairs.name]] if with_pairs and [pairs.name] not in requests else []
     if over_time and [pairs.name] not in requests:
-        raise WrongUsageError("is for --pairs", "--over-time")
+        raise WrongUsageError("requires --pairs", "--over-time")
     choice = Choice(
         _chosen({"mesh": mesh, "wheel": wheel, "pair": pair, "axis": axis}, others),
         Over.TIME if over_time else over,
@@ -217,13 +217,13 @@ def _draw_variables(names: Sequence[str], runs: list[Run], choice: Choice) -> Fi
             if result_kind(run.history) != HISTORY:
                 known = [row.name for row in FIGURES.values() if row.fits(run)]
                 raise HistoryError(
-                    f"{run.label}: is {WHAT[result_kind(run.history)]}, of which --quantity knows "
+                    f"{run.label}: is {WHAT[result_kind(run.history)]}; --quantity accepts "
                     f"{', '.join(known)}, not {name}",
                     USAGE,
                 )
             if name in FIGURES and name not in run.history:
                 raise HistoryError(
-                    f"{name} is a picture of its own: give it its own --quantity", USAGE
+                    f"{name} is a separate figure; give it its own --quantity", USAGE
                 )
             if name not in variables_over_time(run.history):
                 pictures = [row.name for row in FIGURES.values() if row.of == HISTORY]
@@ -252,7 +252,7 @@ def _chosen(given: dict[str, Names], others: Names) -> dict[str, list[str]]:
     for text in others or ():
         dim, equals, name = text.partition("=")
         if not (dim and equals and name):
-            raise WrongUsageError(f"{text} is no DIM=NAME", "--select")
+            raise WrongUsageError(f"{text} is not DIM=NAME", "--select")
         chosen.setdefault(dim, []).append(name)
     return chosen
 
@@ -281,8 +281,8 @@ def _open(
     if kind != HISTORY:
         if is_chosen or whole:
             raise HistoryError(
-                f"{file}: is {WHAT[kind]}, not a history: leave out --from, --to, --last-pitches "
-                "and --whole",
+                f"{file}: is {WHAT[kind]}, not a history; omit --from, --to, --last-pitches and "
+                "--whole",
                 USAGE,
             )
         return Run(result, label=label)
@@ -323,9 +323,9 @@ def _print_list(files: Sequence[Path], runs: Sequence[Run]) -> None:
     if not console.is_terminal:
         console.width = WIDE
     rows = [row for row in FIGURES.values() if not runs or any(row.fits(run) for run in runs)]
-    table = Table("picture", "what is drawn", "of the variables", box=None)
+    table = Table("figure", "content", "variables", box=None)
     for row in rows:
-        name = row.name if row.by_default else f"{row.name} (if asked for)"
+        name = row.name if row.by_default else f"{row.name} (on request)"
         table.add_row(name, row.text, ", ".join(row.needs))
     console.print(table)
     for file, run in zip(files, runs, strict=True):

@@ -21,8 +21,8 @@ def report(
         bool,
         option(
             "--interactive",
-            "Pictures of every quantity that can be zoomed and hovered over, in a page of 2 to 6 "
-            "MB that needs no network.",
+            "Interactive figures of every quantity, with zoom and values, in a page of 2 to 6 MB "
+            "without network access.",
         ),
     ] = False,
     begin: Annotated[float | None, option("--from TIME", "First time of the pictures [s].")] = None,
@@ -31,8 +31,8 @@ def report(
     """Write one self-contained HTML page about a run.
 
     \b
-    Results first: largest forces and pressures with their time and place, transmission error,
-    dynamic factor, losses, speeds, torques. Then pictures, all numbers, events, invariants,
+    Results first: largest forces and pressures with time and position, transmission error,
+    dynamic factor, losses, speeds, torques. Then figures, all numbers, events, invariants,
     geometry, solver counts and versions, the case.
     Example:
       evolvent-post report paper.h5 -o paper.html

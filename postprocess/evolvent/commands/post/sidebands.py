@@ -47,11 +47,11 @@ def sidebands(
     sides: Annotated[int, option("--sides N", "Sidebands 1 to N of a wheel.", min=1)] = 2,
     as_json: AsJson = False,
 ) -> None:
-    """Show the lines beside the orders of a mesh, wheel by wheel, and how much they modulate it.
+    """Show the sidebands of mesh orders for each wheel, and their modulation.
 
     \b
-    Lines of a wheel with z teeth stand 1/z, 2/z, ... mesh orders beside each carrier: n z + k of
-    its own orders. The lines of both wheels are fitted at once.
+    Sidebands of a wheel with z teeth are 1/z, 2/z, ... mesh orders from each carrier: n z + k
+    of its own orders. The lines of both wheels are fitted at once.
     Example:
       evolvent-post sidebands compliant-pair.h5 --carriers 1
     """  # noqa: D301 - \b keeps click from filling the lines
@@ -98,15 +98,15 @@ def _find(
     turning = [wheel for wheel in wheels if teeth[wheel.name] <= there]
     if not turning:
         raise HistoryError(
-            f"{label}: holds {record.periods:.4g} pitches of {of}, less than a turn of a wheel, "
-            f"which takes {min(teeth.values())}; run the case longer"
+            f"{label}: holds {record.periods:.4g} pitches of {of}, less than a revolution of a "
+            f"wheel, which takes {min(teeth.values())}; increase the duration"
         )
     record = last_periods(record, label, there // both * both or there)
     turns = ", ".join(f"{record.periods / teeth[w.name]:.4g} turns of {w}" for w in wheels)
     remarks = [f"{record.periods:.6g} pitches: {turns}; {told_sampling(record)}"]
     if there < both:
         remarks.append(f"the same teeth meet after {both} pitches: other lines may leak into these")
-    remarks += [f"{w}: left out, less than a turn" for w in wheels if w not in turning]
+    remarks += [f"{w}: omitted, less than a revolution" for w in wheels if w not in turning]
     return find_sidebands(record, label, turning, of, carriers, sides), remarks
 
 

@@ -26,7 +26,7 @@ RPM = 30.0 / math.pi  # rev/min per rad/s
 OptionQuantity = Annotated[str, option("--quantity NAME", "Variable of the history.")]
 OptionMesh = Annotated[str | None, option("--mesh NAME", "Its mesh, if there are several.")]
 OptionWheel = Annotated[str | None, option("--wheel NAME", "Its wheel.")]
-OptionPair = Annotated[str | None, option("--pair NAME", "Its place for tooth pairs: drive_0.")]
+OptionPair = Annotated[str | None, option("--pair NAME", "Its slot of tooth pairs: drive_0.")]
 OptionAxis = Annotated[str | None, option("--axis NAME", "Its axis: x, y, z.")]
 OptionSelect = Annotated[
     list[str] | None,
@@ -42,27 +42,27 @@ def seconds(text: str | float) -> float:
         return float(match[1]) * TIMES[match[2] or "s"] if match else float(text)
     except (KeyError, ValueError):
         raise WrongUsageError(
-            f"{text} is no time, such as 0.025 or 25ms; units are {', '.join(TIMES)}"
+            f"{text} is not a time, such as 0.025 or 25ms; units are {', '.join(TIMES)}"
         ) from None
 
 
 OptionFrom = Annotated[
     float,
     option(
-        "--from TIME", "First time taken [s], or as 25ms; else the first.",
+        "--from TIME", "First time used [s], or with a unit as 25ms; the first if not given.",
         show_default=False, parser=seconds,
     ),
 ]  # fmt: skip
 OptionTo = Annotated[
     float,
     option(
-        "--to TIME", "Last time taken [s], or as 25ms; else the last.",
+        "--to TIME", "Last time used [s], or with a unit as 25ms; the last if not given.",
         show_default=False, parser=seconds,
     ),
 ]  # fmt: skip
 OptionWindow = Annotated[
     Window | None,
-    option("--window", "Shape: rectangular over whole periods, else hann, if not given."),
+    option("--window", "Shape; if not given rectangular over whole periods, otherwise hann."),
 ]
 OptionOutput = Annotated[
     list[Path] | None,
@@ -83,7 +83,7 @@ def choice(
     for text in others or ():
         dim, equals, name = text.partition("=")
         if not (dim and equals and name):
-            raise WrongUsageError(f"{text} is no DIM=NAME", "--select")
+            raise WrongUsageError(f"{text} is not DIM=NAME", "--select")
         chosen[dim] = name
     return {dim: name for dim, name in chosen.items() if name is not None}
 
@@ -116,7 +116,7 @@ def check_outputs(outputs: Sequence[Path] | None, results: int, *more: str) -> N
         if ending == DATA and results > 1:
             raise EvolventError(
                 f"{path}: holds one result, and there are {results} histories; write the numbers "
-                "of each by itself",
+                "of each separately",
                 USAGE,
             )
 

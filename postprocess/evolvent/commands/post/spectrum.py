@@ -40,8 +40,8 @@ def spectrum(
         str | None,
         option(
             "--order-of NAME",
-            "Lines over the order of this mesh or wheel; else over frequency, or of a history "
-            "with output by angle over what that counts.",
+            "Lines over the order of this mesh or wheel; if not given over frequency, or with "
+            "output by angle over the order of its mesh or wheel.",
         ),
     ] = None,
     name: OptionQuantity = "transmission_error",
@@ -54,7 +54,7 @@ def spectrum(
     end: OptionTo = WHOLE_TIME[1],
     periods: Annotated[
         int | None,
-        option("--periods N", "The last N periods only; else all whole ones.", min=1),
+        option("--periods N", "Only the last N periods; all whole ones if not given.", min=1),
     ] = None,
     window: OptionWindow = None,
     highest: Annotated[
@@ -66,9 +66,9 @@ def spectrum(
     """Show the lines of a signal: amplitudes and phases over frequency or order.
 
     \b
-    Amplitudes are those of sines, half of peak to peak. The mean is told apart.
+    Amplitudes are those of sines, half of peak to peak. The mean is listed separately.
     Phases are those of A cos(2 pi n xi - phase): xi in pitches from pair 0's start of
-    contact, turns since the start, or periods since t = 0.
+    contact, revolutions since the start, or periods since t = 0.
     Example:
       evolvent-post spectrum compliant-pair.h5 --order-of pinion-gear -o orders.png -o orders.h5
       evolvent-post spectrum compliant-pair.h5 spur-pair.h5 --from 0.02 -o frequencies.png
@@ -113,11 +113,11 @@ def make_spectrum(
     if of is not None:
         record = sampling.last_periods(record, label, periods)
     elif periods is not None:
-        raise WrongUsageError("is for --order-of", "--periods")
+        raise WrongUsageError("requires --order-of", "--periods")
     elif (change := sampling.speed_change(history)) > sampling.STEADY:
         complain(
             f"{label}: the speed changes by {100 * change:.2g} %, which smears lines over "
-            "frequency; take --order-of NAME, or evolvent-post waterfall"
+            "frequency; use --order-of NAME, or evolvent-post waterfall"
         )
     reach = sampling.check_reach(record, label, highest, 1 / record.periods)
     name = str(shape or (HANN if of is None else RECTANGULAR))

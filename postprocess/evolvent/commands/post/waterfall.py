@@ -37,7 +37,7 @@ def waterfall(
         str | None,
         option(
             "--order-of NAME",
-            "Mesh or wheel; the first mesh, or what the output by angle counts, if not given.",
+            "Mesh or wheel; if not given the first mesh, or that of the output by angle.",
         ),
     ] = None,
     output: OptionOutput = None,
@@ -52,19 +52,19 @@ def waterfall(
     length: Annotated[int, option("--length N", "Periods of a window.", min=1)] = 4,
     hop: Annotated[
         int | None,
-        option("--hop N", "Periods from window to window; half the length if not given.", min=1),
+        option("--hop N", "Periods between windows; half the length if not given.", min=1),
     ] = None,
     window: OptionWindow = None,
     highest: Annotated[float | None, option("--highest X", "Highest order.", min=0.0)] = None,
-    over_time: Annotated[bool, option("--over-time", "Picture over time, not speed.")] = False,
+    over_time: Annotated[bool, option("--over-time", "Figure over time, not speed.")] = False,
     frequency: Annotated[
-        bool, option("--frequency", "Picture with frequencies, not orders.")
+        bool, option("--frequency", "Figure with frequencies, not orders.")
     ] = False,
 ) -> None:
     """Show how the lines of a signal change with the speed: an order map.
 
     \b
-    Each window has whole pitches of the mesh, or whole turns of the wheel.
+    Each window has whole pitches of the mesh, or whole revolutions of the wheel.
     Example:
       evolvent-post waterfall compliant-pair.h5 --order-of pinion-gear -o map.png -o map.h5
     """  # noqa: D301 - \b keeps click from filling the lines

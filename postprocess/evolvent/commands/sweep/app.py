@@ -3,13 +3,12 @@
 from evolvent.commands.program import make_program
 
 COMMANDS = {
-    "plan": "Make a design, the table of all cases, from a plan.",
-    "run": "Run what is missing of a design, here and now.",
-    "slurm": "Write job arrays of shards and a job that collects, for Slurm, and submit them.",
+    "plan": "Create a design, the table of all cases, from a plan.",
+    "run": "Run the missing cases of a design on this machine.",
+    "slurm": "Write Slurm job arrays of shards and a collecting job, and submit them.",
     "collect": "Write one file of all results, for xarray.",
-    "status": "Show what is done, what failed and why, what is missing, and when it will be "
-    "finished.",
-    "retry": "Run cases again that are recorded already; the new records count.",
+    "status": "Show finished, failed and missing cases, reasons of failures, and the expected end.",
+    "retry": "Run recorded cases again; the new records replace the old ones.",
     "plot": "Draw a result against one or two parameters.",
 }
 TEXT = """Parameter sweeps: many cases of one gearbox, here or on a Slurm cluster.
@@ -21,7 +20,7 @@ TEXT = """Parameter sweeps: many cases of one gearbox, here or on a Slurm cluste
        2  wrong usage of the command line
        3  bad plan, design, folder or summary
       74  output could not be written
-      75  interrupted; the same command goes on
+      75  interrupted; repeat the command to continue
     """
 
 main = make_program("evolvent-sweep", __package__, COMMANDS, TEXT)

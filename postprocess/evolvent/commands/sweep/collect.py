@@ -14,10 +14,10 @@ def collect(
     directory: Folder,
     output: Annotated[Path, option("-o --output SUMMARY", "Summary (.h5).")],
     copy_histories: Annotated[
-        bool, option("--copy-histories", "Copy histories; else the summary refers to them.")
+        bool, option("--copy-histories", "Copy histories; otherwise the summary refers to them.")
     ] = False,
     parquet: Annotated[
-        Path | None, option("--parquet FILE", "A copy as Parquet, without histories.")
+        Path | None, option("--parquet FILE", "Copy as Parquet, without histories.")
     ] = None,
     other_design: OtherDesign = None,
 ) -> None:

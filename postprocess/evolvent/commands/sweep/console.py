@@ -97,7 +97,7 @@ def show_status(directory: Path, found: Status) -> None:
     _show_rest(found.reasons)
     say(_pace(found))
     if found.torn:
-        say(f"{found.torn} lines of the journals were cut off or damaged; they do not count")
+        say(f"{found.torn} truncated or damaged lines of the journals are ignored")
 
 
 def show_collected(output: Path, collected: Records) -> None:
@@ -108,9 +108,9 @@ def show_collected(output: Path, collected: Records) -> None:
     if collected.holes.size:
         say(f"missing: {listed(collected.holes)}")
     if collected.repeated.size:
-        say(f"recorded more than once, the latest counts: {listed(collected.repeated)}")
+        say(f"recorded more than once, the latest is used: {listed(collected.repeated)}")
     if collected.torn:
-        say(f"{collected.torn} lines of the journals were cut off or damaged; they do not count")
+        say(f"{collected.torn} truncated or damaged lines of the journals are ignored")
     if len(collected.versions) > 1:
         complain(f"the cases are of several versions of evolvent: {', '.join(collected.versions)}")
 
@@ -130,7 +130,7 @@ def show_indices(indices: xr.Dataset) -> None:
     new_console().print(table)
     if indices.attrs["left_out"]:
         left_out = indices.attrs["left_out"]
-        say(f"{left_out} cases are left out: they, or others of their group, have no result")
+        say(f"{left_out} cases are omitted: they, or others of their group, have no result")
 
 
 def status_as_json(found: Status) -> dict[str, Any]:
@@ -155,8 +155,8 @@ def _pace(found: Status) -> str:
     if found.is_complete:
         return f"finished, {rate}" if math.isfinite(found.rate) else "finished"
     if not found.running:
-        return "no run is at work here; give its command again to go on"
-    shards = f"{len(found.running)} shards at work, {rate}"
+        return "no run is active; repeat its command to continue"
+    shards = f"{len(found.running)} active shards, {rate}"
     if not math.isfinite(found.finished_at):
         return shards
     clock = time.strftime("%Y-%m-%d %H:%M", time.localtime(found.finished_at))

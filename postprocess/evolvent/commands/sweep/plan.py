@@ -17,17 +17,17 @@ def plan(
         Path | None, option("-o --output DESIGN", "Design; SWEEP.h5 if not given.")
     ] = None,
     dry_run: Annotated[
-        bool, option("--dry-run", "Show the cases and how long they take; write nothing.")
+        bool, option("--dry-run", "Show the cases and their expected run time; write nothing.")
     ] = False,
     keep_refused: Annotated[
         bool, option("--keep-refused", "Exit code 0 also if cases would be refused.")
     ] = False,
 ) -> None:
-    """Make a design, the table of all cases, from a plan.
+    """Create a design, the table of all cases, from a plan.
 
     \b
-    The program is asked about every case. What it would refuse is told, stays in the design and
-    becomes rows with their reason; the exit code is 1 then, and 3 if it would refuse all cases.
+    The program checks every case. Refused cases are listed, stay in the design and become rows
+    with their reason. The exit code is then 1, or 3 if all cases are refused.
     Example:
       evolvent-sweep plan examples/sweep-torque.yaml --dry-run
       evolvent-sweep plan examples/sweep-torque.yaml -o torque.h5

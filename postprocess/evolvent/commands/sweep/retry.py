@@ -21,12 +21,12 @@ def retry(
     ] = None,
     jobs: Jobs = None,
     on_slurm: Annotated[
-        bool, option("--slurm", "As jobs of Slurm; the options below are for them.")
+        bool, option("--slurm", "As Slurm jobs; the options below apply to them.")
     ] = False,
     *,
     order: Order,
 ) -> None:
-    """Run cases again that are recorded already; the new records count.
+    """Run recorded cases again; the new records replace the old ones.
 
     \b
     With --slurm the cases go into job arrays, a task for each shard that recorded some of them, and
@@ -43,15 +43,15 @@ def retry(
     from evolvent.sweep.retry import folder_of_lists, retry_cases, write_lists
 
     if not failed and not case:
-        raise WrongUsageError("say what to run again: --failed, or --case NUMBER")
+        raise WrongUsageError("select the cases to run again; --failed, or --case NUMBER")
     if not on_slurm and order != Order():
-        raise WrongUsageError("options of Slurm go with --slurm only", "--slurm")
+        raise WrongUsageError("Slurm options require --slurm", "--slurm")
     if on_slurm and jobs is not None:
-        raise WrongUsageError("has no meaning with --slurm; take --cores", "--jobs")
+        raise WrongUsageError("has no meaning with --slurm; use --cores", "--jobs")
     program = find_program()
     if not (directory / folder.COPY).exists():
         what = f"has no {folder.COPY}" if directory.is_dir() else "no such folder"
-        raise SweepError(f"{directory}: {what}; nothing was run there")
+        raise SweepError(f"{directory}: {what}; it contains no runs")
     design = folder.open_for_run(directory / folder.COPY, directory, program_version(program))
     records = read_records(directory, design, scalars=False)
     wanted = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])

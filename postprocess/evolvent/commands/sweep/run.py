@@ -21,7 +21,8 @@ def run(
     output: Into,
     jobs: Jobs = None,
     executor: Annotated[
-        ExecutorName, option("--executor", "Who runs the cases: this machine, or a Dask cluster.")
+        ExecutorName,
+        option("--executor", "Executor of the cases: this machine, or a Dask cluster."),
     ] = ExecutorName.EMBEDDED,
     scheduler: Annotated[
         str | None,
@@ -29,14 +30,16 @@ def run(
     ] = None,
     shards: Annotated[
         int | None,
-        option("--shards N", "Split into N shards; 1, or as the folder is, if not given.", min=1),
+        option(
+            "--shards N", "Split into N shards; if not given 1, or the number of the folder.", min=1
+        ),
     ] = None,
 ) -> None:
-    """Run what is missing of a design, here and now.
+    """Run the missing cases of a design on this machine.
 
     \b
-    Interrupt it at any time; the same command goes on. With a Dask cluster all workers have to
-    see the folder.
+    Interrupt it at any time; repeat the command to continue. With a Dask cluster all workers
+    must have access to the folder.
     Example:
       evolvent-sweep run torque.h5 -o torque
     """  # noqa: D301

@@ -17,17 +17,20 @@ def slurm(
     design_file: DesignFile,
     output: Into,
     shards: Annotated[
-        int | None, option("--shards N", "Split into N shards; of ten minutes if not given.", min=1)
+        int | None,
+        option(
+            "--shards N", "Split into N shards; if not given, into shards of ten minutes.", min=1
+        ),
     ] = None,
     *,
     order: Order,
 ) -> None:
-    """Write job arrays of shards and a job that collects, for Slurm, and submit them.
+    """Write Slurm job arrays of shards and a collecting job, and submit them.
 
     \b
-    Only shards of which a case is missing are in the arrays: to go on, give the same command. More
-    shards than the Slurm here takes in an array (MaxArraySize) go into several. The collecting job
-    writes DIR/summary.h5 when all shards have ended, however they did.
+    The arrays contain the shards with missing cases: to continue, repeat the command. More shards
+    than this Slurm accepts in an array (MaxArraySize) are split into several. The collecting job
+    writes DIR/summary.h5 when all shards have ended, also after failures.
     Example:
       evolvent-sweep slurm torque.h5 -o torque --shards 4 --time 00:30:00 --account gears
     """  # noqa: D301
@@ -48,6 +51,6 @@ def slurm(
         raise SweepError(f"--shards {split}: the design has only {design.n_cases} cases", USAGE)
     todo = folder.remaining_shards(records.recorded, split)
     if not todo:
-        say(f"{output}: all {design.n_cases} cases are recorded; there is nothing to run")
+        say(f"{output}: all {design.n_cases} cases are recorded; no case is left to run")
         return
     to_slurm(program, output, todo, order)

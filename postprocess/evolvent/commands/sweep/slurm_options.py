@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class Order:
     """Options of Slurm jobs: each field is an option."""
 
-    cpus: Annotated[int, option("--cores K", "Cores of a shard.", min=1)] = 1
-    submit: Annotated[bool, option("--submit", "Submit the scripts as well.")] = False
+    cpus: Annotated[int, option("--cores K", "Cores per shard.", min=1)] = 1
+    submit: Annotated[bool, option("--submit", "Also submit the scripts.")] = False
     account: Annotated[str | None, option("--account", "Passed on to Slurm.")] = None
     partition: Annotated[str | None, option("--partition", "Passed on to Slurm.")] = None
     time: Annotated[str | None, option("--time", "Time limit of a shard, passed on.")] = None
@@ -28,7 +28,7 @@ class Order:
     ] = None
     lines: Annotated[
         list[str] | None,
-        option("--line SHELL", "Line of the scripts, as 'module load X'; repeatable."),
+        option("--line SHELL", "Line of the scripts, as 'module load X'; may be repeated."),
     ] = None
 
     @property

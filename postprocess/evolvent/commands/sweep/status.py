@@ -16,7 +16,7 @@ def status(
     as_json: Annotated[bool, option("--json", "Write JSON, for scripts.")] = False,
     other_design: OtherDesign = None,
 ) -> None:
-    """Show what is done, what failed and why, what is missing, and when it will be finished.
+    """Show finished, failed and missing cases, reasons of failures, and the expected end.
 
     \b
     Example:
