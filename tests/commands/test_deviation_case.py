@@ -54,7 +54,10 @@ BAD_OPTIONS = {
         "wheels.gear.eccentricity={amount: -1e-6}",
         "wheels.gear.eccentricity.amount: is -1e-6",
     ),
-    "runout without amount": ("wheels.gear.eccentricity={phase: 3}", "eccentricity: needs either 'amount'"),
+    "runout without amount": (
+        "wheels.gear.eccentricity={phase: 3}",
+        "eccentricity: needs either 'amount'",
+    ),
     "tracked flanks": (
         "meshes.0.tracking=differential",
         "meshes.pinion-gear.tracking: flanks with deviations cannot be tracked; choose tracking "
