@@ -4,7 +4,8 @@
 usage: tools/rooms.py [--write]
 
 Without an argument: one line for every dependency that docs/rooms.toml does not allow, and exit
-code 1 if there is any. With --write: generate the diagrams and tables of docs/architecture.md.
+code 1 if there is any. With --write: generate the diagrams and tables of
+docs/reference/architecture.md.
 """
 
 from __future__ import annotations
@@ -199,7 +200,7 @@ def drawing(tree: Tree) -> str:
 
 def variables(root: Path) -> str:
     """Tabulate the variables of a history that each file of the kernel provides."""
-    text = (root / "docs" / "result_format.md").read_text()
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
     names = {
         name
         for row in re.findall(
@@ -240,7 +241,7 @@ def main(arguments: list[str]) -> int:
     """Check the dependencies, or update the page."""
     root = Path(__file__).parents[1]
     if arguments == ["--write"]:
-        file = root / "docs" / "architecture.md"
+        file = root / "docs" / "reference" / "architecture.md"
         file.write_text(page(file.read_text(), root))
         return 0
     if arguments:

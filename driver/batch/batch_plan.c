@@ -60,8 +60,8 @@ static bool take_table(batch_plan *plan, evl_error *error)
     }
     OWNED char *known = number_rows_words();
     return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
-                         "numbers: there is no number '%.64s'; there are %s, and what docs/signals.md lists", unknown,
-                         known);
+                         "numbers: there is no number '%.64s'; there are %s, and what docs/guides/signals.md lists",
+                         unknown, known);
 }
 
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)

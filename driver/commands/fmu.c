@@ -110,7 +110,7 @@ const command fmu_command = {
             "load\n"
             "{kind: torque, value: ...} or {kind: speed, value: ...} of its wheel; a speed comes with its "
             "acceleration. The\n"
-            "numbers of the case are parameters. docs/fmi.md tells more.\n"
+            "numbers of the case are parameters. docs/guides/fmi.md tells more.\n"
             "\n"
             "Examples:\n"
             "  evolvent fmu examples/spur-pair.yaml\n"

@@ -72,7 +72,7 @@ static void print_softness(FILE *stream, const static_report *report)
             stream,
             "The mean stiffness is %.2g of c_gamma: the bodies yield down to hub_diameter, which is the bore unless "
             "given;\ngive both wheels the diameter up to which the shaft or the hub is stiff, "
-            "docs/compliance.md.\n",
+            "docs/theory/compliance.md.\n",
             ratio);
     }
 }
@@ -82,7 +82,7 @@ static void print_edges(FILE *stream, const static_report *report)
 {
     if (report->is_bare) {
         fputs("Sharp tip edges carry load; they have no contact pressure, so the largest pressure leaves them out.\n"
-              "'tip_rounding' of the wheels gives them one, docs/compliant_flanks.md.\n",
+              "'tip_rounding' of the wheels gives them one, docs/theory/compliant_flanks.md.\n",
               stream);
     }
 }
@@ -102,7 +102,7 @@ void static_print_text(FILE *stream, const static_report *report)
     if (!report->gives_way) {
         fputs("Only the contacts give way: real teeth and bodies bend, and make a mesh 2.5 to 3.5 times softer; "
               "compliance: {} "
-              "in both\nwheels lets them, docs/static_analysis.md.\n\n",
+              "in both\nwheels lets them, docs/guides/static_analysis.md.\n\n",
               stream);
     }
     print_head(stream);

@@ -5,7 +5,7 @@
 
 #include <signal.h>
 
-/** Periodic orbit of a start of kind periodic. docs/orbits.md. */
+/** Periodic orbit of a start of kind periodic. docs/theory/orbits.md. */
 typedef struct {
     int pitches;          /**< of the first mesh in its period */
     int flows;            /**< number of integrations in the search */

@@ -88,7 +88,7 @@ static char *refuse(const char *word, int n, const model_output *outputs)
     names[n + N_GROUPS] = "all";
     OWNED char *hint = suggest_phrase(word, n + N_GROUPS + 1, names);
     return xasprintf("there is no output and no group '%.64s'%s; groups are " OUTPUT_GROUPS
-                     ", outputs stand in docs/result_format.md",
+                     ", outputs stand in docs/reference/result_format.md",
                      word, hint);
 }
 

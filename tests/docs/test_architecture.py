@@ -13,7 +13,7 @@ from types import ModuleType
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = ROOT / "docs" / "reference" / "architecture.md"
 TREES = ["src", "driver", "postprocess"]
 
 
@@ -136,7 +136,7 @@ def test_every_result_variable_has_one_file(rooms: ModuleType) -> None:
     listed = re.findall(r"`(\w+)`", rooms.variables(ROOT).split("|---|---|")[1])
     names = [name for name in listed if "/" not in name]
     assert sorted(set(names)) == sorted(names)
-    text = (ROOT / "docs" / "result_format.md").read_text()
+    text = (ROOT / "docs" / "reference" / "result_format.md").read_text()
     section = text.split("## Variables")[1].split("## Extremes")[0]
     told = {
         name
@@ -147,7 +147,7 @@ def test_every_result_variable_has_one_file(rooms: ModuleType) -> None:
 
 
 def test_every_block_of_a_case_is_in_the_table_of_keys() -> None:
-    text = (ROOT / "docs" / "case_format.md").read_text()
+    text = (ROOT / "docs" / "reference" / "case_format.md").read_text()
     blocks = re.findall(r"^### (\w+)$", text.split("## All keys")[1], re.MULTILINE)
     section = PAGE.read_text().split("## Where a case key lives")[1].split("\n## ")[0]
     assert re.findall(r"^\| (\w+) \|", section, re.MULTILINE)[1:] == blocks

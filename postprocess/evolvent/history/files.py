@@ -1,7 +1,7 @@
 """Open a history file, or that of another analysis.
 
 As datasets of xarray, or as a recording, which is read in pieces without xarray. This is the only
-module that depends on the file layout; docs/result_format.md describes it.
+module that depends on the file layout; docs/reference/result_format.md describes it.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 Each invariant is a function of the history, whose decorator is its row (`invariant`). It returns
 the deviation, divided by its natural scale, so that a single number bounds it: a fixed one, or a
-multiple of the tolerance of the case if that is larger. docs/theory.md explains them. The history
-is read in parts, twice: for the scales, then for the deviations.
+multiple of the tolerance of the case if that is larger. docs/theory/theory.md explains them. The
+history is read in parts, twice: for the scales, then for the deviations.
 
 `evolvent run` checks its own run against some of them, with the same bounds, and writes the result
 (`invariants`).

@@ -1,6 +1,6 @@
 """Folder of a sweep: its shards, their journals and locks, its copy of the design.
 
-`evolvent batch` writes the shards; docs/sweeps.md describes the files.
+`evolvent batch` writes the shards; docs/guides/sweeps.md describes the files.
 """
 
 from __future__ import annotations
