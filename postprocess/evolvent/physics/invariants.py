@@ -53,16 +53,25 @@ def check_history(history: xr.Dataset | Recording) -> list[Verdict]:
 
     Parameters
     ----------
-    history : as from `open_history` or `open_recording`.
+    history : xarray.Dataset or Recording
+        As from `open_history` or `open_recording`.
 
     Returns
     -------
-    One verdict for each row of `INVARIANTS`, in its order.
+    list of Verdict
+        One for each row of `INVARIANTS`, in its order.
 
     Raises
     ------
     HistoryError
         A variable required by an invariant is not in the file.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> verdicts = evolvent.check_history(evolvent.open_history("paper.h5"))
+    >>> [verdict.invariant.name for verdict in verdicts if verdict.failed]
+    []
     """
     run = recording_of(history)
     return [check_invariant(run, invariant) for invariant in INVARIANTS]
