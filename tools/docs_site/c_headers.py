@@ -88,7 +88,9 @@ def _body(doc: str) -> str:
     """Comment as Markdown, with its parameters and return value as fields."""
     lines = [re.sub(r"^ ?\*? {0,2}", "", line) for line in doc.strip().split("\n")]
     text, *fields = re.split(r"@(?=param|return)", "\n".join(lines))
-    parts = [markdown([line.rstrip() for line in text.split("\n")])] if text.strip() else []
+    parts = (
+        [markdown([line.rstrip() for line in text.split("\n")], indented=2)] if text.strip() else []
+    )
     listed = []
     for field in fields:
         kind, rest = field.split(None, 1)

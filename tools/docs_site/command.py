@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -33,6 +34,8 @@ def _write(source: Path) -> None:
 
 def build(output: Path) -> int:
     """Build the site in a folder; return 0, or 1 after a warning of Sphinx or a broken link."""
+    if (output / ".buildinfo").is_file():  # an older site may have other pages
+        shutil.rmtree(output)
     source = output.with_name(f"{output.name}-source")
     _write(source)
     sphinx = [sys.executable, "-m", "sphinx", "--builder", "html", "--conf-dir"]

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
+from textwrap import dedent
 
-INDENTED = 3  # blanks in front of a formula or a table
 
-
-def markdown(lines: list[str]) -> str:
+def markdown(lines: list[str], indented: int = 3) -> str:
     """Convert the lines of a comment, without its markers, to Markdown.
 
-    Indented lines, other than those of a list, keep their layout.
+    Lines with so many blanks in front, other than those of a list, keep their layout. Names of
+    pages become links.
     """
     blocks: list[str] = []
     text: list[str] = []
@@ -22,14 +22,14 @@ def markdown(lines: list[str]) -> str:
         if text:
             blocks.append("\n".join(text))
         if literal:
-            blocks.append("\n".join(["```text", *literal, "```"]))
+            blocks.append(f"```text\n{dedent(chr(10).join(literal))}\n```")
         text.clear()
         literal.clear()
 
     in_list = False
     for line in lines:
         is_item = re.match(r" *(?:[-*]|\d+\.) ", line) is not None
-        is_indented = len(line) - len(line.lstrip()) >= INDENTED
+        is_indented = len(line) - len(line.lstrip()) >= indented
         if not line.strip():
             if literal:
                 literal.append("")
@@ -52,7 +52,11 @@ def markdown(lines: list[str]) -> str:
 def escaped(text: str) -> str:
     """Text without the characters that Markdown would interpret; code between backticks stays."""
     parts = re.split(r"(`[^`\n]+`)", text)
-    return "".join(
-        part if i % 2 else re.sub(r"([\\*_<>$\[\]|#~{}`])", r"\\\1", part)
-        for i, part in enumerate(parts)
-    )
+    plain = [re.sub(r"([\\*_<>$\[\]|#~{}`])", r"\\\1", part) for part in parts[::2]]
+    parts[::2] = [re.sub(r"docs/[\w/\\]+\.md\b", _link, part) for part in plain]
+    return "".join(parts)
+
+
+def _link(match: re.Match[str]) -> str:
+    page = match[0].replace("\\", "")
+    return f"[{match[0]}](/{page})"

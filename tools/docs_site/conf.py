@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from docutils import nodes
-from latex2mathml.converter import convert
+from latex2mathml.converter import convert_to_element
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -16,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 project = "evolvent"
 author = "evolvent contributors"
-copyright = author  # noqa: A001
+copyright = author
 found = re.search(
     r"project\(\s*evolvent\s+VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()
 )
@@ -24,6 +25,7 @@ assert found
 version = release = found[1]
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+default_role = "literal"
 exclude_patterns = ["files/**/*.py"]
 myst_enable_extensions = ["dollarmath", "fieldlist"]
 myst_fence_as_directive = ["math"]
@@ -48,13 +50,36 @@ nitpick_ignore_regex = [
 ]
 
 
+FUNCTIONS = ("cos", "ln", "sin", "tan", "tanh")
+SPACE = {"width": "0.17em"}
+
+
+def _is_function(element: ET.Element) -> bool:
+    base = element[0] if element.tag in ("msub", "msup", "msubsup") else element
+    return base.tag == "mi" and base.text in FUNCTIONS
+
+
+def _mathml(tex: str, display: str) -> str:
+    """Convert a formula; functions get the space around them that TeX gives."""
+    formula = convert_to_element(tex, display=display)
+    for row in [element for element in formula.iter() if element.tag in ("mrow", "mtd", "math")]:
+        for element in [child for child in row if _is_function(child)]:
+            index = list(row).index(element)
+            following = row[index + 1].text if index + 1 < len(row) else ""
+            if following not in ("(", ")", ",", ""):
+                row.insert(index + 1, ET.Element("mspace", SPACE))
+            if index > 0 and row[index - 1].tag not in ("mo", "mspace"):
+                row.insert(index, ET.Element("mspace", SPACE))
+    return ET.tostring(formula, encoding="unicode")
+
+
 def _math(self: Any, node: nodes.math) -> None:
-    self.body.append(convert(node.astext()))
+    self.body.append(_mathml(node.astext(), "inline"))
     raise nodes.SkipNode
 
 
 def _display(self: Any, node: nodes.math_block) -> None:
-    self.body.append(f'<div class="math">{convert(node.astext(), display="block")}</div>')
+    self.body.append(f'<div class="math">{_mathml(node.astext(), "block")}</div>')
     raise nodes.SkipNode
 
 

@@ -11,7 +11,7 @@ from docs_site.comments import escaped, markdown
 NAME = r"[a-z]\w*"
 PROCEDURE = re.compile(
     rf"^ *(?P<head>(?:(?!end\b)[\w()=, ]+ )?(?:subroutine|function) +(?P<name>{NAME}) *"
-    r"(?:\((?:[^()&]|&\n *)*\))?(?: *result *\(\w+\))?)",
+    r"(?:\((?:[^()&]|&\n *)*\))?(?:[ &\n]*result *\(\w+\))?)",
     re.MULTILINE,
 )
 TYPE = re.compile(rf"^ *(?P<head>type(?:, *[\w()]+)* *:: *(?P<name>{NAME}))", re.MULTILINE)

@@ -16,6 +16,7 @@ from docs_site.c_headers import HEADERS
 LINK = re.compile(r"(?P<text>!?\[[^\]]*\])\((?P<target>[^)\s#]*)(?P<anchor>#[^)\s]*)?\)")
 MERMAID = re.compile(r"^```mermaid\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
+MARK = re.compile(r"^# not run:.*\n|(?<=\S) +# not run:.*$", re.MULTILINE)  # for the tests
 TOP = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")
 FOLDERS = ("tutorial", "guides", "reference", "theory", "reports")
 LANGUAGES = {".c": "c", ".h": "c", ".f90": "fortran", ".py": "python", ".yaml": "yaml"}
@@ -43,7 +44,8 @@ def write(root: Path, source: Path, pages: dict[str, str]) -> None:
         shutil.copyfile(image, target)
     texts = {name: (root / name).read_text(encoding="utf-8") for name in (*TOP, *_docs(root))}
     shown: set[str] = set()
-    for name, text in texts.items():
+    for name, original in texts.items():
+        text = MARK.sub("", original)
         converted = "".join(
             part if i % 2 else _linked(root, name, part, shown)
             for i, part in enumerate(CODE.split(MERMAID.sub(_table, text)))
