@@ -39,6 +39,14 @@ def test_the_site_has_a_search_without_a_server(site: Path) -> None:
     assert "searchindex.js" in (site / "search.html").read_text(encoding="utf-8")
 
 
+def test_formulas_are_drawn_without_a_script(site: Path) -> None:
+    text = (site / "docs" / "theory" / "theory.html").read_text(encoding="utf-8")
+    assert text.count("<math") > 100
+    assert "\N{GREEK SMALL LETTER ALPHA}</mi>" in text
+    assert "&amp;#x" not in text
+    assert "MathJax" not in text
+
+
 def test_every_public_name_of_python_has_an_entry(site: Path) -> None:
     anchors = set()
     for page in (site / "api" / "python").glob("*.html"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from html import unescape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,7 @@ version = release = found[1]
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
 default_role = "literal"
 exclude_patterns = ["files/**/*.py"]
-myst_enable_extensions = ["dollarmath", "fieldlist"]
+myst_enable_extensions = ["dollarmath", "fieldlist", "html_image"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 6
 
@@ -62,6 +63,8 @@ def _is_function(element: ET.Element) -> bool:
 def _mathml(tex: str, display: str) -> str:
     """Convert a formula; functions get the space around them that TeX gives."""
     formula = convert_to_element(tex, display=display)
+    for element in formula.iter():
+        element.text = unescape(element.text or "")
     for row in [element for element in formula.iter() if element.tag in ("mrow", "mtd", "math")]:
         for element in [child for child in row if _is_function(child)]:
             index = list(row).index(element)

@@ -89,7 +89,7 @@ def pages(root: Path) -> dict[str, str]:
         lines = [title, "=" * len(title), "", LEADS[page], ""]
         for key in members:
             name, directive = ".".join(key), _directive(things[key])
-            lines += [name, "-" * len(name), "", f".. {directive}:: {name}"]
+            lines += [f".. {directive}:: {name}"]
             lines += ["   :members:", ""] if directive == "autoclass" else [""]
         made[f"api/python/{page}.rst"] = "\n".join(lines) + "\n"
     return made

@@ -105,14 +105,15 @@ def _show(root: Path, source: Path, name: str) -> None:
 def _table(match: re.Match[str]) -> str:
     """Diagram of the flowchart language as a table of its arrows."""
     arrows: dict[str, list[str]] = {}
-    names = dict(re.findall(r'(\w+)(?:\[|\(\[)"?([^"\]\)]+)"?(?:\]\)|\])', match[1]))
+    labels = re.findall(r'(\w+)(?:\["([^"]+)"\]|\(\[([^\]]+)\]\))', match[1])
+    names = {name: quoted or round_ for name, quoted, round_ in labels}
     rows = [line.strip() for line in match[1].splitlines() if "-->" in line]
     for row in rows:
         plain = re.sub(r'(\w+)(?:\(\[.*?\]\)|\[".*?"\])', r"\1", row)
         begin, *label, end = re.split(r" -- | --> ", plain)
         by = f" ({label[0].strip(chr(34))})" if label else ""
         arrows.setdefault(names.get(begin, begin), []).append(names.get(end, end) + by)
-    head = ["| from | to |", "|---|---|"]
+    head = ["| module | uses |" if "subgraph" in match[1] else "| from | to |", "|---|---|"]
     return "\n".join([*head, *(f"| {a} | {', '.join(b)} |" for a, b in arrows.items())])
 
 

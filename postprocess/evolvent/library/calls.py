@@ -112,8 +112,8 @@ def run(case: Case, set: Settings = None) -> xr.Dataset:
     case : str, Path or mapping
         Path of a case file, its text, or the equivalent mapping.
     set : mapping or list of str, optional
-        {path: value}, or texts "PATH=VALUE" as --set takes them. A value is a number, or a text
-        such as "2 kN m".
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
 
     Returns
     -------
@@ -154,10 +154,10 @@ def static(
     case : str, Path or mapping
         Path of a case file, its text, or the equivalent mapping.
     set : mapping or list of str, optional
-        {path: value}, or texts "PATH=VALUE" as --set takes them. A value is a number, or a text
-        such as "2 kN m".
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
     torque : str, float or tuple, optional
-        Torque of the driving wheel [N m], a text as --torque takes it, or (from, to, steps); by
+        Torque of the driving wheel [N m], a text as `--torque` takes it, or (from, to, steps); by
         default that of the loads. Negative torques load the coast flanks.
     mesh : str or int, optional
         Name or index of the mesh; by default the first one.
@@ -212,11 +212,11 @@ def respond(
     case : str, Path or mapping
         Path of a case file, its text, or the equivalent mapping.
     set : mapping or list of str, optional
-        {path: value}, or texts "PATH=VALUE" as --set takes them. A value is a number, or a text
-        such as "2 kN m".
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
     over : str or tuple
         Parameter, first and last value, and number of values: (path, from, to),
-        (path, from, to, steps), or the text that --over takes. By default 101 values.
+        (path, from, to, steps), or the text that `--over` takes. By default 101 values.
     direction : str, optional
         "up", "down", or "both": up, and from there down.
     periods : int, optional
@@ -284,8 +284,8 @@ def modes(
     case : str, Path or mapping
         Path of a case file, its text, or the equivalent mapping.
     set : mapping or list of str, optional
-        {path: value}, or texts "PATH=VALUE" as --set takes them. A value is a number, or a text
-        such as "2 kN m".
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
     at : str or float, optional
         Time [s], or a text such as "20 ms", up to which the case is integrated and at which it is
         linearised.
@@ -330,8 +330,8 @@ def show(case: Case, set: Settings = None) -> dict[str, Any]:
     case : str, Path or mapping
         Path of a case file, its text, or the equivalent mapping.
     set : mapping or list of str, optional
-        {path: value}, or texts "PATH=VALUE" as --set takes them. A value is a number, or a text
-        such as "2 kN m".
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
 
     Returns
     -------
@@ -361,8 +361,8 @@ def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
     case : str, Path or mapping
         Path of a case file, its text, or the equivalent mapping.
     set : mapping or list of str, optional
-        {path: value}, or texts "PATH=VALUE" as --set takes them. A value is a number, or a text
-        such as "2 kN m".
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
 
     Returns
     -------
