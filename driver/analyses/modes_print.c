@@ -23,19 +23,19 @@ static bool is_oscillation(const natural_mode *mode)
     return cimag(mode->eigenvalue) > 0.0;
 }
 
-/** |lambda|/(2 pi) [Hz]; NaN for a mode that does not oscillate. */
+/** |lambda|/(2 pi) [Hz]; NaN for a mode that does not oscillate. Equation M2. */
 static double natural_frequency(const natural_mode *mode)
 {
     return is_oscillation(mode) ? cabs(mode->eigenvalue) / (2.0 * PI) : NAN;
 }
 
-/** NaN for a mode that does not oscillate. */
+/** NaN for a mode that does not oscillate. Equation M4. */
 static double damping_ratio(const natural_mode *mode)
 {
     return is_oscillation(mode) ? -creal(mode->eigenvalue) / cabs(mode->eigenvalue) : NAN;
 }
 
-/** Time to decay to 1/e [s]; negative if it grows. Infinite without damping. */
+/** Time to decay to 1/e [s]; negative if it grows. Infinite without damping. Equation M5. */
 static double time_constant(const natural_mode *mode)
 {
     return -1.0 / creal(mode->eigenvalue);

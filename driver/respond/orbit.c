@@ -42,7 +42,7 @@ typedef struct {
 } search;
 
 /** Whether the motion repeats after p periods: the remaining distance to that orbit, extrapolated as a geometric series
- *  from the last two distances, is at most `repeats`; or the distances are only rounding. */
+ *  from the last two distances, is at most `repeats`; or the distances are only rounding. Equation RE1. */
 static bool has_come_to(const search *s, int k, int p)
 {
     static const double rounding = 0.01;

@@ -81,7 +81,8 @@ void number_channel_init(number_channel *channel)
     *channel = (number_channel){.period = nothing, .total = nothing};
 }
 
-/** Add to the sums of each node separately: no sum changes its order, whatever the vector length. */
+/** Add to the sums of each node separately: no sum changes its order, whatever the vector length.
+ *  Equation N5. */
 FOR_EACH_PROCESSOR static void add_at_nodes(channel_sums *restrict sums, double shift, const double *restrict weight,
                                             const number_waves *restrict waves, const double *restrict x)
 {

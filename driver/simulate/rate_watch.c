@@ -184,7 +184,7 @@ static void compare_formulas(rate_watch *watch, const integrate_step *step)
     }
 }
 
-/** Integrals of the rates. */
+/** Integrals of the rates. Equation T72. */
 static void integrate_rates(rate_watch *watch, double step)
 {
     memset(watch->sums, 0, (size_t)watch->channels.n * sizeof *watch->sums);
@@ -197,6 +197,7 @@ static void integrate_rates(rate_watch *watch, double step)
 }
 
 /** Permitted differences of the integrals: sum of the effects of perturbing each state by the tolerance.
+ *  Equation T72.
  *  @return false if the rates there are not available */
 static bool find_allowed(rate_watch *watch, const integrate_step *step)
 {
@@ -234,7 +235,7 @@ static bool find_allowed(rate_watch *watch, const integrate_step *step)
     return true;
 }
 
-/** Compare the integrals with the changes. */
+/** Compare the integrals with the changes. Equation T72. */
 static void compare_changes(rate_watch *watch)
 {
     const double step = watch->t[END] - watch->t[START];

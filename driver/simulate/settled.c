@@ -31,7 +31,8 @@ typedef struct {
     double age, span; /**< from the start to the window, of the window [s] */
 } judgement;
 
-/** Remainder of a mode in a mean over the window, relative to its amplitude at the start of the window. */
+/** Remainder of a mode in a mean over the window, relative to its amplitude at the start of the window.
+ *  Equation N4. */
 static double left_in_mean(const start_mode *mode, double span)
 {
     const double complex turn = (-mode->rate + mode->frequency * I) * span;
@@ -47,7 +48,7 @@ static void note(worst_case *worst, double left, double allowed, bool is_of_mean
     }
 }
 
-/** Check the remainder of the start's distance in a quantity.
+/** Check the remainder of the start's distance in a quantity. Equation N4.
  *  @param size  largest root mean square of the quantity, of all wheels or meshes */
 static void judge_start(const judgement *j, const number_followed *of, double size, worst_case *worst)
 {

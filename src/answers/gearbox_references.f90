@@ -45,7 +45,7 @@ contains
       end do
    end subroutine gearbox_set_references
 
-   !> r_bA^2/J_A + r_bB^2/J_B [1/kg]; a prescribed speed counts as infinite inertia.
+   !> r_bA^2/J_A + r_bB^2/J_B [1/kg]; a prescribed speed counts as infinite inertia. Equations L9, OP2.
    pure real(wp) function free_mobility(gearbox, contact) result(mobility)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact

@@ -149,7 +149,7 @@ contains
    end subroutine gearbox_state_scales
 
    !> Penetration, natural frequency and energy scale of a mesh under its nominal load, its load at the start, or the impact of the
-   !> initial speeds.
+   !> initial speeds. Equation T79.
    subroutine mesh_scales(gearbox, contact, start_force, speeds, h, frequency, energy)
       type(gearbox_t), intent(in) :: gearbox
       type(tooth_contact_t), intent(in) :: contact

@@ -17,6 +17,7 @@ module evl_gearbox_warnings
 contains
 
    !> Warn if the contact strip is not narrow compared with the radii of curvature; the smallest radius is at an end of the path.
+   !> Equation T77.
    !>
    !> Half width of two cylinders pressed together: sqrt(4 N rho_A rho_B/(pi E* (rho_A + rho_B))), Hertz.
    subroutine check_contact_width(gearbox, index)

@@ -188,7 +188,7 @@ contains
       end do
    end function static_part
 
-   !> Amplitudes of the last sample minus the response to the others.
+   !> Amplitudes of the last sample minus the response to the others. Equation N3.
    subroutine find_amplitudes(gearbox, mean, samples, rate, n_modes, eigenvalues, vectors, amplitudes, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: mean(:), samples(:, :), rate  !! rate: Omega of the mesh [rad/s]
@@ -272,7 +272,7 @@ contains
 
    end subroutine find_amplitudes
 
-   !> Amplitude at the start minus the response to the static path there.
+   !> Amplitude at the start minus the response to the static path there. Equations N2, N3.
    pure complex(wp) function less_response(of_samples, lambda, rate) result(amplitude)
       complex(wp), intent(in) :: of_samples(n_positions + 1) !! those of the path, followed by that of the start
       complex(wp), intent(in) :: lambda

@@ -70,7 +70,7 @@ contains
       end associate
    end subroutine mesh_stiffness
 
-   !> Load over approach of pairs that share a line load [Pa]; the first one is the pair that entered first.
+   !> Load over approach of pairs that share a line load [Pa]; the first one is the pair that entered first. Equation C5.
    real(wp) function secant(gearbox, mesh, rho_a, line_load) result(stiffness)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -102,7 +102,7 @@ contains
       end associate
    end function secant
 
-   !> C_kk of a pair.
+   !> C_kk of a pair. Equation C5.
    real(wp) function own_part(gearbox, mesh, rho_a) result(c)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -116,7 +116,7 @@ contains
       end associate
    end function own_part
 
-   !> C_kl of two pairs one pitch apart.
+   !> C_kl of two pairs one pitch apart. Equation C5.
    real(wp) function coupling(gearbox, mesh, elder, younger) result(c)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh

@@ -125,7 +125,7 @@ contains
       end associate
    end subroutine free_states
 
-   !> -dF/dy of the closed form, each state in units of its scale [1/s].
+   !> -dF/dy of the closed form, each state in units of its scale [1/s]. Equation M1.
    subroutine linearised_matrix(gearbox, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), reals(:)
@@ -167,7 +167,7 @@ contains
       end associate
    end subroutine hold_driving_wheel
 
-   !> The same for a gearbox prepared by `hold_still`, in the units of the states.
+   !> The same for a gearbox prepared by `hold_still`, in the units of the states. Equation M1.
    subroutine still_matrix(closed, t, y, integers, reals, matrix, status)
       type(gearbox_t), intent(in) :: closed
       real(wp), intent(in) :: t, y(closed%n_states), reals(:)
@@ -293,7 +293,7 @@ contains
    end subroutine mesh_shape
 
    !> Transform dF/dy to (dF/dy')^-1 dF/dy. Three small rotations about the housing's axes replace the vector part of the
-   !> quaternion, and its scalar part is eliminated: with p o (1, turn/2), turn' = dOmega - Omega x turn.
+   !> quaternion, and its scalar part is eliminated: with p o (1, turn/2), turn' = dOmega - Omega x turn. Equation M1.
    subroutine explicit_matrix(gearbox, t, y, yp, matrix, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states)

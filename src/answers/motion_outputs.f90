@@ -114,7 +114,7 @@ contains
                       rate_of="dissipated_energy")
    end subroutine add_shaft_outputs
 
-   !> Energies of the whole gearbox; those of a mounted housing are relative to the ground.
+   !> Energies of the whole gearbox; those of a mounted housing are relative to the ground. Equations T69, T70.
    subroutine find_energies(gearbox, states, has_forces, at)
       type(gearbox_t), intent(in) :: gearbox
       type(output_states), intent(in) :: states
@@ -151,7 +151,7 @@ contains
       end do
    end subroutine find_energies
 
-   !> Add the rotational energy of a wheel.
+   !> Add the rotational energy of a wheel. Equation T69.
    pure subroutine add_motion(inertia, ratio, omega, rate, kinetic)
       real(wp), intent(in) :: inertia, ratio, omega(lanes), rate(lanes)
       real(wp), intent(inout) :: kinetic(lanes)
@@ -163,7 +163,7 @@ contains
       end do
    end subroutine add_motion
 
-   !> Add the energies of a support.
+   !> Add the energies of a support. Equations T69, T70.
    pure subroutine add_support(support, y, kinetic, potential)
       type(support_t), intent(in) :: support
       real(wp), intent(in) :: y(lanes, *)
@@ -181,7 +181,7 @@ contains
       end do
    end subroutine add_support
 
-   !> Add the energy of an elastic shaft.
+   !> Add the energy of an elastic shaft. Equation T70.
    pure subroutine add_shaft(shaft, y, potential)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(lanes, *)
@@ -218,7 +218,7 @@ contains
       call find_axle(wheel%support, states%f, 1, at%axle_acceleration)
    end subroutine find_wheel_motion
 
-   !> Rotation of a wheel: rotation of the gearbox times the ratio, plus the deviation of the wheel.
+   !> Rotation of a wheel: rotation of the gearbox times the ratio, plus the deviation of the wheel. Equation T21.
    pure subroutine find_turned(ratio, turned, whole, more, total)
       real(wp), intent(in) :: ratio, turned(lanes), whole, more(lanes)
       real(wp), intent(out) :: total(lanes)

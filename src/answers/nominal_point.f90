@@ -140,7 +140,7 @@ contains
       end do
    end subroutine operating_speed
 
-   !> Speed at which the torques balance, by Newton's method with bracketing, starting at rest.
+   !> Speed at which the torques balance, by Newton's method with bracketing, starting at rest. Equation T66.
    pure subroutine find_balance(gearbox, now, speed, exists)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
@@ -177,7 +177,7 @@ contains
       if (exists) speed = sense*x
    end subroutine find_balance
 
-   !> Sum of all torques at a speed of the reference wheel, referred to that wheel.
+   !> Sum of all torques at a speed of the reference wheel, referred to that wheel. Equation T66.
    pure subroutine sum_torques(gearbox, now, speed, torque, damping, gross)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
@@ -243,6 +243,7 @@ contains
    end function rated_torque
 
    !> Acceleration of the reference wheel at given wheel speeds: the prescribed one, or that due to the loads [rad/s^2].
+   !> Equation T80.
    pure real(wp) function acceleration_at(gearbox, now, speeds) result(acceleration)
       type(gearbox_t), intent(in) :: gearbox
       type(instant_t), intent(in) :: now
@@ -269,7 +270,7 @@ contains
       if (abs(torque) > rounding*gross) acceleration = torque/train_inertia(gearbox)
    end function acceleration_at
 
-   !> Inertia of all wheels, referred to the reference wheel [kg m^2].
+   !> Inertia of all wheels, referred to the reference wheel [kg m^2]. Equation T80.
    pure real(wp) function train_inertia(gearbox) result(inertia)
       type(gearbox_t), intent(in) :: gearbox
 

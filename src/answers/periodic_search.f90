@@ -97,7 +97,7 @@ contains
       end if
    end subroutine begin_flow
 
-   !> Alternate settling and Newton's method.
+   !> Alternate settling and Newton's method. Equation O8.
    subroutine search_orbit(model, y_steady, reals, found, orbit, status)
       type(counted_orbits), intent(inout) :: model
       real(wp), intent(in) :: y_steady(:), reals(:)
@@ -231,7 +231,7 @@ contains
       has_other_modes = allocated(orbit%flow%y) .and. orbit%residual <= closed .and. .not. orbit%flow%same_modes
    end function has_other_modes
 
-   !> Whether the motion between two states agrees with the linearised flow around the orbit.
+   !> Whether the motion between two states agrees with the linearised flow around the orbit. Equation O9.
    pure logical function follows_linear_flow(model, orbit, before, now) result(follows)
       type(counted_orbits), intent(in) :: model
       type(orbit_t), intent(in) :: orbit
@@ -258,7 +258,7 @@ contains
       across = x - dot_product(x, direction)*direction
    end function across
 
-   !> Integrate the orbit to the mesh position of the steady start, and check there that it repeats after a period.
+   !> Integrate the orbit to the mesh position of the steady start, and check there that it repeats after a period. Equation O8.
    subroutine move_to_start(model, orbit, theta, found, y, integers, reals, status)
       type(counted_orbits), intent(inout) :: model
       type(orbit_t), intent(in) :: orbit

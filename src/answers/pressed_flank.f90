@@ -54,7 +54,7 @@ contains
       end associate
    end subroutine find_pressed
 
-   !> Lag of the driven wheel at an overlap h of the flanks without deviations [m].
+   !> Lag of the driven wheel at an overlap h of the flanks without deviations [m]. Equation SA3.
    pure real(wp) function lag_of(flank, h) result(lag)
       type(pressed_t), intent(in) :: flank
       real(wp), intent(in) :: h

@@ -147,7 +147,7 @@ contains
    end subroutine closed_form_point
 
    !> Rotation of the driving wheel of a mesh, in pitches, from the position where its unloaded tooth pair 0 is at the start of
-   !> contact: the position of the static analysis. It grows in the nominal sense of rotation.
+   !> contact: the position of the static analysis. It grows in the nominal sense of rotation. Equation N1.
    pure real(wp) function pitches_turned(gearbox, mesh, y, integers) result(pitches)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh, integers(gearbox%n_integers)

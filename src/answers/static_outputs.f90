@@ -167,7 +167,7 @@ contains
                       "c' of ISO 6336-1, from measured pairs without body: not the same", total%iso_single)
    end subroutine add_static_torque
 
-   !> Rows of a position.
+   !> Rows of a position. Equation SA4.
    subroutine add_static_position(registry, position, force, lag, base_radius, state)
       type(registry_t), intent(inout) :: registry
       integer, intent(in) :: position
@@ -236,7 +236,7 @@ contains
                       atan2(amplitude%im, amplitude%re))
    end subroutine add_static_harmonic
 
-   !> A secant stiffness; NaN if h is not positive.
+   !> A secant stiffness; NaN if h is not positive. Equation SA4.
    pure real(wp) function ratio(force, h)
       real(wp), intent(in) :: force, h
 

@@ -208,7 +208,7 @@ contains
       call follow(system, state%y)
    end subroutine relax_steady
 
-   !> Slopes dq/dtheta of the equilibrium at y.
+   !> Slopes dq/dtheta of the equilibrium at y. Equation T63.
    subroutine find_slopes(gearbox, system, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(in) :: state

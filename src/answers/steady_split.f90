@@ -22,7 +22,7 @@ module evl_steady_split
 
 contains
 
-   !> Weight of a mode by the ratio of its frequency to the mesh frequency; its first two derivatives are continuous.
+   !> Weight of a mode by the ratio of its frequency to the mesh frequency; its first two derivatives are continuous. Equation T65.
    pure real(wp) function mode_weight(ratio) result(weight)
       real(wp), intent(in) :: ratio
       real(wp) :: s
@@ -33,6 +33,7 @@ contains
    end function mode_weight
 
    !> Multiply the modal components of vectors by their weights. Without a complete set of modes the vectors are unchanged.
+   !> Equation T64.
    subroutine keep_fast_modes(stiffness, damping, mesh_frequency, vectors)
       real(wp), intent(in) :: stiffness(:, :)    !! B [1/s^2]
       real(wp), intent(in) :: damping(:, :)      !! -M^-1 C [1/s]

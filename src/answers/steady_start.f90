@@ -117,7 +117,7 @@ contains
    end subroutine find_place
 
    !> Static equilibria over the common period, at the speed with zero mean acceleration. `state` is the initial guess, and gets
-   !> this speed.
+   !> this speed. Equation T62.
    subroutine find_path(gearbox, models, position, place, state, path)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state
@@ -152,7 +152,7 @@ contains
       state%y(i_omega) = speed
    end subroutine find_path
 
-   !> Compute all equilibria of the path at a speed, each from the previous one, or from its own at another speed.
+   !> Compute all equilibria of the path at a speed, each from the previous one, or from its own at another speed. Equation T62.
    subroutine walk(models, speed, guess, path)
       type(equilibrium_models), intent(in) :: models
       real(wp), intent(in) :: speed
@@ -221,7 +221,7 @@ contains
    end function speed_slope
 
    !> From the equilibrium to the steady start: slow modes get the mean of the path, fast modes the local equilibrium and its
-   !> slopes.
+   !> slopes. Equation T64.
    subroutine split(gearbox, models, place, path, state, status)
       type(gearbox_t), intent(in) :: gearbox
       type(gearbox_state), intent(inout) :: state

@@ -104,7 +104,7 @@ contains
       end do
    end subroutine find_needed
 
-   !> Torque required by one wheel beyond those of its meshes and loads.
+   !> Torque required by one wheel beyond those of its meshes and loads. Equation TR2.
    pure subroutine need(inertia, ratio, spin, rate, alpha, mesh, load, needed)
       real(wp), intent(in) :: inertia, ratio, spin(lanes), rate(lanes)
       real(wp), intent(in) :: alpha(lanes) !! Omega_z' of the housing [rad/s^2]
@@ -118,7 +118,7 @@ contains
       end do
    end subroutine need
 
-   !> Torque of an elastic shaft on its second wheel.
+   !> Torque of an elastic shaft on its second wheel. Equation TR1.
    pure subroutine carry(shaft, y, torque)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(lanes, *)
@@ -149,6 +149,7 @@ contains
    end subroutine add_prescribed
 
    !> Torque of a shaft on its second wheel: by its law or, if rigid, the torque required by the wheels behind it [N m].
+   !> Equation TR2.
    pure subroutine find_shaft_torque(shaft, y, needed, torque)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(lanes, *), needed(lanes, *) !! needed: torque required by every wheel, with all loads applied
@@ -165,7 +166,7 @@ contains
       end do
    end subroutine find_shaft_torque
 
-   !> Reactions of every wheel on the housing.
+   !> Reactions of every wheel on the housing. Equation H6.
    subroutine find_reactions(gearbox, states, load, reactions)
       type(gearbox_t), intent(in) :: gearbox
       type(output_states), intent(in) :: states
@@ -194,7 +195,7 @@ contains
       end do
    end subroutine find_reactions
 
-   !> Add the force of a tooth contact.
+   !> Add the force of a tooth contact. Equation H6.
    pure subroutine push(contact, force, sign, wheel, reaction)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_force), intent(in) :: force
@@ -216,7 +217,7 @@ contains
       end do
    end subroutine push
 
-   !> Add the inertial force of a wheel.
+   !> Add the inertial force of a wheel. Equation H6.
    subroutine add_inertia(gearbox, index, states, reaction)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -238,7 +239,7 @@ contains
       end associate
    end subroutine add_inertia
 
-   !> Add the contribution of the housing motion to the acceleration of a wheel, and the moment of its rotation.
+   !> Add the contribution of the housing motion to the acceleration of a wheel, and the moment of its rotation. Equation H6.
    subroutine add_apparent(gearbox, wheel, states, acceleration, reaction)
       type(gearbox_t), intent(in) :: gearbox
       type(wheel_t), intent(in) :: wheel

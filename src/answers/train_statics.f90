@@ -30,7 +30,7 @@ module evl_train_statics
 
 contains
 
-   !> Graph of a gearbox, and its loops.
+   !> Graph of a gearbox, and its loops. Equation T68.
    subroutine lay_out_train(gearbox, train)
       type(gearbox_t), intent(in) :: gearbox !! including contacts and rotors
       type(train_t), intent(out) :: train
@@ -96,7 +96,7 @@ contains
       chords = places([(abs(train%arms(1, e)) > 0 .and. all(train%up(train%ends(:, e)) /= e), e=1, size(train%ends, 2))])
    end subroutine grow_tree
 
-   !> Loads of each loop, and their complementary energies.
+   !> Loads of each loop, and their complementary energies. Equation T68.
    subroutine close_loops(train, chords)
       type(train_t), intent(inout) :: train
       integer, intent(in) :: chords(:) !! edges that close the loops
@@ -117,7 +117,7 @@ contains
       end do
    end subroutine close_loops
 
-   !> Load of every edge under torques that balance, or with prescribed speeds that supply the remainder.
+   !> Load of every edge under torques that balance, or with prescribed speeds that supply the remainder. Equation T68.
    subroutine train_carries(train, torque, carried)
       type(train_t), intent(in) :: train
       real(wp), intent(in) :: torque(:)   !! on each node, the ground included [N m]
@@ -134,6 +134,7 @@ contains
    end subroutine train_carries
 
    !> The same for the spanning tree only: from the leaves to the ground, every edge transmits the torques of its subtree.
+   !> Equation T67.
    pure subroutine tree_carries(train, torque, carried)
       type(train_t), intent(in) :: train
       real(wp), intent(in) :: torque(:)

@@ -65,7 +65,7 @@ contains
       end do
    end subroutine analytic_samples
 
-   !> E c at one position.
+   !> E c at one position. Equation C4.
    pure real(wp) function analytic(outline, hub_radius, law, rho) result(c)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius, rho !! in modules
@@ -99,7 +99,7 @@ contains
 
    contains
 
-      !> Contribution of the beam between two points of the outline.
+      !> Contribution of the beam between two points of the outline. Equation C4.
       pure real(wp) function part_of_beam() result(part)
          real(wp) :: dy, thickness, arm
          integer :: k

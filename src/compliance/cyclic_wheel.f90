@@ -48,7 +48,7 @@ contains
       end do
    end subroutine turn_to_polar
 
-   !> G_k(a, b) for k = 0 .. n_teeth, from both condensed matrices in polar components.
+   !> G_k(a, b) for k = 0 .. n_teeth, from both condensed matrices in polar components. Equation C2.
    subroutine wheel_response(teeth, n_cut, symmetric, antisymmetric, response, is_definite)
       integer, intent(in) :: teeth                        !! z
       integer, intent(in) :: n_cut                        !! unknowns on the cut, radial and tangential alternating; then the loads

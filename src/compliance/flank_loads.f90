@@ -14,7 +14,7 @@ module evl_flank_loads
 
 contains
 
-   !> p(s), with s from the middle of the load.
+   !> p(s), with s from the middle of the load. Equation C6.
    elemental real(wp) function load_shape(s, w) result(load)
       real(wp), intent(in) :: s, w
 

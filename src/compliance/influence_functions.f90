@@ -41,7 +41,7 @@ module evl_influence_functions
 
 contains
 
-   !> Compute the influence functions of a wheel fixed at its hub.
+   !> Compute the influence functions of a wheel fixed at its hub. Equation C1.
    !>
    !> Errors: code_invalid_input with subject_wheel if the outline cannot be meshed.
    subroutine compute_influence(outline, hub_radius, p, law, influence, status)
@@ -85,7 +85,7 @@ contains
       end do
    end subroutine compute_influence
 
-   !> E c from the mean displacements under both widths.
+   !> E c from the mean displacements under both widths. Equation C3.
    elemental real(wp) function finish_own_tooth(wide, narrow, w, rho, law) result(c)
       real(wp), intent(in) :: wide, narrow !! mean displacement with w, with w/sqrt 2
       real(wp), intent(in) :: w, rho
@@ -97,7 +97,7 @@ contains
 
    contains
 
-      !> c_w.
+      !> c_w. Equation C3.
       pure real(wp) function one_width(mean, half)
          real(wp), intent(in) :: mean, half
 

@@ -72,7 +72,7 @@ contains
       call points_along(pair, q, line, track)
    end subroutine points_from_closed_form
 
-   !> As `points_from_closed_form`, for a given line of action.
+   !> As `points_from_closed_form`, for a given line of action. Equation T18.
    pure subroutine points_along(pair, q, line, track)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)

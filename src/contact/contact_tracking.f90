@@ -117,7 +117,7 @@ contains
       call complete_gradient(pair, q, point, gradient)
    end subroutine gradient_points
 
-   !> Residual of the algebraic form (1).
+   !> Residual of the algebraic form (1). Equations T12, T13, T28, T29, T30, T31.
    !>
    !> r_bA (grad g_A - lambda grad g_B) (t_0 component, times rho_B, and e_0 component), -(r_PA - r_PB - mu grad g_B), r_bA g_A,
    !> r_bB g_B. With its factor the first row has constant coefficients like the others, so an older Newton matrix can be reused.
@@ -175,6 +175,7 @@ contains
    end subroutine algebraic_jacobian
 
    !> Residual of the differential form (2)-(3) in the rates of the tracked variables.
+   !> Equations T14, T15, T16, T32, T33, T34, T35, T36, T37.
    !>
    !> The terms of [w, grad g] + Hess g (u - v) that grow with the angular velocity cancel analytically. The remainder is the
    !> rotation rate of the normal, t ((u - v_O).t)/(r_b rho). Rows as in `algebraic_residual`, per second.
@@ -205,7 +206,7 @@ contains
       residual(6) = -b_dot(1)*on_b%s + b_dot(2)*on_b%c + versine(on_b)*rho_dot + pair%sigma*pair%r_bb*q(at_psi_dot_b)
    end subroutine differential_residual
 
-   !> Rate of the position of P_B as in `point_positions`.
+   !> Rate of the position of P_B as in `point_positions`. Equation T37.
    pure subroutine point_rate(pair, on_a, q, rates, rho_dot, b_dot)
       type(tracked_pair), intent(in) :: pair
       type(tangent_line_t), intent(in) :: on_a
@@ -221,7 +222,7 @@ contains
       b_dot(2) = b_dot(2) - on_a%c*along - on_a%s*across + versine(on_a)*rho_dot
    end subroutine point_rate
 
-   !> Rate of the angle of a tangent line.
+   !> Rate of the angle of a tangent line. Equations T32, T33.
    pure real(wp) function turn_rate(on, rate, rho_dot)
       type(tangent_line_t), intent(in) :: on
       real(wp), intent(in) :: rate(2), rho_dot !! of the point and of its nominal distance [m/s]

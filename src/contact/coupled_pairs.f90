@@ -53,7 +53,7 @@ contains
 
    include "contact/pushing_pairs.inc"
 
-   !> Solve for the forces.
+   !> Solve for the forces. Equation F6.
    pure subroutine solve_pairs(n, h, length, c, e_star, pushes_only, answer, code)
       integer, intent(in) :: n                      !! pairs, at most `most_pairs`
       real(wp), intent(in) :: h(n)                  !! penetrations [m]
@@ -152,7 +152,7 @@ contains
       code = merge(code_no_solution, code_singular, definite)
    end subroutine search_pairs
 
-   !> Residual of the equations at the present forces, and the matrix A of the loaded pairs.
+   !> Residual of the equations at the present forces, and the matrix A of the loaded pairs. Equation F6.
    pure subroutine look(n, h, length, c, e_star, pushes_only, answer, residual, scale, code)
       integer, intent(in) :: n
       real(wp), intent(in) :: h(n), length(n), c(most_pairs, *), e_star
@@ -199,7 +199,7 @@ contains
       force = contact%force
    end subroutine answer_gap
 
-   !> Gap of one pair opened by the other pairs [m].
+   !> Gap of one pair opened by the other pairs [m]. Equation F6.
    pure real(wp) function others(n, c, k, force)
       integer, intent(in) :: n, k
       real(wp), intent(in) :: c(most_pairs, *), force(n)
@@ -211,7 +211,7 @@ contains
       end do
    end function others
 
-   !> Penetrations less the gaps opened by the other pairs: g_k, the root functions of closing and opening [m].
+   !> Penetrations less the gaps opened by the other pairs: g_k, the root functions of closing and opening [m]. Equation F6.
    pure subroutine overlaps(n, h, c, answer, g)
       integer, intent(in) :: n
       real(wp), intent(in) :: h(n), c(most_pairs, *)
@@ -224,7 +224,7 @@ contains
       end do
    end subroutine overlaps
 
-   !> Changes of the forces. In: dh - dC N; out: dN, both per pair; 0 for unloaded pairs.
+   !> Changes of the forces. In: dh - dC N; out: dN, both per pair; 0 for unloaded pairs. Equation F8.
    pure subroutine force_change_of_pairs(answer, length, e_star, d_length, change)
       type(coupled_answer), intent(in) :: answer
       real(wp), intent(in) :: length(*), e_star
@@ -238,6 +238,7 @@ contains
    end subroutine force_change_of_pairs
 
    !> Elastic energy per unit width, sum N_k h_k - W = sum_k [N_k h_k/2 - N_k**2/(4 pi E*)], including that of the bodies [J/m].
+   !> Equation F5.
    pure real(wp) function energy_of_pairs(answer, h, e_star) result(energy)
       type(coupled_answer), intent(in) :: answer
       real(wp), intent(in) :: h(*) !! [n], [m]

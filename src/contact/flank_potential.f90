@@ -31,7 +31,7 @@ module evl_flank_potential
 
 contains
 
-   !> Compute energy, gradient and forces.
+   !> Compute energy, gradient and forces. Equations F9, F10.
    pure subroutine find_potential(n, places, feet, compliance, e_star, width, pushes_only, potential, code)
       integer, intent(in) :: n
       type(pair_place), intent(in) :: places(n)
@@ -60,7 +60,7 @@ contains
       end associate
    end subroutine find_potential
 
-   !> Contribution of one pair to the gradient [N].
+   !> Contribution of one pair to the gradient [N]. Equation F9.
    pure function gradient_of_pair(k, place, feet, e_star, width, potential) result(gradient)
       integer, intent(in) :: k
       type(pair_place), intent(in) :: place
@@ -115,7 +115,7 @@ contains
       end do
    end subroutine residual_changes
 
-   !> Second derivatives of U [N/m]: the tangent stiffness of the forces.
+   !> Second derivatives of U [N/m]: the tangent stiffness of the forces. Equation SA5.
    pure function second_derivatives(n, places, feet, compliance, e_star, width, potential) result(second)
       integer, intent(in) :: n
       type(pair_place), intent(in) :: places(n)
@@ -167,6 +167,7 @@ contains
    end function outer
 
    !> Forces on the wheels from a gradient: torques about their axles, and the force on A along (t_0, e_0), opposite to that on B.
+   !> Equation F11.
    pure subroutine wheel_forces(sigma, r_ba, r_bb, line, gradient, torque_a, torque_b, on_a)
       real(wp), intent(in) :: sigma      !! sense of the flank
       real(wp), intent(in) :: r_ba, r_bb !! base radii [m]

@@ -24,7 +24,7 @@ module evl_friction_at_rest
 
 contains
 
-   !> Friction of a pair.
+   !> Friction of a pair. Equation SA2.
    pure subroutine creep_friction(creep, feet, lacks, place, normal, d_normal, force, held, d_held)
       type(creep_t), intent(in) :: creep
       type(pair_feet), intent(in) :: feet

@@ -29,7 +29,7 @@ module evl_mesh_reference
 
 contains
 
-   !> Stiffness, mass and frequency of an elastic contact.
+   !> Stiffness, mass and frequency of an elastic contact. Equation L9.
    type(mesh_reference_t) function reference_of(flank, contact, has_load, mobility) result(reference)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contact  !! with its scales

@@ -30,7 +30,7 @@ module evl_pair_compliance
 
 contains
 
-   !> C of n tooth pairs.
+   !> C of n tooth pairs. Equations F4, F10.
    pure subroutine gather_compliance(a, b, k_difference, is_drive, couples, n, numbers, feet, compliance)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference !! K_A - K_B [1/Pa]
@@ -58,7 +58,7 @@ contains
       end do
    end subroutine gather_compliance
 
-   !> Contribution of one wheel to C_kl.
+   !> Contribution of one wheel to C_kl. Equation F4.
    pure subroutine add_other(wheel, w, against, numbers, feet, k, l, compliance)
       class(wheel_compliance_t), intent(in) :: wheel
       integer, intent(in) :: w
@@ -82,7 +82,7 @@ contains
       compliance%d_both(second, first, w) = at%here_there
    end subroutine add_other
 
-   !> C and its first derivatives, as in `pair_compliance`, for eight states; coupled.
+   !> C and its first derivatives, as in `pair_compliance`, for eight states; coupled. Equation F4.
    pure subroutine gather_in_lanes(a, b, k_difference, is_drive, n, numbers, foot, c, d)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference
@@ -105,7 +105,7 @@ contains
       end do
    end subroutine gather_in_lanes
 
-   !> C_kk and half of its derivatives for eight states.
+   !> C_kk and half of its derivatives for eight states. Equation F15.
    pure subroutine own_in_lanes(a, b, k_difference, foot, c, half_a, half_b)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference
@@ -131,7 +131,7 @@ contains
       half_b = half_b/2
    end subroutine own_in_lanes
 
-   !> Contribution of one wheel to C_kl for eight states.
+   !> Contribution of one wheel to C_kl for eight states. Equation F4.
    pure subroutine add_other_in_lanes(wheel, w, against, numbers, foot, k, l, c, d)
       class(wheel_compliance_t), intent(in) :: wheel
       integer, intent(in) :: w
@@ -188,7 +188,7 @@ contains
       c = c + on_b
    end subroutine couple_in_lanes
 
-   !> Compliance of a pair under its own load: the parts of A and B, with the sum C_kk.
+   !> Compliance of a pair under its own load: the parts of A and B, with the sum C_kk. Equation F15.
    pure subroutine own_of_pair(a, b, k_difference, foot, own)
       class(wheel_compliance_t), intent(in) :: a, b
       real(wp), intent(in) :: k_difference !! K_A - K_B [1/Pa]

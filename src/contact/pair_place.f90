@@ -192,7 +192,7 @@ contains
    end subroutine turn_feet
 
    !> Penetration including the deviations of both wheels. On a flank, the whole deviation counts, at its foot. For a wheel with an
-   !> end or edge, only the part that applies beyond the end of the profile counts, at its own radius of curvature.
+   !> end or edge, only the part that applies beyond the end of the profile counts, at its own radius of curvature. Equation D1.
    pure subroutine penetrate(feet, lacks, place)
       type(pair_feet), intent(in) :: feet
       type(flank_value), intent(in) :: lacks(2)

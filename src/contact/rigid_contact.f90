@@ -29,7 +29,7 @@ contains
       call gradient_closed_form(pair, q, point, gradient)
    end subroutine rigid_gradient
 
-   !> Constraint of a closed contact: kappa [m] and kappa' [m/s].
+   !> Constraint of a closed contact: kappa [m] and kappa' [m/s]. Equation T58.
    pure function rigid_constraint(pair, q) result(constraint)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)
@@ -41,7 +41,7 @@ contains
    end function rigid_constraint
 
    !> kappa'' [m/s^2]: a.e + (v.t)^2/rho plus the contribution of the wheels; v, a are the relative velocity and acceleration of the
-   !> axles.
+   !> axles. Equation T60.
    pure real(wp) function rigid_acceleration(pair, q, rates) result(acceleration)
       type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: q(n_local)     !! local variables

@@ -81,7 +81,7 @@ module evl_static_mesh
 
 contains
 
-   !> Solve for the state of the mesh under a force.
+   !> Solve for the state of the mesh under a force. Equation SA1.
    subroutine solve_static(mesh, rho_a, force, state, status, guess)
       type(static_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a !! of pair 0 [m]
@@ -188,7 +188,7 @@ contains
       place%h = place%h + (h - (rho(by_a) + rho(by_b) - mesh%line))
    end subroutine put
 
-   !> All pairs at a transmission error, with their forces.
+   !> All pairs at a transmission error, with their forces. Equation SA1.
    subroutine look(mesh, rho_a, h, state, status)
       type(static_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: rho_a, h
@@ -228,7 +228,7 @@ contains
       end associate
    end subroutine look
 
-   !> Add the contribution of friction to the torque.
+   !> Add the contribution of friction to the torque. Equation SA1.
    pure subroutine add_friction(mesh, compliance, state)
       type(static_mesh_t), intent(in) :: mesh
       type(pair_compliance), intent(in) :: compliance

@@ -60,7 +60,7 @@ contains
    include "contact/tip_edge.inc"
 
    !> Start of edge contact for a flank with a sloping deviation at its end: x_* [m], from S'(x_*) = e'. Before x_* the extension of
-   !> the flank touches first.
+   !> the flank touches first. Equation F16.
    !>
    !> Valid: any slope of a flank; 0 for no slope, and for flanks with material increasing towards their end
    pure real(wp) function end_of_flank(edge, profile, rho) result(x)

@@ -155,6 +155,7 @@ module evl_tooth_contact
 contains
 
    !> Nominal radius of curvature rho_A0 of the tooth pair in mesh [m]; teeth and revolutions are integers and remain exact.
+   !> Equations T24, TR3.
    pure real(wp) function nominal_rho(contact, theta, turns, teeth) result(rho_a0)
       type(tooth_contact_t), intent(in) :: contact
       real(wp), intent(in) :: theta  !! reference angle [rad]
@@ -164,7 +165,7 @@ contains
       rho_a0 = nominal_start(contact, turns, teeth) + contact%pair%advance*theta
    end function nominal_rho
 
-   !> The same at theta = 0.
+   !> The same at theta = 0. Equations P2, T24, TR3.
    pure real(wp) function nominal_start(contact, turns, teeth) result(rho_a0)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: turns, teeth

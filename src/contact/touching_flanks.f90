@@ -167,7 +167,7 @@ contains
       if (zone == zone_none) within = min(max(rho, rho_root), rho_tip)
    end function within
 
-   !> Second derivative of a deviation with respect to the arc of its involute [1/m].
+   !> Second derivative of a deviation with respect to the arc of its involute [1/m]. Equation D8.
    pure real(wp) function arc_second(flank, rho, base_radius)
       type(flank_value), intent(in) :: flank
       real(wp), intent(in) :: rho, base_radius
@@ -175,7 +175,7 @@ contains
       arc_second = (base_radius/rho)**2*(flank%d2e - flank%de/rho)
    end function arc_second
 
-   !> Curvature of a deviating flank [1/m].
+   !> Curvature of a deviating flank [1/m]. Equations D8, D9.
    pure real(wp) function flank_curvature(flank, rho, base_radius) result(curvature)
       type(flank_value), intent(in) :: flank
       real(wp), intent(in) :: rho, base_radius
@@ -190,6 +190,7 @@ contains
    end function flank_curvature
 
    !> Amount by which the gap of the model, of first or second order, exceeds that of the actual flanks [m], at least 0.
+   !> Equation D3.
    !>
    !> The minimum of g is found by golden section search: reliefs and crowning make g convex.
    pure real(wp) function second_order_gap(contact, pair, rho_a) result(gap)
@@ -245,7 +246,7 @@ contains
       gap = a%e + b%e
    end function given_gap
 
-   !> g(x) of a tooth pair [m].
+   !> g(x) of a tooth pair [m]. Equation D3.
    pure real(wp) function gap_beside(contact, pair, rho_a, rho_b, x) result(gap)
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
@@ -267,7 +268,7 @@ contains
       gap = turned_away(rho_a, on_a - rho_a, contact%pair%r_ba) + a%e + turned_away(rho_b, on_b - rho_b, contact%pair%r_bb) + b%e
    end function gap_beside
 
-   !> Distance of an involute from its tangent at rho [m].
+   !> Distance of an involute from its tangent at rho [m]. Equation D3.
    pure real(wp) function turned_away(rho, d, base_radius)
       real(wp), intent(in) :: rho, d, base_radius !! d: distance from rho [m]
 

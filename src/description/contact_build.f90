@@ -79,7 +79,7 @@ contains
       end do
    end subroutine list_contacts
 
-   !> Geometry, laws and state links of a tooth contact.
+   !> Geometry, laws and state links of a tooth contact. Equations T39, T59, T78.
    subroutine take_contact(gearbox, wheels, given, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
@@ -170,6 +170,7 @@ contains
    end subroutine take_contact
 
    !> Coast flank: the mirror image of the drive flank, on the opposite side of the same tooth of the driving wheel.
+   !> Equations P3, P4, P5.
    !>
    !> With tau the tooth thickness angle on the base circle, the involutes of both sides of a tooth start tau apart:
    !> rho_A + rho_A(coast) = r_bA (2 alpha_w + tau). On the driven wheel it is the next tooth behind, in the order of the pairs.

@@ -114,7 +114,7 @@ contains
       call take_pitch_errors(wheel, profile, deviation, status)
    end subroutine deviation_create
 
-   !> Pitch errors along the normal, from a list or from an accuracy class.
+   !> Pitch errors along the normal, from a list or from an accuracy class. Equation D10.
    subroutine take_pitch_errors(wheel, profile, deviation, status)
       type(given_t), intent(in) :: wheel
       type(profile_t), intent(in) :: profile
@@ -150,7 +150,7 @@ contains
       deviation%pitch(:) = pitch*(profile%base_radius/profile%reference_radius)
    end subroutine take_pitch_errors
 
-   !> A relief; its start must be within the active profile.
+   !> A relief; its start must be within the active profile. Equation D19.
    subroutine take_relief(wheel, field, profile, rho_end, relief, status)
       type(given_t), intent(in) :: wheel
       character(len=*), intent(in) :: field   !! "tip_relief" or "root_relief"

@@ -170,7 +170,7 @@ contains
    end subroutine start_layout
 
    !> Mass, inertia, support and speed ratio of every wheel. Unless mass and inertia are given, the wheel is a solid disc with the
-   !> pitch radius and, if it has a basic rack, the bore.
+   !> pitch radius and, if it has a basic rack, the bore. Equation T73.
    subroutine take_wheels(wheels, layout, gearbox, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(layout_t), intent(in) :: layout
@@ -201,7 +201,7 @@ contains
    end subroutine take_wheels
 
    !> Inertia about a diameter: given, or that of an axisymmetric body with constant cross-section over its width, such as a disc or
-   !> ring.
+   !> ring. Equation H14.
    subroutine take_transverse(given, index, mass, inertia, transverse_inertia, status)
       type(wheel_input), intent(in) :: given
       integer, intent(in) :: index

@@ -133,7 +133,7 @@ contains
       end do
    end subroutine gearbox_local
 
-   !> Angular velocity of a wheel [rad/s].
+   !> Angular velocity of a wheel [rad/s]. Equation T21.
    pure real(wp) function wheel_speed(wheel, y) result(omega)
       type(wheel_t), intent(in) :: wheel
       real(wp), intent(in) :: y(*)

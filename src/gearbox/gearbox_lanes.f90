@@ -272,7 +272,7 @@ contains
       end do
    end subroutine accelerate_support
 
-   !> Acceleration of a rotor from the torque on it; a load that prescribes its speed supplies the remaining power.
+   !> Acceleration of a rotor from the torque on it; a load that prescribes its speed supplies the remaining power. Equation T54.
    subroutine accelerate_rotor(gearbox, leader, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader

@@ -23,7 +23,7 @@ contains
 
    !> Rates of all states except the tracked ones, whose elements are set to zero: y' = f(t, y). The element of a multiplier is the
    !> quantity that must vanish [N]: kappa'' times the inertia of the mesh for a closed rigid contact, the multiplier itself for an
-   !> open one.
+   !> open one. Equation T54.
    !>
    !> With a mounted housing f also depends on v' and Omega'. The elements of these two are the force and the moment from the
    !> ground.
@@ -94,7 +94,7 @@ contains
       end do
    end subroutine gearbox_rates
 
-   !> Quantity that must vanish, in the element of a multiplier.
+   !> Quantity that must vanish, in the element of a multiplier. Equation T59.
    pure subroutine multiplier_row(gearbox, index, y, integers, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -112,7 +112,7 @@ contains
       end associate
    end subroutine multiplier_row
 
-   !> Add the forces of a flank to the rows of its wheels and their supports.
+   !> Add the forces of a flank to the rows of its wheels and their supports. Equation T53.
    subroutine push_flank(gearbox, first, last, y, integers, reals, at, f, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last !! its contacts
@@ -174,6 +174,7 @@ contains
    end subroutine twist_shaft
 
    !> Add the torque of a wheel's loads to the row of its rotor, and its power; accelerate its support by the mesh forces.
+   !> Equation T76.
    pure subroutine load_wheel(gearbox, index, t, y, integers, spin, f, torque)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -201,7 +202,7 @@ contains
    end subroutine load_wheel
 
    !> Acceleration of a rotor relative to the housing from the torque on it; a load that prescribes its speed supplies the remaining
-   !> torque.
+   !> torque. Equations H3, T54.
    pure subroutine accelerate_rotor(gearbox, leader, y, integers, alpha, f, torques)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: leader
@@ -229,6 +230,7 @@ contains
    end subroutine accelerate_rotor
 
    !> Add the effect of housing motion and gravity to the acceleration of a wheel's support, and to the powers.
+   !> Equations H5, H9, H13.
    pure subroutine ride_along(gearbox, index, t, torque, y, integers, frame, f)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index

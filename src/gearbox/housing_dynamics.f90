@@ -22,7 +22,7 @@ module evl_housing_dynamics
 contains
 
    !> The two balances of a mounted housing: inertia less applied force and moment. They are not added to v' and Omega' themselves,
-   !> since moments of 1e-20 N m would be lost beside 1 rad/s^2.
+   !> since moments of 1e-20 N m would be lost beside 1 rad/s^2. Equations H8, H9.
    subroutine housing_residual(gearbox, t, y, yp, f, balances)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t, y(gearbox%n_states), yp(gearbox%n_states)
@@ -35,7 +35,7 @@ contains
       balances = balances - f(gearbox%housing%i_state + at_velocity:gearbox%housing%i_state + at_omega + 2)
    end subroutine housing_residual
 
-   !> Rates of change of linear and angular momentum of housing and wheels, less gravity [N], [N m].
+   !> Rates of change of linear and angular momentum of housing and wheels, less gravity [N], [N m]. Equations H8, H9.
    pure subroutine inertia_wrench(gearbox, frame, y, yp, wrench)
       type(gearbox_t), intent(in) :: gearbox
       type(frame_t), intent(in) :: frame !! at y, y'

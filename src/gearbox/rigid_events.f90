@@ -38,6 +38,7 @@ contains
    end function closed_flanks
 
    !> Apply impacts until no touching flank approaches, then compute the normal forces; flanks that would have to pull are opened.
+   !> Equation T57.
    subroutine settle_rigid(gearbox, was_closed, now, status)
       type(gearbox_t), intent(in) :: gearbox
       type(moment_t), intent(inout) :: now

@@ -27,7 +27,7 @@ module evl_rigid_forces
 
 contains
 
-   !> Compute the multipliers of all closed contacts; a contact that would have to pull opens.
+   !> Compute the multipliers of all closed contacts; a contact that would have to pull opens. Equation T57.
    subroutine set_multipliers(gearbox, t, y, integers, reals, opened, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -100,7 +100,7 @@ contains
       end do
    end subroutine close_gaps
 
-   !> kappa'' without multipliers, and the contribution of each multiplier to it and to all rates.
+   !> kappa'' without multipliers, and the contribution of each multiplier to it and to all rates. Equation T61.
    subroutine responses(gearbox, t, y, integers, reals, closed, n, offset, response, velocity, status)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: t
@@ -193,7 +193,7 @@ contains
 
    !> Newton's impact in the closing contacts: kappa' becomes -e times its value, that of closed contacts remains 0. The friction
    !> factors are those of this instant. A contact that would have to pull is left out and opened. If flanks that hardly move are
-   !> held, none is opened here; their normal forces decide.
+   !> held, none is opened here; their normal forces decide. Equation T61.
    !>
    !> P solves G M^-1 D P = -(1 + e) kappa'. Modes: the closing contacts already count as closed.
    subroutine impact(gearbox, closing, holds, now, rebounds, opened, status)
@@ -265,7 +265,7 @@ contains
       end associate
    end subroutine add_impulse
 
-   !> Kinetic energy: relative to the housing, or to the ground if the housing is mounted [J].
+   !> Kinetic energy: relative to the housing, or to the ground if the housing is mounted [J]. Equation T69.
    pure real(wp) function kinetic_energy(gearbox, y) result(energy)
       type(gearbox_t), intent(in) :: gearbox
       real(wp), intent(in) :: y(gearbox%n_states)

@@ -185,6 +185,7 @@ contains
    end function followed_speed
 
    !> Angular acceleration of a rotor under the torque of its meshes, shafts and loads, or the prescribed one [rad/s^2].
+   !> Equation T54.
    pure real(wp) function wheel_acceleration(gearbox, index, torque, integers) result(acceleration)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index       !! one of its wheels

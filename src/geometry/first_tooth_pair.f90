@@ -89,7 +89,7 @@ contains
 
    end subroutine find_tooth_phases
 
-   !> Determine the first tooth pair of a mesh, and the first tooth of a wheel whose position is unknown.
+   !> Determine the first tooth pair of a mesh, and the first tooth of a wheel whose position is unknown. Equations TR4, TR5.
    pure subroutine place(mesh, base_radius, tooth_angle, teeth, placed, middle, phase)
       type(tooth_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: base_radius(:), tooth_angle(:)
@@ -137,6 +137,7 @@ contains
    end subroutine place
 
    !> Remainder of a length after division by the pitch, at least 0; a pitch minus rounding counts as 0 and gives a result below it.
+   !> Equation TR5.
    pure real(wp) function remainder(length, pitch)
       real(wp), intent(in) :: length, pitch
 

@@ -154,7 +154,7 @@ contains
       if (zone == zone_tip_corner) relief = deviation%tip
    end function corner_in
 
-   !> Branch of one tooth's flank in a zone.
+   !> Branch of one tooth's flank in a zone. Equations D10, D14.
    pure type(flank_branch) function deviation_branch(deviation, tooth, side, zone) result(branch)
       type(flank_deviation_t), intent(in) :: deviation
       integer, intent(in) :: tooth    !! k, any integer; taken modulo z
@@ -203,7 +203,7 @@ contains
       branch%crowning = 0
    end subroutine shape_profile
 
-   !> Relief of a branch.
+   !> Relief of a branch. Equations D16, D17.
    pure subroutine relieve(relief, branch)
       type(relief_t), intent(in) :: relief
       type(flank_branch), intent(inout) :: branch

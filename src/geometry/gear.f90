@@ -94,7 +94,7 @@ module evl_gear
 
 contains
 
-   !> Derive the geometry of a gear from a checked description.
+   !> Derive the geometry of a gear from a checked description. Equations G1, G2, G3, G4.
    !>
    !> Errors: code_invalid_input with subject_wheel, without index, field as in the case file.
    subroutine gear_derive(given, gear, status, allowance)
@@ -145,6 +145,7 @@ contains
    end subroutine gear_derive
 
    !> Radius of curvature of the involute at a radius, sqrt(r^2 - r_b^2) [m].   Valid: radius >= base radius
+   !> Equation P1.
    elemental real(wp) function gear_radius_of_curvature(gear, radius) result(rho)
       type(gear_t), intent(in) :: gear
       real(wp), intent(in) :: radius !! [m]
@@ -153,6 +154,7 @@ contains
    end function gear_radius_of_curvature
 
    !> Radius of curvature at the end of the involute, rho_Fa [m].   Valid: the rounding leaves some involute
+   !> Equation G5.
    elemental real(wp) function gear_tip_curvature(gear) result(rho)
       type(gear_t), intent(in) :: gear
 
@@ -160,6 +162,7 @@ contains
    end function gear_tip_curvature
 
    !> Tooth thickness, an arc of the circle with the radius [m].   Valid: radius >= base radius
+   !> Equation G4.
    elemental real(wp) function gear_thickness(gear, radius) result(thickness)
       type(gear_t), intent(in) :: gear
       real(wp), intent(in) :: radius !! [m]
@@ -167,7 +170,7 @@ contains
       thickness = radius*(gear%tooth_angle - 2*involute_of_tangent(gear_radius_of_curvature(gear, radius)/gear%base_radius))
    end function gear_thickness
 
-   !> Tip circle and tooth depth. If a tip diameter and a tip alteration are both given, they must agree.
+   !> Tip circle and tooth depth. If a tip diameter and a tip alteration are both given, they must agree. Equation G3.
    subroutine derive_tip(given, rack, gear, status)
       type(given_t), intent(in) :: given
       type(rack_t), intent(in) :: rack
@@ -250,7 +253,7 @@ contains
       end if
    end subroutine check_gear
 
-   !> Compute the end of the involute. Roundings that remove all of it, or meet in the middle of the tip, are refused.
+   !> Compute the end of the involute. Roundings that remove all of it, or meet in the middle of the tip, are refused. Equation G5.
    pure subroutine round_tip(gear, status)
       type(gear_t), intent(inout) :: gear
       type(status_t), intent(inout) :: status
@@ -304,6 +307,7 @@ contains
    end function leaves_tip
 
    !> Half the angle of the tip's arc [rad].   Valid: tip radius less rounding >= base radius
+   !> Equation G5.
    elemental real(wp) function gear_tip_angle(gear) result(angle)
       type(gear_t), intent(in) :: gear
 

@@ -87,6 +87,7 @@ contains
 
    !> Compute the geometry alone: also of gears that cannot mesh, whose teeth overlap or which have no path of contact.
    !> Errors: as above, where there is no working pressure angle.
+   !> Equations G7, G8, G10, G11, G12.
    pure subroutine gear_mesh_geometry(a, b, given, mesh, status)
       type(gear_t), intent(in) :: a, b
       type(gear_mesh_input), intent(in) :: given
@@ -129,6 +130,7 @@ contains
    end subroutine gear_mesh_geometry
 
    !> Radius of curvature of a mate at the end of the path of contact: at its tip, or where undercut ends the gear's involute [m].
+   !> Equation G13.
    pure real(wp) function path_end(gear, line_of_action, rho_tip) result(rho)
       type(gear_t), intent(in) :: gear
       real(wp), intent(in) :: line_of_action !! T1T2 [m]
@@ -142,7 +144,7 @@ contains
       rho = line_of_action - gear_radius_of_curvature(gear, gear%form_radius)
    end function path_end
 
-   !> Centre distance, backlash and tan alpha_w.
+   !> Centre distance, backlash and tan alpha_w. Equation G9.
    pure subroutine find_distance(a, b, given, mesh, tangent, status)
       type(gear_t), intent(in) :: a, b
       type(gear_mesh_input), intent(in) :: given
@@ -187,14 +189,14 @@ contains
       base_sum = a%base_radius + b%base_radius
    end function base_sum
 
-   !> tan alpha_w at a centre distance, which is more than the sum of the base radii.
+   !> tan alpha_w at a centre distance, which is more than the sum of the base radii. Equation G7.
    pure real(wp) function tangent_at(r, centre_distance) result(tangent)
       real(wp), intent(in) :: r, centre_distance !! R, a_w [m]
 
       tangent = sqrt((centre_distance - r)*(centre_distance + r))/r
    end function tangent_at
 
-   !> Normal backlash for this tangent of the working pressure angle; negative if the teeth overlap [m].
+   !> Normal backlash for this tangent of the working pressure angle; negative if the teeth overlap [m]. Equation G8.
    pure real(wp) function backlash_at(a, b, tangent) result(backlash)
       type(gear_t), intent(in) :: a, b
       real(wp), intent(in) :: tangent
@@ -215,21 +217,21 @@ contains
       if (.not. overlap > agreement*centre_distance) overlap = 0
    end function gear_mesh_overlap
 
-   !> 2 R inv alpha_w of teeth without allowance at zero backlash [m].
+   !> 2 R inv alpha_w of teeth without allowance at zero backlash [m]. Equations G8, G9.
    pure real(wp) function tight_arc(a, b)
       type(gear_t), intent(in) :: a, b
 
       tight_arc = full_arc(a) + full_arc(b) - a%base_pitch
    end function tight_arc
 
-   !> Reduction of the teeth by the allowances, on the base circles [m].
+   !> Reduction of the teeth by the allowances, on the base circles [m]. Equation G8.
    pure real(wp) function allowed_arc(a, b)
       type(gear_t), intent(in) :: a, b
 
       allowed_arc = abs(a%thickness_allowance)*cos(a%pressure_angle) + abs(b%thickness_allowance)*cos(b%pressure_angle)
    end function allowed_arc
 
-   !> Arc of the base circle under a tooth without allowance [m].
+   !> Arc of the base circle under a tooth without allowance [m]. Equation G8.
    pure real(wp) function full_arc(gear)
       type(gear_t), intent(in) :: gear
 

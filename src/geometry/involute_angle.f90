@@ -33,6 +33,7 @@ contains
    end function involute_of_tangent
 
    !> tan alpha from inv alpha [rad], the inverse of `involute_of_tangent`.   Valid: involute >= 0
+   !> Equation G9.
    !>
    !> u - atan u is convex and less than u**3/3 and than u. Newton's first step, from below the root, therefore leads above
    !> it; each further step comes closer, until rounding ends the iteration.

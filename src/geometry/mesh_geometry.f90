@@ -62,7 +62,7 @@ module evl_mesh_geometry
 
 contains
 
-   !> Derive the geometry of a pair.
+   !> Derive the geometry of a pair. Equation T4.
    !>
    !> Source: Kosenko & Gusev 2011, section 7.1, for any direction of the centre line and either flank.
    !> Errors: code_invalid_input with field pressure_angle. Other arguments must be in the ranges of their rows.
@@ -102,7 +102,7 @@ contains
       call spur_pair_place(pair)
    end subroutine spur_pair_derive
 
-   !> Lengths and angles that do not depend on the position of the pair.
+   !> Lengths and angles that do not depend on the position of the pair. Equations T1, T2, T3, T81.
    pure subroutine derive_lengths(pair)
       type(spur_pair_t), intent(inout) :: pair !! in: teeth, pitch_radius_a and alpha_w
 
@@ -127,7 +127,7 @@ contains
       end associate
    end subroutine derive_lengths
 
-   !> Points and directions in the housing frame, from the lengths.
+   !> Points and directions in the housing frame, from the lengths. Equations T5, T6.
    pure subroutine spur_pair_place(pair)
       type(spur_pair_t), intent(inout) :: pair !! in: all lengths, chi, sigma and centre_a
 

@@ -31,7 +31,7 @@ module evl_pitch_errors
 
 contains
 
-   !> Tolerances of the single pitch and of the total cumulative pitch deviation, arcs on the reference circle [m].
+   !> Tolerances of the single pitch and of the total cumulative pitch deviation, arcs on the reference circle [m]. Equation D11.
    !>
    !> Valid: classes 1 to 11, 5 to 1000 teeth, modules of 0.5 to 70 mm, reference diameters of 5 to 15000 mm; the standard
    !> forbids extrapolation. Errors: code_invalid_input with field accuracy.class, teeth or module.
@@ -77,7 +77,7 @@ contains
 
    end subroutine pitch_tolerances
 
-   !> Tolerance rounded according to ISO 1328-1:2013, 5.2.3, in micrometres.
+   !> Tolerance rounded according to ISO 1328-1:2013, 5.2.3, in micrometres. Equation D11.
    pure real(wp) function rounded(tolerance)
       real(wp), intent(in) :: tolerance
 
@@ -90,7 +90,7 @@ contains
       end if
    end function rounded
 
-   !> Cumulative position deviations of teeth 0 to z-1 [m], with mean 0.
+   !> Cumulative position deviations of teeth 0 to z-1 [m], with mean 0. Equation D12.
    !>
    !> A wave with one period per revolution, as of an eccentric blank, plus independent, uniformly distributed errors of the
    !> teeth: F_k = A ((1 - q) sin(2 pi (k/z + u)) + q v_k), u and then v_0, v_1, ... from SplitMix64, 0 <= u < 1, -1 <= v < 1.

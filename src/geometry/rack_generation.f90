@@ -22,6 +22,7 @@ module evl_rack_generation
 contains
 
    !> Radius of curvature at the start of the involute, and whether undercut determines it.   Valid: see arguments
+   !> Equation G6.
    pure subroutine involute_start(reference_radius, pressure_angle, depth, rounding, curvature, is_undercut)
       real(wp), intent(in) :: reference_radius !! r [m], > 0
       real(wp), intent(in) :: pressure_angle   !! of the rack [rad], 0 < alpha < pi/2
@@ -57,7 +58,7 @@ contains
       curvature = sqrt(max((radius - base_radius)*(radius + base_radius), 0.0_wp))
    end subroutine involute_start
 
-   !> rho_F at the end of the rack's straight flank; negative: undercut [m].
+   !> rho_F at the end of the rack's straight flank; negative: undercut [m]. Equation G6.
    pure real(wp) function flank_end(reference_radius, pressure_angle, depth, rounding)
       real(wp), intent(in) :: reference_radius, pressure_angle, depth, rounding !! as above
 

@@ -41,7 +41,7 @@ module evl_tip_interference
 
 contains
 
-   !> Smallest gap between the tip of a mate and an undercut gear [m]; negative: depth of interference.
+   !> Smallest gap between the tip of a mate and an undercut gear [m]; negative: depth of interference. Equation G14.
    !>
    !> Valid: undercut gear; tip of the mate outside the root circle of the gear, a_w > r_a2 + r_f1.
    pure real(wp) function tip_gap(gear, mate, distance, alpha_w, rho_tip) result(gap)
@@ -90,7 +90,7 @@ contains
       end do
    end function tip_gap
 
-   !> Gap at a position of the mate [m]; huge outside the gear's tip circle.
+   !> Gap at a position of the mate [m]; huge outside the gear's tip circle. Equation G15.
    pure real(wp) function gap_at(gear, tips, beta) result(gap)
       type(gear_t), intent(in) :: gear
       type(tips_t), intent(in) :: tips

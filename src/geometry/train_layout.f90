@@ -194,7 +194,7 @@ contains
       end associate
    end subroutine check_centres
 
-   !> Speed ratios along meshes and shafts, starting at the reference wheel.
+   !> Speed ratios along meshes and shafts, starting at the reference wheel. Equation TR6.
    subroutine resolve_ratios(layout, reference, status)
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: reference
@@ -224,7 +224,7 @@ contains
 
    contains
 
-      !> Transfer the ratio from one wheel of mesh or shaft m to the other; if both are known they must agree.
+      !> Transfer the ratio from one wheel of mesh or shaft m to the other; if both are known they must agree. Equation TR6.
       subroutine pass_on(a, b, subject)
          integer, intent(in) :: a, b, subject
          integer :: from, to

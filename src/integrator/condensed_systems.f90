@@ -219,7 +219,7 @@ contains
 
    end subroutine find_pattern
 
-   !> Factor s_k I - J for the four complex shifts.
+   !> Factor s_k I - J for the four complex shifts. Equation R2.
    pure subroutine condensed_factor(self, shift, jacobian, good)
       type(condensed_t), intent(inout) :: self
       real(wp), intent(in) :: shift(n_systems, 2) !! real and imaginary parts of the s_k
@@ -244,7 +244,7 @@ contains
       end if
    end subroutine condensed_factor
 
-   !> Collect C, J_vq, J_vv and K from the entries of J.
+   !> Collect C, J_vq, J_vv and K from the entries of J. Equation R2.
    pure subroutine condense(n_kinematic, n_coupling, n_inner, n_pattern, jacobian, rate_entry, coupling_entry, coupling_from, &
                             coupling_place, inner_entry, inner_place, rate, coupling, inner, product)
       integer, intent(in) :: n_kinematic, n_coupling, n_inner, n_pattern
@@ -268,7 +268,7 @@ contains
       end do
    end subroutine condense
 
-   !> The condensed matrices, dense.
+   !> The condensed matrices, dense. Equation R2.
    pure subroutine fill(m, n_pattern, row, column, shift, inverse_shift, inner, product, matrix)
       integer, intent(in) :: m, n_pattern
       integer, intent(in) :: row(n_pattern), column(n_pattern)
@@ -302,7 +302,7 @@ contains
       call backward(self%n, size(self%kinematic), self%kinematic, self%partner, self%rate, self%inverse_shift, b)
    end subroutine condensed_solve
 
-   !> Replace b_q by b_q/s_k and compute the right-hand sides of the condensed systems.
+   !> Replace b_q by b_q/s_k and compute the right-hand sides of the condensed systems. Equation R2.
    pure subroutine forward(n, n_kinematic, m, kinematic, kept, start, from, coupling, inverse_shift, b, x)
       integer, intent(in) :: n, n_kinematic, m
       integer, intent(in) :: kinematic(n_kinematic), kept(m), start(m + 1), from(*)
@@ -325,7 +325,7 @@ contains
       end do
    end subroutine forward
 
-   !> Compute the unknowns of the kinematic rows: b_q/s_k + c v/s_k.
+   !> Compute the unknowns of the kinematic rows: b_q/s_k + c v/s_k. Equation R2.
    pure subroutine backward(n, n_kinematic, kinematic, partner, rate, inverse_shift, b)
       integer, intent(in) :: n, n_kinematic
       integer, intent(in) :: kinematic(n_kinematic), partner(n_kinematic)

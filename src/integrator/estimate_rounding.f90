@@ -51,7 +51,7 @@ contains
       end do
    end subroutine estimate_rounding_create
 
-   !> Largest weight of an error in a state: the inverse of the rounding error of the estimate for a step of h.
+   !> Largest weight of an error in a state: the inverse of the rounding error of the estimate for a step of h. Equation R6.
    pure subroutine find_rounding(self, row, column, jacobian, y, h, most_weight)
       type(estimate_rounding_t), intent(inout) :: self !! its scratch changes
       integer, intent(in) :: row(:), column(:)

@@ -135,7 +135,7 @@ contains
       self%shortens = .true.
    end subroutine limit_step
 
-   !> Check whether a step of h may be too long for some mode: no eigenvalue exceeds max (|J| x)_i/x_i, for any x > 0.
+   !> Check whether a step of h may be too long for some mode: no eigenvalue exceeds max (|J| x)_i/x_i, for any x > 0. Equation R10.
    !>
    !> Source: L. Collatz, Einschliessungssatz fuer die charakteristischen Zahlen von Matrizen, Math. Z. 48 (1942) 221.
    pure subroutine may_be_out_of_reach(self, jacobian, n_jacobians, h, it_may)

@@ -48,7 +48,7 @@ contains
       self%column = column(self%entry)
    end subroutine find_pure_integrals
 
-   !> Compute the stages of the quadrature states.
+   !> Compute the stages of the quadrature states. Equation R11.
    pure subroutine integrate_stages(self, n, h, jacobian, dw, y, f, z, stage_y)
       type(pure_integrals_t), intent(inout) :: self       !! its scratch changes
       integer, intent(in) :: n                            !! states

@@ -206,7 +206,7 @@ module evl_radau
 
 contains
 
-   !> Check model and options, allocate all arrays.
+   !> Check model and options, allocate all arrays. Equation R9.
    subroutine radau_create(self, model, options, status)
       type(radau_t), intent(out) :: self
       class(ode_model), intent(in) :: model

@@ -20,7 +20,7 @@ submodule(evl_stage_solver) evl_stage_errors
 
 contains
 
-   !> Weighted norm of the error estimate of the step just solved. NaN is preserved: max() may drop it.
+   !> Weighted norm of the error estimate of the step just solved. NaN is preserved: max() may drop it. Equation R5.
    module procedure estimate_error
       real(wp) :: output_error
 
@@ -43,7 +43,7 @@ contains
    end procedure estimate_error
 
    !> Slopes of the polynomial at its ends, and the weighted norm of the next Chebyshev coefficients if the last pairs
-   !> continue as a geometric series. Pairs are used because every other coefficient of an even or odd solution is 0.
+   !> continue as a geometric series. Pairs are used because every other coefficient of an even or odd solution is 0. Equation R5.
    pure subroutine examine(n, z, weight, slope, slope_at_end, last, before, next)
       integer, intent(in) :: n
       real(wp), intent(in) :: z(lanes, n), weight(n)
@@ -67,6 +67,7 @@ contains
    end subroutine examine
 
    !> Step size with an error of about 1, before any step is made: the eighth derivative of y is J^7 f if J hardly changes.
+   !> Equation R8.
    !>
    !> The polynomial of degree 7 through the nodes c then differs from y by h^8 y''''''''/8! prod(tau - c). Its slope at the
    !> start differs by the product of the seven other nodes; the estimate is that divided by the real eigenvalue. Stiff
@@ -89,7 +90,7 @@ contains
       if (error <= huge(error)) h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
    end procedure foresee_step
 
-   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted norm.
+   !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted norm. Equation R4.
    pure subroutine filter(self, rate, h, error)
       type(stage_solver_t), intent(inout) :: self  !! slopes of the polynomial in `slope`
       real(wp), intent(in) :: rate(self%n) !! f at the start

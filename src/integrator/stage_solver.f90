@@ -230,7 +230,7 @@ contains
       self%weight = 1/max(self%tolerance*scale, rounding*abs(y))
    end subroutine set_weights
 
-   !> Factor the four systems for a step of h, with row exchanges if diagonal pivots are insufficient.
+   !> Factor the four systems for a step of h, with row exchanges if diagonal pivots are insufficient. Equation R1.
    subroutine factor_systems(self, model, y, h, good)
       type(stage_solver_t), intent(inout) :: self
       class(ode_model), intent(in) :: model
@@ -340,7 +340,7 @@ contains
       start = f(lanes, :)
    end subroutine take_start
 
-   !> One iteration: update z, w and the states; return the weighted norm of the change.
+   !> One iteration: update z, w and the states; return the weighted norm of the change. Equation R1.
    subroutine iterate(self, y, h, length)
       type(stage_solver_t), intent(inout) :: self
       real(wp), intent(in) :: y(self%n)
@@ -356,7 +356,7 @@ contains
       length = sqrt(length/(n_stages*n))
    end subroutine iterate
 
-   !> Solve the four systems for `change`.
+   !> Solve the four systems for `change`. Equation R1.
    subroutine solve_systems(self)
       type(stage_solver_t), intent(inout) :: self
 

@@ -48,7 +48,7 @@ contains
       end do
    end subroutine continue_polynomial
 
-   !> Right-hand sides of the systems for z' = f(start) + J z: T^-1 f, the same f at all stages.
+   !> Right-hand sides of the systems for z' = f(start) + J z: T^-1 f, the same f at all stages. Equation R3.
    pure subroutine linear_residual(n, f, r)
       integer, intent(in) :: n
       real(wp), intent(in) :: f(n)
@@ -79,7 +79,7 @@ contains
       end do
    end subroutine start_stages
 
-   !> Right-hand sides of an iteration: T^-1 f - Lambda/h w.
+   !> Right-hand sides of an iteration: T^-1 f - Lambda/h w. Equation R1.
    pure subroutine residual(n, f, shifted, r)
       integer, intent(in) :: n
       real(wp), intent(in) :: f(lanes, n)       !! at the stages
@@ -167,7 +167,7 @@ contains
       end do
    end subroutine change_of_stages
 
-   !> Increments of integrals from the values of f at the stages.
+   !> Increments of integrals from the values of f at the stages. Equation R11.
    pure subroutine integrate(n, h, f, z)
       integer, intent(in) :: n
       real(wp), intent(in) :: h

@@ -74,7 +74,7 @@ contains
       answer = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine force_of_lane
 
-   !> Elastic energy per unit width [J/m], including that of the body; even in h.
+   !> Elastic energy per unit width [J/m], including that of the body; even in h. Equation F3.
    elemental real(wp) function compliant_energy(h, force, e_star) result(energy)
       real(wp), intent(in) :: h      !! penetration [m]
       real(wp), intent(in) :: force  !! N at h [N/m]

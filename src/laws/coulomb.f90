@@ -32,7 +32,7 @@ contains
                    regularisation("sliding velocity at which friction is fully developed")]
    end subroutine describe
 
-   !> phi and its slope.
+   !> phi and its slope. Equations L14, T51.
    pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
       class(coulomb_t), intent(in) :: self
       integer, intent(in) :: n, branch

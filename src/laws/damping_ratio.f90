@@ -64,7 +64,7 @@ contains
                 //" coefficient: ...}"
    end subroutine refuse_mesh
 
-   !> The linear damper that replaces this law.
+   !> The linear damper that replaces this law. Equation L8.
    subroutine acting(self, stiffness, mass, law)
       class(damping_ratio_t), intent(in) :: self
       real(wp), intent(in) :: stiffness, mass

@@ -68,7 +68,7 @@ contains
                                  plausible=span_t(1.0e-12_wp, 10.0_wp))]
    end subroutine describe
 
-   !> chi/v0 [s/m].
+   !> chi/v0 [s/m]. Equations L11, L17, L18, L19, L20.
    pure real(wp) function share_of(self, v0) result(share)
       class(impact_damping_t), intent(in) :: self
       real(wp), intent(in) :: v0 !! approach speed at the last closing [m/s]
@@ -81,7 +81,7 @@ contains
       share = share/max(v0, self%parameters(2))
    end function share_of
 
-   !> F = share F_e h'.
+   !> F = share F_e h'. Equation L11.
    pure subroutine evaluate(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(impact_damping_t), intent(in) :: self
       integer, intent(in) :: n, side
@@ -97,6 +97,7 @@ contains
    end subroutine evaluate
 
    !> Set v0_min, if it was left open, to the speed amplitude of a vibration as large as the penetration under the nominal load.
+   !> Equation L21.
    pure subroutine complete(self, stiffness, mass, h_0)
       class(impact_damping_t), intent(inout) :: self
       real(wp), intent(in) :: stiffness, mass, h_0

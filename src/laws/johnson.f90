@@ -156,7 +156,7 @@ contains
    end subroutine limit_message
 
    !> Force over the whole width of a law h = N/(pi E*) (ln(rho_sum/N) + constant), with the derivatives of the energy of
-   !> `johnson_energy`.
+   !> `johnson_energy`. Equations L1, T48.
    elemental subroutine force_over_width(h, rho_sum, factor, e_star, width, result, room)
       real(wp), intent(in) :: h       !! penetration [m]
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m]
@@ -180,7 +180,7 @@ contains
       result%excess = last*result%force
    end subroutine force_over_width
 
-   !> Force per unit width from the penetration, with its derivatives.
+   !> Force per unit width from the penetration, with its derivatives. Equations L1, T40, T44, T45.
    !>
    !> Source: Kosenko & Gusev 2011, (13)-(14) through W_{-1}.   Valid: |h| < 4 rho/e**2, rho > 0.
    !> At h = 0 the derivative is 0, its (logarithmic) limit. No branches: outside the domain another value is computed and
@@ -205,7 +205,7 @@ contains
       d_rho = sign(4.0_wp*ratio*d_h*w_inverse, -h)
    end subroutine johnson_force
 
-   !> Penetration from the force per unit width.
+   !> Penetration from the force per unit width. Equations L1, T38.
    !>
    !> Source: Kosenko & Gusev 2011, (13).   Valid: |N| < 4 pi E* rho/e**2, rho > 0
    elemental subroutine johnson_penetration(force, rho_sum, e_star, h, code)
@@ -225,7 +225,7 @@ contains
       h = force/(pi*e_star)*(-natural_logarithm(max(ratio, smallest_ratio)) - 1.0_wp)
    end subroutine johnson_penetration
 
-   !> Elastic energy per unit width at penetration h, reached with r = rho_sum - h constant.
+   !> Elastic energy per unit width at penetration h, reached with r = rho_sum - h constant. Equation T46.
    !>
    !> In a mesh r is the length of the line of action, so dV = N dh along that path. With y = N/(pi E* rho_sum):
    !>

@@ -28,7 +28,7 @@ contains
                                  plausible=span_t(1.0e-3_wp, 1.0e8_wp))]
    end subroutine describe
 
-   !> F = c h'.
+   !> F = c h'. Equation L7.
    pure subroutine evaluate(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(linear_damping_t), intent(in) :: self
       integer, intent(in) :: n, side

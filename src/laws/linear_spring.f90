@@ -93,7 +93,7 @@ contains
       code = code_ok
    end subroutine penetration
 
-   !> F = k h.
+   !> F = k h. Equation L4.
    elemental real(wp) function linear_spring(stiffness, h) result(force)
       real(wp), intent(in) :: stiffness !! k [N/m], > 0
       real(wp), intent(in) :: h         !! penetration [m]

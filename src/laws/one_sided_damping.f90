@@ -33,7 +33,7 @@ contains
                                  plausible=span_t(1.0_wp, 1.0e15_wp))]
    end subroutine describe
 
-   !> The force on one of its sides.
+   !> The force on one of its sides. Equation L10.
    pure subroutine evaluate(self, n, h, h_dot, elastic, v0, side, force, d_h, d_h_dot, d_elastic)
       class(one_sided_damping_t), intent(in) :: self
       integer, intent(in) :: n, side

@@ -100,7 +100,7 @@ contains
       code = code_ok
    end subroutine penetration
 
-   !> F = K |h|**m sign(h).
+   !> F = K |h|**m sign(h). Equation L6.
    elemental subroutine power_spring(h, coefficient, exponent, force, d_h)
       real(wp), intent(in) :: h           !! penetration [m]
       real(wp), intent(in) :: coefficient !! K [N/m^m], > 0

@@ -38,7 +38,7 @@ module evl_radzimovsky
 
 contains
 
-   !> Create the law.
+   !> Create the law. Equations L2, L3.
    pure type(radzimovsky_t) function johnson_of_larger_radii() result(law)
       law%radii_factor = enlarged
    end function johnson_of_larger_radii

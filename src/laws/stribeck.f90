@@ -62,7 +62,7 @@ contains
                 //quantity(self%parameters(2), "")
    end subroutine check
 
-   !> phi and its slope.
+   !> phi and its slope. Equation L16.
    pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
       class(stribeck_t), intent(in) :: self
       integer, intent(in) :: n, branch

@@ -37,7 +37,7 @@ contains
                    regularisation("sliding velocity at which friction is developed to 76 %")]
    end subroutine describe
 
-   !> phi and its slope.
+   !> phi and its slope. Equation L15.
    pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
       class(tanh_friction_t), intent(in) :: self
       integer, intent(in) :: n, branch

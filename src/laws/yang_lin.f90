@@ -30,7 +30,7 @@ contains
       info%source = "Yang & Lin 1987, J. Mech. Transm. Autom. Des. 109, 189"
    end subroutine describe
 
-   !> k [N/m].
+   !> k [N/m]. Equation L5.
    pure real(wp) function stiffness(self, e_star, width)
       class(yang_lin_t), intent(in) :: self
       real(wp), intent(in) :: e_star !! effective modulus E* [Pa]

@@ -75,6 +75,7 @@ contains
    end function rational_value
 
    !> r turns - teeth: integers cancel before they are rounded, so that the relative precision does not depend on their size.
+   !> Equation TR3.
    pure real(wp) function rational_pitches(r, turns, teeth) result(pitches)
       type(rational_t), intent(in) :: r       !! pitches per turn
       integer, intent(in) :: turns, teeth

@@ -58,7 +58,7 @@ contains
       y = [dot_product(matrix(:, 1), x), dot_product(matrix(:, 2), x), dot_product(matrix(:, 3), x)]
    end function turned_back
 
-   !> R(p) of a unit quaternion.
+   !> R(p) of a unit quaternion. Equation H1.
    pure function rotation_matrix(p) result(matrix)
       real(wp), intent(in) :: p(4)
       real(wp) :: matrix(3, 3)
@@ -108,6 +108,7 @@ contains
    end function quaternion_product
 
    !> Orientation, angular velocity and angular acceleration, both in the rotated frame, from a rotation vector and its rates.
+   !> Equation H7.
    !>
    !> p = (c(x), s(x) theta) with x = theta . theta, c = cos(sqrt(x)/2), s = sin(sqrt(x)/2)/sqrt(x): entire functions of x, so
    !> that there is no singularity at any angle. Omega = 2 vec(conj(p) o p'), Omega' = 2 vec(conj(p) o p'').
@@ -132,7 +133,7 @@ contains
    end subroutine turn_from_vector
 
    !> s(x) = sin(sqrt(x)/2)/sqrt(x) with its first two derivatives; by its power series where the quotients suffer from
-   !> cancellation.
+   !> cancellation. Equation H7.
    pure subroutine half_sine(x, c, s, s_x, s_xx)
       real(wp), intent(in) :: x, c !! x >= 0; cos(sqrt(x)/2)
       real(wp), intent(out) :: s, s_x, s_xx

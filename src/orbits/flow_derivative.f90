@@ -96,7 +96,7 @@ contains
 
    !> Solve one piece: (I - h A x J) Z = h (A x J) (1 x D), with the Jacobians of the seven stages, for the moving states.
    !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8, also for the decoupling of the
-   !> system.
+   !> system. Equation O2.
    subroutine try_piece(model, states, solver, t, h, derivative, error, status)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states !! returns Z
@@ -123,7 +123,7 @@ contains
       call estimate(model, states%kept, states%moving, derivative, states%z, error)
    end subroutine try_piece
 
-   !> Solve the system of a piece as a whole.
+   !> Solve the system of a piece as a whole. Equation O2.
    subroutine solve_whole(model, states, h, derivative, good)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states
@@ -157,7 +157,7 @@ contains
    end subroutine solve_whole
 
    !> Solve it for a constant Jacobian: with A^-1 T = T Lambda and Z = (T x I) W it is (Lambda/h - J) W = (T^-1 1) x (J D).
-   !> These are one real system and three complex ones, each with as many unknowns as there are moving states.
+   !> These are one real system and three complex ones, each with as many unknowns as there are moving states. Equation O2.
    subroutine solve_apart(model, states, h, derivative, good)
       class(orbit_model), intent(in) :: model
       type(moving_states_t), intent(inout) :: states
@@ -265,6 +265,7 @@ contains
    end subroutine find_jacobians
 
    !> Error of a piece, over the largest entry of the derivative, both in units of the scales.
+   !> Equation O3.
    pure subroutine estimate(model, kept, moving, derivative, z, error)
       class(orbit_model), intent(in) :: model
       integer, intent(in) :: kept(:), moving(:)
@@ -298,7 +299,7 @@ contains
       end do
    end subroutine estimate
 
-   !> Jump of the derivative at an event, and the event itself: on return, state and modes are those after it.
+   !> Jump of the derivative at an event, and the event itself: on return, state and modes are those after it. Equation O4.
    !>
    !> With y+ = r(t, y-) where g(t, y-) = 0,
    !>

@@ -56,14 +56,14 @@ contains
       are_inside = all(abs(multipliers) < 1 - rounding)
    end function are_inside
 
-   !> Product of mu - 1: zero at a fold, and where branches cross.
+   !> Product of mu - 1: zero at a fold, and where branches cross. Equation O11.
    pure real(wp) function product_over_one(multipliers) result(total)
       complex(wp), intent(in) :: multipliers(:)
 
       total = real(product(multipliers - 1), wp)
    end function product_over_one
 
-   !> Product of mu + 1: zero at a period doubling.
+   !> Product of mu + 1: zero at a period doubling. Equation O12.
    pure real(wp) function product_over_minus_one(multipliers) result(total)
       complex(wp), intent(in) :: multipliers(:)
 
@@ -71,6 +71,7 @@ contains
    end function product_over_minus_one
 
    !> Product of mu_i mu_j - 1 over all pairs: zero where a pair leaves the unit circle (Neimark-Sacker), and for mu and 1/mu.
+   !> Equation O13.
    pure real(wp) function product_over_pairs(multipliers) result(total)
       complex(wp), intent(in) :: multipliers(:)
       complex(wp) :: so_far

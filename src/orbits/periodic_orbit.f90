@@ -100,7 +100,7 @@ contains
       orbit%residual = maxval(abs(lack_of_round(model, orbit))/model%scale, orbit%active)
    end subroutine compare_ends
 
-   !> Residual of the state after a period.
+   !> Residual of the state after a period. Equation O1.
    pure function lack_of_round(model, orbit) result(lack)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: orbit

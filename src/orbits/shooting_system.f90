@@ -98,7 +98,7 @@ contains
       end if
    end subroutine find_phase_row
 
-   !> Matrix of the system above, in units of the scales; the period in units of itself.
+   !> Matrix of the system above, in units of the scales; the period in units of itself. Equation O5.
    pure subroutine linearise(model, options, orbit, phase_row, tangent, matrix)
       class(orbit_model), intent(in) :: model
       type(orbit_options), intent(in) :: options
@@ -132,7 +132,7 @@ contains
       end if
    end subroutine linearise
 
-   !> Right-hand side of the system above: minus the residual of the state.
+   !> Right-hand side of the system above: minus the residual of the state. Equation O5.
    pure function wanted_change(model, orbit) result(x)
       class(orbit_model), intent(in) :: model
       type(orbit_t), intent(in) :: orbit

@@ -71,7 +71,7 @@ contains
       call sort(points)
    end subroutine find_special_points
 
-   !> Test function that passes zero at a special point.
+   !> Test function that passes zero at a special point. Equation O10.
    real(wp) function test(model, kind, orbit) result(value)
       class(orbit_model), intent(in) :: model
       integer, intent(in) :: kind
@@ -90,6 +90,7 @@ contains
    end function test
 
    !> Distance of a root function from touching zero: positive if it does not reach zero, with as many crossings as `fewer`.
+   !> Equation O14.
    pure real(wp) function touch_test(orbit, root, fewer) result(value)
       type(orbit_t), intent(in) :: orbit
       integer, intent(in) :: root, fewer

@@ -87,7 +87,7 @@ contains
       passage%found = found
    end subroutine pass_touch
 
-   !> Tangents of both halves, away from the grazing point; c is estimated from flows a little beyond it.
+   !> Tangents of both halves, away from the grazing point; c is estimated from flows a little beyond it. Equations O6, O7.
    subroutine find_halves(model, options, touch, touching, before_it, behind_it, power, beyond_over_way, found)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options

@@ -67,6 +67,7 @@ contains
       self%sense = "speed"
    end subroutine take
 
+   !> Torque and its slope. Equation T74.
    pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(drive_load), intent(in) :: self
       integer, intent(in) :: n, segment

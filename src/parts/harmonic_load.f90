@@ -79,6 +79,7 @@ contains
       self%sense = "mean"
    end subroutine take
 
+   !> Torque and its slope by the angle. Equation T75.
    pure subroutine evaluate(self, n, t, omega, angle, revolutions, segment, torque, damping, stiffness)
       class(harmonic_load), intent(in) :: self
       integer, intent(in) :: n, segment

@@ -101,7 +101,7 @@ contains
       is_balance = housing%is_mounted .and. state >= housing%i_state + at_velocity .and. state < housing%i_state + n_housing_states
    end function is_balance
 
-   !> Acceleration minus gravity of a point fixed to the housing [m/s^2].
+   !> Acceleration minus gravity of a point fixed to the housing [m/s^2]. Equation H2.
    pure function frame_acceleration(frame, c) result(b)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: c(3) !! the point [m]
@@ -110,7 +110,7 @@ contains
       b = frame%acceleration + cross(frame%alpha, c) + cross(frame%omega, cross(frame%omega, c))
    end function frame_acceleration
 
-   !> Acceleration that an accelerometer records along its direction: relative to the ground, without gravity [m/s^2].
+   !> Acceleration that an accelerometer records along its direction: relative to the ground, without gravity [m/s^2]. Equation H12.
    pure real(wp) function felt_acceleration(housing, frame, accelerometer) result(acceleration)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
@@ -120,7 +120,7 @@ contains
                                  + turned_back(frame%rotation, housing%gravity))
    end function felt_acceleration
 
-   !> `frame_acceleration` of a point that moves in the housing, without its relative acceleration [m/s^2].
+   !> `frame_acceleration` of a point that moves in the housing, without its relative acceleration [m/s^2]. Equation H2.
    pure function apparent_acceleration(frame, c, rate) result(b)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: c(3), rate(3) !! the point [m], its relative velocity [m/s]
@@ -129,7 +129,7 @@ contains
       b = frame_acceleration(frame, c) + 2*cross(frame%omega, rate)
    end function apparent_acceleration
 
-   !> H' + Omega x H: the moment about its centre that a wheel requires [N m].
+   !> H' + Omega x H: the moment about its centre that a wheel requires [N m]. Equation H4.
    pure function wheel_moment(frame, inertia, transverse_inertia, speed, acceleration) result(moment)
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: inertia, transverse_inertia !! about the axle, about a diameter [kg m^2]
@@ -143,7 +143,7 @@ contains
       end associate
    end function wheel_moment
 
-   !> Force of the mount, with the velocity of the point where it acts, both in ground axes [N], [m/s].
+   !> Force of the mount, with the velocity of the point where it acts, both in ground axes [N], [m/s]. Equation H10.
    pure subroutine mount_force(housing, frame, force, velocity)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
@@ -153,7 +153,7 @@ contains
       force = -housing%stiffness*mount_deflection(housing, frame) - housing%damping*velocity
    end subroutine mount_force
 
-   !> d = r + R P - P [m].
+   !> d = r + R P - P [m]. Equation H10.
    pure function mount_deflection(housing, frame) result(d)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
@@ -162,7 +162,7 @@ contains
       d = frame%position + (turned(frame%rotation, housing%mount_point) - housing%mount_point)
    end function mount_deflection
 
-   !> Moment of the mount's torsional springs and dampers [N m].
+   !> Moment of the mount's torsional springs and dampers [N m]. Equation H11.
    pure function mount_turn(housing, frame) result(moment)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame
@@ -184,6 +184,7 @@ contains
 
    !> Contribution of a mounted housing to the rates: r', p', and, at the indices of v' and Omega', the force and the moment
    !> about the origin from the ground, added to those of the loads; also the power dissipated and the power of external forces.
+   !> Equations H1, H8, H9.
    pure subroutine housing_rates(housing, frame, f, dissipation, power)
       type(housing_t), intent(in) :: housing
       type(frame_t), intent(in) :: frame

@@ -47,7 +47,7 @@ contains
       if (shaft%i_psi_b > 0) twist = twist - y(shaft%i_psi_b + order)
    end function shaft_twist
 
-   !> Torque of an elastic shaft on its second wheel [N m].
+   !> Torque of an elastic shaft on its second wheel [N m]. Equation TR1.
    pure real(wp) function shaft_torque(shaft, y) result(torque)
       type(shaft_t), intent(in) :: shaft
       real(wp), intent(in) :: y(*)

@@ -16,7 +16,7 @@ def loss(rows: float, degree: int = DEGREE) -> float:
     """Relative amplitude loss of a line by interpolation between equidistant rows.
 
     1 - 1/sum_j (f/(f + j))^(degree + 1) with f = 1/rows; an equal share appears as spurious lines
-    elsewhere.   Valid: odd degree, rows > 2.
+    elsewhere.   Valid: odd degree, rows > 2.   Equation S2.
 
     Parameters
     ----------

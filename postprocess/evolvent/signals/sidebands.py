@@ -33,7 +33,7 @@ class Sideband:
     def amplitude_modulation(self) -> float:
         """Index m of A (1 + m cos(2 pi k u - psi)) cos(2 pi n xi - phase).
 
-        With p = (line over carrier): m = |p_upper + conj(p_lower)|.
+        With p = (line over carrier): m = |p_upper + conj(p_lower)|. Equation S3.
         """
         return abs(self.upper / self.carrier + (self.lower / self.carrier).conjugate())
 
@@ -41,7 +41,7 @@ class Sideband:
     def phase_modulation(self) -> float:
         """Index b of A cos(2 pi n xi - phase + b cos(2 pi k u - psi)) [rad].
 
-        |p_upper - conj(p_lower)|, 2 J_1(b)/J_0(b): b itself to the second order.
+        |p_upper - conj(p_lower)|, 2 J_1(b)/J_0(b): b itself to the second order. Equation S3.
         """
         return abs(self.upper / self.carrier - (self.lower / self.carrier).conjugate())
 

@@ -28,7 +28,7 @@ class Lines:
 
 
 def line_spectrum(values: Numbers, first: float, step: float, weights: Numbers) -> Lines:
-    """Compute lines at multiples of 1/(n step).
+    """Compute lines at multiples of 1/(n step), equation S1.
 
     The amplitude of a sine on a line is exact: 2/sum(w) times the transform; the mean and, for an
     even number of samples, the line at half the sampling rate count once. The weighted mean is

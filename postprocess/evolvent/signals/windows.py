@@ -37,7 +37,7 @@ def window(name: str, n: int) -> Numbers:
 
 
 def noise_bandwidth(weights: Numbers) -> float:
-    """Equivalent noise bandwidth in lines, N sum w^2 / (sum w)^2."""
+    """Equivalent noise bandwidth in lines, N sum w^2 / (sum w)^2; equation S4."""
     return float(weights.size * (weights**2).sum() / weights.sum() ** 2)
 
 
