@@ -1,7 +1,7 @@
 """The paper's figures and conclusions, from the four runs of its virtual setup.
 
 Source: Kosenko & Gusev 2011, sections 7.2, 7.3 and 8. The runs are those of `examples/paper*.yaml`;
-`./reproduce-paper` makes them and writes these results. docs/theory.md explains the terms.
+`./reproduce-paper` makes them and writes these results. docs/theory/theory.md explains the terms.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Speeds at which motions end in plain steps: `python benchmarks/plain_steps.py`.
 
-The oscillator of docs/response.md alone, from 2.4 down in steps of 0.005: over the position in the
-pitch at which the speed changes, and over the number of pitches followed at each speed. Twenty
-minutes.
+The oscillator of docs/guides/response.md alone, from 2.4 down in steps of 0.005: over the position
+in the pitch at which the speed changes, and over the number of pitches followed at each speed.
+Twenty minutes.
 """
 
 from __future__ import annotations

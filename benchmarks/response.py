@@ -1,7 +1,7 @@
 """Cost and jumps of a response: `python benchmarks/response.py PROGRAM`.
 
-The oscillator with rectangular mesh stiffness of docs/response.md, in both directions, 401 speeds
-each, in at most 60 s of processor time.
+The oscillator with rectangular mesh stiffness of docs/guides/response.md, in both directions, 401
+speeds each, in at most 60 s of processor time.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def write_design(
 
 
 def seal(path: Path, at_end: bool = False) -> None:
-    """Write the checksum of a file by docs/result_format.md; an existing one is replaced."""
+    """Write the checksum of a file by docs/reference/result_format.md; replace an existing one."""
     content = path.read_bytes()
     if at_end:
         content = content[:-64] if content[-64:].startswith(SEAL) else content

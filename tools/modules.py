@@ -5,7 +5,7 @@ usage: tools/modules.py [--write]
 
 Without an argument: one line for every dependency that docs/modules.toml does not allow and for
 every cycle of files inside a module, and exit code 1 if there is any. With --write: generate the
-diagrams and tables of docs/architecture.md.
+diagrams and tables of docs/reference/architecture.md.
 
 In C, X.h and X.c are one file: an include from either is a dependency of the pair. In Python,
 imports under `if TYPE_CHECKING:` do not count for cycles, since they are not executed.

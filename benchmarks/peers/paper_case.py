@@ -3,8 +3,8 @@
 Six states, each divided by its scale: theta, the angle that the pinion has turned in its
 direction; omega, its rate; psi = r_bB times the gear's lag behind the kinematic ratio, which is the
 transmission error [m]; psi'; s, the slider's displacement [m]; s'. Contact is the closed form of
-docs/theory.md, the force Johnson's by a start value and one correction (Fritsch, Shafer, Crowley
-1973). The discrete state is the number of teeth passed and the piece of the friction law.
+docs/theory/theory.md, the force Johnson's by a start value and one correction (Fritsch, Shafer,
+Crowley 1973). The discrete state is the number of teeth passed and the piece of the friction law.
 
 The formulas are those of the kernel, written once more and compiled with numba.
 tests/reference/gearbox_reference.py gets the same motion in another way.

@@ -1,4 +1,4 @@
-/** Batch of the cases in a shard of a design, in one or several processes. docs/batch.md describes its output files. */
+/** Batch of the cases in a shard of a design, in one or several processes. docs/guides/batch.md describes its output files. */
 #pragma once
 
 #include "base/status.h"

@@ -72,7 +72,8 @@ static bool take_table(batch_plan *plan, evl_error *error)
     }
     OWNED char *known = number_rows_words();
     return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
-                         "metrics: unknown metric '%.64s'; known are %s, and those of docs/signals.md", unknown, known);
+                         "metrics: unknown metric '%.64s'; known are %s, and those of docs/guides/signals.md", unknown,
+                         known);
 }
 
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)

@@ -1,4 +1,4 @@
-/** Records of each case in the journals of a folder, for collecting or counting. docs/batch.md describes the lines. */
+/** Records of each case in the journals of a folder, for collecting or counting. docs/guides/batch.md describes the lines. */
 #pragma once
 
 #include "base/status.h"

@@ -109,7 +109,7 @@ const command fmu_command = {
             "model exchange. It runs on any Linux on x86-64 without evolvent. An input replaces a load\n"
             "{kind: torque, value: ...} or {kind: speed, value: ...} of its wheel; a speed has its acceleration as a "
             "second\n"
-            "input. The numbers of the case are parameters. See docs/fmi.md.\n"
+            "input. The numbers of the case are parameters. See docs/guides/fmi.md.\n"
             "\n"
             "Examples:\n"
             "  evolvent fmu examples/spur-pair.yaml\n"

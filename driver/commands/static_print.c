@@ -70,7 +70,7 @@ static void print_softness(FILE *stream, const static_report *report)
     if (report->gives_way && ratio < low) {
         fprintf(stream,
                 "The mean stiffness is %.2g of c_gamma: the bodies are compliant down to hub_diameter, by default the "
-                "bore;\ngive both wheels the diameter of the stiff shaft or hub, docs/compliance.md.\n",
+                "bore;\ngive both wheels the diameter of the stiff shaft or hub, docs/theory/compliance.md.\n",
                 ratio);
     }
 }
@@ -80,7 +80,7 @@ static void print_edges(FILE *stream, const static_report *report)
 {
     if (report->is_bare) {
         fputs("Sharp tip edges carry load; they have no contact pressure, so the largest pressure excludes them.\n"
-              "'tip_rounding' of the wheels gives them one, docs/compliant_flanks.md.\n",
+              "'tip_rounding' of the wheels gives them one, docs/theory/compliant_flanks.md.\n",
               stream);
     }
 }
@@ -99,7 +99,7 @@ void static_print_text(FILE *stream, const static_report *report)
     }
     if (!report->gives_way) {
         fputs("Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times softer; add\n"
-              "compliance: {} to both wheels, docs/static_analysis.md.\n\n",
+              "compliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
               stream);
     }
     print_head(stream);

@@ -1,5 +1,5 @@
 /** A design: a base case and a table, case by parameter, of the --set values that define the cases of a sweep.
- *  docs/batch.md describes the file. The interface is independent of HDF5; design_hdf5.c uses it. */
+ *  docs/guides/batch.md describes the file. The interface is independent of HDF5; design_hdf5.c uses it. */
 #pragma once
 
 #include "base/memory.h"

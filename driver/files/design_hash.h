@@ -1,4 +1,4 @@
-/** Identity of a design: a hash of everything that affects its results. docs/batch.md describes its input;
+/** Identity of a design: a hash of everything that affects its results. docs/guides/batch.md describes its input;
  *  postprocess/evolvent/sweep/design.py computes the same hash. Leaf module. */
 #pragma once
 

@@ -1,4 +1,4 @@
-/* docs/result_format.md describes the output of this file and the other history*_hdf5.c. */
+/* docs/reference/result_format.md describes the output of this file and the other history*_hdf5.c. */
 #include "files/history_head_hdf5.h"
 
 #include "files/netcdf_common_hdf5.h"

@@ -1,4 +1,4 @@
-/* docs/response.md describes the output of this file. */
+/* docs/guides/response.md describes the output of this file. */
 #include "files/orbits.h"
 
 #include "base/memory.h"

@@ -1,4 +1,4 @@
-/* docs/response.md describes this content. */
+/* docs/guides/response.md describes this content. */
 #include "files/response_rows.h"
 
 #include "base/memory.h"

@@ -1,5 +1,5 @@
 /** Checksum of a file: a line with the checksum of all other bytes, to detect damage before a library reads the file.
- *  docs/result_format.md describes it. Leaf module, independent of HDF5.
+ *  docs/reference/result_format.md describes it. Leaf module, independent of HDF5.
  *
  *  The line is at the front, in the user block of HDF5 (plans), or at the end, behind the data read by HDF5: programs
  *  recognise histories by their first bytes. */

@@ -1,4 +1,4 @@
-/** Periodic orbits of models that differ in one number: search, continuation, results. docs/orbits.md. */
+/** Periodic orbits of models that differ in one number: search, continuation, results. docs/theory/orbits.md. */
 #pragma once
 
 #include "model/model.h"

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { MOST_FLOWS = 200 }; /* of a search; docs/orbits.md */
+enum { MOST_FLOWS = 200 }; /* of a search; docs/theory/orbits.md */
 
 static void refuse(const model *model, const evl_status *status, dae_state *state, model_message *error)
 {

@@ -42,7 +42,7 @@ typedef struct {
     const model_output *outputs; /**< [n_outputs] */
 } model_facts;
 
-/** Periodic orbit of a start of kind periodic. docs/orbits.md. */
+/** Periodic orbit of a start of kind periodic. docs/theory/orbits.md. */
 typedef struct {
     int pitches;          /**< of the first mesh in its period */
     int flows;            /**< number of integrations in the search */

@@ -88,7 +88,7 @@ static char *refuse(const char *word, int n, const model_output *outputs)
     names[n + N_GROUPS] = "all";
     OWNED char *hint = suggest_phrase(word, n + N_GROUPS + 1, names);
     return xasprintf("unknown output or group '%.64s'%s; groups are " OUTPUT_GROUPS
-                     ", outputs are listed in docs/result_format.md",
+                     ", outputs are listed in docs/reference/result_format.md",
                      word, hint);
 }
 

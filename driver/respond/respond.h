@@ -1,5 +1,5 @@
 /** Motions of a gearbox over one parameter that increases and decreases in steps: the motion at a value starts from the
- *  final state at the previous value. docs/response.md. */
+ *  final state at the previous value. docs/guides/response.md. */
 #pragma once
 
 #include "respond/respond_options.h"

@@ -1,4 +1,4 @@
-/** Periodic orbits of a gearbox over one parameter, from the case to the result file. docs/response.md. */
+/** Periodic orbits of a gearbox over one parameter, from the case to the result file. docs/guides/response.md. */
 #pragma once
 
 #include "respond/respond_options.h"

@@ -1,5 +1,5 @@
 /** Settling time of a motion, from the modes at the mean mesh stiffness, and check whether it settles.
- *  docs/response.md. */
+ *  docs/guides/response.md. */
 #pragma once
 
 #include "model/model.h"

@@ -1,4 +1,4 @@
-/** Stable orbit near a slowly settling motion, by shooting; the motion can continue from it. docs/response.md. */
+/** Stable orbit near a slowly settling motion, by shooting; the motion can continue from it. docs/guides/response.md. */
 #pragma once
 
 #include "respond/carried.h"

@@ -1,4 +1,4 @@
-/** The table of the metrics of a case. A metric is one row here and one line in docs/numbers.md, and so is a quantity.
+/** The table of the metrics of a case. A metric is one row here and one line in docs/reference/numbers.md, and so is a quantity.
  *  Names, offsets, lists and the outputs to evaluate are derived from the rows.
  *
  *  A formula reads the accumulators: `w`, the window of a quantity (channel_window); `s`, the sums of a mesh

@@ -22,7 +22,7 @@ static const error_law radau = {1.4e-3, 4.0 / 7}, ida = {10.0, 5.0 / 6};
 static const double largest_tolerance = 1e-3; /* that a case may specify */
 
 /** Tolerance of an integrator, in units of the scales of the states.
- *  @param accuracy  error of a penetration relative to the largest one, as measured (docs/integrators.md) */
+ *  @param accuracy  error of a penetration relative to the largest one, as measured (docs/guides/integrators.md) */
 static double accuracy_tolerance(double accuracy, integrator_kind integrator)
 {
     const error_law *law = integrator == INTEGRATOR_RADAU ? &radau : &ida;

@@ -1,4 +1,4 @@
-/** Check of reported rates against the changes of the integrated quantities, in some steps of a run: docs/theory.md,
+/** Check of reported rates against the changes of the integrated quantities, in some steps of a run: docs/theory/theory.md,
  *  "Rates".
  *
  *  A rate has two formulas: that of the integrator, and that of the outputs. Checks in a step:

@@ -1,5 +1,5 @@
 /** Check whether the motion has settled before a window of metrics: by the distance of the start from the steady
- *  motion, which decays mode by mode, and by the means of both halves of the window. docs/numbers.md has the bounds. */
+ *  motion, which decays mode by mode, and by the means of both halves of the window. docs/reference/numbers.md has the bounds. */
 #pragma once
 
 #include "simulate/number_sums.h"

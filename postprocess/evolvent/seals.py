@@ -1,8 +1,8 @@
 """Checksums of files: a line with the checksum of all other bytes.
 
-They reveal damage before a library reads the file. docs/result_format.md describes the line;
-driver/files/seal.c of the program writes and reads the same. The line is at the front, in the user
-block of HDF5 (plans), or at the end, after the data of HDF5 (histories, summaries). In stacked
+They reveal damage before a library reads the file. docs/reference/result_format.md describes the
+line; driver/files/seal.c of the program writes and reads the same. The line is at the front, in the
+user block of HDF5 (plans), or at the end, after the data of HDF5 (histories, summaries). In stacked
 histories it covers the first bytes of the file: the checksums of the rows are in the journal.
 """
 

@@ -1,5 +1,5 @@
 !> States relative to the common period: shifted back by whole periods, compared, and transferred to a gearbox with other
-!> parameters. docs/response.md.
+!> parameters. docs/guides/response.md.
 module evl_carried_state
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64

@@ -1,5 +1,5 @@
 !> Common period of a gearbox: after it, all meshes, teeth with individual errors, harmonic loads and housing motions are in the
-!> same phase, and a motion can repeat. docs/response.md.
+!> same phase, and a motion can repeat. docs/guides/response.md.
 !>
 !> All cycles are counted in pitches of the first mesh of the case, as fractions: exact ones for meshes and wheels, recognised ones
 !> for loads and the housing.

@@ -1,5 +1,5 @@
 !> A gearbox as a system for the search for periodic orbits: `gearbox_ode` plus the shift by a period, the changes at events and
-!> their derivatives with respect to the state. docs/orbits.md.
+!> their derivatives with respect to the state. docs/theory/orbits.md.
 !>
 !> States: those of the gearbox, then the approach speed at the last closing of each tooth contact whose damping depends on it.
 !> If a speed is prescribed, theta and omega are functions of time and need not repeat; energies never repeat.

@@ -1,7 +1,7 @@
 !> Outputs of the housing at eight states: its pose and motion, mount and accelerometers; and the axial positions of wheels and
 !> meshes.
 !>
-!> Source: docs/housing.md, sections 2 and 4.
+!> Source: docs/theory/housing.md, sections 2 and 4.
 module evl_housing_outputs
    use evl_gearbox, only: wheel_t
    use evl_housing, only: felt_acceleration, frame_t, housing_t, mount_force, mount_loss

@@ -5,7 +5,7 @@
 !> is zero there. No type of load has a torque that rises with the speed, so there is at most one such speed. If there is none, the
 !> loads accelerate the wheels: the speed is that after one second from rest, and the inertia of the wheels is part of the balance.
 !> If tables change the loads, the speed and each mesh and shaft load are those of the knot with the largest magnitude.
-!> Source: docs/theory.md, "Nominal operating point".
+!> Source: docs/theory/theory.md, "Nominal operating point".
 module evl_nominal_point
    use evl_gearbox, only: gearbox_t, nominal_point_t
    use evl_kinds, only: wp

@@ -1,4 +1,4 @@
-!> Search for the periodic orbit of a start: alternate settling and Newton's method. docs/orbits.md, "The periodic start".
+!> Search for the periodic orbit of a start: alternate settling and Newton's method. docs/theory/orbits.md, "The periodic start".
 !>
 !> The motion from the steady start settles over some common periods. Newton's method then finds the orbit of one common period.
 !> A stable orbit is accepted once the motion follows the linearised flow around it: then the motion from the steady start converges

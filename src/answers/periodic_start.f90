@@ -1,5 +1,5 @@
-!> Start on a periodic orbit: restrictions, search from the steady start, and reasons of failure. docs/orbits.md, "The periodic
-!> start".
+!> Start on a periodic orbit: restrictions, search from the steady start, and reasons of failure. docs/theory/orbits.md,
+!> "The periodic start".
 module evl_periodic_start
    use evl_dae_residual, only: gearbox_derivative
    use evl_gearbox, only: gearbox_t

@@ -8,7 +8,7 @@
 !> A torque against the sense of rotation loads the coast flanks. Their path starts at the tip of the driving wheel's teeth, and the
 !> driven wheel lags by -(h + backlash), where h is the overlap of these flanks.
 !>
-!> Source: docs/static_analysis.md.
+!> Source: docs/guides/static_analysis.md.
 module evl_static_analysis
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_flank, only: exactly_one

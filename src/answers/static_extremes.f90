@@ -4,7 +4,7 @@
 !> from both sides are included. A pair that touches only between two positions is found from the parabola of its overlap. The
 !> smooth pieces between borders are passed to evl_static_search.
 !>
-!> Source: docs/static_analysis.md.
+!> Source: docs/guides/static_analysis.md.
 module evl_static_extremes
    use evl_kinds, only: wp
    use evl_static_mesh, only: static_state

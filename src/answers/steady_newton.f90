@@ -9,7 +9,7 @@
 !>
 !> If the angle of the driving wheel of a mesh is given, theta follows from its deviation: theta = target - psi/g.
 !>
-!> Source: docs/theory.md, section 9.
+!> Source: docs/theory/theory.md, section 9.
 module evl_steady_newton
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_dae_jacobian, only: gearbox_jacobian

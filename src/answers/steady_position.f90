@@ -3,7 +3,7 @@
 !> The position counts pitches of the first mesh in the power flow (see `first_mesh`), by the angle of its driving wheel. It does
 !> not depend on the order of wheels and meshes in the case, nor on the reference wheel.
 !>
-!> Source: docs/theory.md, section 9.
+!> Source: docs/theory/theory.md, section 9.
 module evl_steady_position
    use evl_common_period, only: whole_pitches
    use evl_gearbox, only: gearbox_t

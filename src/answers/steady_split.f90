@@ -7,7 +7,7 @@
 !>
 !> For an overdamped mode the slower of its two rates is used.
 !>
-!> Source: docs/theory.md, section 9.
+!> Source: docs/theory/theory.md, section 9.
 module evl_steady_split
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use evl_kinds, only: wp

@@ -1,6 +1,6 @@
 !> Steady start: slow modes have the mean of the quasi-static path, fast modes follow it.
 !>
-!> Source: docs/theory.md, section 9.
+!> Source: docs/theory/theory.md, section 9.
 module evl_steady_start
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_common_period, only: whole_pitches

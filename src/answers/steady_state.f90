@@ -1,7 +1,7 @@
 !> Equilibrium of a gearbox at one mesh position: no acceleration, with speeds of the wheels that follow from the slopes of the
 !> equilibrium along the path.
 !>
-!> Source: docs/theory.md, section 9.
+!> Source: docs/theory/theory.md, section 9.
 module evl_steady_state
    use evl_gearbox, only: gearbox_t
    use evl_housing, only: at_omega, at_position, at_velocity

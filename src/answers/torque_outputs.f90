@@ -1,6 +1,6 @@
 !> Torques of loads and shafts, and reactions of the wheels on the housing, at eight states.
 !>
-!> Source of the terms of a moving housing: docs/housing.md, sections 2 and 4.
+!> Source of the terms of a moving housing: docs/theory/housing.md, sections 2 and 4.
 module evl_torque_outputs
    use evl_force_lanes, only: lane_force
    use evl_gearbox, only: gearbox_t, wheel_position, wheel_reference, wheel_speed, wheel_t

@@ -4,7 +4,7 @@
 !> transfers the remainder to the ground; without one, the torques must balance over the whole train. In a tree of meshes and shafts
 !> each load is the sum of the torques on one side. In closed loops, as in a power split, the equilibrium leaves one unknown per
 !> loop, and the minimum of the complementary energy applies: sum of F^2/(2k) over the meshes plus sum of T^2/(2c) over the elastic
-!> shafts, with k = (pi/4) E* b of each mesh. Source: docs/theory.md, "Nominal operating point".
+!> shafts, with k = (pi/4) E* b of each mesh. Source: docs/theory/theory.md, "Nominal operating point".
 module evl_train_statics
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: pi, wp

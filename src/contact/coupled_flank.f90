@@ -7,7 +7,7 @@
 !> Whether a pair carries load follows from its overlap g_k = h_k - sum over the others of C_kl N_l. Within a mode the forces are
 !> continued as odd functions of g, so that a root can be approached from both sides.
 !>
-!> Source: docs/compliant_flanks.md, sections 2 and 3.
+!> Source: docs/theory/compliant_flanks.md, sections 2 and 3.
 module evl_coupled_flank
    use evl_contact_point, only: contact_gradient
    use evl_coupled_lanes, only: overlap_in_lanes, solve_in_lanes

@@ -6,7 +6,7 @@
 !>
 !> Deviations also change the radii of curvature of the flanks by the relative amount e'' rho; the force law neglects this.
 !>
-!> Source: derivatives of the closed form (Kosenko & Gusev 2011, Assertions 1 and 2) with the gap above; docs/deviations.md.
+!> Source: derivatives of the closed form (Kosenko & Gusev 2011, Assertions 1 and 2) with the gap above; docs/theory/deviations.md.
 module evl_deviating_flanks
    use evl_contact_point, only: base_arc, contact_gradient, contact_point, tracked_pair
    use evl_flank_deviation, only: flank_slope

@@ -17,7 +17,7 @@
 !>    S' = 1 - cos beta + (l_M/r_bB) sin beta,   V_t = sin beta + (l_M/r_bB) cos beta,   S'' = V_t (1/r_bB + V_t/l)
 !>    delta' = -V_t/l,   dS/drho = cos delta - 1
 !>
-!> Derived in docs/compliant_flanks.md.
+!> Derived in docs/theory/compliant_flanks.md.
 module evl_tip_edge
    use evl_flank_deviation, only: deviation_on, flank_branch
    use evl_kinds, only: wp

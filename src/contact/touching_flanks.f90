@@ -10,7 +10,7 @@
 !>
 !>    ((a**2 + e_s**2)/rho + a e_ss - e_s a_s)/(a**2 + e_s**2)**(3/2)
 !>
-!> Source: derived in docs/deviations.md.
+!> Source: derived in docs/theory/deviations.md.
 module evl_touching_flanks
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use evl_contact_point, only: contact_point

@@ -11,7 +11,7 @@
 !>
 !> Past the end of a flank the loaded positions depend on all three lengths, so that the a_i act on all of them.
 !>
-!> Source: docs/compliant_flanks.md, sections 1 and 3.
+!> Source: docs/theory/compliant_flanks.md, sections 1 and 3.
 module evl_yielding_flank
    use evl_compliant_johnson, only: compliant_contact, compliant_energy, compliant_force, compliant_force_lanes, &
                                     compliant_penetration

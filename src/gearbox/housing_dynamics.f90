@@ -1,7 +1,7 @@
 !> Newton's and Euler's equations of a mounted housing with all moving parts in it, and their solution for the accelerations.
 !>
-!> Source: docs/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact forces
-!> cancel in them.
+!> Source: docs/theory/housing.md, section 3. Both balances are about the origin of the housing frame and in its components; contact
+!> forces cancel in them.
 module evl_housing_dynamics
    use evl_gearbox, only: axle_acceleration, gearbox_t, wheel_position, wheel_speed
    use evl_gearbox_rates, only: gearbox_rates, multiplier_row

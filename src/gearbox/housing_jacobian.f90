@@ -1,6 +1,6 @@
 !> Contributions of housing motion and gravity to dF/dy.
 !>
-!> Source: the derivatives of docs/housing.md, one by one. Those with respect to y' are in evl_housing_dynamics.
+!> Source: the derivatives of docs/theory/housing.md, one by one. Those with respect to y' are in evl_housing_dynamics.
 module evl_housing_jacobian
    use evl_gearbox, only: add_turn, axle_acceleration, carried_acceleration, gearbox_t, of_angle, of_speed, wheel_position, &
                           wheel_speed

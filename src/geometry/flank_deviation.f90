@@ -9,7 +9,7 @@
 !>      + C_alpha ((rho - rho_m)/((rho_tip - rho_start)/2))**2
 !>      + s p_k - s e_c sin(k gamma - s psi_b/2 + s rho/r_b - psi_c)
 !>
-!> docs/deviations.md derives the last line, and the effect of second order: a flank with a slope touches beside the line of
+!> docs/theory/deviations.md derives the last line, and the effect of second order: a flank with a slope touches beside the line of
 !> action. If `line` is set, the profile's part of e is the minimum over displacements along the common tangent,
 !>
 !>    min over d of  e(rho + d) + d**2/(2 q),  q = r_b**2 (1/rho - 1/line)

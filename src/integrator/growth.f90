@@ -3,7 +3,7 @@
 !> Radau IIA is L-stable: a step of h multiplies a mode with eigenvalue lambda by R(h lambda). For long steps |R| tends to 0
 !> even if Re lambda > 0 and the mode grows. A mode that is not yet excited then stays below any tolerance, and error control
 !> cannot detect the missing growth. Up to |h lambda| = 5.5 and for small Re lambda, the growth ln|R(h lambda)| equals h Re
-!> lambda within 2e-5 |h lambda| (docs/radau.md). For modes that grow faster than this deviation, no step exceeds that limit.
+!> lambda within 2e-5 |h lambda| (docs/theory/radau.md). For modes that grow faster than this deviation, no step exceeds that limit.
 !>
 !> Eigenvalues are computed only if a bound from the entries of J admits one beyond the limit, and if J differs from matrices
 !> known to be without growth. In a large system they are computed for pieces of neighbouring states with all others fixed,

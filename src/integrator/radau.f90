@@ -13,7 +13,7 @@
 !> Error control: a step is accepted if its error estimate, in units of the model's scales, is at most 0.0022 tolerance^(4/7)
 !> in root mean square. The exponent converts between the order 7 of the estimate and the order 13 of the result. A separate
 !> estimate limits the error of the dense output to 5 tolerance. Errors thus stay within 10 times the tolerance, at the steps
-!> and between them, unless the problem amplifies them (docs/radau.md).
+!> and between them, unless the problem amplifies them (docs/theory/radau.md).
 !>
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau

@@ -1,6 +1,6 @@
 !> Error estimates of a step of the stage solver, and the step size that they allow.
 !>
-!> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8; docs/radau.md.
+!> Sources: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8; docs/theory/radau.md.
 submodule(evl_stage_solver) evl_stage_errors
    use evl_condensed_systems, only: condensed_solve_first
    use evl_dense_lu, only: dense_lu_solve_first

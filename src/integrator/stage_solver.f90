@@ -9,7 +9,7 @@
 !> for the coupled states; their integrals follow at the end (evl_quadrature_states).
 !>
 !> Error estimate: err = (gamma/h I - J)^-1 (f(t, y) - p'(t)), p the collocation polynomial, gamma the real eigenvalue. This
-!> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/radau.md).
+!> is the embedded formula of order 7, filtered: its weights are those of p'(t) (docs/theory/radau.md).
 !>
 !> For very stiff components the filter accepts any step: the stages are correct, however far apart, but the values between them
 !> are not. The dense output therefore has a separate estimate: the Chebyshev coefficients of the polynomial, extrapolated by one.

@@ -14,7 +14,7 @@
 !> Valid: 1 < ell < 699; that is h < 4 Lambda/e**2 exp(pi E* c), beyond which there is no solution and an error is reported, and h
 !> > Lambda exp(pi E* c - 698.6), below which N is linear in h: 1e-285 m for pi E* c = 40 and Lambda = 0.1 m. Forces are odd in h.
 !>
-!> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); the rest is derived in docs/compliant_flanks.md.
+!> Source: K. L. Johnson, Contact Mechanics, 1985, (5.57); the rest is derived in docs/theory/compliant_flanks.md.
 module evl_compliant_johnson
    use, intrinsic :: iso_fortran_env, only: int64
    use evl_kinds, only: lanes, pi, wp

@@ -29,7 +29,7 @@ contains
 
       info%name = "ratio"
       info%text = "c h' with c = 2 value sqrt(k m), by the damping ratio of one tooth pair at the nominal load"
-      info%source = "the definition of a damping ratio; k and m: docs/laws.md"
+      info%source = "the definition of a damping ratio; k and m: docs/reference/laws.md"
       info%rows = [parameter_row("value", "", "damping ratio of one tooth pair at the nominal load", &
                                  range=range_t(minimum=0.0_wp, maximum=1.0_wp, maximum_open=.true.))]
    end subroutine describe

@@ -10,7 +10,8 @@
 !> Hence e' < 1/chi: in a free impact the flanks never pull.
 !>
 !> Source: P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials in multibody
-!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, a comparison. The source of each chi is in the table; docs/laws.md has the titles.
+!> dynamics, Multibody Syst. Dyn. 25 (2011) 357, a comparison. The source of each chi is in the table; docs/reference/laws.md has
+!> the titles.
 module evl_impact_damping
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: yes

@@ -1,7 +1,7 @@
 !> Linear system of a few unknowns, solved by elimination with row exchanges.
 !>
 !> For some ten unknowns, LAPACK's selection of block sizes costs more than the solution itself: the system of the variational
-!> equations, with 14, takes two fifths of the instructions this way (docs/orbits.md).
+!> equations, with 14, takes two fifths of the instructions this way (docs/theory/orbits.md).
 module evl_small_system
    use evl_kinds, only: wp
    use evl_lapack, only: dgesv

@@ -7,7 +7,7 @@
 !> those that predict the last orbit best.
 !>
 !> Near an orbit with grazing (kind_touch), at which a root function just touches zero, orbits are smooth in the square root
-!> of the distance. It is then the variable of the polynomial (docs/orbits.md). If the known corrections predict an orbit no
+!> of the distance. It is then the variable of the polynomial (docs/theory/orbits.md). If the known corrections predict an orbit no
 !> better than the cubic alone, the branch is not smooth: they are discarded, and so is the first orbit of the cubic.
 !>
 !> The derivative of the flow is corrected as well, from the last known orbit.

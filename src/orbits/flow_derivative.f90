@@ -6,7 +6,7 @@
 !>
 !> Error of a piece: the end has order 13, the polynomial through the stages order 7. With p the pair of its last two
 !> Chebyshev coefficients and q the next pair, p q decreases with the fourteenth power of the piece, as the error at its end
-!> does; for D' = z D the error is below 20 p q (docs/orbits.md). If q is not much smaller than p, q itself is the estimate.
+!> does; for D' = z D the error is below 20 p q (docs/theory/orbits.md). If q is not much smaller than p, q itself is the estimate.
 !>
 !> Sources: P. C. Mueller, Calculation of Lyapunov exponents for dynamic systems with discontinuities, Chaos, Solitons & Fractals 5
 !> (1995) 1671-1681 (events); R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, Springer 2004,

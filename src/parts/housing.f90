@@ -1,6 +1,7 @@
 !> Housing: its motion, its effect on the accelerations of bodies in it, and the forces on it from the ground.
 !>
-!> Source: docs/housing.md, which derives every equation. Components are those of the housing frame unless the ground is named.
+!> Source: docs/theory/housing.md, which derives every equation. Components are those of the housing frame unless the ground
+!> is named.
 module evl_housing
    use evl_accelerometer, only: accelerometer_t
    use evl_housing_motion, only: motion_at, motion_curve, motion_term

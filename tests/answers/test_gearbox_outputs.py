@@ -22,7 +22,7 @@ from kernel.housing import Housing, Pair
 from kernel.kernel import CONTACT, Kernel
 
 TRACKINGS = pytest.mark.parametrize("tracking", [CLOSED_FORM, ALGEBRAIC, DIFFERENTIAL])
-# documented in docs/result_format.md, besides the time
+# documented in docs/reference/result_format.md, besides the time
 PROMISED = {
     *("teeth", "base_radius", "inertia", "working_pressure_angle", "base_pitch", "flank"),
     *("reference_angle", "reference_turns", "kinetic_energy", "potential_energy"),

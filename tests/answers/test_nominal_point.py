@@ -1,8 +1,8 @@
 """Nominal operating point, against an independent solution of the torque balance.
 
-The reference sums the torques of all loads as defined in docs/case_format.md, finds the speed by
-`scipy.optimize.brentq`, and takes the load of a mesh from the torques on one side of it. `show
---json` and `static` must agree to 1e-9.
+The reference sums the torques of all loads as defined in docs/reference/case_format.md, finds the
+speed by `scipy.optimize.brentq`, and takes the load of a mesh from the torques on one side of it.
+`show --json` and `static` must agree to 1e-9.
 """
 
 from __future__ import annotations

@@ -245,7 +245,7 @@ def test_damping_by_the_mesh_is_found_anew_for_every_case(
 
 
 def energy_residual(history: xr.Dataset) -> float:
-    """Largest error of the energy balance by docs/batch.md, computed independently."""
+    """Largest error of the energy balance by docs/guides/batch.md, computed independently."""
     stored = history.kinetic_energy + history.potential_energy
     balance = stored + history.dissipated_energy - history.load_work
     power = (history.load_torque * history.angular_velocity).clip(min=0.0).sum("wheel")

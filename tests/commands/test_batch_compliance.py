@@ -173,7 +173,7 @@ def test_a_check_of_many_cases_writes_no_file(
 
 
 def fnv(*arrays: np.ndarray) -> int:
-    """FNV-1a of 64 bits, as in docs/result_format.md."""
+    """FNV-1a of 64 bits, as in docs/reference/result_format.md."""
     value = 0xCBF29CE484222325
     for byte in b"".join(array.tobytes() for array in arrays):
         value = (value ^ byte) * 0x100000001B3 % 2**64

@@ -641,7 +641,7 @@ def test_all_laws_are_listed_with_their_parameters_and_units(evolvent: Evolvent)
 def test_the_documentation_has_every_key(evolvent: Evolvent, root: Path) -> None:
     keys = evolvent("show", "--keys").stdout
     assert keys.count("\n| `") > 55
-    assert (root / "docs" / "case_format.md").read_text().endswith(keys)
+    assert (root / "docs" / "reference" / "case_format.md").read_text().endswith(keys)
 
 
 def test_output_that_cannot_be_written_is_said(evolvent: Evolvent, examples: Path) -> None:

@@ -239,8 +239,9 @@ def test_an_unknown_number_is_refused(evolvent: Evolvent, case: Path, tmp_path: 
 
 def documented_metrics() -> dict[str, tuple[tuple[str, ...], str]]:
     """Dimensions and unit of each metric, from the tables of its page."""
-    page = (Path(__file__).parents[2] / "docs" / "numbers.md").read_text(encoding="utf-8")
-    lines = [line for line in page.splitlines() if line.startswith("| `")]
+    page = Path(__file__).parents[2] / "docs" / "reference" / "numbers.md"
+    text = page.read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if line.startswith("| `")]
     cells = [[cell.strip(" `") for cell in line.split("|")[1:-1]] for line in lines]
     quantities = [(row[0], tuple(row[1].split(", ")), row[2]) for row in cells if len(row) == 4]
     found = {}

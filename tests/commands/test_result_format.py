@@ -1,4 +1,4 @@
-"""Contents of a history, as netCDF readers see it, and as documented in docs/result_format.md."""
+"""Contents of a history: as netCDF readers see it, and as docs/reference/result_format.md says."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def test_the_attributes_tell_how_the_history_came_about(
 
 
 def documented(text: str) -> dict[str, tuple[str, ...]]:
-    """Variables and their dimensions in the tables of docs/result_format.md."""
+    """Variables and their dimensions in the tables of docs/reference/result_format.md."""
     rows = re.findall(r"^\| (`[^|]*) \| ([^|]*) \| [^|]* \|", text, re.MULTILINE)
     return {
         name: tuple(dims.split(", "))
@@ -127,7 +127,7 @@ def documented(text: str) -> dict[str, tuple[str, ...]]:
 def test_the_documentation_lists_the_variables_that_a_history_has(
     evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
 ) -> None:
-    text = (root / "docs" / "result_format.md").read_text()
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
     variables = text.split("## Variables")[1].split("## Tooth pairs")[0]
     events = text.split("## Group `events`")[1]
     evolvent("run", case, *SHORT)
@@ -142,7 +142,7 @@ def test_the_documentation_lists_the_variables_that_a_history_has(
 def test_the_documentation_lists_what_coast_flanks_add(
     evolvent: Evolvent, case: Path, examples: Path, tmp_path: Path, root: Path
 ) -> None:
-    text = (root / "docs" / "result_format.md").read_text()
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
     evolvent("run", case, *SHORT)
     with xr.open_dataset(tmp_path / "paper.h5") as history:
         without = set(history.data_vars)
@@ -157,7 +157,7 @@ def test_the_documentation_lists_what_coast_flanks_add(
 def test_the_documentation_lists_what_a_moving_housing_adds(
     evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
 ) -> None:
-    text = (root / "docs" / "result_format.md").read_text()
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
     evolvent("run", case, *SHORT)
     with xr.open_dataset(tmp_path / "paper.h5") as history:
         fixed = set(history.data_vars)
@@ -174,7 +174,7 @@ def test_the_documentation_lists_what_a_moving_housing_adds(
 def test_the_documentation_lists_what_shafts_add(
     evolvent: Evolvent, case: Path, examples: Path, tmp_path: Path, root: Path
 ) -> None:
-    text = (root / "docs" / "result_format.md").read_text()
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
     for file in (case, examples / "two-stage.yaml"):
         assert evolvent("run", file, *SHORT).returncode == 0
     with (
@@ -190,7 +190,7 @@ def test_the_documentation_lists_what_shafts_add(
 def test_the_documentation_lists_what_outputs_by_position_add(
     evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
 ) -> None:
-    text = (root / "docs" / "result_format.md").read_text()
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
     section = text.split("## Outputs by position")[1].split("\n## ")[0]
     evolvent("run", case, *SHORT)
     with xr.open_dataset(tmp_path / "paper.h5") as history:
@@ -213,7 +213,7 @@ def test_the_documentation_lists_what_outputs_by_position_add(
 def test_the_documentation_lists_the_attributes_that_a_history_has(
     evolvent: Evolvent, case: Path, tmp_path: Path, root: Path
 ) -> None:
-    text = (root / "docs" / "result_format.md").read_text()
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
     table = text.split("## Attributes of the root")[1].split("## NAME.partial")[0]
     found: set[str] = set()
     for integrator in ("ida", "radau"):

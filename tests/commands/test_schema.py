@@ -19,7 +19,7 @@ from example_cases import CASES, PLANS
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 BLOCKS = re.findall(
     r"^### (\w+)$",
-    (Path(__file__).resolve().parents[2] / "docs" / "case_format.md").read_text(),
+    (Path(__file__).resolve().parents[2] / "docs" / "reference" / "case_format.md").read_text(),
     re.MULTILINE,
 )
 

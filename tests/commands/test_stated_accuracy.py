@@ -97,7 +97,7 @@ def test_a_smaller_accuracy_is_a_smaller_tolerance(
 def test_the_tolerance_is_where_the_law_of_the_measured_errors_meets_the_accuracy(
     evolvent: Evolvent, case: Path, integrator: str, factor: float, power: float, accuracy: float
 ) -> None:
-    """The laws of docs/integrators.md: no measured gearbox has a larger error."""
+    """The laws of docs/guides/integrators.md: no measured gearbox has a larger error."""
     told = tolerance(evolvent, case, PLACES[integrator], f"simulation.accuracy={accuracy}")
     assert factor * told**power == pytest.approx(accuracy, rel=0.03)  # printed with two digits
 

@@ -68,7 +68,7 @@ def test_file_has_its_own_axes(curves: xr.Dataset) -> None:
 
 def test_documentation_lists_what_a_file_has(curves: xr.Dataset, root: Path) -> None:
     text = (
-        (root / "docs" / "result_format.md")
+        (root / "docs" / "reference" / "result_format.md")
         .read_text()
         .split("## Static analysis")[1]
         .split("\n## ")[0]

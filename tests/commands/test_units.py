@@ -281,12 +281,12 @@ def test_show_lists_the_units_that_numbers_take(evolvent: Evolvent) -> None:
 
 
 def test_the_documented_table_of_units_is_the_program_s(evolvent: Evolvent, examples: Path) -> None:
-    page = (examples.parent / "docs" / "case_format.md").read_text(encoding="utf-8")
+    page = (examples.parent / "docs" / "reference" / "case_format.md").read_text(encoding="utf-8")
     assert f"\n\n{evolvent('show', '--units').stdout}\n" in page
 
 
 def test_the_documented_refusals_are_the_program_s(evolvent: Evolvent, examples: Path) -> None:
-    page = (examples.parent / "docs" / "case_format.md").read_text(encoding="utf-8")
+    page = (examples.parent / "docs" / "reference" / "case_format.md").read_text(encoding="utf-8")
     for option in ("wheels.pinion.width=3 N", "wheels.pinion.module=-3 mm"):
         line = evolvent("run", examples / "spur-pair.yaml", "--set", option).stderr
         assert line.split(": ", 1)[1] in page

@@ -21,7 +21,7 @@ def test_every_example_passes_and_nothing_is_written(evolvent: Evolvent, tmp_pat
     assert len(CASES) > 10
     done = evolvent("validate", *CASES)
     assert done.returncode == 0
-    (warning,) = done.stderr.splitlines()  # the one explained in docs/deviations.md
+    (warning,) = done.stderr.splitlines()  # the one explained in docs/theory/deviations.md
     assert warning.startswith(f"evolvent: warning: {CASES[0].parent / 'tip-relief.yaml'}: meshes.")
     assert done.stdout.splitlines() == [f"{path}: ok" for path in CASES]
     assert not list(tmp_path.iterdir())

@@ -62,7 +62,7 @@ def mass(inertia_a: float, inertia_b: float) -> float:
 
 
 def johnson() -> tuple[float, float]:
-    """Penetration and stiffness under FORCE, by manual calculation from docs/laws.md."""
+    """Penetration and stiffness under FORCE, by manual calculation from docs/reference/laws.md."""
     line, modulus = FORCE / WIDTH, math.pi * E_STAR
     logarithm = math.log(4 * modulus * RHO / line)
     return line / modulus * (logarithm - 1), WIDTH * modulus / (logarithm - 2)

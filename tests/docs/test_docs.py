@@ -13,7 +13,8 @@ import pytest
 from documents import FENCE, NOT_RUN, ROOT, blocks, run_as_reader
 
 README = ROOT / "README.md"
-TUTORIAL = ROOT / "docs" / "tutorial.md"  # test_tutorial.py goes through it
+TUTORIAL = ROOT / "docs" / "tutorial" / "tutorial.md"  # test_tutorial.py goes through it
+LAWS = ROOT / "docs" / "reference" / "laws.md"
 PAGES = sorted(
     [README, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]
 )
@@ -85,6 +86,12 @@ def test_commands_succeed_in_the_order_in_which_they_are_printed(
     run_page(page)
 
 
+def test_the_index_lists_every_page() -> None:
+    index = ROOT / "docs" / "README.md"
+    listed = {(index.parent / target).resolve() for target in LINK.findall(index.read_text())}
+    assert set((ROOT / "docs").glob("*/**/*.md")) - listed == set()
+
+
 def test_readme_prints_commands_of_all_programs() -> None:
     first_words = {command.split()[0] for command in commands(README)}
     assert first_words == {"evolvent", "evolvent-post", "evolvent-sweep"}
@@ -120,19 +127,19 @@ def test_every_force_law_of_the_program_has_a_section(executable: Path) -> None:
             family = match[1]
         elif match := re.match(r"  \{law: (\w+)\}", line):
             named.add(f"{family}: {match[1]}")
-    described = re.findall(r"^## (\w+: \w+)$", (ROOT / "docs/laws.md").read_text(), re.MULTILINE)
+    described = re.findall(r"^## (\w+: \w+)$", LAWS.read_text(), re.MULTILINE)
     assert set(described) == named
 
 
 def test_the_figure_of_the_readme_is_small() -> None:
-    images = [target for target in LINK.findall(README.read_text()) if "images/" in target]
-    assert images
+    images = re.findall(r'(?:\]\(|<img src=")(docs/images/[^)"]+)', README.read_text())
+    assert len(images) == 3
     for image in images:
         assert (ROOT / image).stat().st_size < 200_000  # a page opens at once
 
 
 def test_the_figures_of_the_paper_are_small() -> None:
-    images = sorted((ROOT / "docs/paper").glob("*.png"))
+    images = sorted((ROOT / "docs/reports/paper").glob("*.png"))
     assert len(images) == 3
     for image in images:
         assert image.stat().st_size < 150_000

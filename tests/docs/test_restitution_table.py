@@ -1,4 +1,4 @@
-"""The restitution that docs/laws.md tabulates is the one that the equation gives."""
+"""The restitution that docs/reference/laws.md tabulates is the one that the equation gives."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from restitution import table
 
-LAWS = Path(__file__).resolve().parents[2] / "docs/laws.md"
+LAWS = Path(__file__).resolve().parents[2] / "docs/reference/laws.md"
 
 
 def test_the_table_of_nominal_and_real_restitution_is_that_of_the_equation() -> None:

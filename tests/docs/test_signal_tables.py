@@ -1,4 +1,4 @@
-"""The tables of docs/signals.md and of docs/result_format.md are what the program has."""
+"""The tables of guides/signals.md and reference/result_format.md are what the program has."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from evolvent.signals.window_names import WINDOWS
 from evolvent.signals.windows import measures
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-SIGNALS = (DOCS / "signals.md").read_text(encoding="utf-8")
+SIGNALS = (DOCS / "guides" / "signals.md").read_text(encoding="utf-8")
 
 
 def cells(line: str) -> list[str]:
@@ -42,7 +42,7 @@ def test_the_table_of_what_resampling_costs_is_its_formula() -> None:
 
 
 def test_every_variable_of_the_results_is_in_the_format() -> None:
-    text = (DOCS / "result_format.md").read_text(encoding="utf-8")
+    text = (DOCS / "reference" / "result_format.md").read_text(encoding="utf-8")
     section = text.partition("## Spectra, order maps, Campbell pictures")[2]
     named = set(re.findall(r"`(\w+)`", section))
     told = set(re.findall(r"^\| `(\w+)` \| (?!rows)", section, re.MULTILINE))

@@ -1,4 +1,4 @@
-"""The table of signs in docs/operating_points.md, row by row, by runs."""
+"""The table of signs in docs/guides/operating_points.md, row by row, by runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "operating_points.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "guides" / "operating_points.md"
 ROW = re.compile(r"^\| the dri\w+ wheel.*\| (\w*clockwise) (.*)\|$", re.MULTILINE)
 SIGNS = {"+": 1, "-": -1}
 SPEED, TORQUE, RATIO = 157.08, 50.0, 34 / 19  # of examples/spur-pair.yaml: rad/s, N m

@@ -11,7 +11,7 @@ import pytest
 
 from documents import ROOT, agrees, blocks, missing_line, run_as_reader, steps
 
-PAGE = ROOT / "docs" / "tutorial.md"
+PAGE = ROOT / "docs" / "tutorial" / "tutorial.md"
 CASES = sorted((ROOT / "examples").glob("tutorial-*.yaml"))
 
 
@@ -38,7 +38,7 @@ def test_the_cases_of_the_tutorial_are_those_of_the_examples() -> None:
 
 
 def test_the_pictures_of_the_tutorial_are_small() -> None:
-    pictures = re.findall(r"\]\((images/tutorial-\S+)\)", PAGE.read_text(encoding="utf-8"))
+    pictures = re.findall(r"\]\((\.\./images/tutorial-\S+)\)", PAGE.read_text(encoding="utf-8"))
     assert 1 <= len(pictures) <= 4
     for picture in pictures:
         assert (PAGE.parent / picture).stat().st_size < 60_000

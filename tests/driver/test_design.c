@@ -109,7 +109,7 @@ static void columns_of_every_type_become_set_options(void **state)
     assert_int_equal(design->n_cases, N_CASES);
     assert_int_equal(design->n_columns, 5); /* a derived column has no path */
     assert_int_equal(design->history_every, 7);
-    /* by Python's hashlib and struct from what docs/batch.md says */
+    /* by Python's hashlib and struct from what docs/guides/batch.md says */
     assert_string_equal(design->hash, "25c8d6395d49393505669204b15b768be4ebcd985afc0f9799763fe81a53381d");
     assert_true(design->window[0] == 0.25 && design->window[1] == 0.5);
     assert_option(design, 0, 0, "a.b=0.1");

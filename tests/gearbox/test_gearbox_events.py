@@ -427,7 +427,8 @@ def test_every_kind_of_event_has_a_name_of_its_own(kernel: Kernel):
 
 
 def test_the_documentation_lists_every_kind_of_event(kernel: Kernel, root: Path):
-    text = (root / "docs" / "result_format.md").read_text().split("## Group `events`")[1]
+    page = root / "docs" / "reference" / "result_format.md"
+    text = page.read_text().split("## Group `events`")[1]
     table = re.findall(r"^\| `(\w+)` \| ([^|]+) \|$", text.split("## Attributes")[0], re.MULTILINE)
     assert table == event_kinds(kernel)
 

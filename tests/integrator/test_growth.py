@@ -22,7 +22,7 @@ from integrator.radau import (
 )
 
 STAGES = 7
-REACH = 5.5  # of |h lambda|, as docs/radau.md has it
+REACH = 5.5  # of |h lambda|, as docs/theory/radau.md has it
 OMEGA = 1000.0  # of the oscillator [rad/s]
 SEED = 1e-13  # amplitude from which it grows, far below the tolerance of 1e-9
 
@@ -86,7 +86,7 @@ def test_growth_is_followed_within_the_reach(damping: float):
     reaches = np.linspace(0.5, REACH, 51)
     z = reaches * direction(-damping)
     error = np.array([np.log(abs(stability(x))) for x in z]) - z.real
-    # docs/radau.md: 2e-5 of |z|, and 0.5 % of the growth where damping is strong
+    # docs/theory/radau.md: 2e-5 of |z|, and 0.5 % of the growth where damping is strong
     assert np.all(abs(error) <= 2e-5 * reaches + 5e-3 * z.real)
 
 

@@ -417,7 +417,7 @@ def test_states_on_which_nothing_depends_are_as_exact_as_the_others(library: Lib
         before, now, y, _ = solver.state
         for t, state in ((now, y), ((before + now) / 2, solver.interpolate((before + now) / 2))):
             exact = [np.cos(t), -np.sin(t), np.sin(t), t / 2 + np.sin(2 * t) / 4]
-            # 10 times the tolerance, as promised in docs/radau.md
+            # 10 times the tolerance, as promised in docs/theory/radau.md
             assert np.max(np.abs(state - exact)) < 1e-8
 
 
@@ -437,7 +437,7 @@ def test_an_integral_is_as_exact_as_its_tolerance_where_its_own_error_chooses_th
             for t, y in solver.steps(0, [1, 0], 2.3)
         ]
         worst.append(np.abs(errors).max())
-    # now and then a kink lies where the estimate sees it badly, as docs/radau.md says
+    # now and then a kink lies where the estimate sees it badly, as docs/theory/radau.md says
     assert np.mean(np.array(worst) <= 10 * 1e-6) > 0.95
     assert max(worst) <= 50 * 1e-6
 

@@ -1,7 +1,7 @@
 """Flank deviations from Python, and the same formulas in mpmath.
 
-The calls are those of `tests/geometry/deviation_calls.f90`; `Formula` follows docs/deviations.md,
-not the kernel.
+The calls are those of `tests/geometry/deviation_calls.f90`; `Formula` follows
+docs/theory/deviations.md, not the kernel.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def pitch_error_sequence(
 
 @dataclass
 class Formula:
-    """Deviation e(rho) of docs/deviations.md in mpmath, on the branch selected by a zone."""
+    """Deviation e(rho) of docs/theory/deviations.md in mpmath, on the branch selected by a zone."""
 
     given: Block
     profile: Profile

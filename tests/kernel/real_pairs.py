@@ -1,8 +1,8 @@
 """One pair of gears defined by a basic rack at a state: all tooth pairs, absolute coordinates.
 
-Based on docs/geometry.md and docs/deviations.md, with fifty digits. Teeth are found by their
-positions on the wheels, forces by differences of the gap. Unlike the kernel, it does not count
-from the start and uses neither deviations from a nominal motion nor lever arms of the forces.
+Based on docs/theory/geometry.md and docs/theory/deviations.md, with fifty digits. Teeth are found
+by their positions on the wheels, forces by differences of the gap. Unlike the kernel, it does not
+count from the start and uses neither deviations from a nominal motion nor lever arms of the forces.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class RealPair:
         description.pop("pressure_angle")
         return Gearbox(kernel, wheels, loads, [description])
 
-    # ---- geometry, docs/geometry.md
+    # ---- geometry, docs/theory/geometry.md
 
     @cached_property
     def base_radii(self) -> tuple[mp.mpf, mp.mpf]:

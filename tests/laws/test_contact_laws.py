@@ -144,7 +144,7 @@ def test_coulomb_friction_in_its_own_mode_is_the_clamped_line(kernel: Kernel):
 
 
 def test_the_knee_itself_belongs_to_the_line(kernel: Kernel):
-    """As |v_t| <= delta in docs/laws.md says; the slope there is that of the line."""
+    """As |v_t| <= delta in docs/reference/laws.md says; the slope there is that of the line."""
     delta = 1e-4
     law = kernel.law(FRICTION, "coulomb", coefficient=0.3, regularisation_velocity=delta)
     beyond = np.nextafter(delta, 1.0)

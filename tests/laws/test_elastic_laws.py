@@ -184,7 +184,7 @@ def line_load(name: str, h: mp.mpf, rho: mp.mpf) -> mp.mpf:
 
 
 def energy(name: str, h: mp.mpf, length: mp.mpf) -> mp.mpf:
-    """V over pi E*, as docs/theory.md has it, at rho_A + rho_B = length + h."""
+    """V over pi E*, as docs/theory/theory.md has it, at rho_A + rho_B = length + h."""
     rho = length + h
     load = line_load(name, h, rho)
     log = 1 + h / load

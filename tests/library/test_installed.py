@@ -1,4 +1,4 @@
-"""The programs of docs/calling.md, built against an installation as another project would."""
+"""The programs of docs/guides/calling.md, built against an installation as others would."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def prefix(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def sources(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The programs of the page."""
     folder = tmp_path_factory.mktemp("mine")
-    page = root / "docs" / "calling.md"
+    page = root / "docs" / "guides" / "calling.md"
     cases, kernel = blocks(page, "c")
     (folder / "cases.c").write_text(cases)
     (folder / "kernel.c").write_text(kernel)

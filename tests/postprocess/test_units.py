@@ -10,7 +10,7 @@ import pytest
 
 from evolvent.units import UNITS, axis_label, displayed, engineering, quantity
 
-RESULT_FORMAT = Path(__file__).parents[2] / "docs" / "result_format.md"
+RESULT_FORMAT = Path(__file__).parents[2] / "docs" / "reference" / "result_format.md"
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ and win the same elastic energy, so that
 
     chi (1 + e') = ln[(1 + chi)/(1 - chi e')]
 
-whatever the elastic law. Prints the table of docs/laws.md.
+whatever the elastic law. Prints the table of docs/reference/laws.md.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def effective_restitution(chi: mp.mpf) -> mp.mpf:
 
 
 def table() -> str:
-    """Lay out the table of docs/laws.md: nominal e against e' of every law, to four decimals."""
+    """Lay out the table of docs/reference/laws.md: nominal e, e' of every law, to four decimals."""
     lines = [
         f"| nominal $e$ | {' | '.join(f'`{law}`' for law in FACTORS)} |",
         "|---|" + "---|" * len(FACTORS),

@@ -303,7 +303,7 @@ def test_the_submission_of_the_tutorial_runs(slurm_sweep, tmp_path):
     assert few != text
     (tmp_path / "sweep.yaml").write_text(few, encoding="utf-8")
     assert slurm_sweep("plan", "sweep.yaml", "-o", "relief-design.h5")[0] == 0
-    lines = "".join(steps_with_slurm(ROOT / "docs" / "tutorial.md")).splitlines()
+    lines = "".join(steps_with_slurm(ROOT / "docs" / "tutorial" / "tutorial.md")).splitlines()
     submitting = next(line for line in lines if line.endswith("--submit"))
     words = submitting.removeprefix("evolvent-sweep ").replace(" --account gears", "").split()
     code, out, err = slurm_sweep(*words)

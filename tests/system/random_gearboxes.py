@@ -237,7 +237,7 @@ class Gearbox:
         if law == "one_sided":
             depth = self.force / (STIFFNESS * self.width)
             return {"law": law, "coefficient": 2 * linear / depth}
-        # the v0_min used for docs/integrators.md; that of the mesh damps less
+        # the v0_min used for docs/guides/integrators.md; that of the mesh damps less
         return {"law": law, "restitution": self.uniform(0.3, 0.95), "v0_min": 1e-3}
 
     def friction(self) -> Block:

@@ -47,7 +47,7 @@ DONE, REFUSED, ENDED = 0, 3, 4  # exit codes permitted here
 # Of the range of the motion; half of the pairs of runs agree to 1e-8.
 WITHIN = 1e-4
 LAST_DIGITS = 1e-10  # perturbation of a case to detect amplification of errors
-# Response to it above which a motion counts as chaotic, as in docs/integrators.md; and the
+# Response to it above which a motion counts as chaotic, as in docs/guides/integrators.md; and the
 # permitted ratio of the integrators' difference to it, whose errors are 1e-6 against 1e-10.
 CHAOTIC, FARTHER = 1e-7, 1e4
 SHARE = 0.1  # permitted fraction of an error that remains at a fraction of the tolerance

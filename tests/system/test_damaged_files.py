@@ -1,6 +1,6 @@
 """Bit flips, truncated files, zeroed blocks: rejected with the file name, or read correctly.
 
-Each seed is some damages of one kind of file; docs/random_sets.md gives the results.
+Each seed is some damages of one kind of file; docs/reports/random_sets.md gives the results.
 """
 
 from __future__ import annotations

@@ -88,7 +88,7 @@ def test_both_integrators_find_the_same_extremes(runs):
         runs(GEARS, STRONG, "simulation.duration=0.02", integrator(name)).history
         for name in ("ida", "radau")
     )
-    assert_same(ida, radau, 1e-7)  # errors of IDA, docs/integrators.md
+    assert_same(ida, radau, 1e-7)  # errors of IDA, docs/guides/integrators.md
 
 
 @pytest.mark.parametrize("name", INTEGRATORS)

@@ -110,7 +110,7 @@ def with_a_proud_tooth(rotation: str, tooth: int, force: float) -> dict[str, Any
 
 @pytest.mark.parametrize(("rotation", "tooth"), [("clockwise", 4), ("counterclockwise", 76)])
 def test_the_force_at_rest_is_that_of_the_flanks_that_carry(runs, executable, rotation, tooth):
-    """Docs/numbers.md: over the largest quasi-static force under the mean torque.
+    """Docs/reference/numbers.md: over the largest quasi-static force under the mean torque.
 
     A tooth that protrudes on one of its flanks is set back on the other: the loaded flank
     determines the share of the load of one pair.

@@ -1,4 +1,4 @@
-"""The example of docs/operating_points.md: a motor, a pair with compliant teeth, a machine."""
+"""Example of docs/guides/operating_points.md: a motor, a pair with compliant teeth, a machine."""
 
 from __future__ import annotations
 

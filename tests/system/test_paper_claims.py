@@ -1,6 +1,6 @@
 """Conclusions of the paper (its sections 7.2, 7.3 and 8), tested with the four runs of Table 1.
 
-The page docs/paper/README.md prints the same claims with the same bounds.
+The page docs/reports/paper/README.md prints the same claims with the same bounds.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from system.scaled_cases import UNITS, keys
 from system.wide_gearboxes import KINDS, kind_of
 
 SHORT, LONG, TOGETHER = 200, 10_000, 10  # seeds, and the number of seeds judged in a test
-# Open cases: docs/random_sets.md gives the reasons.
+# Open cases: docs/reports/random_sets.md gives the reasons.
 OPEN = {0: "slow", 59: "slow"}
 
 

@@ -26,7 +26,7 @@ SEEDS = (
 TRAINS = (117, 180, 278)  # whose rigid flanks open and close each other at one instant
 LONG = 500
 ENERGY = 1e-8  # required; 6.2e-11 was the worst of 488 runs
-# Incomplete runs (docs/random_sets.md), at 1e-12 and at the default tolerance.
+# Incomplete runs (docs/reports/random_sets.md), at 1e-12 and at the default tolerance.
 ENDED_AT_TIGHT = {0, 5, 8, 101, 117, 147, 312, 339, 423, 427, 452}
 ENDED = {312, 423}
 

@@ -80,7 +80,7 @@ def test_a_release_of_the_changelog_is_recorded_with_its_commit() -> None:
     dated = re.findall(r"^## \[([0-9.]+)\] - (\d{4}-\d\d-\d\d)$", CHANGELOG, re.MULTILINE)
     rows = re.findall(
         r"^\| ([0-9.]+) \| (\S+) \| ([0-9a-f]{40}) \|$",
-        (ROOT / "docs/releases.md").read_text(),
+        (ROOT / "docs/reports/releases.md").read_text(),
         re.MULTILINE,
     )
     assert [row[:2] for row in rows] in (dated, dated[1:])

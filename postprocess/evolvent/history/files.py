@@ -1,7 +1,7 @@
 """Open a history file, or that of another analysis.
 
 As datasets of xarray, or as a recording, which is read in pieces without xarray. This is the only
-module that depends on the file layout; docs/result_format.md describes it.
+module that depends on the file layout; docs/reference/result_format.md describes it.
 """
 
 from __future__ import annotations
@@ -65,19 +65,28 @@ def open_history(path: str | Path) -> xr.Dataset:
 
     Parameters
     ----------
-    path : file written by `evolvent run`, its NAME.partial, or the folder NAME.parts of a run with
+    path : str or Path
+        File written by `evolvent run`, its NAME.partial, or the folder NAME.parts of a run with
         checkpoints: its closed parts together.
 
     Returns
     -------
-    Dataset with the dimensions time [s], wheel, mesh and axis (x, y); SI units and radians, each
-    variable with `units`, `long_name` and `symbol`. `case`, the whole resolved case, and the
-    counts and versions of the run are attributes.
+    xarray.Dataset
+        Variables over time [s], wheel, mesh and axis (x, y), in SI units and radians, each with
+        `units`, `long_name` and `symbol`. `case`, the whole resolved case, and the counts and
+        versions of the run are attributes.
 
     Raises
     ------
     HistoryError
         No such file, not HDF5, no history, or of a newer format than this package reads.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> with evolvent.open_history("paper.h5") as history:
+    ...     print(history["mesh"].values.tolist(), history["penetration"].attrs["units"])
+    ['pinion-gear'] m
     """
     return open_result(path, HISTORY)
 
@@ -87,10 +96,29 @@ def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
 
     A static analysis has the dimensions torque [N m], position [pitches], pair and harmonic.
 
+    Parameters
+    ----------
+    path : str or Path
+        File of an analysis.
+    *kinds : str
+        Accepted kinds, such as `STATIC` and `RESPONSE` of this module.
+
+    Returns
+    -------
+    xarray.Dataset
+        Contents of the file.
+
     Raises
     ------
     HistoryError
         As for `open_history`; or the file is of another kind.
+
+    Examples
+    --------
+    >>> from evolvent.history import HISTORY, STATIC, open_result, result_kind
+    >>> with open_result("paper.h5", HISTORY, STATIC) as result:
+    ...     print(result_kind(result))
+    history
     """
     path = Path(path)
     result = _open(path, None)
@@ -107,10 +135,27 @@ def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
 def open_recording(path: str | Path) -> Iterator[Recording]:
     """Open a history for reading in pieces, with h5py alone.
 
+    Parameters
+    ----------
+    path : str or Path
+        As for `open_history`.
+
+    Yields
+    ------
+    Recording
+        The history; it is closed at the end of the `with` statement.
+
     Raises
     ------
     HistoryError
         As for `open_history`.
+
+    Examples
+    --------
+    >>> from evolvent.history import open_recording
+    >>> with open_recording("paper.h5") as recording:
+    ...     print(sum(part.n for part in recording.parts()) == recording.n)
+    True
     """
     path = Path(path)
     _check_file(path)
@@ -168,7 +213,25 @@ def check_seal(path: Path) -> str | None:
 
 
 def result_kind(result: xr.Dataset) -> str:
-    """Kind of analysis of a file; files of the first version have no kind and are histories."""
+    """Kind of analysis of a file; files of the first version have no kind and are histories.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        As from `open_result`.
+
+    Returns
+    -------
+    str
+        "history", "static", "response", "orbits", "spectrum", "order_map" or "campbell".
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> from evolvent.history import result_kind
+    >>> result_kind(evolvent.open_history("paper.h5"))
+    'history'
+    """
     return _kind(result.attrs)
 
 
@@ -181,18 +244,26 @@ def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
 
     Parameters
     ----------
-    path : as for `open_history`, or the history returned by `evolvent.run`.
+    path : str, Path or xarray.Dataset
+        As for `open_history`, or the history returned by `evolvent.run`.
 
     Returns
     -------
-    Dataset with the dimensions event and side (before, after): `time` [s] (event), `kind` (event),
-    decoded to names such as "tooth_switch"; `mesh` (event), an index from 0, -1 if the event
-    concerns no mesh; `tooth_pair` (event), pitches since the start; every state (event, side).
+    xarray.Dataset
+        Variables over event and side (before, after): `time` [s] (event); `kind` (event), decoded
+        to names such as "tooth_switch"; `mesh` (event), an index from 0, -1 if the event concerns
+        no mesh; `tooth_pair` (event), pitches since the start; every state (event, side).
 
     Raises
     ------
     HistoryError
         As for `open_history`, or if there is no group of events.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> evolvent.open_events("paper.h5")["kind"].values.tolist()
+    ['tooth_switch', 'tooth_switch']
     """
     if not isinstance(path, str | Path):
         make = path.encoding.get(EVENTS)
@@ -219,12 +290,20 @@ def run_warning(history: xr.Dataset | Recording) -> str | None:
 
     Parameters
     ----------
-    history : as from `open_history`, or the result of a static analysis.
+    history : xarray.Dataset or Recording
+        As from `open_history`, or the result of a static analysis.
 
     Returns
     -------
-    One line, with the last output of an unfinished run; None if the run reached its end without a
-    message.
+    str or None
+        One line, with the last output of an unfinished run; None if the run reached its end without
+        a message.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> print(evolvent.run_warning(evolvent.open_history("paper.h5")))
+    None
     """
     status = history.attrs.get("status")
     message = str(history.attrs.get("status_message", ""))
@@ -241,7 +320,27 @@ def run_warning(history: xr.Dataset | Recording) -> str | None:
 
 
 def rows_between(history: xr.Dataset, begin: float, end: float) -> slice:
-    """Rows of times from `begin` to `end`, both included: a slice, without a copy."""
+    """Rows of times from `begin` to `end`, both included: a slice, without a copy.
+
+    Parameters
+    ----------
+    history : xarray.Dataset
+        As from `open_history`.
+    begin, end : float
+        Times [s].
+
+    Returns
+    -------
+    slice
+        Rows of the history.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> from evolvent.history import rows_between
+    >>> rows_between(evolvent.open_history("paper.h5"), 1.0, 2.0)
+    slice(1000, 2001, None)
+    """
     time = history["time"].values
     first = int(time.searchsorted(begin, "left"))
     return slice(first, max(int(time.searchsorted(end, "right")), first))

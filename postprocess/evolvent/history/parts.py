@@ -1,7 +1,7 @@
 """History of a long run that is still in parts: a folder NAME.h5.parts.
 
 Its closed parts, part-0001.h5 and so on, form one history up to the run's last checkpoint.
-docs/long_runs.md describes the folder.
+docs/guides/long_runs.md describes the folder.
 """
 
 from __future__ import annotations

@@ -109,19 +109,31 @@ def run(case: Case, set: Settings = None) -> xr.Dataset:
 
     Parameters
     ----------
-    case : path of a case file, its text, or the equivalent mapping.
-    set : {path: value}, or a list of texts "PATH=VALUE", as --set takes them; a value may be a
-        number, or a text such as "2 kN m".
+    case : str, Path or mapping
+        Path of a case file, its text, or the equivalent mapping.
+    set : mapping or list of str, optional
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
 
     Returns
     -------
-    History as from `open_history`, with the same variables and bitwise equal values, without a
-    file; `open_events` accepts it, too.
+    xarray.Dataset
+        History as from `open_history`, with the same variables and bitwise equal values, without a
+        file; `open_events` accepts it, too.
 
     Raises
     ------
     AnalysisError
         The case is rejected, or cannot be integrated to its end; `history` holds partial results.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> history = evolvent.run("examples/paper.yaml", {"simulation.duration": 0.1})
+    >>> history.sizes["time"]
+    101
+    >>> history["normal_force"].attrs["units"]
+    'N'
     """
     return _result(case, set, "evolvent_run")
 
@@ -139,18 +151,40 @@ def static(
 
     Parameters
     ----------
-    case, set : as for `run`.
-    torque, mesh, speed, points : as the options of the program; a torque may be
-        (from, to, steps) as well.
+    case : str, Path or mapping
+        Path of a case file, its text, or the equivalent mapping.
+    set : mapping or list of str, optional
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
+    torque : str, float or tuple, optional
+        Torque of the driving wheel [N m], a text as `--torque` takes it, or (from, to, steps); by
+        default that of the loads. Negative torques load the coast flanks.
+    mesh : str or int, optional
+        Name or index of the mesh; by default the first one.
+    speed : str or float, optional
+        Speed of the driving wheel [rad/s], or a text such as "1500 rpm", at which the flanks rub;
+        by default there is no friction.
+    points : int, optional
+        Number of positions over a pitch; by default 200.
 
     Returns
     -------
-    Dataset over torque [N m], position [pitches], pair and harmonic.
+    xarray.Dataset
+        Results over torque [N m], position [pitches], pair and harmonic.
 
     Raises
     ------
     AnalysisError
         The case or the request is rejected.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> result = evolvent.static("examples/compliant-pair.yaml", torque=(50.0, 150.0, 3))
+    >>> result["torque"].values.tolist()
+    [50.0, 100.0, 150.0]
+    >>> result["peak_to_peak_transmission_error"].dims
+    ('torque',)
     """
     if isinstance(torque, tuple):
         torque = ":".join(str(part) for part in torque)
@@ -175,21 +209,41 @@ def respond(
 
     Parameters
     ----------
-    case, set : as for `run`.
-    over : parameter, first and last value, and number of values: (path, from, to),
-        (path, from, to, steps), or the text that the program takes.
-    direction : "up", "down", or "both": up, and from there down.
-    periods : maximum number of common periods at a value.
+    case : str, Path or mapping
+        Path of a case file, its text, or the equivalent mapping.
+    set : mapping or list of str, optional
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
+    over : str or tuple
+        Parameter, first and last value, and number of values: (path, from, to),
+        (path, from, to, steps), or the text that `--over` takes. By default 101 values.
+    direction : str, optional
+        "up", "down", or "both": up, and from there down.
+    periods : int, optional
+        Maximum number of common periods at a value; by default 25 time constants of the slowest
+        mode, at least 600 pitches.
 
     Returns
     -------
-    Dataset over direction and parameter, with the jumps, as in the file of the program.
+    xarray.Dataset
+        Results over direction and parameter, with the jumps, as in the file of the program.
 
     Raises
     ------
     AnalysisError
         The case, a value or the range is rejected, or a motion cannot be integrated; `history`
         holds the results at the values before.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> response = evolvent.respond(
+    ...     "examples/spur-pair.yaml",
+    ...     over=("meshes.pinion-gear.damping.value", 0.05, 0.1, 2),
+    ...     direction="up",
+    ... )
+    >>> response.sizes["parameter"]
+    2
     """
     if isinstance(over, tuple | list) and len(over) > 0:
         path, *values = over
@@ -227,17 +281,38 @@ def modes(
 
     Parameters
     ----------
-    case, set : as for `run`.
-    at, mesh_position, mean : as the options of the program; at most one of them.
+    case : str, Path or mapping
+        Path of a case file, its text, or the equivalent mapping.
+    set : mapping or list of str, optional
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
+    at : str or float, optional
+        Time [s], or a text such as "20 ms", up to which the case is integrated and at which it is
+        linearised.
+    mesh_position : float, optional
+        Linearise the steady state at this distance of the first mesh from the start of contact
+        [pitches].
+    mean : bool, optional
+        Linearise at all positions of the meshes and take the mean. At most one of `at`,
+        `mesh_position` and `mean` may be given; by default the steady state is linearised.
 
     Returns
     -------
-    The JSON output of the program as a dictionary.
+    dict
+        The JSON output of the program.
 
     Raises
     ------
     AnalysisError
         The case is rejected, or cannot be linearised there.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> result = evolvent.modes("examples/paper.yaml")
+    >>> frequencies = [mode["natural_frequency"] for mode in result["modes"]]  # None: rigid body
+    >>> [f"{frequency:.0f} Hz" for frequency in frequencies if frequency is not None]
+    ['331 Hz', '1147 Hz']
     """
     request = ModesRequest(
         at=encoded_or_none("at", at),
@@ -252,16 +327,28 @@ def show(case: Case, set: Settings = None) -> dict[str, Any]:
 
     Parameters
     ----------
-    case, set : as for `run`.
+    case : str, Path or mapping
+        Path of a case file, its text, or the equivalent mapping.
+    set : mapping or list of str, optional
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
 
     Returns
     -------
-    The JSON output of the program as a dictionary.
+    dict
+        The JSON output of the program.
 
     Raises
     ------
     AnalysisError
         The case is rejected.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> shown = evolvent.show("examples/spur-pair.yaml")
+    >>> round(shown["meshes"]["pinion-gear"]["contact_ratio"], 3)
+    1.496
     """
     return _answer(case, set, "evolvent_show")
 
@@ -271,15 +358,26 @@ def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
 
     Parameters
     ----------
-    case, set : as for `run`.
+    case : str, Path or mapping
+        Path of a case file, its text, or the equivalent mapping.
+    set : mapping or list of str, optional
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
 
     Returns
     -------
-    {path: {"unit": ..., "value": ...}}.
+    dict
+        {path: {"unit": ..., "value": ...}}.
 
     Raises
     ------
     AnalysisError
         The case is rejected.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> evolvent.parameters("examples/paper.yaml")["simulation.duration"]
+    {'unit': 's', 'value': 5}
     """
     return _answer(case, set, "evolvent_parameters")

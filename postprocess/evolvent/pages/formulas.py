@@ -1,7 +1,8 @@
 """Formulas on pages: MathML from the plain text of symbols and invariants.
 
-The text is that of `symbol` attributes and docs/theory.md: Greek letters by their names, `_` before
-a subscript, ' for a time derivative, products by a blank, words for quantities without a letter.
+The text is that of `symbol` attributes and docs/theory/theory.md: Greek letters by their names, `_`
+before a subscript, ' for a time derivative, products by a blank, words for quantities without a
+letter.
 """
 
 from __future__ import annotations

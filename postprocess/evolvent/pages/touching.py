@@ -36,7 +36,7 @@ def touching(
     row : output.
     deviation : profile deviation that shifts the points; the perfect flanks if None.
 
-    Source: docs/theory.md, forces: -F_n e + F_t t on the driving wheel, v_t along t.
+    Source: docs/theory/theory.md, forces: -F_n e + F_t t on the driving wheel, v_t along t.
     """
     names = [str(name) for name in history["pair"].values]
     normal, friction, position = (

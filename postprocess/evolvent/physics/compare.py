@@ -32,20 +32,30 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
 
     Parameters
     ----------
-    first, second : as from `open_history`, with the same wheels and meshes.
+    first, second : xarray.Dataset
+        As from `open_history`, with the same wheels and meshes.
 
     Returns
     -------
-    Dataset with the dimension variable: `absolute`, the largest difference, in the unit that
-    `units` names; `largest`, the largest absolute value in either; `relative`, their ratio;
-    `where`, time and location of the largest difference. Its attributes: `times` (how times were
-    matched, in words), `n_times`, `only_in_first` and `only_in_second` (names of variables in one
-    history only, comma-separated).
+    xarray.Dataset
+        Differences over the dimension variable: `absolute`, the largest difference, in the unit
+        that `units` names; `largest`, the largest absolute value in either; `relative`, their
+        ratio; `where`, time and location of the largest difference. Its attributes: `times` (how
+        times were matched, in words), `n_times`, `only_in_first` and `only_in_second` (names of
+        variables in one history only, comma-separated).
 
     Raises
     ------
     HistoryError
         Different wheels or meshes, or no time span in common.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> case = "examples/paper.yaml"
+    >>> same = evolvent.compare_histories(evolvent.open_history("paper.h5"), evolvent.run(case))
+    >>> float(same["absolute"].max())
+    0.0
     """
     for dim in ("wheel", "mesh", "axis"):
         names = [[str(v) for v in history[dim].values] for history in (first, second)]

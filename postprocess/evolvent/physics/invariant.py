@@ -26,7 +26,7 @@ class Invariant:
     """One row of the table."""
 
     name: str
-    formula: str  # text, as in docs/theory.md
+    formula: str  # text, as in docs/theory/theory.md
     relative_to: str
     least_bound: float
     deviation: Callable[[Recording], Deviation]

@@ -2,8 +2,8 @@
 
 Each invariant is a function of the history, whose decorator is its row (`invariant`). It returns
 the deviation, divided by its natural scale, so that a single number bounds it: a fixed one, or a
-multiple of the tolerance of the case if that is larger. docs/theory.md explains them. The history
-is read in parts, twice: for the scales, then for the deviations.
+multiple of the tolerance of the case if that is larger. docs/theory/theory.md explains them. The
+history is read in parts, twice: for the scales, then for the deviations.
 
 `evolvent run` checks its own run against some of them, with the same bounds, and writes the result
 (`invariants`).
@@ -53,16 +53,25 @@ def check_history(history: xr.Dataset | Recording) -> list[Verdict]:
 
     Parameters
     ----------
-    history : as from `open_history` or `open_recording`.
+    history : xarray.Dataset or Recording
+        As from `open_history` or `open_recording`.
 
     Returns
     -------
-    One verdict for each row of `INVARIANTS`, in its order.
+    list of Verdict
+        One for each row of `INVARIANTS`, in its order.
 
     Raises
     ------
     HistoryError
         A variable required by an invariant is not in the file.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> verdicts = evolvent.check_history(evolvent.open_history("paper.h5"))
+    >>> [verdict.invariant.name for verdict in verdicts if verdict.failed]
+    []
     """
     run = recording_of(history)
     return [check_invariant(run, invariant) for invariant in INVARIANTS]

@@ -1,7 +1,8 @@
 """Main results of a run: forces, pressures, errors, losses, speeds; with times and positions.
 
-Means, shares and factors are those over whole periods (docs/numbers.md) if a history has them. They
-are otherwise evaluated from its outputs: in the same window, or in the whole run without one.
+Means, shares and factors are those over whole periods (docs/reference/numbers.md) if a history has
+them. They are otherwise evaluated from its outputs: in the same window, or in the whole run without
+one.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ class Answer:
     """One row: label and a value for each mesh or wheel; None if there is none."""
 
     label: str
-    symbol: str  # plain, as in docs/theory.md
+    symbol: str  # plain, as in docs/theory/theory.md
     cells: tuple[Cell | None, ...]
 
 

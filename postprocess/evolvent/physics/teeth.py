@@ -27,7 +27,7 @@ CLEARANCE = 0.25  # between a tip and the other wheel's root circle, over the ti
 
 @dataclass(frozen=True)
 class Relief:
-    """Material removed from a profile, starting at a radius; see docs/deviations.md."""
+    """Material removed from a profile, starting at a radius; see docs/theory/deviations.md."""
 
     amount: float  # at the end of the profile [m]
     start: float  # radius of curvature at its start [m]
@@ -72,7 +72,7 @@ class Profile:
     def deviation(self, rho: Numbers) -> Numbers:
         """Material removed from a flank by reliefs and crowning, at radii of curvature [m].
 
-        Source: docs/deviations.md; pitch errors and runout are not included.
+        Source: docs/theory/deviations.md; pitch errors and runout are not included.
         """
         begin, end = self.rho(self.active_radius), self.rho_end
         crowned = self.crowning * ((2 * rho - begin - end) / (end - begin)) ** 2

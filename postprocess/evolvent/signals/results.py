@@ -202,7 +202,7 @@ def _what(history: xr.Dataset, signal: xr.DataArray, record: Record, name: str) 
         "leakage": (
             "none of periodic signals: whole periods"
             if name == RECTANGULAR and record.of is not None
-            else "see docs/signals.md for the window"
+            else "see docs/guides/signals.md for the window"
         ),
     }
 

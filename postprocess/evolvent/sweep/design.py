@@ -1,7 +1,7 @@
 """Design of a sweep in a file: a base case and a table case x parameter.
 
 The only module that depends on the layout of DESIGN.h5; `evolvent batch` reads the same layout, and
-docs/sweeps.md describes it.
+docs/guides/sweeps.md describes it.
 
 Unlike journals, designs are read here and not by the program: four columns of a million cases take
 0.03 s of processor time this way, but 2.7 s as lines of JSON (0.7 s to print, 2 s to parse), 1.4 s
@@ -56,7 +56,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Respond:
-    """Definition of each case as a response (docs/response.md) instead of a run."""
+    """Definition of each case as a response (docs/guides/response.md) instead of a run."""
 
     over: str  # PATH=FROM:TO[:STEPS]
     direction: str  # up, down or both
@@ -90,7 +90,8 @@ class Design:
     def hash(self) -> str:
         """Identity of the results: SHA-256 over all data that determine them.
 
-        The program computes the same (driver/files/design_hash.c); docs/batch.md describes it.
+        The program computes the same (driver/files/design_hash.c); docs/guides/batch.md
+        describes it.
         """
         columns = [p for p in self.parameters if p.path]
         digest = hashlib.sha256(b"".join(_text(t) for t in (IDENTITY, self.maker, self.case)))

@@ -1,6 +1,6 @@
 """Folder of a sweep: its shards, their journals and locks, its copy of the design.
 
-`evolvent batch` writes the shards; docs/sweeps.md describes the files.
+`evolvent batch` writes the shards; docs/guides/sweeps.md describes the files.
 """
 
 from __future__ import annotations
@@ -64,12 +64,31 @@ def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
 
     Parameters
     ----------
-    version : of the program that is to run it.
+    design_path : Path
+        Design, as written by `evolvent-sweep plan`.
+    folder : Path
+        Folder of the results. It is created and gets a copy of the design.
+    version : str
+        Version of the program that is to run it.
+
+    Returns
+    -------
+    Design
+        The design.
 
     Raises
     ------
     SweepError
         A design of another version of evolvent, or a folder of another design.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from evolvent.sweep.folder import open_for_run
+    >>> from evolvent.sweep.program import find_program, program_version
+    >>> version = program_version(find_program())
+    >>> open_for_run(Path("torque.h5"), Path("torque"), version).n_cases
+    39
     """
     design = read_design(design_path)
     if check(design_path) == NONE:
@@ -133,7 +152,22 @@ def remaining_shards(recorded: np.ndarray, of: int) -> list[Shard]:
 
     Parameters
     ----------
-    recorded : whether each case is recorded.
+    recorded : numpy.ndarray of bool
+        Whether each case is recorded.
+    of : int
+        Number of shards of the sweep.
+
+    Returns
+    -------
+    list of Shard
+        The shards, by index.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from evolvent.sweep.folder import remaining_shards
+    >>> [shard.stem for shard in remaining_shards(np.array([True, False, True, True]), of=2)]
+    ['shard-2-of-2']
     """
     return [Shard(of, i) for i in range(1, of + 1) if not recorded[i - 1 :: of].all()]
 

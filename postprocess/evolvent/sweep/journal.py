@@ -127,12 +127,33 @@ def read_records(folder: Path, design: Design, scalars: bool = True) -> Records:
 
     Parameters
     ----------
-    scalars : False omits the results, which takes less time and memory.
+    folder : Path
+        Folder of a sweep.
+    design : Design
+        Its design, as from `open_for_run`.
+    scalars : bool, optional
+        False omits the results, which takes less time and memory.
+
+    Returns
+    -------
+    Records
+        Status and results of every case.
 
     Raises
     ------
     SweepError
         A journal of another design, of another format, or that cannot be read.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from evolvent.sweep.folder import open_for_run
+    >>> from evolvent.sweep.journal import read_records
+    >>> from evolvent.sweep.program import find_program, program_version
+    >>> folder = Path("torque")
+    >>> design = open_for_run(Path("torque.h5"), folder, program_version(find_program()))
+    >>> print(read_records(folder, design, scalars=False).counts)
+    39 cases: 39 done, 0 did not finish, 0 missing
     """
     command = [str(find_program()), "records", str(folder), *([] if scalars else ["--brief"])]
     with started(command, stdout=subprocess.PIPE) as (process, said):

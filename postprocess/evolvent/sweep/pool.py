@@ -45,18 +45,38 @@ def run_with_executor(
 
     Parameters
     ----------
-    program, design, folder : paths that are valid for the workers as well.
-    show : called several times a second.
+    program, design, folder : Path
+        Paths that are valid for the workers as well.
+    shards : list of Shard
+        Shards to run, as from `remaining_shards`.
+    executor : concurrent.futures.Executor
+        Executor of the tasks: threads, MPI, Dask.
+    show : callable, optional
+        Called several times a second.
 
     Returns
     -------
-    Exit code: 0, or 1 if cases failed.
+    int
+        Exit code: 0, or 1 if cases failed.
 
     Raises
     ------
     SweepError
         Another run is working in the folder, the executor broke, or a task failed in all attempts,
         with the reason of the last one.
+
+    Examples
+    --------
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> from pathlib import Path
+    >>> from evolvent.sweep.folder import Shard
+    >>> from evolvent.sweep.pool import run_with_executor
+    >>> from evolvent.sweep.program import find_program
+    >>> with ThreadPoolExecutor(1) as executor:
+    ...     run_with_executor(
+    ...         find_program(), Path("torque.h5"), Path("torque"), [Shard(1, 1)], executor
+    ...     )
+    0
     """
     for shard in shards:
         if is_locked(folder, shard):

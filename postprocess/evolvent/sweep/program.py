@@ -20,10 +20,21 @@ VARIABLE = "EVOLVENT_EXECUTABLE"
 def find_program() -> Path:
     """Find `evolvent`: named by EVOLVENT_EXECUTABLE, beside this Python, or in PATH.
 
+    Returns
+    -------
+    Path
+        Absolute path of the program.
+
     Raises
     ------
     SweepError
         It is not found.
+
+    Examples
+    --------
+    >>> from evolvent.sweep.program import find_program
+    >>> find_program().name
+    'evolvent'
     """
     named = os.environ.get(VARIABLE)
     if named:
@@ -41,7 +52,29 @@ def find_program() -> Path:
 
 
 def program_version(program: Path) -> str:
-    """Version of the program, such as "0.1.0"."""
+    """Version of the program, such as "0.1.0".
+
+    Parameters
+    ----------
+    program : Path
+        As from `find_program`.
+
+    Returns
+    -------
+    str
+        The version.
+
+    Raises
+    ------
+    SweepError
+        The program does not return a version.
+
+    Examples
+    --------
+    >>> from evolvent.sweep.program import find_program, program_version
+    >>> len(program_version(find_program()).split("."))
+    3
+    """
     done = call(program, "--version")
     words = done.stdout.split()
     if done.returncode != 0 or len(words) < 2:

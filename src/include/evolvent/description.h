@@ -130,7 +130,7 @@ typedef enum {
 /** An output of a gearbox, or a derived quantity of a case; SI units and radians. */
 typedef struct {
     char name[EVL_SHORT_LENGTH], units[EVL_SHORT_LENGTH]; /**< units: UDUNITS; "1" if dimensionless */
-    char symbol[EVL_SHORT_LENGTH];                        /**< as in docs/symbols.md; "" if none */
+    char symbol[EVL_SHORT_LENGTH];                        /**< as in docs/reference/symbols.md; "" if none */
     char long_name[3 * EVL_SHORT_LENGTH];
     int dims;                   /**< evl_dims; the axis components are x, y */
     bool is_static, is_integer; /**< is_static: without a time dimension */

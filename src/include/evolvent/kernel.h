@@ -246,7 +246,7 @@ typedef struct {
     int jacobians;        /**< Jacobian evaluations */
     int factorisations;   /**< factorisations of the systems of all stages together */
     int root_evaluations; /**< evaluations of the root functions beyond one per step */
-    /* the fastest growing mode, if steps were shortened because of a growing mode: docs/radau.md */
+    /* the fastest growing mode, if steps were shortened because of a growing mode: docs/theory/radau.md */
     double growth_t;         /**< time of occurrence [s] */
     double growth_rate;      /**< growth rate, the real part of its eigenvalue [1/s]; 0: no such mode */
     double growth_frequency; /**< imaginary part [rad/s], >= 0 */
@@ -420,7 +420,7 @@ EVL_API int evl_gearbox_take_over(const evl_gearbox *gearbox, bool alike, double
 
 /* ---- orbits ------------------------------------------------------------------------------------------------------------------- */
 
-/** Continuation of periodic orbits of gearboxes over one parameter; orbits are found by shooting. docs/orbits.md. */
+/** Continuation of periodic orbits of gearboxes over one parameter; orbits are found by shooting. docs/theory/orbits.md. */
 typedef struct evl_orbits evl_orbits;
 /** Get the gearbox for a value of the parameter and the scales of its states [n_states]; both are valid until the next call.
  *  @return EVL_OK, or any other code on failure, with the reason in `status` */
@@ -541,7 +541,7 @@ typedef struct {
     bool has_searched; /**< the case was not rejected before the first integration */
 } evl_periodic;
 /** Find the periodic orbit to which the motion from the steady start converges. Fill y, yp, integers and reals with its state at
- *  t = 0, at the mesh position of the steady start. docs/orbits.md.
+ *  t = 0, at the mesh position of the steady start. docs/theory/orbits.md.
  *  @return EVL_OK; EVL_INVALID_INPUT (no periodic start is possible, or the search needs more integrations), EVL_NO_SOLUTION (no steady
  *          state, no orbit found, or the search was interrupted), EVL_OUT_OF_DOMAIN */
 EVL_API int evl_gearbox_periodic_start(const evl_gearbox *gearbox, const evl_initial *initial,

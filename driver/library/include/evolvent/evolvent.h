@@ -4,7 +4,7 @@
  *  caller holds. Any number of threads may call it at once, also with one case, which no call changes. Results are
  *  bitwise those of the program evolvent. If a call returns NULL, or not EVOLVENT_OK, the reason is in `error`, with
  *  the program's message. Every `error` may be NULL. Texts are UTF-8, quantities in SI units and radians.
- *  docs/calling.md has examples. */
+ *  docs/guides/calling.md has examples. */
 #ifndef EVOLVENT_EVOLVENT_H
 #define EVOLVENT_EVOLVENT_H
 

@@ -1,0 +1,1 @@
+"""The documentation as one site: pages, and references made from the code: tools/build-docs."""
