@@ -186,7 +186,7 @@ case_warning *case_warnings(const case_file *file, memory_pool *pool, int *n)
     search search = {.pool = pool};
     const checker checker = {.path = file->path};
     search_block(&search, &checker, file->root);
-    case_warning *warnings = pool_calloc(pool, (size_t)(search.n_former + search.n), sizeof *warnings);
+    case_warning *warnings = pool_calloc(pool, (size_t)search.n_former + (size_t)search.n, sizeof *warnings);
     *n = 0;
     for (int i = 0; i < search.n_former; i++) {
         const case_entry *entry = search.former[i];
