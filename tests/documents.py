@@ -12,15 +12,21 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 # Fenced blocks: the language, then everything up to the closing fence.
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NOT_RUN = "# not run:"  # at the start of a block, or after a command; the reason follows
+NOT_RUN = "# not run:"  # after a command, or in a comment above a block; the reason follows
+MARK = re.compile(r"^<!-- (not run:.*) -->\n(```\w+\n)", re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 TOKEN = re.compile(rf"{NUMBER.pattern}|\.\.\.|[^\s\d+-]+|[-+]")
 LEFT_OUT = "..."  # in a quote: an omitted line, or the rest of one
 
 
+def read(page: Path) -> str:
+    """Text of a page; a block that is not run starts with `NOT_RUN`."""
+    return MARK.sub(r"\2# \1\n", page.read_text(encoding="utf-8"))
+
+
 def blocks(page: Path, *languages: str) -> list[str]:
     """Fenced blocks of these languages, in order."""
-    text = page.read_text(encoding="utf-8")
+    text = read(page)
     return [body for language, body in FENCE.findall(text) if language in languages]
 
 
@@ -35,7 +41,7 @@ class Step:
 
 def steps(page: Path) -> list[Step]:
     """Blocks that a reader runs, in order; a text block after one is its output."""
-    text = page.read_text(encoding="utf-8")
+    text = read(page)
     found = list(FENCE.finditer(text))
     listed = []
     for block, behind in zip(found, [*found[1:], None], strict=True):
