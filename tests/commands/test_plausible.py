@@ -316,7 +316,7 @@ def test_deviations_below_it_are_accepted(evolvent: Evolvent, examples: Path) ->
 @pytest.mark.parametrize(
     ("option", "field"),
     [
-        ("wheels.pinion.eccentricity={amount: 0.4 mm}", "eccentricity.amount"),
+        ("wheels.pinion.eccentricity={amount: 0.4 mm}", "eccentricity"),
         ("wheels.pinion.thickness_allowance=-0.4 mm", "thickness_allowance"),
     ],
 )

@@ -55,6 +55,7 @@ def deviations(
     seed: int = 0,
     runout_amount: float | None = None,
     runout_phase: float = 0.0,
+    radial_runout: float | None = None,
     **fields: object,
 ) -> Block:
     """Deviations of a wheel; those not given are zero."""
@@ -63,6 +64,8 @@ def deviations(
         result.accuracy = Block({"class": accuracy_class, "seed": seed})
     if runout_amount is not None:
         result.eccentricity = Block(amount=runout_amount, phase=runout_phase)
+    if radial_runout is not None:
+        result.eccentricity = Block(radial_runout=radial_runout, phase=runout_phase)
     return result
 
 

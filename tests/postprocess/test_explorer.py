@@ -59,7 +59,7 @@ def test_of_a_million_outputs_every_line_keeps_its_extremes_at_their_times():
     history = long_history(1_000_000)
     made = explorer(history, no_events())
     assert len(made.numbers) <= LARGEST
-    assert "Of 1,000,000 outputs" in made.note
+    assert " of 1,000,000 outputs: the smallest and the largest of each interval" in made.note
     page = "".join(
         f'<script type="t" id="explorer-{name}">{text}</script>'
         for name, text in (("facts", made.facts), ("numbers", made.numbers))

@@ -180,7 +180,7 @@ def test_extremes_of_one_period_are_those_of_the_linear_oscillator(runs, omega):
     """Closed form, flanks always in contact; a peak may be anywhere in an integration step."""
     case = oscillator(omega, -1e-5)
     period = 2 * math.pi / (omega * math.sqrt(CONTACT / MASS))
-    case["simulation"].update(duration=60.3 * period, numbers={"from": 58.6 * period})
+    case["simulation"].update(duration=60.3 * period, metrics={"from": 58.6 * period})
     run = runs(case)
     assert run.exit_code == 0, run.messages
     assert int(run.history["window_periods"]) == 1

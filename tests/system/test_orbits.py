@@ -411,7 +411,7 @@ def test_period_under_torques_alone_is_found(evolvent, examples, tmp_path, dampi
         (
             ("--over", f"{SPEED}=-500:-600", "--method", "sweep", "--values", "9"),
             2,
-            "with --method",
+            "require --method",
         ),
         (("--over", f"{SPEED}=-500:-600", "--values", "1"), 2, "from 2 to 100000"),
         (("--over", f"{SPEED}=-500:-600", "--longest", "17"), 2, "from 1 to 16"),

@@ -213,8 +213,8 @@ def test_a_wheel_that_is_held_gives_two_rows_and_a_remark(runs: Runs, integrator
     assert done.history["output_kind"].values.tolist() == [FORWARDS, OFF_GRID]
     remark = done.history.attrs["status_message"]
     assert re.fullmatch(
-        r"output by pitch: mesh pinion-gear went \S+e-05 pitches, from 0 to \S+e-05, "
-        r"less than one: 0 positions forwards, 0 back",
+        r"output by pitch: mesh pinion-gear moved \S+e-05 pitches, from 0 to \S+e-05, "
+        r"less than one: 0 positions forwards, 0 backwards",
         remark,
     )
     assert remark in done.messages
@@ -226,7 +226,7 @@ def test_a_run_that_gets_there_has_no_remark_and_one_that_turns_too_little_says_
     assert far.history.attrs["status_message"] == ""
     remark = near.history.attrs["status_message"]
     assert re.search(
-        r"wheel gear went 0\.27\d+ turns, from 0\.00.*: 1 position forwards, 0 back", remark
+        r"wheel gear moved 0\.27\d+ turns, from 0\.00.*: 1 position forwards, 0 backwards", remark
     )
 
 
@@ -317,7 +317,7 @@ def test_sums_over_rows_are_the_harmonics_that_the_run_found(
     """Metrics are integrals over time, independent of rows; both count pitches alike."""
     case = yaml.safe_load((examples / example).read_text(encoding="utf-8"))
     numbers = {"from": 0.01, "pitches_of": mesh}
-    case["simulation"] = by({"per_pitch": 512, "mesh": mesh}, duration=0.03, numbers=numbers)
+    case["simulation"] = by({"per_pitch": 512, "mesh": mesh}, duration=0.03, metrics=numbers)
     history = run(runs, case).history
     begin, end = (float(history[f"window_{side}"]) for side in ("begin", "end"))
     time, place = history["time"].values, history["output_position"].values

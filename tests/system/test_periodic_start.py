@@ -110,7 +110,7 @@ def test_the_orbit_is_where_the_motion_from_the_steady_start_ends(
     run: Run, examples: Path, name: str
 ) -> None:
     """After 0.3 s and more the motion has settled to 1e-2 of its slowest mode."""
-    history = run(examples / f"{name}.yaml", initial="{kind: periodic}", numbers="{from: 0}")
+    history = run(examples / f"{name}.yaml", initial="{kind: periodic}", metrics="{from: 0}")
     settled = run(
         examples / f"{name}.yaml",
         **{"initial": "{kind: steady}", "duration": 0.6, "metrics": "{from: 0.55}"},

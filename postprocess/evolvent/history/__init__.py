@@ -21,7 +21,7 @@ from evolvent.history.files import (
     rows_between,
     run_warning,
 )
-from evolvent.history.names import file_label, lacking, require, source_name
+from evolvent.history.names import file_label, require, source_name
 
 __all__ = [
     "CAMPBELL",
@@ -37,7 +37,6 @@ __all__ = [
     "STATIC",
     "WHAT",
     "file_label",
-    "lacking",
     "open_events",
     "open_history",
     "open_recording",

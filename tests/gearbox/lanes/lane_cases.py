@@ -80,7 +80,7 @@ DEVIATIONS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "accuracy class": tuple({"accuracy_class": 6, "seed": z} for z in TEETH),
     "runout": (
         {"runout_amount": 1e-5},
-        {"runout_amount": 2e-5, "runout_phase": 1.0},
+        {"radial_runout": 4e-5, "runout_phase": 1.0},
     ),
     "all of them": tuple(
         {
