@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/progress.h"
+#include "case/former_keys.h"
 #include "files/checkpoint.h"
 
 #include <math.h>
@@ -32,8 +33,11 @@ static bool find(batch_keeper *self, char *doubt, evl_error *why)
     OWNED char *path = batch_checkpoints_path(&self->plan->checkpoints, self->index);
     checkpoint own = {.t = 0}, found = {.t = 0};
     identify(self, &own);
-    bool good =
-        checkpoint_read(path, &found, doubt, why) && checkpoint_compare(&own, &found, path, why) == N_CHECKPOINT_TEXTS;
+    bool good = checkpoint_read(path, &found, doubt, why);
+    if (good) {
+        case_text_use_present_keys(&found.texts[CHECKPOINT_CASE]);
+        good = checkpoint_compare(&own, &found, path, why) == N_CHECKPOINT_TEXTS;
+    }
     if (good) {
         self->from = found.state;
         found.state = (archive){.n = 0};

@@ -145,16 +145,40 @@ static journal_state read_lines(FILE *file, const journal *journal, const char *
     return state;
 }
 
+/** The head of a file that agrees with `head`: a new string; `head` itself if there is none. Rows have the checksum of
+ *  the head under which the journal was started. */
+static char *find_head(const char *path, const char *head)
+{
+    FILE *file = fopen(path, "rb");
+    char *line = NULL;
+    size_t room = 0;
+    long format = 0;
+    bool found = false;
+    ssize_t length = 0;
+    while (file != NULL && !found && (length = getline(&line, &room, file)) > 0) {
+        length -= line[length - 1] == '\n' ? 1 : 0;
+        line[length] = '\0';
+        found = journal_line_is_head(line, (size_t)length, &format) == JOURNAL_HEAD && journal_heads_agree(line, head);
+    }
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    char *result = xstrdup(found ? line : head);
+    free(line);
+    return result;
+}
+
 /** Read the existing lines, and prepare the end for the next line.
  *  @param head  with its checksum and newline, `n` bytes */
 static bool take_over(journal *journal, const char *head, size_t n, long n_cases, journal_case *cases, long *n_recorded,
                       evl_error *error)
 {
+    OWNED char *present = xasprintf("%.*s", (int)n - 1, head), *wanted = find_head(journal->path, present);
+    journal->head = journal_line_check(wanted, strlen(wanted));
     FILE *file = fopen(journal->path, "rb");
     if (file == NULL) {
         return fail(journal, error);
     }
-    OWNED char *wanted = xasprintf("%.*s", (int)n - 1, head);
     const journal_state state = read_lines(file, journal, wanted, n_cases, cases, n_recorded);
     const bool was_read = feof(file) != 0; /* a failed allocation for a line is not a file error */
     (void)fclose(file);
@@ -185,7 +209,6 @@ bool journal_open(journal *journal, const char *path, const char *head, long n_c
     *n_recorded = 0;
     size_t n = 0;
     OWNED char *line = journal_line_make(head, strlen(head), 0, &n);
-    journal->head = journal_line_check(line, n - 1);
     for (long i = 0; i < n_cases; i++) {
         cases[i] = (journal_case){.status = JOURNAL_MISSING};
     }

@@ -37,6 +37,27 @@ uint32_t journal_line_check(const char *line, size_t length)
     return (uint32_t)strtoul(line + (length - DIGITS - (sizeof ending - 1)), NULL, 16);
 }
 
+/** End of a JSON text: its closing quote. */
+static const char *text_end(const char *at)
+{
+    while (*at != '\0' && *at != '"') {
+        at += *at == '\\' && at[1] != '\0' ? 2 : 1;
+    }
+    return at;
+}
+
+bool journal_heads_agree(const char *a, const char *b)
+{
+    static const char skipped[] = "\"long_name\":\"";
+    const size_t n = sizeof skipped - 1, n_mark = sizeof mark - 1;
+    while (*a == *b && *a != '\0' && (strncmp(a, mark, n_mark) != 0 || strncmp(b, mark, n_mark) != 0)) {
+        const bool is_skipped = strncmp(a, skipped, n) == 0 && strncmp(b, skipped, n) == 0;
+        a = is_skipped ? text_end(a + n) : a + 1;
+        b = is_skipped ? text_end(b + n) : b + 1;
+    }
+    return *a == *b;
+}
+
 journal_head_kind journal_line_is_head(const char *line, size_t length, long *format)
 {
     static const char start[] = "{\"journal\":";

@@ -7,6 +7,7 @@
 
 #include "base/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -23,6 +24,10 @@ size_t journal_line_read(const char *line, size_t length, uint32_t head);
 uint32_t journal_line_check(const char *line, size_t length);
 
 typedef enum { JOURNAL_NO_HEAD, JOURNAL_HEAD, JOURNAL_OTHER_FORMAT } journal_head_kind;
+
+/** Whether two heads with checksums differ at most in the texts `long_name`, as those of two versions of the program
+ *  may. */
+bool journal_heads_agree(const char *a, const char *b);
 
 /** Whether a line without its newline is a journal's head.
  *  @param format  that of a head, also of one in another format */

@@ -91,6 +91,40 @@ char *path_with_former_keys(const char *path)
     return NULL;
 }
 
+/* ---- texts ---- */
+
+/** The key with which a line of a case's text starts; NULL if it is no former key. The renamed keys are at the second
+ *  level, of which a line starts with two blanks. */
+static const renamed_key *key_of_line(const char *line)
+{
+    for (int i = 0; i < N_RENAMED; i++) {
+        const size_t n = strlen(renamed[i].former);
+        if (strncmp(line, "  ", 2) == 0 && strncmp(line + 2, renamed[i].former, n) == 0 && line[2 + n] == ':') {
+            return &renamed[i];
+        }
+    }
+    return NULL;
+}
+
+void case_text_use_present_keys(char **text)
+{
+    char *result = NULL;
+    size_t length = 0;
+    FILE *stream = memory_open(&result, &length);
+    for (const char *line = *text; *line != '\0';) {
+        const char *end = strchr(line, '\n');
+        const size_t n = end == NULL ? strlen(line) : (size_t)(end - line) + 1;
+        const renamed_key *key = key_of_line(line);
+        const size_t skipped = key == NULL ? 0 : 2 + strlen(key->former);
+        (void)fprintf(stream, "%s%s", key == NULL ? "" : "  ", key == NULL ? "" : key->key);
+        (void)fwrite(line + skipped, 1, n - skipped, stream);
+        line += n;
+    }
+    memory_close(stream, &result);
+    free(*text);
+    *text = result;
+}
+
 /* ---- trees ---- */
 
 static void rename_key(case_node *block, const renamed_key *renamed)

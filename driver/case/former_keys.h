@@ -5,6 +5,8 @@
 
 /** Rename the former keys of a tree that is not checked yet. A former key beside the present one stays, to be refused. */
 void tree_use_present_keys(case_node *root);
+/** Replace former keys in the text of a checked case, as from case_text: a new string, instead of the given one. */
+void case_text_use_present_keys(char **text);
 /** The path with present keys: a new string. */
 char *path_with_present_keys(const char *path);
 /** The path with former keys: a new string; NULL if all its keys have always had their name. */

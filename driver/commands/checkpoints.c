@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/progress.h"
+#include "case/former_keys.h"
 #include "files/checkpoint.h"
 #include "integrate/integrate.h"
 
@@ -50,6 +51,7 @@ static bool read_own(const checkpoints *self, checkpoint *found, char *doubt, ev
     if (!checkpoint_read(self->parts.folder, found, doubt, &why)) {
         return evl_error_set(error, why.code, why.place, "%s; start again without --continue", why.message);
     }
+    case_text_use_present_keys(&found->texts[CHECKPOINT_CASE]);
     const int text = checkpoint_compare(&self->from, found, self->parts.folder, &why);
     return text == N_CHECKPOINT_TEXTS ||
            evl_error_set(error, why.code, why.place, "%s; %s, or start again without --continue", why.message,

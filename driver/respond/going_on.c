@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/progress.h"
+#include "case/former_keys.h"
 #include "model/model.h"
 
 #include <evolvent_version.h>
@@ -42,6 +43,9 @@ bool going_on_take_up(going_on *g, bool *taken_up, evl_error *error)
         return true;
     }
     bool good = checkpoint_read(folder, &found, doubt, error);
+    if (good) {
+        case_text_use_present_keys(&found.texts[CHECKPOINT_CASE]);
+    }
     if (good && !is_same(&found, &g->of)) {
         good = evl_error_set(error, EVL_EXIT_CASE, "",
                              "'%s' contains another incomplete response: its case, range, options or program differ; "

@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
-from designs import read_folder, write_design
+from designs import read_folder, read_journal, write_design
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -152,6 +153,38 @@ def test_a_batch_and_a_response_take_former_paths(
         other = rows["eccentricity"][index]
         assert row["penetration_max"] == other["penetration_max"]
     assert rows["runout"][0]["penetration_max"] != rows["runout"][1]["penetration_max"]
+
+
+def as_before(journal: Path, n_rows: int) -> None:
+    """Leave the first rows of a journal, under the head of a program with other texts."""
+    head, *rows = [line.rpartition(b',"check"')[0] for line in journal.read_bytes().splitlines()]
+    head = re.sub(rb'"long_name":"', rb'"long_name":"formerly: ', head)
+    start = zlib.crc32(head)
+    lines = [(head, start), *((row, zlib.crc32(row, start)) for row in rows[:n_rows])]
+    journal.write_bytes(b"".join(b'%b,"check":"%08x"}\n' % line for line in lines))
+
+
+def test_a_half_finished_batch_of_the_program_before_continues(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    """Its case and path have former keys, the results in its journal other texts."""
+    case = written(examples, tmp_path / "c.yaml", FORMER, FORMER_WINDOW).read_text()
+    case = case.replace("duration: 50 ms", "duration: 20 ms")
+    columns = {"wheels.pinion.runout.amount": [2e-6, 4e-6, 6e-6]}
+    design = write_design(tmp_path / "d.h5", columns, case)
+    done = evolvent("batch", design, "-o", "r", "-q", "-j", "1")
+    assert done.returncode == 0, done.stderr
+    journal = tmp_path / "r" / "shard-1-of-1.jsonl"
+    before = read_journal(journal)
+    as_before(journal, 2)
+    done = evolvent("batch", design, "-o", "r", "-q", "--resume")
+    assert done.returncode == 0, done.stderr
+    after = read_journal(journal)
+    assert after.head["scalars"][0]["long_name"].startswith("formerly: ")
+    assert after.results == before.results
+    assert [row["at"] for row in after.rows[:2]] == [row["at"] for row in before.rows[:2]]
+    counts = json.loads(evolvent("records", "r", "--counts").stdout)
+    assert (counts["rows"], counts["done"], counts["torn"]) == (3, 3, 0)
 
 
 def test_an_fmu_lists_the_former_name_as_an_alias(

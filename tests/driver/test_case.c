@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "case/case.h"
 #include "case/case_tree.h"
+#include "case/former_keys.h"
 #include "case_entries_at.h"
 #include "model/model.h"
 
@@ -478,12 +479,26 @@ static void a_path_is_known_if_some_variant_of_its_block_has_the_key(void **stat
     case_base_delete(&base);
 }
 
+static void former_keys_of_a_resolved_text_are_replaced_by_the_present_ones(void **state)
+{
+    (void)state;
+    char *text = xstrdup("case 3 of the design 1f\ntitle: 'runout: of numbers'\nwheels:\n- name: runout\n"
+                         "  runout: {amount: 8.0e-06, phase: 0}\n  runouts: 1\nsimulation:\n  duration: 1\n"
+                         "  numbers: {from: 0.01}");
+    case_text_use_present_keys(&text);
+    assert_string_equal(text, "case 3 of the design 1f\ntitle: 'runout: of numbers'\nwheels:\n- name: runout\n"
+                              "  eccentricity: {amount: 8.0e-06, phase: 0}\n  runouts: 1\nsimulation:\n  duration: 1\n"
+                              "  metrics: {from: 0.01}");
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_papers_case_gives_the_papers_numbers),
         cmocka_unit_test(defaults_are_those_of_the_tables),
         cmocka_unit_test(the_resolved_text_reads_back_to_itself),
+        cmocka_unit_test(former_keys_of_a_resolved_text_are_replaced_by_the_present_ones),
         cmocka_unit_test(numbers_of_the_resolved_text_are_numbers_to_yaml_1_1_too),
         cmocka_unit_test(a_table_may_have_a_hundred_thousand_knots),
         cmocka_unit_test(set_replaces_adds_and_appends),

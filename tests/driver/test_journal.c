@@ -248,6 +248,51 @@ static void a_journal_with_another_head_is_refused_and_left_alone(void **state)
     assert_file(text);
 }
 
+/** A head whose results have these names, units and texts. */
+static char *head_of(const char *name, const char *units, const char *long_name)
+{
+    return xasprintf("{\"journal\":2,\"scalars\":[{\"name\":\"%s\",\"units\":\"%s\",\"long_name\":\"%s\"},"
+                     "{\"name\":\"steps\",\"units\":\"1\",\"long_name\":\"steps\"}]}",
+                     name, units, long_name);
+}
+
+/** Open a journal of one row under the head of another program. @return whether it continues */
+static bool continues(const char *before, const char *now)
+{
+    OWNED char *text = checked(before, ROW(1, "done") "\n");
+    write_file(text);
+    journal journal;
+    evl_error error = {.code = EVL_EXIT_OK};
+    const bool good = journal_open(&journal, path, now, N_CASES, cases, &n_recorded, &error);
+    if (good) {
+        assert_int_equal(n_recorded, 1);
+        assert_true(journal_append(&journal, ROW(2, "done") "\n", strlen(ROW(2, "done") "\n"), &error));
+        journal_close(&journal);
+        OWNED char *both = checked(before, ROW(1, "done") "\n" ROW(2, "done") "\n");
+        assert_file(both);
+    } else {
+        assert_int_equal(error.code, EVL_EXIT_CASE);
+        assert_file(text);
+    }
+    return good;
+}
+
+static void a_journal_continues_under_its_head_if_only_texts_of_results_differ(void **state)
+{
+    (void)state;
+    OWNED char *now = head_of("load", "N", "largest load"), *texts = head_of("load", "N", "the load, \\\"most\\\"");
+    OWNED char *name = head_of("loads", "N", "largest load"), *units = head_of("load", "kN", "largest load");
+    OWNED char *without = head_of("load", "N", "");
+    assert_true(continues(now, now));
+    assert_true(continues(texts, now));
+    assert_true(continues(now, texts));
+    assert_true(continues(without, now));
+    assert_false(continues(name, now));
+    assert_false(continues(units, now));
+    assert_false(continues(head, now));
+    assert_false(continues(now, head));
+}
+
 static void a_line_that_finds_no_room_leaves_nothing_behind(void **state)
 {
     (void)state;
@@ -344,6 +389,7 @@ int main(void)
         cmocka_unit_test_teardown(rows_of_another_head_do_not_count_though_it_is_damaged, remove_file),
         cmocka_unit_test_teardown(a_journal_of_the_first_format_is_refused, remove_file),
         cmocka_unit_test_teardown(a_journal_with_another_head_is_refused_and_left_alone, remove_file),
+        cmocka_unit_test_teardown(a_journal_continues_under_its_head_if_only_texts_of_results_differ, remove_file),
         cmocka_unit_test_teardown(a_line_that_finds_no_room_leaves_nothing_behind, remove_file),
         cmocka_unit_test(a_lock_that_is_held_is_refused_naming_its_owner),
         cmocka_unit_test(a_lock_ends_with_its_owner),
