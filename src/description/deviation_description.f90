@@ -49,8 +49,8 @@ module evl_deviation_description
       eccentricity_rows(*) = [ &
       row_t("amount", type_number, "m", "distance e_c of the teeth's centre from the axle; either this or radial_runout", &
             range=not_negative, variants="-radial_runout", plausible=span_t(1.0e-8_wp, 2.0e-3_wp)), &
-      row_t("radial_runout", type_number, "m", "measured radial runout F_r, ISO 1328-2; e_c is half of it", range=not_negative, &
-            plausible=span_t(2.0e-8_wp, 4.0e-3_wp)), &
+      row_t("radial_runout", type_number, "m", "measured radial runout F_r of teeth without other errors; e_c is half of it", &
+            range=not_negative, plausible=span_t(2.0e-8_wp, 4.0e-3_wp)), &
       row_t("phase", type_number, "deg", "its direction from the middle of tooth 0, counterclockwise", &
             range=range_t(-360.0_wp, 360.0_wp), default="0", plausible=span_t(0.0_wp, 360.0_wp))]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import subprocess
 import zipfile
 import zlib
@@ -15,9 +16,11 @@ import h5py
 import numpy as np
 import pytest
 import yaml
+from fmpy.validation import validate_fmu
 from jsonschema import Draft202012Validator
 
 from designs import read_folder, read_journal, write_design
+from evolvent.sweep.spec import TOP_KEYS, read_spec
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -187,6 +190,34 @@ def test_a_half_finished_batch_of_the_program_before_continues(
     assert (counts["rows"], counts["done"], counts["torn"]) == (3, 3, 0)
 
 
+def test_documents_and_examples_have_present_keys_only(root: Path) -> None:
+    pages = [*root.glob("docs/*/*.md"), *root.glob("examples/*.yaml"), root / "README.md"]
+    assert len(pages) > 40
+    former = re.compile(
+        r"\brunout(: *\{|=\{|\.amount)|simulation\.numbers\b|^\s*numbers:", re.MULTILINE
+    )
+    named = {page.name for page in pages if former.search(page.read_text(encoding="utf-8"))}
+    assert named == {"case_format.md"}  # which names them
+
+
+def test_the_documentation_has_every_key_of_a_plan(root: Path) -> None:
+    text = (root / "docs" / "guides" / "sweeps.md").read_text(encoding="utf-8")
+    table = text.split("## The plan")[1].split("\n\n| key | meaning |\n")[1].split("\n\n")[0]
+    assert sorted(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == sorted(TOP_KEYS)
+
+
+def test_a_plan_takes_the_former_name_of_its_metrics(examples: Path, tmp_path: Path) -> None:
+    text = (examples / "tutorial-sweep.yaml").read_text(encoding="utf-8")
+    assert "\nmetrics: [" in text
+    plans = {}
+    for key in ("metrics", "numbers"):
+        path = tmp_path / f"{key}.yaml"
+        path.write_text(text.replace("\nmetrics: [", f"\n{key}: ["))
+        shutil.copy(examples / "tutorial-pair.yaml", tmp_path)
+        plans[key] = read_spec(path).metrics
+    assert plans["numbers"] == plans["metrics"] == ("dynamic_factor", "transmission_error")
+
+
 def test_an_fmu_lists_the_former_name_as_an_alias(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
@@ -199,6 +230,7 @@ def test_an_fmu_lists_the_former_name_as_an_alias(
     variable = re.search(rf'<Float64 name="{name}".*?</Float64>', text, re.DOTALL)
     assert variable
     assert '<Alias name="wheels.pinion.runout.amount"' in variable[0]
+    assert validate_fmu(str(tmp_path / "e.fmu")) == []
 
 
 def test_editors_accept_former_keys_as_deprecated(
